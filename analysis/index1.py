@@ -1,0 +1,78 @@
+"""The constrained systems of index 1, Eqs. (79), (80) and (92), for Models 1 to 4."""
+
+from math import hypot
+
+import numpy as np
+from scipy.linalg.lapack import dgesv
+
+from analysis import constraints, equations
+from analysis.checks import Array
+from analysis.disk import Disk
+from analysis.equations import Vector
+from analysis.friction import SmoothCoulomb
+from analysis.state import Level, multiplier_names
+
+
+def friction_per_load(
+    level: Level, disk: Disk, friction: SmoothCoulomb, z: Vector, u: Vector
+) -> Array:
+    """Generalised friction force for a load of 1 N, shape (6,); Eq. (3) without its lambda_N.
+
+    Models 1 and 2 slide in both directions of the table; Models 3 and 4 roll along e_x and slide
+    along e_y alone.
+    """
+    W = equations.tangential_directions(disk, z)
+    slip_x, slip_y = (W.T @ u).tolist()
+    if level >= 3:
+        slip_x = 0.0
+    factor = -friction.coefficient / (hypot(slip_x, slip_y) + friction.smoothing)
+    force: Array = W @ np.array((factor * slip_x, factor * slip_y))
+    return force
+
+
+def accelerations(
+    level: Level, disk: Disk, friction: SmoothCoulomb, z: Vector, u: Vector
+) -> tuple[Array, Array]:
+    """Accelerations and multipliers of Model `level` with its constraints on acceleration level.
+
+    Solves the second and third block row of Eq. (80), of Eq. (79) if the friction law takes the
+    contact force as its load, and of Eq. (92) for the further constraints.
+
+    Parameters
+    ----------
+    level : {1, 2, 3, 4}
+    disk : Disk
+    friction : SmoothCoulomb
+    z, u : array_like, shape (6,)
+        Co-rotating coordinates and their rates.
+
+    Returns
+    -------
+    accelerations : ndarray, shape (6,)
+    multipliers : ndarray, shape (n,)
+        Constraint forces in the order of `multiplier_names(level)`.
+
+    Raises
+    ------
+    ArithmeticError
+        If the matrix is singular: Eq. (79) need not have a solution.
+    """
+    n = len(multiplier_names(level))
+    W = constraints.directions(level, disk, z)
+    matrix = np.zeros((6 + n, 6 + n), order="F")
+    matrix[:6, :6] = equations.mass_matrix(disk, z)
+    matrix[:6, 6:] = -W.T
+    matrix[6:, :6] = W
+    right = np.empty(6 + n)
+    right[:6] = equations.gyroscopic_forces(disk, z, u) + equations.gravity_forces(disk, z)
+    right[6:] = -constraints.acceleration_terms(level, disk, z, u)
+    if friction.coefficient:
+        force = friction_per_load(level, disk, friction, z, u)
+        if friction.load == "weight":
+            right[:6] += disk.weight * force
+        else:
+            matrix[:6, 6] -= force
+    _, _, solution, info = dgesv(matrix, right, overwrite_a=True, overwrite_b=True)
+    if info != 0:
+        raise ArithmeticError(f"singular index-1 system of Model {level} at coordinates {list(z)}")
+    return solution[:6], solution[6:]

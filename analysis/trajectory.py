@@ -1,0 +1,189 @@
+"""Trajectories: what every simulation of the study returns, whoever made it."""
+
+import json
+import os
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from analysis.checks import Array, choice, increasing_times
+from analysis.disk import Disk
+from analysis.files import whole_file
+from analysis.friction import SmoothCoulomb
+from analysis.state import COORDINATES, LEVELS, Level, State, multiplier_names
+
+Source = Literal["engine", "in-house"]
+Setting = str | float | int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trajectory:
+    """A motion of the disk, sampled in time, and what produced it.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Strictly increasing times in s.
+    coordinates, rates : ndarray, shape (n, 6)
+        Co-rotating coordinates, Eq. (8), in m and rad, and their time derivatives; alpha and
+        gamma are unwrapped.
+    multipliers : ndarray, shape (n, k)
+        Constraint forces in the order of `multiplier_names(level)`, in N and N m.
+    level : {1, 2, 3, 4}
+        Model of Table 2.
+    disk : Disk
+    friction : SmoothCoulomb
+    source : {"engine", "in-house"}
+    method : mapping
+        Formulation, integrator, step, tolerances: whatever is needed to run it again.
+    error_estimate : float, optional
+        Largest error expected in beta and gamma in rad; None if it was not estimated.
+    counts : mapping
+        Work done, such as right-hand-side evaluations or steps.
+    versions : mapping
+        Versions of the software that made it.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit or a number is not finite.
+    """
+
+    times: Array
+    coordinates: Array
+    rates: Array
+    multipliers: Array
+    level: Level
+    disk: Disk
+    friction: SmoothCoulomb
+    source: Source
+    method: Mapping[str, Setting]
+    error_estimate: float | None = None
+    counts: Mapping[str, int] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        choice("level", self.level, LEVELS)
+        times = increasing_times(self.times)
+        shapes = {
+            "times": (times.size,),
+            "coordinates": (times.size, 6),
+            "rates": (times.size, 6),
+            "multipliers": (times.size, len(multiplier_names(self.level))),
+        }
+        for name, shape in shapes.items():
+            values = np.array(getattr(self, name), dtype=float)
+            if values.shape != shape:
+                raise ValueError(f"{name} must have shape {shape}, got {values.shape}")
+            if not np.all(np.isfinite(values)):
+                raise ValueError(f"{name} must be finite")
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+
+    def coordinate(self, name: str) -> Array:
+        """Coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
+        return self.coordinates[:, _column(name)]
+
+    def rate(self, name: str) -> Array:
+        """Rate of the coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
+        return self.rates[:, _column(name)]
+
+    def multiplier(self, name: str) -> Array:
+        """Constraint force of this name over time, shape (n,).
+
+        Raises
+        ------
+        ValueError
+            If the model has no such constraint.
+        """
+        names = multiplier_names(self.level)
+        return self.multipliers[:, names.index(choice("multiplier", name, names))]
+
+    @property
+    def normal_force(self) -> Array:
+        """Normal contact force lambda_N over time in N, shape (n,)."""
+        return self.multipliers[:, 0]
+
+    def state(self, index: int) -> State:
+        """State at one sample."""
+        return State(
+            coordinates=tuple(self.coordinates[index].tolist()),
+            rates=tuple(self.rates[index].tolist()),
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the trajectory to an `.npz` file, whole or not at all, without pickle.
+
+        The file holds `t` (n,), `q` and `u` (n, 6), `normal_force` (n,), `multipliers` (n, k)
+        and `meta`, a JSON string with everything else.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        meta = {
+            "level": self.level,
+            "disk": asdict(self.disk),
+            "friction": asdict(self.friction),
+            "source": self.source,
+            "method": dict(self.method),
+            "error_estimate": self.error_estimate,
+            "counts": dict(self.counts),
+            "versions": dict(self.versions),
+        }
+        with whole_file(path) as stream:
+            np.savez(
+                stream,
+                t=self.times,
+                q=self.coordinates,
+                u=self.rates,
+                normal_force=self.normal_force,
+                multipliers=self.multipliers,
+                meta=np.array(json.dumps(meta)),
+            )
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Trajectory":
+        """Read a trajectory that `save` has written.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If the file is truncated, or is not a trajectory.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                return cls._from_arrays(stored)
+        except FileNotFoundError:
+            raise
+        except (OSError, EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+            cause = f"lacks {error}" if isinstance(error, KeyError) else str(error)
+            raise ValueError(f"{path} is not a readable trajectory: {cause}") from error
+
+    @classmethod
+    def _from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":
+        meta = json.loads(str(stored["meta"]))
+        return cls(
+            times=stored["t"],
+            coordinates=stored["q"],
+            rates=stored["u"],
+            multipliers=stored["multipliers"],
+            level=meta["level"],
+            disk=Disk(**meta["disk"]),
+            friction=SmoothCoulomb(**meta["friction"]),
+            source=meta["source"],
+            method=meta["method"],
+            error_estimate=meta["error_estimate"],
+            counts=meta["counts"],
+            versions=meta["versions"],
+        )
+
+
+def _column(name: str) -> int:
+    return COORDINATES.index(choice("coordinate", name, COORDINATES))

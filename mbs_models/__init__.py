@@ -1,0 +1,1 @@
+"""The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""

@@ -1,0 +1,1 @@
+"""Cross-checks, studies, figures, report and command line."""
