@@ -1,0 +1,77 @@
+"""Extrapolation of runs with halved steps."""
+
+import numpy as np
+
+from analysis.checks import Array
+from mbs_models.integrators import IntegratorName
+from mbs_models.scene import Formulation
+
+_EXPONENTS: dict[IntegratorName, tuple[int, ...]] = {
+    "RK44": (4, 5, 6, 7, 8),
+    "RK67": (6, 7, 8, 9),
+    "TrapezoidalIndex2": (2, 4, 6, 8),
+    "GeneralizedAlpha": (2, 3, 4, 5),
+}
+
+
+def error_exponents(formulation: Formulation, integrator: IntegratorName) -> tuple[int, ...]:
+    """Exponents of the step in the error expansion.
+
+    The trapezoidal rule is symmetric and has even ones only, but not on the Lie group.
+    """
+    if formulation == "floating-lie":
+        return (2, 3, 4, 5)
+    return _EXPONENTS[integrator]
+
+
+class Ladder:
+    """Richardson's extrapolation, fed with runs of which each has half the step of the one before.
+
+    Parameters
+    ----------
+    formulation, integrator : str
+        They decide which powers of the step the error holds.
+
+    Attributes
+    ----------
+    best : ndarray, shape (n, k)
+        Best extrapolated samples so far.
+    estimate : float
+        Estimated error of beta and gamma (columns 4 and 5) of the last addition in rad.
+    best_estimate : float
+        Smallest estimate so far.
+    """
+
+    def __init__(self, formulation: Formulation, integrator: IntegratorName) -> None:
+        self._exponents = error_exponents(formulation, integrator)
+        self._row: list[Array] = []
+        self._worse = 0
+        self.best: Array = np.empty((0, 0))
+        self.estimate = np.inf
+        self.best_estimate = np.inf
+
+    @property
+    def stalled(self) -> bool:
+        """Whether the last three halvings brought nothing: rounding has taken over."""
+        return self._worse >= 3
+
+    def add(self, values: Array) -> None:
+        """Add a run with half the step of the run before.
+
+        Each extrapolated value is compared with its like from the run before. The difference is
+        the error of the coarser one, and no less than that of the finer one for any order of
+        convergence from one on, so that an order lost somewhere (to the kink in the friction law,
+        say) shows up as a slow run and not as a false estimate.
+        """
+        row = [values]
+        for exponent, coarse in zip(self._exponents, self._row, strict=False):
+            row.append(row[-1] + (row[-1] - coarse) / (2.0**exponent - 1.0))
+        self.estimate = np.inf
+        for coarse, fine in zip(self._row, row, strict=False):
+            difference = float(np.max(np.abs(fine - coarse)[:, 4:6]))
+            if difference < self.estimate:
+                self.estimate, self.best = difference, fine
+        self._row = row
+        improved = self.estimate < 0.5 * self.best_estimate
+        self._worse = 0 if improved or len(row) < 3 else self._worse + 1
+        self.best_estimate = min(self.best_estimate, self.estimate)

@@ -1,0 +1,71 @@
+"""What is to be built: one frozen description of a scene."""
+
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from analysis.checks import choice
+from analysis.disk import STEEL_DISK, Disk
+from analysis.friction import SmoothCoulomb
+from analysis.state import LEVELS, Level, State, consistent_start
+
+Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
+FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
+
+
+def formulations(level: Level) -> tuple[Formulation, ...]:
+    """Formulations that exist for Model `level`; the first is the default."""
+    choice("level", level, LEVELS)
+    if level == 1:
+        return ("contact-tree", "euler-tree", "floating", "floating-lie")
+    return ("euler-tree", "floating", "floating-lie")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """A scene for the multibody engine.
+
+    Parameters
+    ----------
+    level : {1, 2, 3, 4}
+        Model of Table 2; each adds a constraint.
+    formulation : {"floating", "floating-lie", "euler-tree", "contact-tree"}, optional
+        How the disk is built. `floating`: free rigid body with Euler parameters and joints;
+        `floating-lie`: the same with a rotation vector integrated on the Lie group;
+        `euler-tree`: kinematic tree in the paper's coordinates, and joints; `contact-tree`
+        (Model 1): kinematic tree whose topology closes the contact, without constraints. By
+        default the first of `formulations(level)`.
+    disk : Disk
+    friction : SmoothCoulomb
+    start : State, optional
+        By default Table 3, made consistent with the model.
+
+    Raises
+    ------
+    ValueError
+        If an argument is unknown, or the formulation cannot build this model.
+    """
+
+    level: Level = 1
+    formulation: Formulation = None  # type: ignore[assignment]  # filled in below
+    disk: Disk = STEEL_DISK
+    friction: SmoothCoulomb = field(default_factory=SmoothCoulomb)
+    start: State = None  # type: ignore[assignment]  # filled in below
+
+    def __post_init__(self) -> None:
+        available = formulations(self.level)
+        if self.formulation is None:
+            chosen = available[0] if self.friction.load == "weight" else "euler-tree"
+            object.__setattr__(self, "formulation", chosen)
+        choice("formulation", self.formulation, FORMULATIONS)
+        if self.formulation not in available:
+            raise ValueError(
+                f"formulation {self.formulation!r} exists for Model 1 alone, got level "
+                f"{self.level}; use one of {', '.join(available)}"
+            )
+        if self.formulation == "contact-tree" and self.friction.load == "contact":
+            raise ValueError(
+                "formulation 'contact-tree' has no contact constraint whose force the load "
+                "'contact' could take; use the load 'weight' or another formulation"
+            )
+        if self.start is None:
+            object.__setattr__(self, "start", consistent_start(self.level, self.disk))

@@ -1,0 +1,185 @@
+"""The disk as a kinematic tree: `euler-tree` and `contact-tree`."""
+
+from collections.abc import Sequence
+from math import cos, sin
+from typing import Any
+
+import exudyn as exu
+import exudyn.itemInterface as items
+import numpy as np
+
+from analysis.checks import Array
+from analysis.disk import GRAVITY
+from mbs_models.friction import contact_tree_force, euler_tree_force, friction_limit
+from mbs_models.model import GRAVITY_VECTOR, Model
+
+_JOINT = exu.JointType
+
+
+class _Tree(Model):
+    """A chain of massless links with the disk at its end."""
+
+    _node: int
+    _tree: int
+
+    def _add_tree(
+        self, joints: Sequence[Any], disk_offset: Sequence[float], position: Array, velocity: Array
+    ) -> None:
+        """Add the chain; the last joint turns the disk about its axis and carries its mass."""
+        n, disk = len(joints), self.scene.disk
+        self._node = self.system.AddNode(
+            items.NodeGenericODE2(
+                numberOfODE2Coordinates=n,
+                referenceCoordinates=[0.0] * n,
+                initialCoordinates=position.tolist(),
+                initialCoordinates_t=velocity.tolist(),
+            )
+        )
+        inertia = np.diag(disk.inertia_about_cog)
+        friction = {}
+        if self.scene.friction.coefficient:
+            friction["forceUserFunction"] = self._friction()
+        self._tree = self.system.AddObject(
+            items.ObjectKinematicTree(
+                nodeNumber=self._node,
+                gravity=GRAVITY_VECTOR,
+                jointTypes=list(joints),
+                linkParents=list(range(-1, n - 1)),
+                jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
+                jointOffsets=exu.Vector3DList([[0.0] * 3] * (n - 1) + [list(disk_offset)]),
+                linkInertiasCOM=exu.Matrix3DList([np.zeros((3, 3))] * (n - 1) + [inertia]),
+                linkCOMs=exu.Vector3DList([[0.0] * 3] * (n - 1) + [[disk.eccentricity, 0.0, 0.0]]),
+                linkMasses=[0.0] * (n - 1) + [disk.mass],
+                **friction,
+            )
+        )
+
+    def _friction(self) -> Any:
+        raise NotImplementedError
+
+    def record(self) -> Array:
+        data = self.system.systemData
+        return np.concatenate((data.GetODE2Coordinates(), data.GetODE2Coordinates_t()))
+
+
+class EulerTree(_Tree):
+    """Tree in the paper's coordinates: alpha, then x, y, z in the R-frame, then beta, gamma."""
+
+    _order = (3, 0, 1, 2, 4, 5)
+
+    def _build(self) -> None:
+        start, order = self.scene.start, list(self._order)
+        self._add_tree(
+            (
+                _JOINT.RevoluteZ,
+                _JOINT.PrismaticX,
+                _JOINT.PrismaticY,
+                _JOINT.PrismaticZ,
+                _JOINT.RevoluteX,
+                _JOINT.RevoluteZ,
+            ),
+            (0.0, 0.0, 0.0),
+            np.array(start.coordinates)[order],
+            np.array(start.rates)[order],
+        )
+        _, table = self._add_table()
+        self._add_contact(table, self._disk_marker(0.0))
+        if self.scene.level >= 2:
+            self._add_fixed_cog(table, self._disk_marker(self.scene.disk.eccentricity))
+        if self.scene.level >= 4:
+            self._add_constant_spin(self._node)
+
+    def _friction(self) -> Any:
+        return euler_tree_force(self.scene, friction_limit(self.scene, self._contact))
+
+    def _disk_marker(self, offset: float) -> int:
+        return int(
+            self.system.AddMarker(
+                items.MarkerKinematicTreeRigid(
+                    objectNumber=self._tree, linkNumber=5, localPosition=[offset, 0.0, 0.0]
+                )
+            )
+        )
+
+    def decode(self, records: Array) -> tuple[Array, Array]:
+        back = np.argsort(self._order)
+        return records[:, :6][:, back], records[:, 6:][:, back]
+
+    def decode_accelerations(self, second_derivatives: Array) -> Array:
+        return second_derivatives[np.argsort(self._order)]
+
+
+class ContactTree(_Tree):
+    """Tree that starts at the contact point: alpha, x_C, y_C, then beta there, then gamma.
+
+    The table's contact is closed by the topology, so that no constraint is left: five minimal
+    coordinates, which the engine's explicit integrators can take.
+    """
+
+    def _build(self) -> None:
+        x, y, _, alpha, beta, gamma = self.scene.start.coordinates
+        xd, yd, _, ad, bd, gd = self.scene.start.rates
+        r = self.scene.disk.radius
+        self._add_tree(
+            (
+                _JOINT.RevoluteZ,
+                _JOINT.PrismaticX,
+                _JOINT.PrismaticY,
+                _JOINT.RevoluteX,
+                _JOINT.RevoluteZ,
+            ),
+            (0.0, r, 0.0),
+            np.array((alpha, x, y - r * cos(beta), beta, gamma)),
+            np.array((ad, xd, yd + r * sin(beta) * bd, bd, gd)),
+        )
+
+    def _friction(self) -> Any:
+        return contact_tree_force(self.scene, friction_limit(self.scene, self._contact))
+
+    def decode(self, records: Array) -> tuple[Array, Array]:
+        r = self.scene.disk.radius
+        alpha, x, y, beta, gamma, ad, xd, yd, bd, gd = records.T
+        sb, cb = np.sin(beta), np.cos(beta)
+        coordinates = np.column_stack((x, y + r * cb, r * sb, alpha, beta, gamma))
+        rates = np.column_stack((xd, yd - r * sb * bd, r * cb * bd, ad, bd, gd))
+        return coordinates, rates
+
+    def decode_accelerations(self, second_derivatives: Array) -> Array:
+        r = self.scene.disk.radius
+        add, xdd, ydd, bdd, gdd = second_derivatives
+        _, _, _, beta, _, _, _, _, bd, _ = self.record()
+        sb, cb = np.sin(beta), np.cos(beta)
+        return np.array(
+            (
+                xdd,
+                ydd - r * (sb * bdd + cb * bd * bd),
+                r * (cb * bdd - sb * bd * bd),
+                add,
+                bdd,
+                gdd,
+            )
+        )
+
+    def normal_force(self, second_derivatives: Array) -> float:
+        """Normal force in N in the engine's current state: mass times (g + COG acceleration).
+
+        Parameters
+        ----------
+        second_derivatives : ndarray, shape (5,)
+            Those of the joint coordinates.
+        """
+        r, e = self.scene.disk.radius, self.scene.disk.eccentricity
+        _, _, _, beta, gamma, _, _, _, bd, gd = self.record()
+        bdd, gdd = second_derivatives[3:]
+        sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
+        lift = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
+        lift += (r + e * sg) * (cb * bdd - sb * bd * bd)
+        return float(self.scene.disk.mass * (GRAVITY + lift))
+
+    def start_residuals(self, velocity_residuals: Array) -> dict[str, float]:
+        coordinates, rates = self.decode(self.record()[None])
+        start = self.scene.start
+        return {
+            "normal_force on position level (m)": start.coordinates[2] - float(coordinates[0, 2]),
+            "normal_force on velocity level (m/s)": start.rates[2] - float(rates[0, 2]),
+        }
