@@ -11,7 +11,7 @@ from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 
 from analysis import frames
 from analysis.checks import Array
-from mbs_models.friction import UPWARD, connector_force, friction_limit
+from mbs_models.friction import UPWARD, connector_force, friction_limit, symbolic_connector
 from mbs_models.model import GRAVITY_VECTOR, Model
 
 _OUTPUT = exu.OutputVariableType
@@ -65,11 +65,15 @@ class Floating(Model):
             )
         )
         limit = friction_limit(self.scene, self._contact)
+        force = connector_force(self.scene, limit, self._functions())
+        if self._symbolic:
+            force = symbolic_connector(self.system, force)
+            self._kept.append(force)
         self.system.AddObject(
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[upward, centre],
                 useIntrinsicFormulation=False,
-                springForceTorqueUserFunction=connector_force(self.scene, limit),
+                springForceTorqueUserFunction=force,
             )
         )
 
@@ -128,7 +132,9 @@ class Floating(Model):
 
     def _angular_acceleration(self, second_derivatives: Array) -> Array:
         self.system.systemData.SetODE2Coordinates_tt(second_derivatives.tolist())
-        return np.array(self.system.GetNodeOutput(self._node, _OUTPUT.AngularAcceleration))
+        angular = self.system.GetNodeOutput(self._node, _OUTPUT.AngularAcceleration)
+        result: Array = np.array(angular, dtype=float)
+        return result
 
 
 class FloatingLie(Floating):

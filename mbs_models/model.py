@@ -10,6 +10,7 @@ import numpy as np
 from analysis.checks import Array
 from analysis.disk import GRAVITY
 from analysis.frames import turn_about_vertical
+from mbs_models.friction import ON_FLOATS, ON_SYMBOLS, Functions
 from mbs_models.scene import Scene
 
 GRAVITY_VECTOR = [0.0, 0.0, -GRAVITY]
@@ -21,6 +22,9 @@ class Model(ABC):
     Parameters
     ----------
     scene : Scene
+    symbolic : bool
+        Whether the friction law is recorded for the engine to evaluate instead of called back in
+        Python. Only for the load "weight"; `ValueError` otherwise.
 
     Attributes
     ----------
@@ -28,8 +32,13 @@ class Model(ABC):
         Assembled, with the start of the scene as its initial state.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, *, symbolic: bool = False) -> None:
+        if symbolic and scene.friction.load == "contact":
+            raise ValueError("symbolic friction takes the load 'weight' alone, got 'contact'")
         self.scene = scene
+        self._symbolic = symbolic
+        # What the engine refers to without keeping it alive.
+        self._kept: list[Any] = []
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
         # Joints by what they hold; the friction functions read the contact's number at run time.
@@ -118,6 +127,9 @@ class Model(ABC):
     def contact_equation(self) -> int | None:
         """Number of the algebraic equation of the normal contact, if there is one."""
         return self._equations(self._contact[0])[2] if self._contact else None
+
+    def _functions(self) -> Functions:
+        return ON_SYMBOLS if self._symbolic else ON_FLOATS
 
     def _equations(self, joint: int) -> list[int]:
         return list(self.system.systemData.GetObjectLTGAE(joint))

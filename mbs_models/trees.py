@@ -1,6 +1,6 @@
 """The disk as a kinematic tree: `euler-tree` and `contact-tree`."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import cos, sin
 from typing import Any
 
@@ -10,8 +10,17 @@ import numpy as np
 
 from analysis.checks import Array
 from analysis.disk import GRAVITY
-from mbs_models.friction import contact_tree_force, euler_tree_force, friction_limit
+from mbs_models.friction import (
+    Force,
+    Functions,
+    Limit,
+    contact_tree_force,
+    euler_tree_force,
+    friction_limit,
+    symbolic_tree,
+)
 from mbs_models.model import GRAVITY_VECTOR, Model
+from mbs_models.scene import Scene
 
 _JOINT = exu.JointType
 
@@ -19,6 +28,7 @@ _JOINT = exu.JointType
 class _Tree(Model):
     """A chain of massless links with the disk at its end."""
 
+    _law: Callable[[Scene, Limit, Functions], Force]
     _node: int
     _tree: int
 
@@ -38,7 +48,7 @@ class _Tree(Model):
         inertia = np.diag(disk.inertia_about_cog)
         friction = {}
         if self.scene.friction.coefficient:
-            friction["forceUserFunction"] = self._friction()
+            friction["forceUserFunction"] = self._friction(n)
         self._tree = self.system.AddObject(
             items.ObjectKinematicTree(
                 nodeNumber=self._node,
@@ -54,8 +64,13 @@ class _Tree(Model):
             )
         )
 
-    def _friction(self) -> Any:
-        raise NotImplementedError
+    def _friction(self, size: int) -> Any:
+        law = self._law(self.scene, friction_limit(self.scene, self._contact), self._functions())
+        if not self._symbolic:
+            return law
+        function, symbols = symbolic_tree(self.system, law, size)
+        self._kept += [function, symbols]
+        return function
 
     def record(self) -> Array:
         data = self.system.systemData
@@ -65,6 +80,7 @@ class _Tree(Model):
 class EulerTree(_Tree):
     """Tree in the paper's coordinates: alpha, then x, y, z in the R-frame, then beta, gamma."""
 
+    _law = staticmethod(euler_tree_force)
     _order = (3, 0, 1, 2, 4, 5)
 
     def _build(self) -> None:
@@ -88,9 +104,6 @@ class EulerTree(_Tree):
             self._add_fixed_cog(table, self._disk_marker(self.scene.disk.eccentricity))
         if self.scene.level >= 4:
             self._add_constant_spin(self._node)
-
-    def _friction(self) -> Any:
-        return euler_tree_force(self.scene, friction_limit(self.scene, self._contact))
 
     def _disk_marker(self, offset: float) -> int:
         return int(
@@ -116,6 +129,8 @@ class ContactTree(_Tree):
     coordinates, which the engine's explicit integrators can take.
     """
 
+    _law = staticmethod(contact_tree_force)
+
     def _build(self) -> None:
         x, y, _, alpha, beta, gamma = self.scene.start.coordinates
         xd, yd, _, ad, bd, gd = self.scene.start.rates
@@ -132,9 +147,6 @@ class ContactTree(_Tree):
             np.array((alpha, x, y - r * cos(beta), beta, gamma)),
             np.array((ad, xd, yd + r * sin(beta) * bd, bd, gd)),
         )
-
-    def _friction(self) -> Any:
-        return contact_tree_force(self.scene, friction_limit(self.scene, self._contact))
 
     def decode(self, records: Array) -> tuple[Array, Array]:
         r = self.scene.disk.radius
