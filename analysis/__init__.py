@@ -4,9 +4,10 @@ Source of all equation numbers: S. Sailer and R. I. Leine, "Model reduction of t
 path to the full analysis", Nonlinear Dynamics 105 (2021).
 """
 
+from analysis.checks import ToleranceError
 from analysis.disk import DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.friction import LOADS, Load, SmoothCoulomb
-from analysis.simulation import FORMS, METHODS, Form, Method, ToleranceError, simulate
+from analysis.simulation import FORMS, METHODS, Form, Method, simulate
 from analysis.state import (
     COORDINATES,
     LEVELS,

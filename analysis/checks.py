@@ -11,6 +11,10 @@ Array = npt.NDArray[np.float64]
 T = TypeVar("T")
 
 
+class ToleranceError(ArithmeticError):
+    """A requested accuracy could not be met."""
+
+
 def number(name: str, value: Any) -> float:
     """Return `value` as a finite float.
 

@@ -1,22 +1,20 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
-import platform
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
-import scipy
 from scipy.integrate import solve_ivp
 
 from analysis import index1, reduced
-from analysis.checks import Array, choice, increasing_times, positive
+from analysis.checks import Array, ToleranceError, choice, increasing_times, positive
 from analysis.constraints import check_admissible
 from analysis.disk import STEEL_DISK, Disk
 from analysis.friction import SmoothCoulomb
 from analysis.state import Level, State, consistent_start, multiplier_names
-from analysis.trajectory import Setting, Trajectory
+from analysis.trajectory import Setting, Trajectory, versions
 
 Form = Literal["index-1", "reduced"]
 FORMS: tuple[Form, ...] = get_args(Form)
@@ -26,10 +24,6 @@ METHODS: tuple[Method, ...] = get_args(Method)
 
 TIGHTEST_LOCAL_TOLERANCE = 3e-14
 """SciPy's solvers do not go below 100 machine precisions."""
-
-
-class ToleranceError(ArithmeticError):
-    """A requested accuracy could not be met."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,17 +123,8 @@ def simulate(
         method=settings,
         error_estimate=estimate,
         counts={"right_hand_sides": evaluations},
-        versions=versions(),
+        versions=versions("numpy", "scipy"),
     )
-
-
-def versions() -> dict[str, str]:
-    """Versions of Python, NumPy and SciPy."""
-    return {
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-    }
 
 
 def _problem(

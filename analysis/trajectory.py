@@ -2,9 +2,12 @@
 
 import json
 import os
+import platform
 import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -158,7 +161,7 @@ class Trajectory:
             If the file is truncated, or is not a trajectory.
         """
         try:
-            with np.load(path, allow_pickle=False) as stored:
+            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 return cls._from_arrays(stored)
         except FileNotFoundError:
             raise
@@ -183,6 +186,11 @@ class Trajectory:
             counts=meta["counts"],
             versions=meta["versions"],
         )
+
+
+def versions(*packages: str) -> dict[str, str]:
+    """Versions of Python and of these packages."""
+    return {"python": platform.python_version()} | {name: version(name) for name in packages}
 
 
 def _column(name: str) -> int:

@@ -126,9 +126,10 @@ class Floating(Model):
     def decode_accelerations(self, second_derivatives: Array) -> Array:
         coordinates, rates = self.decode(self.record()[None])
         angular = self._angular_acceleration(second_derivatives)
-        return frames.accelerations_from_inertial(
+        result: Array = frames.accelerations_from_inertial(
             coordinates, rates, second_derivatives[None, :3], angular[None]
         )[0]
+        return result
 
     def _angular_acceleration(self, second_derivatives: Array) -> Array:
         self.system.systemData.SetODE2Coordinates_tt(second_derivatives.tolist())

@@ -1,7 +1,7 @@
 """An assembled engine system, and the way from its coordinates to the paper's."""
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import exudyn as exu
 import exudyn.itemInterface as items
@@ -14,6 +14,14 @@ from mbs_models.friction import ON_FLOATS, ON_SYMBOLS, Functions
 from mbs_models.scene import Scene
 
 GRAVITY_VECTOR = [0.0, 0.0, -GRAVITY]
+
+
+class Residual(NamedTuple):
+    """By how much a start breaks a constraint, in m or m/s."""
+
+    constraint: str
+    level: Literal["position", "velocity"]
+    value: float
 
 
 class Model(ABC):
@@ -100,8 +108,8 @@ class Model(ABC):
             columns.append(-algebraic[:, self._equations(self._spin)[0]])
         return np.column_stack(columns)
 
-    def start_residuals(self, velocity_residuals: Array) -> dict[str, float]:
-        """Constraint residuals of the start, by the name of the multiplier and the level.
+    def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
+        """Constraint residuals of the start.
 
         Parameters
         ----------
@@ -110,17 +118,19 @@ class Model(ABC):
         """
         contact = velocity_residuals[self._equations(self._contact[0])]
         height = self.system.GetObjectOutput(self._contact[0], exu.OutputVariableType.Position)[2]
-        residuals = {
-            "normal_force on position level (m)": float(height),
-            "normal_force on velocity level (m/s)": float(contact[2]),
-        }
+        residuals = [
+            Residual("contact g_N", "position", float(height)),
+            Residual("contact g_N", "velocity", float(contact[2])),
+        ]
         if self._cog is not None:
             place = self.system.GetObjectOutput(self._cog, exu.OutputVariableType.Displacement)
             speed = velocity_residuals[self._equations(self._cog)]
-            residuals["cog_force on position level (m)"] = float(np.hypot(place[0], place[1]))
-            residuals["cog_force on velocity level (m/s)"] = float(np.hypot(speed[0], speed[1]))
+            residuals += [
+                Residual("fixed centre of gravity g_S", "position", float(np.hypot(*place[:2]))),
+                Residual("fixed centre of gravity g_S", "velocity", float(np.hypot(*speed[:2]))),
+            ]
         if self.scene.level >= 3:
-            residuals["tangential_force on velocity level (m/s)"] = float(contact[1])
+            residuals.append(Residual("no tangential slip", "velocity", float(contact[1])))
         return residuals
 
     @property

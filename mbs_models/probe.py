@@ -85,13 +85,14 @@ class Probe:
             Largest residual let through in m, and in m/s for a spin up to 1 rad/s.
         """
         scene = self._model.scene
-        allowed = tolerance * max(1.0, abs(scene.start.rates[3]))
-        residuals = self._model.start_residuals(self._velocity_residuals())
-        for name, residual in residuals.items():
-            if abs(residual) > allowed:
+        for residual in self._model.start_residuals(self._velocity_residuals()):
+            unit, allowed = "m", tolerance
+            if residual.level == "velocity":
+                unit, allowed = "m/s", tolerance * max(1.0, abs(scene.start.rates[3]))
+            if abs(residual.value) > allowed:
                 raise ValueError(
-                    f"start breaks the constraint of {name.split(' (')[0]} of Model "
-                    f"{scene.level} by {residual:.3e} {name.split('(')[1][:-1]}, allowed is "
+                    f"start breaks the constraint '{residual.constraint}' of Model {scene.level} "
+                    f"on {residual.level} level by {residual.value:.3e} {unit}, allowed is "
                     f"{allowed:.1e}"
                 )
 

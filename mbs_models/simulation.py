@@ -4,14 +4,12 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import exudyn as exu
 import numpy as np
 import numpy.typing as npt
 
-from analysis.checks import Array, increasing_times, positive
-from analysis.simulation import ToleranceError, versions
+from analysis.checks import Array, ToleranceError, increasing_times, positive
 from analysis.state import State
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Trajectory, versions
 from mbs_models.build import build
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import EngineError, Integrator, IntegratorName, find_integrator, run
@@ -115,7 +113,7 @@ def _trajectory(
         },
         error_estimate=estimate,
         counts=dict(result.counts),
-        versions=versions() | {"exudyn": exu.__version__},
+        versions=versions("numpy", "exudyn"),
     )
 
 

@@ -19,7 +19,7 @@ from mbs_models.friction import (
     friction_limit,
     symbolic_tree,
 )
-from mbs_models.model import GRAVITY_VECTOR, Model
+from mbs_models.model import GRAVITY_VECTOR, Model, Residual
 from mbs_models.scene import Scene
 
 _JOINT = exu.JointType
@@ -188,10 +188,10 @@ class ContactTree(_Tree):
         lift += (r + e * sg) * (cb * bdd - sb * bd * bd)
         return float(self.scene.disk.mass * (GRAVITY + lift))
 
-    def start_residuals(self, velocity_residuals: Array) -> dict[str, float]:
+    def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
         coordinates, rates = self.decode(self.record()[None])
         start = self.scene.start
-        return {
-            "normal_force on position level (m)": start.coordinates[2] - float(coordinates[0, 2]),
-            "normal_force on velocity level (m/s)": start.rates[2] - float(rates[0, 2]),
-        }
+        return [
+            Residual("contact g_N", "position", start.coordinates[2] - float(coordinates[0, 2])),
+            Residual("contact g_N", "velocity", start.rates[2] - float(rates[0, 2])),
+        ]

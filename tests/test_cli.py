@@ -1,0 +1,158 @@
+"""The command line."""
+
+import json
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import Trajectory
+from validation import cli
+
+
+def run(*arguments: str) -> int:
+    try:
+        return cli.main(arguments)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+
+
+def test_choices_are_those_of_the_packages() -> None:
+    assert set(cli.FORMULATIONS) == {*mbs_models.FORMULATIONS, *analysis.FORMS}
+    assert cli.LOADS == analysis.LOADS
+    assert cli.MODELS == analysis.LEVELS
+    assert tuple(analysis.DISKS) == cli.DISKS
+    assert set(cli.SOURCES) == set(get_args(Trajectory.__annotations__["source"]))
+
+
+def test_help_teaches_by_example(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("--help") == 0
+    shown = capsys.readouterr().out
+    assert "tippedisk simulate --model 1" in shown
+    assert "exits with code 2" in shown
+
+
+@pytest.mark.parametrize("source", cli.SOURCES)
+def test_simulate_stores_arrays_and_all_parameters(source: str, tmp_path: Path) -> None:
+    out = tmp_path / "run.npz"
+    call = f"simulate --source {source} --model 2 --mu 0.2 --eps 0.05 --spin 35 --end 0.2"
+    assert run(*call.split(), "--samples", "21", "--tolerance", "1e-6", "--out", str(out)) == 0
+    with np.load(out, allow_pickle=False) as stored:
+        assert stored["t"].shape == (21,)
+        assert stored["q"].shape == stored["u"].shape == (21, 6)
+        assert stored["normal_force"].shape == (21,)
+        meta = json.loads(str(stored["meta"]))
+    assert meta["level"] == 2
+    assert meta["source"] == source
+    assert meta["friction"] == {"coefficient": 0.2, "smoothing": 0.05, "load": "weight"}
+    assert meta["disk"]["radius"] == 0.045
+    assert 0 < meta["error_estimate"] <= 1e-6
+    assert "numpy" in meta["versions"]
+
+
+def test_engine_and_in_house_files_agree(tmp_path: Path) -> None:
+    runs = []
+    for source in cli.SOURCES:
+        out = tmp_path / f"{source}.npz"
+        assert run("simulate", "--source", source, "--end", "0.3", "--out", str(out)) == 0
+        runs.append(Trajectory.load(out))
+    np.testing.assert_allclose(runs[0].coordinates, runs[1].coordinates, atol=3e-8)
+    np.testing.assert_allclose(runs[0].normal_force, runs[1].normal_force, atol=1e-6)
+
+
+def test_fixed_step_run_has_no_estimate(tmp_path: Path) -> None:
+    out = tmp_path / "run.npz"
+    assert run("simulate", "--step", "0.005", "--end", "0.1", "--out", str(out)) == 0
+    stored = Trajectory.load(out)
+    assert stored.error_estimate is None
+    assert stored.method["step"] == 0.005
+
+
+def test_show_draws_runs_over_each_other(tmp_path: Path) -> None:
+    out = tmp_path / "run.npz"
+    run("simulate", "--end", "0.1", "--out", str(out))
+    for suffix, magic in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
+        picture = tmp_path / f"picture{suffix}"
+        assert run("show", str(out), str(out), "--out", str(picture)) == 0
+        assert picture.read_bytes().startswith(magic)
+
+
+BAD = [
+    ("--mu -0.1", "coefficient must not be negative, got -0.1"),
+    ("--eps 0", "smoothing must be positive, got 0"),
+    ("--eps nan", "smoothing must be a finite number, got nan"),
+    ("--beta 0", "beta must lie in the open interval (0, pi)"),
+    ("--beta 3.5", "beta must lie in the open interval (0, pi)"),
+    ("--spin inf", "spin must be a finite number, got inf"),
+    ("--model 5", "--model: invalid choice: 5"),
+    ("--model 2 --formulation contact-tree", "exists for Model 1 alone, got level 2"),
+    ("--formulation tree", "--formulation: invalid choice: 'tree'"),
+    ("--formulation reduced", "formulation must be one of floating"),
+    ("--source in-house --formulation euler-tree", "form must be one of index-1, reduced"),
+    ("--source in-house --formulation reduced", "form 'reduced' exists for Model 4 alone"),
+    ("--source in-house --step 0.01", "--step needs --source engine"),
+    ("--model 3 --gamma-rate 5", "gamma_rate must be -spin * cos(beta)"),
+    ("--end 0", "--end must be positive, got 0"),
+    ("--samples 1", "--samples must be at least 2, got 1"),
+    ("--tolerance 1e-17", "tolerance 1e-17 rad cannot be reached"),
+    ("--tolerance 0", "tolerance must be positive, got 0"),
+    ("--tolerance 1e-3 --step 1e-3", "not allowed with argument --tolerance"),
+    ("--step -1", "step must be positive, got -1"),
+    ("--step 1 --end 4 --samples 3 --formulation euler-tree", "engine run stopped at t ="),
+    ("--load contact --formulation contact-tree", "use the load 'weight'"),
+    ("--disk gold", "--disk: invalid choice: 'gold'"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD, ids=[bad[0] for bad in BAD])
+def test_bad_input_is_one_line_and_code_2_and_writes_nothing(
+    arguments: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "run.npz"
+    assert run("simulate", *arguments.split(), "--out", str(out)) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert message in shown.err
+    assert shown.err.startswith("tippedisk simulate: error: ")
+    assert shown.err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("missing.npz", None),
+        ("text.npz", b"not an archive"),
+        ("empty.npz", b""),
+        ("truncated.npz", "half"),
+    ],
+)
+def test_unreadable_run_is_one_line_and_code_2(
+    name: str, content: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / name
+    if content == "half":
+        whole = tmp_path / "whole.npz"
+        run("simulate", "--end", "0.1", "--out", str(whole))
+        content = whole.read_bytes()[: whole.stat().st_size // 2]
+        capsys.readouterr()
+    if content is not None:
+        path.write_bytes(content)
+    assert run("show", str(path), "--out", str(tmp_path / "picture.png")) == 2
+    shown = capsys.readouterr()
+    assert shown.err.count("\n") == 1
+    assert name in shown.err
+    assert not (tmp_path / "picture.png").exists()
+
+
+@pytest.mark.parametrize("out", ["run.txt", "no-such-folder/run.npz"])
+def test_bad_output_is_refused_before_computing(
+    out: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("simulate", "--out", out) == 2
+    assert "--out must" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,164 @@
+"""Simulation in the engine."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import STEEL_DISK, SmoothCoulomb, ToleranceError, Trajectory, consistent_start
+from mbs_models import EngineError, Scene
+from mbs_models.build import build
+from mbs_models.extrapolation import Ladder
+from mbs_models.probe import Probe
+from mbs_models.simulation import _even_stretches
+
+TIMES = np.linspace(0.0, 0.5, 51)
+
+
+def angle_error(run: Trajectory, other: Trajectory) -> float:
+    return float(np.max(np.abs(run.coordinates - other.coordinates)[:, 4:6]))
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize("scene", [Scene(level=1), Scene(level=3), Scene(level=2)])
+def test_tolerance_is_met_and_the_estimate_is_honest(scene: Scene, tolerance: float) -> None:
+    truth = analysis.simulate(scene.level, TIMES, local_tolerance=1e-13)
+    run = mbs_models.simulate(scene, TIMES, tolerance=tolerance)
+    assert run.error_estimate is not None
+    assert angle_error(run, truth) <= run.error_estimate <= tolerance
+
+
+def test_unreachable_tolerance_raises_with_the_best_estimate() -> None:
+    with pytest.raises(ToleranceError, match=r"tolerance 1e-16 rad cannot be reached .* is \d"):
+        mbs_models.simulate(Scene(level=1), TIMES, tolerance=1e-16)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "order"), [("RK44", 4), ("RK67", 6), ("TrapezoidalIndex2", 2)]
+)
+def test_observed_order_is_that_of_the_integrator(integrator: Any, order: int) -> None:
+    truth = analysis.simulate(1, TIMES, local_tolerance=1e-13)
+    step = 2.5e-3 if order < 6 else 5e-3
+    errors = [
+        angle_error(
+            mbs_models.simulate(Scene(level=1), TIMES, step=size, integrator=integrator), truth
+        )
+        for size in (step, step / 2)
+    ]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
+
+
+@pytest.mark.parametrize("formulation", ["floating", "euler-tree"])
+def test_contact_force_as_load_costs_no_order(formulation: Any) -> None:
+    friction = SmoothCoulomb(load="contact")
+    truth = analysis.simulate(3, TIMES, friction=friction, local_tolerance=1e-13)
+    scene = Scene(level=3, formulation=formulation, friction=friction)
+    errors = [
+        angle_error(mbs_models.simulate(scene, TIMES, step=size), truth) for size in (2e-3, 1e-3)
+    ]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
+
+
+def test_uneven_times_give_the_same_motion_as_even_ones() -> None:
+    uneven = np.array([0.0, 0.01, 0.02, 0.05, 0.13, 0.21, 0.5])
+    truth = analysis.simulate(2, uneven, local_tolerance=1e-13)
+    for formulation in mbs_models.formulations(2):
+        run = mbs_models.simulate(Scene(level=2, formulation=formulation), uneven, tolerance=1e-6)
+        np.testing.assert_allclose(run.coordinates, truth.coordinates, atol=2e-6)
+        np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=2e-4)
+
+
+def test_even_stretches_cover_all_times() -> None:
+    times = np.array([0.0, 1.0, 2.0, 2.5, 3.0, 7.0])
+    assert list(_even_stretches(times)) == [(0, 2, 1.0), (2, 2, 0.5), (4, 1, 4.0)]
+
+
+@pytest.mark.parametrize("formulation", mbs_models.formulations(1))
+def test_coarse_sampling_of_a_fast_spin_loses_no_turns(formulation: Any) -> None:
+    start = consistent_start(1, STEEL_DISK, gamma=np.pi / 2 - 0.01, spin=300.0)
+    times = np.linspace(0.0, 0.2, 5)
+    truth = analysis.simulate(1, times, start=start, local_tolerance=1e-11)
+    scene = Scene(level=1, formulation=formulation, start=start)
+    run = mbs_models.simulate(scene, times, tolerance=1e-4)
+    assert truth.coordinates[-1, 3] > 18 * np.pi
+    np.testing.assert_allclose(run.coordinates[:, 3:], truth.coordinates[:, 3:], atol=1e-3)
+
+
+def test_start_time_only_shifts_the_times() -> None:
+    early = mbs_models.simulate(Scene(level=1), TIMES, step=5e-3)
+    late = mbs_models.simulate(Scene(level=1), TIMES + 8.0, step=5e-3)
+    np.testing.assert_allclose(late.coordinates, early.coordinates, atol=1e-9)
+
+
+def test_repeated_runs_are_bitwise_the_same() -> None:
+    runs = [mbs_models.simulate(Scene(level=3), TIMES, step=2e-3) for _ in range(2)]
+    np.testing.assert_array_equal(runs[0].coordinates, runs[1].coordinates)
+    np.testing.assert_array_equal(runs[0].multipliers, runs[1].multipliers)
+
+
+def test_run_that_the_engine_cannot_finish_raises_with_time_and_cause() -> None:
+    scene = Scene(level=1, formulation="euler-tree")
+    with pytest.raises(EngineError, match=r"stopped at t = .* s of 2 s: Newton's iteration"):
+        mbs_models.simulate(scene, [0.0, 1.0, 2.0], step=1.0)
+
+
+def test_explicit_run_that_blows_up_raises() -> None:
+    stiff = SmoothCoulomb(smoothing=1e-6)
+    with pytest.raises(EngineError, match=r"stopped at t = .* not finite|stopped at t"):
+        mbs_models.simulate(Scene(level=1, friction=stiff), [0.0, 5.0, 10.0], step=5.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"step": -1e-3}, "step must be positive"),
+        ({"tolerance": 0.0}, "tolerance must be positive"),
+        ({"step": 1e-3, "tolerance": 1e-3}, "either step or tolerance"),
+        ({"integrator": "RK45"}, "integrator must be one of RK44"),
+        ({"integrator": "RK44"}, "explicit and cannot take the constraints"),
+    ],
+)
+def test_bad_accuracy_is_refused(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        mbs_models.simulate(Scene(level=2), TIMES, **arguments)
+
+
+@pytest.mark.parametrize("times", [[0.0], [0.0, 0.0], [0.0, 2.0, 1.0], [0.0, np.nan], [[0, 1]]])
+def test_times_that_do_not_increase_are_refused(times: Any) -> None:
+    with pytest.raises(ValueError, match="times must"):
+        mbs_models.simulate(Scene(level=1), times)
+
+
+def test_runs_print_nothing_and_write_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    mbs_models.simulate(Scene(level=1), TIMES, step=5e-3)
+    mbs_models.simulate(Scene(level=2, friction=SmoothCoulomb(load="contact")), TIMES, step=2e-4)
+    with pytest.raises(EngineError):
+        mbs_models.simulate(Scene(level=1, formulation="euler-tree"), [0.0, 2.0], step=1.0)
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
+
+
+def test_symbolic_friction_gives_the_same_accelerations() -> None:
+    for level in (1, 3):
+        start = consistent_start(level, STEEL_DISK, beta=1.2, beta_rate=2.0)
+        for formulation in mbs_models.formulations(level):
+            scene = Scene(level=level, formulation=formulation, start=start)
+            plain, symbolic = (
+                Probe(build(scene, symbolic=flag)).solve()[0] for flag in (False, True)
+            )
+            np.testing.assert_allclose(symbolic, plain, rtol=1e-12, atol=1e-10)
+
+
+def test_lost_order_shows_up_as_a_slow_ladder_and_not_as_a_false_estimate() -> None:
+    ladder = Ladder("euler-tree", "TrapezoidalIndex2")
+    for step in (1.0, 0.5, 0.25, 0.125):
+        # A first-order error, which the extrapolation in even powers does not expect.
+        ladder.add(np.full((3, 12), 1.0 + 0.1 * step))
+        if ladder.estimate < np.inf:
+            assert ladder.estimate >= float(np.max(np.abs(ladder.best - 1.0)))

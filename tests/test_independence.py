@@ -1,0 +1,64 @@
+"""The two sides share data types, never mechanics, and load nothing they do not need."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+DATA_TYPES = {"checks", "disk", "files", "frames", "friction", "state", "trajectory"}
+
+
+def imported_modules(path: Path) -> set[str]:
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            assert node.level == 0, f"{path}: relative import"
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return names
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "mbs_models").glob("*.py")), ids=lambda p: p.stem)
+def test_engine_side_imports_data_types_only(path: Path) -> None:
+    for name in imported_modules(path):
+        package, _, rest = name.partition(".")
+        assert package != "validation"
+        if package == "analysis":
+            assert rest.split(".")[0] in DATA_TYPES, f"{path.name} imports {name}"
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "analysis").glob("*.py")), ids=lambda p: p.stem)
+def test_in_house_side_imports_numpy_and_scipy_only(path: Path) -> None:
+    allowed = set(sys.stdlib_module_names) | {"analysis", "numpy", "scipy"}
+    packages = {name.partition(".")[0] for name in imported_modules(path)}
+    assert packages <= allowed
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "analysis").glob("*.py")), ids=lambda p: p.stem)
+def test_data_types_import_no_mechanics(path: Path) -> None:
+    if path.stem not in DATA_TYPES:
+        return
+    for name in imported_modules(path):
+        package, _, rest = name.partition(".")
+        if package == "analysis":
+            assert rest.split(".")[0] in DATA_TYPES
+
+
+@pytest.mark.parametrize(
+    ("module", "absent"),
+    [
+        ("analysis", ("exudyn", "matplotlib")),
+        ("mbs_models", ("matplotlib",)),
+        ("validation.cli", ("numpy", "exudyn", "matplotlib")),
+    ],
+)
+def test_import_loads_nothing_it_does_not_need(module: str, absent: tuple[str, ...]) -> None:
+    code = f"import sys, {module}; print([name for name in {absent!r} if name in sys.modules])"
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    assert result.stdout.strip() == "[]"

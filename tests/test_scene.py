@@ -1,0 +1,97 @@
+"""Descriptions of scenes."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mbs_models
+from analysis import LEVELS, STEEL_DISK, SmoothCoulomb, State, consistent_start
+from mbs_models import Scene
+from mbs_models.build import build
+
+
+def test_default_formulation_is_the_most_accurate_one_of_each_level() -> None:
+    assert [Scene(level=level).formulation for level in LEVELS] == [
+        "contact-tree",
+        "euler-tree",
+        "euler-tree",
+        "euler-tree",
+    ]
+
+
+def test_default_formulation_of_model_1_knows_the_contact_force_where_friction_needs_it() -> None:
+    scene = Scene(level=1, friction=SmoothCoulomb(load="contact"))
+    assert scene.formulation == "euler-tree"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"level": 5}, "level must be one of 1, 2, 3, 4, got 5"),
+        ({"formulation": "floatng"}, "formulation must be one of floating"),
+        ({"level": 2, "formulation": "contact-tree"}, "exists for Model 1 alone, got level 2"),
+        (
+            {"formulation": "contact-tree", "friction": SmoothCoulomb(load="contact")},
+            "use the load 'weight' or another formulation",
+        ),
+    ],
+)
+def test_scene_that_cannot_be_built_is_refused(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Scene(**arguments)
+
+
+def test_symbolic_friction_is_refused_where_it_has_no_form() -> None:
+    scene = Scene(level=2, friction=SmoothCoulomb(load="contact"))
+    with pytest.raises(ValueError, match="symbolic friction takes the load 'weight' alone"):
+        build(scene, symbolic=True)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_frictionless_scene_has_no_friction_item(level: Any) -> None:
+    frictionless = SmoothCoulomb(coefficient=0.0)
+    for formulation in mbs_models.formulations(level):
+        with_friction = build(Scene(level=level, formulation=formulation)).system
+        without = build(Scene(level=level, formulation=formulation, friction=frictionless)).system
+        connectors = int(formulation.startswith("floating"))
+        count = with_friction.systemData.NumberOfObjects()
+        assert without.systemData.NumberOfObjects() == count - connectors
+        if not connectors:
+            assert without.GetObject(0)["forceUserFunction"] == 0
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_engine_starts_where_the_scene_says(level: Any) -> None:
+    start = consistent_start(level, STEEL_DISK, beta=1.1, gamma=0.7, spin=-23.0, beta_rate=3.0)
+    for formulation in mbs_models.formulations(level):
+        model = build(Scene(level=level, formulation=formulation, start=start))
+        coordinates, rates = model.decode(model.record()[None])
+        np.testing.assert_allclose(coordinates[0], start.coordinates, atol=1e-12)
+        np.testing.assert_allclose(rates[0], start.rates, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("level", "column", "rate", "name"),
+    [
+        (1, 2, False, "contact g_N.*position level by 1.000e-04 m,"),
+        (1, 2, True, "contact g_N.*velocity level by 1.000e-04 m/s,"),
+        (2, 0, False, "centre of gravity.*position level by 1.000e-04 m,"),
+        (2, 1, True, "centre of gravity.*velocity level by 1.000e-04 m/s,"),
+        (3, 5, True, "velocity level by 2.488e-07 m/s,"),
+    ],
+)
+def test_start_that_breaks_a_constraint_is_refused_by_the_engine(
+    level: Any, column: int, rate: bool, name: str
+) -> None:
+    start = consistent_start(level, STEEL_DISK)
+    values = list(start.rates if rate else start.coordinates)
+    values[column] += 1e-4
+    broken: State = replace(start, **{"rates" if rate else "coordinates": tuple(values)})
+    for formulation in mbs_models.formulations(level):
+        scene = Scene(level=level, formulation=formulation, start=broken)
+        with pytest.raises(ValueError, match=name):
+            mbs_models.acceleration(scene)
+        with pytest.raises(ValueError, match=name):
+            mbs_models.simulate(scene, [0.0, 0.1])

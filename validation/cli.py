@@ -1,0 +1,155 @@
+"""The command line.
+
+Importing this module and building the parser loads neither NumPy nor the engine, so that `--help`
+and wrong calls answer at once; each subcommand imports what it needs when it runs.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import NoReturn
+
+SOURCES = ("engine", "in-house")
+MODELS = (1, 2, 3, 4)
+FORMULATIONS = ("floating", "floating-lie", "euler-tree", "contact-tree", "index-1", "reduced")
+LOADS = ("weight", "contact")
+DISKS = ("steel", "steel-rounded")
+
+_DESCRIPTION = """\
+The tippedisk: a rigid disk whose centre of gravity lies off its centre. Spun fast about an
+in-plane axis on a table, it turns itself upside down through friction.
+
+Models 1 to 4 each add a constraint: 1 the disk stays on the table, 2 its centre of gravity
+stays above one point, 3 it does not slip along its edge, 4 its spin is constant. Each runs in
+the multibody engine Exudyn (--source engine) and in independent in-house equations
+(--source in-house).
+"""
+
+_EPILOG = """\
+examples:
+  tippedisk report                                   everything, as one page in ./report
+  tippedisk simulate --model 1 --out engine.npz      the engine, from the paper's start
+  tippedisk simulate --model 1 --source in-house --out equations.npz
+  tippedisk show engine.npz equations.npz --out compare.png
+
+A wrong call prints one line that says what is allowed, and exits with code 2.
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """Parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: error: {message}\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        By default those of the process.
+
+    Returns
+    -------
+    int
+        Exit code: 0, or 2 after an error, which is printed in one line.
+    """
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    # Imported late: commands bring NumPy and SciPy along.
+    from validation import commands
+
+    try:
+        return int(getattr(commands, options.command)(options))
+    except (ValueError, ArithmeticError, OSError) as error:
+        message = " ".join(str(error).split())
+        print(f"tippedisk {options.command}: error: {message}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"tippedisk {options.command}: interrupted", file=sys.stderr)
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="tippedisk",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"tippedisk {version('tippedisk')}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    _add_report(commands)
+    _add_simulate(commands)
+    _add_show(commands)
+    return parser
+
+
+def _add_report(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    report = commands.add_parser(
+        "report",
+        help="run all checks and write them with the paper's figures to one HTML page",
+        description="Run engine and in-house equations, compare them, and write one page of HTML "
+        "with everything in it, the figures as PNG and SVG and the tables as CSV.",
+    )
+    report.add_argument(
+        "--out", default="report", metavar="DIR", help="folder to write to (default: %(default)s)"
+    )
+
+
+def _add_simulate(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    simulate = commands.add_parser(
+        "simulate",
+        help="simulate one model and store the motion",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Simulate one model and store the motion.\n\n"
+        "The file holds t (N,), q and u (N, 6) in the order x, y, z, alpha, beta, gamma of the\n"
+        "co-rotating coordinates (m, rad, m/s, rad/s), normal_force (N,) in N, multipliers\n"
+        "(N, k), and meta, a JSON string with all parameters, versions and the error estimate.",
+    )
+    add = simulate.add_argument
+    add("--source", choices=SOURCES, default="engine", help="who simulates (default: %(default)s)")
+    add("--model", type=int, choices=MODELS, default=1, help="constraint level (default: 1)")
+    add(
+        "--formulation",
+        choices=FORMULATIONS,
+        help="engine: floating, floating-lie, euler-tree (default for models 2 to 4) or "
+        "contact-tree (model 1, default); in-house: index-1 (default) or reduced (model 4)",
+    )
+    add(
+        "--load",
+        choices=LOADS,
+        default="weight",
+        help="load in the friction law: the weight m g (default), or the normal contact force",
+    )
+    add("--disk", choices=DISKS, default="steel", help="disk (default: %(default)s)")
+    add("--spin", type=float, default=40.0, help="rate of alpha at the start in rad/s (40)")
+    add("--beta", type=float, help="inclination at the start in rad (pi/2)")
+    add("--gamma", type=float, help="rotation angle at the start in rad (-pi/2 + 0.1)")
+    add("--beta-rate", type=float, default=0.0, help="rate of beta at the start in rad/s (0)")
+    add("--gamma-rate", type=float, help="rate of gamma in rad/s (-spin * cos(beta))")
+    add("--mu", type=float, default=0.3, help="friction coefficient (0.3)")
+    add("--eps", type=float, default=0.1, help="smoothing speed of the friction law in m/s (0.1)")
+    add("--end", type=float, default=2.0, help="end of the simulation in s (2)")
+    add("--samples", type=int, default=201, help="number of evenly spaced samples (201)")
+    accuracy = simulate.add_mutually_exclusive_group()
+    accuracy.add_argument(
+        "--tolerance", type=float, help="largest error of beta and gamma in rad (1e-8)"
+    )
+    accuracy.add_argument("--step", type=float, help="engine only: fixed step in s instead")
+    add("--out", required=True, metavar="FILE", help="file to write, .npz")
+
+
+def _add_show(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    show = commands.add_parser(
+        "show",
+        help="plot stored motions over each other",
+        description="Plot beta, gamma, spinning velocity and normal force of stored motions.",
+    )
+    show.add_argument("files", nargs="+", metavar="FILE", help="files written by simulate")
+    show.add_argument(
+        "--out", metavar="PICTURE", help="write a .png, .svg or .pdf instead of opening a window"
+    )

@@ -1,0 +1,100 @@
+"""What the subcommands of the command line do; each returns the exit code."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+import analysis
+from analysis import DISKS, SmoothCoulomb, Trajectory
+from analysis.checks import number, positive
+from analysis.files import whole_file
+
+
+def report(options: argparse.Namespace) -> int:
+    """Write the report and print its checks."""
+    from validation import full_report
+
+    page, tables = full_report.make(Path(options.out))
+    for table in tables:
+        print(f"\n{table.title}\n{table.to_text()}")
+    failed = sum(cell is False for table in tables for row in table.rows for cell in row)
+    print(f"\n{'All checks hold' if not failed else f'{failed} checks FAIL'}. Open {page}")
+    return 0 if not failed else 1
+
+
+def simulate(options: argparse.Namespace) -> int:
+    """Simulate one model and store the motion."""
+    out = Path(options.out)
+    if out.suffix != ".npz":
+        raise ValueError(f"--out must end in .npz, got {options.out!r}")
+    if not out.parent.is_dir():
+        raise ValueError(f"--out must lie in an existing folder, got {options.out!r}")
+    if options.samples < 2:
+        raise ValueError(f"--samples must be at least 2, got {options.samples}")
+    times = np.linspace(0.0, positive("--end", options.end), options.samples)
+    trajectory = _simulate(options, times)
+    trajectory.save(out)
+    estimate = trajectory.error_estimate
+    accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
+    print(f"{out}: {trajectory.times.size} samples of Model {trajectory.level}{accuracy}")
+    return 0
+
+
+def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
+    disk = DISKS[options.disk]
+    friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load=options.load)
+    angles = {
+        name: number(f"--{name.replace('_', '-')}", value)
+        for name in ("beta", "gamma", "gamma_rate")
+        if (value := getattr(options, name)) is not None
+    }
+    start = analysis.consistent_start(
+        options.model, disk, spin=options.spin, beta_rate=options.beta_rate, **angles
+    )
+    if options.source == "in-house":
+        if options.step is not None:
+            raise ValueError("--step needs --source engine; the in-house solvers choose theirs")
+        return analysis.simulate(
+            options.model,
+            times,
+            disk=disk,
+            friction=friction,
+            start=start,
+            form=options.formulation or "index-1",
+            tolerance=options.tolerance,
+        )
+    import mbs_models
+
+    scene = mbs_models.Scene(
+        level=options.model,
+        formulation=options.formulation,
+        disk=disk,
+        friction=friction,
+        start=start,
+    )
+    return mbs_models.simulate(scene, times, step=options.step, tolerance=options.tolerance)
+
+
+def show(options: argparse.Namespace) -> int:
+    """Plot stored motions over each other."""
+    runs = [(Path(name).stem, Trajectory.load(name)) for name in options.files]
+    from validation import figures
+
+    if options.out is not None:
+        out = Path(options.out)
+        if out.suffix not in {".png", ".svg", ".pdf"}:
+            raise ValueError(f"--out must end in .png, .svg or .pdf, got {options.out!r}")
+        figure, axes = figures.new_figure(4, height=8.5)
+        figures.comparison(runs, axes)
+        with whole_file(out) as stream:
+            figure.savefig(stream, format=out.suffix[1:], dpi=150)
+        return 0
+    import matplotlib.pyplot as plt
+
+    if plt.get_backend().lower() == "agg":
+        raise ValueError("no screen to open a window on; give --out PICTURE")
+    figure, axes = plt.subplots(4, 1, sharex=True, figsize=(7.5, 8.5), layout="constrained")
+    figures.comparison(runs, axes)
+    plt.show()
+    return 0
