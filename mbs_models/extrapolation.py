@@ -13,6 +13,9 @@ _EXPONENTS: dict[IntegratorName, tuple[int, ...]] = {
     "GeneralizedAlpha": (2, 3, 4, 5),
 }
 
+ROUNDING = 1e-13
+"""Error in rad that no estimate goes below."""
+
 
 def error_exponents(formulation: Formulation, integrator: IntegratorName) -> tuple[int, ...]:
     """Exponents of the step in the error expansion.
@@ -68,7 +71,7 @@ class Ladder:
             row.append(row[-1] + (row[-1] - coarse) / (2.0**exponent - 1.0))
         self.estimate = np.inf
         for coarse, fine in zip(self._row, row, strict=False):
-            difference = float(np.max(np.abs(fine - coarse)[:, 4:6]))
+            difference = max(float(np.max(np.abs(fine - coarse)[:, 4:6])), ROUNDING)
             if difference < self.estimate:
                 self.estimate, self.best = difference, fine
         self._row = row

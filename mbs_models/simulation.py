@@ -17,8 +17,8 @@ from mbs_models.probe import Probe
 from mbs_models.scene import Scene
 from mbs_models.trees import ContactTree
 
-SMALLEST_STEP = 1e-6
-"""Step in s below which a tolerance-controlled run gives up."""
+HALVINGS = 13
+"""Number of runs after which a tolerance-controlled run gives up; the last step is some µs."""
 
 
 def simulate(
@@ -67,20 +67,20 @@ def simulate(
         raise ValueError("give either step or tolerance, not both")
     Probe(build(scene)).check_start()
     if step is not None:
-        step = positive("step", step)
-        result = _single(scene, times, chosen, step)
+        result = _single(scene, times, chosen, positive("step", step))
         estimate = None
     else:
         tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
-        result, step, estimate = _to_tolerance(scene, times, chosen, tolerance)
-    return _trajectory(scene, times, chosen, result, (step, tolerance, estimate))
+        result, estimate = _to_tolerance(scene, times, chosen, tolerance)
+    return _trajectory(scene, times, chosen, result, (tolerance, estimate))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Result:
-    """Samples of a motion: values (n, 12 + k) and the work they took."""
+    """Samples of a motion, values (n, 12 + k), the longest step and the work they took."""
 
     values: Array
+    step: float
     counts: Counter[str]
 
 
@@ -89,9 +89,9 @@ def _trajectory(
     times: Array,
     integrator: Integrator,
     result: _Result,
-    accuracy: tuple[float, float | None, float | None],
+    accuracy: tuple[float | None, float | None],
 ) -> Trajectory:
-    step, tolerance, estimate = accuracy
+    tolerance, estimate = accuracy
     coordinates, rates = result.values[:, :6], result.values[:, 6:12]
     multipliers = result.values[:, 12:]
     if scene.formulation == "contact-tree":
@@ -108,7 +108,7 @@ def _trajectory(
         method={
             "formulation": scene.formulation,
             "integrator": integrator.name,
-            "step": step,
+            "step": result.step,
             "tolerance": tolerance,
         },
         error_estimate=estimate,
@@ -119,14 +119,14 @@ def _trajectory(
 
 def _to_tolerance(
     scene: Scene, times: Array, integrator: Integrator, tolerance: float
-) -> tuple[_Result, float, float]:
+) -> tuple[_Result, float]:
     """Halve the step and extrapolate until the estimated error is small enough."""
     ladder = Ladder(scene.formulation, integrator.name)
     counts: Counter[str] = Counter()
-    step, failure = integrator.first_step, None
-    while step >= SMALLEST_STEP:
+    failure: EngineError | None = None
+    for halvings in range(HALVINGS):
         try:
-            result = _single(scene, times, integrator, step)
+            result = _single(scene, times, integrator, integrator.first_step, halvings)
         except EngineError as error:
             # A step too long for the iteration is no failure of the tolerance: halve it.
             failure, ladder = error, Ladder(scene.formulation, integrator.name)
@@ -135,10 +135,9 @@ def _to_tolerance(
             counts += result.counts
             ladder.add(result.values)
             if ladder.estimate <= tolerance:
-                return _Result(ladder.best, counts), step, ladder.estimate
+                return _Result(ladder.best, result.step, counts), ladder.estimate
             if ladder.stalled:
                 break
-        step /= 2.0
     if failure is not None:
         raise failure
     raise ToleranceError(
@@ -147,15 +146,19 @@ def _to_tolerance(
     )
 
 
-def _single(scene: Scene, times: Array, integrator: Integrator, step: float) -> _Result:
-    """One pass over all times with one step size."""
+def _single(
+    scene: Scene, times: Array, integrator: Integrator, step: float, halvings: int = 0
+) -> _Result:
+    """One pass over all times, with steps of at most `step` that are then halved so often."""
     blocks: list[Array] = []
     counts: Counter[str] = Counter()
+    longest = 0.0
     for first, intervals, spacing in _even_stretches(times):
         if blocks:
             scene = replace(scene, start=_restart(blocks[-1]))
         model = build(scene)
-        substeps = max(1, int(np.ceil(spacing / step - 1e-9)))
+        substeps = max(1, int(np.ceil(spacing / step - 1e-9))) << halvings
+        longest = max(longest, spacing / substeps)
         try:
             samples = run(
                 model, integrator, spacing=spacing, intervals=intervals, substeps=substeps
@@ -172,7 +175,7 @@ def _single(scene: Scene, times: Array, integrator: Integrator, step: float) -> 
             columns.append(model.multipliers(samples.algebraic, coordinates))
         block = np.column_stack(columns)
         blocks.append(block[1:] if blocks else block)
-    return _Result(np.concatenate(blocks), counts)
+    return _Result(np.concatenate(blocks), longest, counts)
 
 
 def _even_stretches(times: Array) -> Iterator[tuple[int, int, float]]:

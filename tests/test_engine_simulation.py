@@ -31,6 +31,14 @@ def test_tolerance_is_met_and_the_estimate_is_honest(scene: Scene, tolerance: fl
     assert angle_error(run, truth) <= run.error_estimate <= tolerance
 
 
+def test_estimate_is_honest_for_samples_closer_than_the_first_step() -> None:
+    times = np.linspace(0.0, 0.5, 201)
+    truth = analysis.simulate(1, times, local_tolerance=1e-13)
+    run = mbs_models.simulate(Scene(level=1), times, tolerance=1e-8, integrator="RK44")
+    assert run.error_estimate is not None
+    assert 0.0 < angle_error(run, truth) <= run.error_estimate <= 1e-8
+
+
 def test_unreachable_tolerance_raises_with_the_best_estimate() -> None:
     with pytest.raises(ToleranceError, match=r"tolerance 1e-16 rad cannot be reached .* is \d"):
         mbs_models.simulate(Scene(level=1), TIMES, tolerance=1e-16)

@@ -202,7 +202,14 @@ def figure_8(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory], axes: 
         each.set(ylabel=f"{symbol} in rad")
     angle_axis(axes[1])
     axes[0].axhline(np.pi / 2, color="#999999", linewidth=0.8, zorder=0)
-    axes[0].annotate("upright", (engine[0].times[-1], np.pi / 2), ha="right", va="bottom")
+    axes[0].annotate(
+        "upright",
+        (1.0, np.pi / 2),
+        xycoords=axes[0].get_yaxis_transform(),
+        ha="left",
+        va="center",
+        annotation_clip=False,
+    )
     legend_above(axes[0])
     axes[1].set(xlabel="time in s")
     return axes

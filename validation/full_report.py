@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis import LEVELS, LOADS
-from validation import crosscheck, inversion, paper_numbers
+from validation import crosscheck, inversion, paper_numbers, snapshots
 from validation.report import Job, Section, run_jobs, write
 from validation.tables import Table
 
@@ -55,7 +55,10 @@ def _inversion(results: dict[Any, Any]) -> Section:
                 "the friction parameters and the start, and nothing of the mechanics."
             ),
         ],
-        pictures=inversion.draw(loads, levels),
+        pictures=[
+            snapshots.strip(loads["weight"][0], (0.0, 0.2, 0.3, 0.38, 0.45, 0.55, 0.8)),
+            *inversion.draw(loads, levels),
+        ],
         tables=[inversion.statements(loads, levels), inversion.agreement(levels)],
     )
 

@@ -1,0 +1,209 @@
+"""Speed and memory of single runs: `python -m validation.benchmark`.
+
+Every time is the median of repeats after a warm-up, in one thread, of one whole call of a
+`simulate` function for Table 3 over 2 s, sampled every 0.01 s; errors are the largest in beta and
+gamma over all samples, against a run of the other side's equations where there is one.
+"""
+
+import argparse
+import resource
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import analysis
+import mbs_models
+from analysis import Level, SmoothCoulomb, Trajectory
+from mbs_models import Formulation, Scene
+from mbs_models.build import build
+from mbs_models.integrators import find_integrator, run
+from validation.crosscheck import TABLE_3_TIMES, angle_error
+from validation.report import machine
+from validation.tables import Cell, Table
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One benchmark: how to run it, and the error and time it should stay below."""
+
+    label: str
+    level: Level
+    call: Callable[[], Trajectory]
+    error: float
+    milliseconds: float
+
+
+def rows() -> list[Row]:
+    """The runs with an error and a time to reach."""
+
+    def engine(level: Level, formulation: Formulation, step: float) -> Callable[[], Trajectory]:
+        scene = Scene(level=level, formulation=formulation)
+        return lambda: mbs_models.simulate(scene, TABLE_3_TIMES, step=step)
+
+    def tolerant(level: Level, tolerance: float) -> Callable[[], Trajectory]:
+        scene = Scene(level=level)
+        return lambda: mbs_models.simulate(scene, TABLE_3_TIMES, tolerance=tolerance)
+
+    def inhouse(level: Level, local: float, form: analysis.Form) -> Callable[[], Trajectory]:
+        return lambda: analysis.simulate(level, TABLE_3_TIMES, local_tolerance=local, form=form)
+
+    result = [
+        Row(
+            label=f"engine, contact tree, step {step:g} s",
+            level=1,
+            call=engine(1, "contact-tree", step),
+            error=error,
+            milliseconds=limit,
+        )
+        for step, error, limit in ((5e-3, 1e-6, 25.0), (2.5e-3, 1e-9, 60.0))
+    ]
+    result += [
+        Row(
+            label=f"engine, Euler tree, Model {level}, to tolerance",
+            level=level,
+            call=tolerant(level, 1e-6),
+            error=1e-6,
+            milliseconds=800.0,
+        )
+        for level in analysis.LEVELS[1:]
+    ]
+    ours: list[tuple[Level, float, analysis.Form, float]] = [
+        (1, 1e-10, "index-1", 100.0),
+        (4, 1e-10, "reduced", 100.0),
+        (2, 3e-12, "index-1", 250.0),
+        (3, 1e-11, "index-1", 250.0),
+    ]
+    result += [
+        Row(
+            label=f"in-house, Model {level}, {form}",
+            level=level,
+            call=inhouse(level, local, form),
+            error=1e-9,
+            milliseconds=limit,
+        )
+        for level, local, form, limit in ours
+    ]
+    return result
+
+
+def median_milliseconds(call: Callable[[], object], repeats: int) -> float:
+    """Median time of a call after a warm-up in ms."""
+    call()
+    times = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - begin)
+    return 1e3 * statistics.median(times)
+
+
+def targets(repeats: int) -> Table:
+    """Error and time of every row beside what it should stay below."""
+    truths = {
+        level: analysis.simulate(level, TABLE_3_TIMES, local_tolerance=1e-13, method="DOP853")
+        for level in analysis.LEVELS
+    }
+    cells: list[list[Cell]] = []
+    for row in rows():
+        error = angle_error(row.call(), truths[row.level])
+        taken = median_milliseconds(row.call, repeats)
+        cells.append(
+            [
+                row.label,
+                error,
+                row.error,
+                round(taken, 1),
+                row.milliseconds,
+                error <= row.error and taken <= row.milliseconds,
+            ]
+        )
+    return Table(
+        name="targets",
+        title="Single runs",
+        columns=("run", "error in rad", "at most", "time in ms", "at most", "reached"),
+        rows=cells,
+        note="Truth: DOP853 with a local tolerance of 1e-13, which differs by less than 1e-12 rad "
+        "from Radau.",
+    )
+
+
+def friction_forms(repeats: int) -> Table:
+    """Run time with the friction law as a Python function and as a symbolic expression."""
+
+    def taken(scene: Scene, symbolic: bool) -> float:
+        integrator = find_integrator(scene.formulation, None)
+
+        def call() -> None:
+            model = build(scene, symbolic=symbolic)
+            run(model, integrator, spacing=0.01, intervals=200, substeps=4)
+
+        return median_milliseconds(call, repeats)
+
+    cells: list[list[Cell]] = []
+    for level in analysis.LEVELS[::2]:
+        for formulation in mbs_models.formulations(level):
+            scene = Scene(level=level, formulation=formulation)
+            python, symbolic = taken(scene, False), taken(scene, True)
+            cells.append(
+                [level, formulation, round(python, 1), round(symbolic, 1), python / symbolic]
+            )
+    return Table(
+        name="friction-forms",
+        title="Friction law as a Python function or as a symbolic expression",
+        columns=("model", "formulation", "Python in ms", "symbolic in ms", "ratio"),
+        rows=cells,
+    )
+
+
+def load_laws(repeats: int) -> Table:
+    """What it costs that the friction law knows the contact force."""
+    cells: list[list[Cell]] = []
+    for level in analysis.LEVELS:
+        taken = []
+        for load in analysis.LOADS:
+            friction = SmoothCoulomb(load=load)
+            scene = Scene(level=level, formulation="euler-tree", friction=friction)
+            call = partial(mbs_models.simulate, scene, TABLE_3_TIMES, step=2.5e-3)
+            taken.append(median_milliseconds(call, repeats))
+        cells.append([level, round(taken[0], 1), round(taken[1], 1), taken[1] / taken[0]])
+    return Table(
+        name="load-laws",
+        title="Load of the friction law: weight or contact force (Euler tree, step 2.5 ms)",
+        columns=("model", "weight in ms", "contact force in ms", "ratio"),
+        rows=cells,
+    )
+
+
+def start_up() -> Table:
+    """Time of a new process until it has imported a package or shown the help."""
+    calls = {
+        "tippedisk --help": "from validation.cli import main\ntry: main(['--help'])\n"
+        "except SystemExit: pass",
+        "import analysis": "import analysis",
+        "import mbs_models": "import mbs_models",
+    }
+    cells: list[list[Cell]] = []
+    for label, code in calls.items():
+        command = [sys.executable, "-c", code]
+        taken = median_milliseconds(partial(subprocess.check_output, command), 5)
+        cells.append([label, round(taken)])
+    return Table(name="start-up", title="Start-up", columns=("call", "time in ms"), rows=cells)
+
+
+def main() -> None:
+    """Print all tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repeats", type=int, default=7, help="timed calls of each run (7)")
+    repeats = parser.parse_args().repeats
+    for table in (targets(repeats), friction_forms(repeats), load_laws(repeats), start_up()):
+        print(f"{table.title}\n{table.to_text()}\n")
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"Largest memory of this process: {memory:.0f} MB. Machine: {machine()}.")
+
+
+if __name__ == "__main__":
+    main()
