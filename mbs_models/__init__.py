@@ -1,6 +1,14 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
 from mbs_models.integrators import INTEGRATORS, EngineError, IntegratorName, integrators
+from mbs_models.linearization import (
+    MOTIONS,
+    Motion,
+    eigenvalues,
+    state_matrix,
+    stationary_scene,
+    stock_eigenvalues,
+)
 from mbs_models.probe import acceleration
 from mbs_models.scene import FORMULATIONS, Formulation, Scene, formulations
 from mbs_models.simulation import simulate
@@ -8,12 +16,18 @@ from mbs_models.simulation import simulate
 __all__ = [
     "FORMULATIONS",
     "INTEGRATORS",
+    "MOTIONS",
     "EngineError",
     "Formulation",
     "IntegratorName",
+    "Motion",
     "Scene",
     "acceleration",
+    "eigenvalues",
     "formulations",
     "integrators",
     "simulate",
+    "state_matrix",
+    "stationary_scene",
+    "stock_eigenvalues",
 ]

@@ -1,7 +1,5 @@
 """The engine's integrators the study uses, and single runs with a fixed step."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -12,6 +10,7 @@ import numpy as np
 from analysis.checks import Array, choice
 from mbs_models.model import Model
 from mbs_models.probe import Probe
+from mbs_models.quiet import quiet
 from mbs_models.scene import Formulation
 
 IntegratorName = Literal["RK44", "RK67", "TrapezoidalIndex2", "GeneralizedAlpha"]
@@ -126,7 +125,7 @@ def run(
     settings = _settings(model, spacing * intervals, intervals * substeps)
     settings.solution.sensors.writePeriod = spacing
     try:
-        with _quiet():
+        with quiet():
             system.SolveDynamic(
                 settings, solverType=getattr(exu.DynamicSolverType, integrator.name)
             )
@@ -213,14 +212,3 @@ def _early_end(model: Model, end: float, error: Exception | None) -> EngineError
     return EngineError(
         f"engine run stopped at t = {solver.it.currentTime:.6g} s of {end:.6g} s: {cause}"
     )
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep the engine from printing."""
-    before = exu.config.printToConsole
-    exu.config.printToConsole = False
-    try:
-        yield
-    finally:
-        exu.config.printToConsole = before
