@@ -15,7 +15,7 @@ from analysis.state import Level, State, consistent_start
 from mbs_models.build import build
 from mbs_models.probe import acceleration
 from mbs_models.quiet import quiet
-from mbs_models.scene import Formulation, Scene
+from mbs_models.scene import Formulation, Scene, default_formulation
 
 Motion = Literal["inverted", "noninverted"]
 MOTIONS: tuple[Motion, ...] = get_args(Motion)
@@ -52,11 +52,12 @@ def stationary_scene(
     choice("motion", motion, MOTIONS)
     gamma = pi / 2 if motion == "inverted" else -pi / 2
     start = consistent_start(level, disk, beta=pi / 2, gamma=gamma, spin=number("spin", spin))
+    friction = friction if friction is not None else SmoothCoulomb()
     return Scene(
         level=level,
-        formulation=formulation,
+        formulation=formulation or default_formulation(level, friction),
         disk=disk,
-        friction=friction if friction is not None else SmoothCoulomb(),
+        friction=friction,
         start=start,
     )
 

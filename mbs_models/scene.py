@@ -13,11 +13,16 @@ FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
 
 
 def formulations(level: Level) -> tuple[Formulation, ...]:
-    """Formulations that exist for Model `level`; the first is the default."""
+    """Formulations that exist for Model `level`, the most accurate one first."""
     choice("level", level, LEVELS)
     if level == 1:
         return ("contact-tree", "euler-tree", "floating", "floating-lie")
     return ("euler-tree", "floating", "floating-lie")
+
+
+def default_formulation(level: Level, friction: SmoothCoulomb) -> Formulation:
+    """Formulation that is most accurate for Model `level` and knows the load of its friction."""
+    return formulations(level)[0] if friction.load == "weight" else "euler-tree"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,7 +38,7 @@ class Scene:
         `floating-lie`: the same with a rotation vector integrated on the Lie group;
         `euler-tree`: kinematic tree in the paper's coordinates, and joints; `contact-tree`
         (Model 1): kinematic tree whose topology closes the contact, without constraints. By
-        default the first of `formulations(level)`.
+        default that of `default_formulation`.
     disk : Disk
     friction : SmoothCoulomb
     start : State, optional
@@ -54,7 +59,7 @@ class Scene:
     def __post_init__(self) -> None:
         available = formulations(self.level)
         if self.formulation is None:
-            chosen = available[0] if self.friction.load == "weight" else "euler-tree"
+            chosen = default_formulation(self.level, self.friction)
             object.__setattr__(self, "formulation", chosen)
         choice("formulation", self.formulation, FORMULATIONS)
         if self.formulation not in available:
