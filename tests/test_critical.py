@@ -1,0 +1,224 @@
+"""Critical spins found by root finding: the paper's numbers, sides, limits."""
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy.linalg import eigvals
+
+from analysis import ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb
+from analysis.checks import Array
+from analysis.critical import CriticalSpeeds, critical_speeds
+from analysis.linear_full import MOTIONS, Motion
+from analysis.linear_reduced import critical_speed
+from analysis.linear_variants import PRINTED, hopf_speeds, reproduces, variants
+from analysis.spectra import System, relevant_matrices
+
+FRICTION = SmoothCoulomb()
+ROUND_DISK = Disk.ring(
+    radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
+)
+
+
+def spins_of(found: CriticalSpeeds) -> list[float]:
+    return [crossing.spin for crossing in found.crossings]
+
+
+@pytest.mark.parametrize(
+    ("disk", "spins", "frequencies"),
+    [
+        (STEEL_DISK, [26.87362, 30.10488], [22.66749, 5.75203]),
+        (ROUNDED_STEEL_DISK, [26.85987, 30.06306], [22.65552, 5.72167]),
+    ],
+    ids=["unrounded", "Table 1"],
+)
+def test_full_system_has_two_hopf_crossings_in_opposite_directions(
+    disk: Disk, spins: list[float], frequencies: list[float]
+) -> None:
+    found = critical_speeds("full", disk, FRICTION)
+    np.testing.assert_allclose(spins_of(found), spins, atol=5e-6)
+    np.testing.assert_allclose([c.frequency for c in found.hopf], frequencies, atol=5e-6)
+    assert [crossing.stable_side for crossing in found.hopf] == ["below", "above"]
+    assert found.reason is None
+
+
+@pytest.mark.parametrize("system", ["reduced", "model3", "model4"])
+@pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK], ids=["unrounded", "Table 1"])
+def test_reduced_crossing_is_that_of_the_closed_form(system: System, disk: Disk) -> None:
+    closed = critical_speed(disk)
+    (crossing,) = critical_speeds(system, disk, FRICTION).crossings
+    assert crossing.spin == pytest.approx(closed.spin, rel=1e-10)
+    assert crossing.frequency == pytest.approx(closed.frequency, rel=1e-9)
+    assert (crossing.kind, crossing.stable_side) == ("hopf", "above")
+
+
+def test_reduced_pair_is_born_near_12_5() -> None:
+    born = critical_speeds("reduced", STEEL_DISK, FRICTION).pair_changes[0]
+    assert born.spin == pytest.approx(12.51344, abs=5e-6)
+    assert born.value == pytest.approx(2.81023, abs=5e-6)
+    assert born.complex_side == "above"
+
+
+def test_pair_is_born_where_the_discriminant_vanishes() -> None:
+    for change in critical_speeds("reduced", STEEL_DISK, FRICTION, (0.0, 100.0)).pair_changes:
+        matrix = relevant_matrices("reduced", STEEL_DISK, FRICTION, change.spin)[0]
+        polynomial = np.poly(matrix)
+        scale = abs(change.value) + 1.0
+        assert abs(np.polyval(polynomial, change.value)) < 1e-7 * scale**3
+        assert abs(np.polyval(np.polyder(polynomial), change.value)) < 1e-7 * scale**2
+
+
+def test_pairs_of_the_full_system_are_born_and_die() -> None:
+    changes = critical_speeds("full", STEEL_DISK, FRICTION, (0.0, 100.0)).pair_changes
+    spins = [change.spin for change in changes]
+    np.testing.assert_allclose(spins, [6.45987, 12.27459, 55.31864, 61.12957], atol=5e-6)
+    sides = [change.complex_side for change in changes]
+    assert sides == ["above", "above", "below", "above"]
+
+
+def test_model_1_crosses_where_the_full_system_does() -> None:
+    expected = critical_speeds("full", STEEL_DISK, FRICTION)
+    found = critical_speeds("model1", STEEL_DISK, FRICTION)
+    np.testing.assert_allclose(spins_of(found), spins_of(expected), rtol=1e-9)
+
+
+def test_model_2_lies_between_the_full_and_the_reduced_system() -> None:
+    (crossing,) = critical_speeds("model2", STEEL_DISK, FRICTION).crossings
+    assert crossing.spin == pytest.approx(29.88897, abs=5e-6)
+    assert crossing.stable_side == "above"
+
+
+def test_inverted_spinning_falls_over_statically_at_very_high_spin() -> None:
+    found = critical_speeds("full", STEEL_DISK, FRICTION, (60.0, 100.0))
+    (crossing,) = found.crossings
+    assert crossing.spin == pytest.approx(73.87631, abs=5e-6)
+    assert (crossing.kind, crossing.frequency, crossing.stable_side) == ("static", 0.0, "below")
+
+
+def test_noninverted_full_system_has_one_hopf_crossing_and_stays_unstable() -> None:
+    found = critical_speeds("full", STEEL_DISK, FRICTION, motion="noninverted")
+    (crossing,) = found.crossings
+    assert crossing.spin == pytest.approx(20.48928, abs=5e-6)
+    assert crossing.stable_side == "below"
+
+
+def pair_sums(matrix: Array) -> Array:
+    """Matrix whose eigenvalues are the sums of every two eigenvalues of `matrix`."""
+    size = len(matrix)
+    pairs = list(combinations(range(size), 2))
+    both = np.kron(matrix, np.eye(size)) + np.kron(np.eye(size), matrix)
+    wedge = np.zeros((size * size, len(pairs)))
+    for column, (i, j) in enumerate(pairs):
+        wedge[i * size + j, column], wedge[j * size + i, column] = 1.0, -1.0
+    result: Array = wedge.T @ both @ wedge / 2
+    return result
+
+
+def has_imaginary_pair(matrix: Array) -> bool:
+    values = np.linalg.eigvals(matrix)
+    return bool(np.any((np.abs(values.real) < 1e-5) & (values.imag > 1e-3)))
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("gradient", [0.5, 1.2, 3.0, 30.0])
+def test_no_hopf_crossing_is_missed(motion: Motion, gradient: float) -> None:
+    """All spins at which two eigenvalues sum to zero, from one polynomial eigenvalue problem."""
+    friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
+
+    def matrices(*spins: float) -> Array:
+        return relevant_matrices("full", STEEL_DISK, friction, spins, motion)
+
+    # The matrices are quadratic in the spin: S(Omega) = S_0 + Omega S_1 + Omega² S_2.
+    less, constant, more = (pair_sums(matrix) for matrix in matrices(-30.0, 0.0, 30.0))
+    linear, square = (more - less) / 2, (more + less) / 2 - constant
+    one, zero = np.eye(15), np.zeros((15, 15))
+    top, bottom = eigvals(
+        np.block([[zero, one], [-constant, -linear]]),
+        np.block([[one, zero], [zero, square]]),
+        homogeneous_eigvals=True,
+    )
+    finite = np.abs(bottom) > 1e-12 * np.abs(top)
+    spins = 30.0 * top[finite] / bottom[finite]
+    real = np.sort(spins[np.abs(spins.imag) < 1e-6 * np.abs(spins)].real)
+    inside = real[(real > 0.0) & (real < 60.0)].tolist()
+    expected = [spin for spin in inside if has_imaginary_pair(matrices(spin)[0])]
+    found = critical_speeds("full", STEEL_DISK, friction, (0.0, 60.0), motion)
+    np.testing.assert_allclose([crossing.spin for crossing in found.hopf], expected, rtol=1e-7)
+
+
+def test_without_eccentricity_the_closed_form_speed_is_a_static_crossing() -> None:
+    for system in ("full", "reduced", "model2"):
+        found = critical_speeds(system, ROUND_DISK, FRICTION)
+        static = [crossing for crossing in found.crossings if crossing.kind == "static"]
+        assert [crossing.stable_side for crossing in static] == ["above"]
+        assert static[0].spin == pytest.approx(critical_speed(ROUND_DISK).spin, rel=1e-10)
+
+
+def test_eccentricity_zero_in_an_uneven_disk_is_handled() -> None:
+    disk = replace(STEEL_DISK, eccentricity=0.0)
+    (crossing,) = critical_speeds("reduced", disk, FRICTION).crossings
+    assert crossing.spin == pytest.approx(critical_speed(disk).spin, rel=1e-10)
+    assert len(critical_speeds("full", disk, FRICTION).hopf) == 1
+
+
+@pytest.mark.parametrize("system", ["full", "reduced", "model2"])
+def test_without_friction_nothing_crosses_and_the_result_says_why(system: System) -> None:
+    found = critical_speeds(system, STEEL_DISK, SmoothCoulomb(coefficient=0.0))
+    assert found.crossings == ()
+    assert found.reason is not None
+    assert "no friction" in found.reason
+
+
+def test_an_interval_without_crossing_says_so() -> None:
+    found = critical_speeds("reduced", STEEL_DISK, FRICTION, (0.0, 20.0))
+    assert found.crossings == ()
+    assert found.reason == "no eigenvalue crosses the imaginary axis from 0 to 20 rad/s"
+    noninverted = critical_speeds("reduced", STEEL_DISK, FRICTION, motion="noninverted")
+    assert noninverted.crossings == ()
+
+
+def test_crossings_do_not_depend_on_the_interval() -> None:
+    wide = critical_speeds("full", STEEL_DISK, FRICTION, (0.0, 97.3))
+    narrow = critical_speeds("full", STEEL_DISK, FRICTION, (30.0, 30.2))
+    assert narrow.crossings[0].spin == pytest.approx(wide.crossings[1].spin, rel=1e-12)
+
+
+def test_no_obvious_choice_reproduces_the_printed_critical_speeds() -> None:
+    found = variants()
+    assert len(found) > 25
+    assert not any(reproduces(crossings) for crossings in found.values())
+
+
+def test_printed_signs_give_the_same_speeds_in_the_wrong_directions() -> None:
+    found = variants()
+    right = found["equations as they are"]
+    printed = found["(53) and (54) with the printed signs"]
+    np.testing.assert_allclose([c.spin for c in printed], [c.spin for c in right], rtol=1e-10)
+    assert [crossing.stable_side for crossing in printed] == ["above", "below"]
+
+
+def test_variants_start_from_the_full_system() -> None:
+    expected = critical_speeds("full", STEEL_DISK, FRICTION).hopf
+    np.testing.assert_allclose(
+        [c.spin for c in hopf_speeds()], [c.spin for c in expected], rtol=1e-10
+    )
+    shifted = tuple(
+        replace(crossing, spin=spin) for crossing, spin in zip(expected, PRINTED, strict=True)
+    )
+    assert reproduces(shifted)
+
+
+@pytest.mark.parametrize("interval", [(10.0, 10.0), (20.0, 10.0), (-5.0, 10.0)])
+def test_bad_intervals_are_refused(interval: tuple[float, float]) -> None:
+    with pytest.raises(ValueError, match="interval must have 0 <= lowest < highest spin"):
+        critical_speeds("full", STEEL_DISK, FRICTION, interval)
+
+
+def test_bad_arguments_are_refused() -> None:
+    with pytest.raises(ValueError, match="interval must be a finite number, got nan"):
+        critical_speeds("full", STEEL_DISK, FRICTION, (0.0, float("nan")))
+    with pytest.raises(ValueError, match="system must be one of full, reduced"):
+        critical_speeds("model0", STEEL_DISK, FRICTION)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
+        critical_speeds("full", STEEL_DISK, FRICTION, motion="flat")  # type: ignore[arg-type]

@@ -1,0 +1,209 @@
+"""Eigenvalues of stacks, and branches that stay whole."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analysis import STEEL_DISK, Disk, SmoothCoulomb
+from analysis.checks import Array
+from analysis.linear_full import MOTIONS, Motion
+from analysis.linear_reduced import ComplexArray
+from analysis.spectra import SYSTEMS, System, branches, eigenvalues, follow, state_matrices
+
+FRICTION = SmoothCoulomb()
+SIZES: dict[System, int] = {
+    "full": 8,
+    "reduced": 3,
+    "model1": 8,
+    "model2": 4,
+    "model3": 3,
+    "model4": 3,
+}
+
+
+def assert_same_set(found: ComplexArray, expected: ComplexArray, tolerance: float) -> None:
+    distance = np.abs(found[:, None] - expected[None, :])
+    assert np.all(distance.min(axis=0) < tolerance)
+    assert np.all(distance.min(axis=1) < tolerance)
+
+
+def mixed(values: Array, seed: int = 0) -> Array:
+    """Matrices with these real eigenvalues, shape (n, k), and smooth eigenvectors."""
+    random = np.random.default_rng(seed)
+    size = values.shape[1]
+    one, other = random.normal(size=(2, size, size))
+    part = np.linspace(0.0, 0.3, len(values))[:, None, None]
+    vectors = np.eye(size) + 0.3 * one + part * other
+    result: Array = vectors @ (values[:, :, None] * np.linalg.inv(vectors))
+    return result
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_eigenvalues_and_branches_are_those_of_the_matrices(
+    system: System, motion: Motion
+) -> None:
+    spins = np.array([2.0, 17.0, 29.0, 43.0])
+    matrices = state_matrices(system, STEEL_DISK, FRICTION, spins, motion)
+    assert matrices.shape == (4, SIZES[system], SIZES[system])
+    found = eigenvalues(system, STEEL_DISK, FRICTION, spins, motion)
+    followed = branches(system, STEEL_DISK, FRICTION, spins, motion)
+    for index, matrix in enumerate(matrices):
+        expected = np.linalg.eigvals(matrix).astype(complex)
+        assert_same_set(found[index], expected, 1e-6)
+        assert_same_set(followed.values[index], expected, 1e-6)
+
+
+def test_eigenvalues_fall_in_real_part() -> None:
+    values = eigenvalues("full", STEEL_DISK, FRICTION, [30.0, 0.0, 12.0])
+    assert np.all(np.diff(values.real, axis=1) <= 0.0)
+
+
+def test_models_3_and_4_share_the_spectrum_of_the_reduced_system() -> None:
+    spins = [0.0, 10.0, 30.9168, 60.0]
+    expected = eigenvalues("reduced", STEEL_DISK, FRICTION, spins)
+    for system in ("model3", "model4"):
+        found = eigenvalues(system, STEEL_DISK, FRICTION, spins)
+        np.testing.assert_allclose(found, expected, atol=1e-8)
+
+
+def test_branches_carry_the_numbers_of_the_paper() -> None:
+    values = branches("full", STEEL_DISK, FRICTION, [0.0, 10.0, 20.0, 30.0]).values
+    real = [15.2627, 2.7996, 0.0, 0.0, -2.6297, -10.7108, -91.7299, -163.0212]
+    np.testing.assert_allclose(values[0], real, atol=5e-5)
+    # red pair, green pair, blue pair, two fast ones, as in Fig. 6
+    np.testing.assert_allclose(values[3, :2], [0.0193 + 5.7511j, 0.0193 - 5.7511j], atol=5e-5)
+    np.testing.assert_array_equal(values[3, 2:4], [30j, -30j])
+    np.testing.assert_allclose(values[3, 4:6], [0.145 + 26.2758j, 0.145 - 26.2758j], atol=5e-5)
+    np.testing.assert_allclose(values[3, 6:], [-93.9395, -156.4183], atol=5e-5)
+
+
+@pytest.mark.parametrize("smoothing", [0.01, 0.1, 0.2, 1.0])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_branches_are_continuous(motion: Motion, smoothing: float) -> None:
+    friction = SmoothCoulomb(smoothing=smoothing)
+    spins = np.linspace(0.0, 100.0, 5001)
+    values = branches("full", STEEL_DISK, friction, spins, motion).values
+    jumps = np.abs(np.diff(values, axis=0))
+    # Colliding eigenvalues leave with the square root of the step; a mix-up would jump by more.
+    assert np.max(jumps) < 2.0
+    assert np.sum(jumps > 0.2) < 40
+
+
+@pytest.mark.parametrize("gradient", [1e-3, 0.05, 0.8, 1.9, 3.0, 100.0])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_a_branch_is_the_same_whatever_spins_are_asked_for(
+    motion: Motion, gradient: float
+) -> None:
+    friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
+    spins = np.linspace(0.0, 100.0, 4001)
+    fine = branches("full", STEEL_DISK, friction, spins, motion).values
+    few = branches("full", STEEL_DISK, friction, spins[::500], motion).values
+    np.testing.assert_allclose(few, fine[::500], atol=1e-9)
+    single = branches("full", STEEL_DISK, friction, spins[-1:], motion).values
+    np.testing.assert_allclose(single, fine[-1:], atol=1e-9)
+
+
+def test_spectra_are_even_in_the_spin() -> None:
+    values = branches("full", STEEL_DISK, FRICTION, [-40.0, -15.0, 15.0, 40.0]).values
+    others = np.delete(values, (2, 3), axis=1)
+    np.testing.assert_allclose(others[:2], others[:1:-1], atol=1e-9)
+
+
+def test_drift_pair_is_exact_and_named() -> None:
+    spins = np.array([0.0, 20.0, 40.0])
+    for system in ("full", "model1"):
+        followed = branches(system, STEEL_DISK, FRICTION, spins)
+        np.testing.assert_array_equal(followed.values[:, followed.drift[0]], 1j * spins)
+        np.testing.assert_array_equal(followed.values[:, followed.drift[1]], -1j * spins)
+    assert branches("reduced", STEEL_DISK, FRICTION, spins).drift == ()
+
+
+def test_a_pair_keeps_its_two_columns_through_birth_and_death() -> None:
+    values = branches("full", STEEL_DISK, FRICTION, np.linspace(0.0, 60.0, 601)).values
+    red = values[:, :2]
+    paired = red[:, 0].imag != 0.0
+    assert np.sum(np.diff(paired)) == 2
+    np.testing.assert_allclose(red[paired, 0], red[paired, 1].conj(), atol=1e-10)
+    assert np.all(red[paired, 0].imag > 0.0)
+    assert np.all(red[~paired, 0].real > red[~paired, 1].real)
+
+
+def test_crossing_eigenvalues_keep_their_eigenvectors() -> None:
+    p = np.linspace(-1.0, 1.0, 101)
+    true = np.column_stack((p, -p, 0.5 * np.sin(3 * p) + 0.1, np.full_like(p, -0.33)))
+    found = follow(mixed(true))
+    order = np.argsort(-true[0])
+    np.testing.assert_allclose(found, true[:, order], atol=1e-10)
+
+
+def test_following_can_start_anywhere() -> None:
+    p = np.linspace(-1.0, 1.0, 101)
+    true = np.column_stack((p, -p + 0.03, p**2 - 0.6))
+    found = follow(mixed(true), start=60)
+    np.testing.assert_allclose(found, true[:, np.argsort(-true[60])], atol=1e-10)
+
+
+def test_a_collision_into_a_complex_pair_and_back_leaves_other_branches_alone() -> None:
+    p = np.linspace(-2.0, 2.0, 400)
+    block = np.zeros((p.size, 3, 3))
+    # eigenvalues +-sqrt(p² - 1), and one that runs through the collisions
+    block[:, 0, 1], block[:, 1, 0], block[:, 2, 2] = 1.0, p**2 - 1.0, 0.8 * p
+    vectors = np.eye(3) + 0.3 * np.random.default_rng(1).normal(size=(3, 3))
+    found = follow(vectors @ block @ np.linalg.inv(vectors))
+    root = np.emath.sqrt(p**2 - 1.0)
+    true = np.column_stack((root, 0.8 * p, -root))
+    np.testing.assert_allclose(found, true[:, np.argsort(-true[0].real)], atol=1e-7)
+
+
+@pytest.mark.parametrize("count", [100, 101])
+def test_an_eigenvalue_passes_through_a_zero_mode_that_stays(count: int) -> None:
+    p = np.linspace(-1.0, 1.0, count)
+    block = np.zeros((p.size, 3, 3))
+    # defective where the two meet: both eigenvectors are the same there
+    block[:, 0, 0], block[:, 0, 1], block[:, 2, 2] = p, 1.0, -3.0
+    turn = np.eye(3) + 0.3 * np.random.default_rng(2).normal(size=(3, 3))
+    found = follow(turn @ block @ np.linalg.inv(turn))
+    true = np.column_stack((np.zeros_like(p), p, np.full_like(p, -3.0)))
+    np.testing.assert_allclose(found, true, atol=1e-7)
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_zero_mode_of_a_round_disk_stays_zero(motion: Motion) -> None:
+    disk = Disk.ring(
+        radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
+    )
+    spins = np.linspace(0.0, 60.0, 301)
+    for system in ("full", "reduced"):
+        values = branches(system, disk, FRICTION, spins, motion).values
+        assert np.sum(np.all(values == 0.0, axis=0)) == 1
+
+
+def test_without_friction_the_spectrum_is_mirrored_at_both_axes() -> None:
+    friction = replace(FRICTION, coefficient=0.0)
+    for values in eigenvalues("full", STEEL_DISK, friction, [5.0, 25.0, 50.0]):
+        assert_same_set(values, -values, 1e-6)
+        assert_same_set(values, values.conj(), 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("spins", "message"),
+    [
+        ([], "spins must be one-dimensional with at least 1 entry"),
+        ([1.0, np.nan], "spins must be finite"),
+        ([2.0, 1.0], "spins must increase strictly, got 2 before 1"),
+        ([1.0, 1.0], "spins must increase strictly, got 1 before 1"),
+    ],
+)
+def test_bad_spins_are_refused(spins: list[float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        branches("full", STEEL_DISK, FRICTION, spins)
+
+
+def test_unknown_system_and_motion_are_refused() -> None:
+    for function in (branches, eigenvalues, state_matrices):
+        with pytest.raises(ValueError, match="system must be one of full, reduced, model1"):
+            function("model5", STEEL_DISK, FRICTION, [1.0])  # type: ignore[arg-type]
+        with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
+            function("reduced", STEEL_DISK, FRICTION, [1.0], "upright")  # type: ignore[arg-type]
