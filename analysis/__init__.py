@@ -4,6 +4,7 @@ Source of all equation numbers: S. Sailer and R. I. Leine, "Model reduction of t
 path to the full analysis", Nonlinear Dynamics 105 (2021).
 """
 
+from analysis.balance import constraint_drift, energies, energy_residual, power
 from analysis.checks import ToleranceError
 from analysis.disk import DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.friction import LOADS, Load, SmoothCoulomb
@@ -40,6 +41,10 @@ __all__ = [
     "ToleranceError",
     "Trajectory",
     "consistent_start",
+    "constraint_drift",
+    "energies",
+    "energy_residual",
     "multiplier_names",
+    "power",
     "simulate",
 ]

@@ -54,16 +54,14 @@ class Disk:
         self._check_inertia()
 
     def _check_inertia(self) -> None:
-        moments = self.inertia_about_cog
-        for name, moment, axis in zip(
-            ("inertia_x", "inertia_y", "inertia_z"), moments, "xyz", strict=True
-        ):
-            value = getattr(self, name)
+        names, moments = ("inertia_x", "inertia_y", "inertia_z"), self.inertia_about_cog
+        for name, moment in zip(names, moments, strict=True):
             if moment <= 0.0:
                 raise ValueError(
                     f"{name} must exceed mass * eccentricity² (the moment about the COG must be "
-                    f"positive), got {value:g}, which leaves {moment:g}"
+                    f"positive), got {getattr(self, name):g}, which leaves {moment:g}"
                 )
+        for name, moment, axis in zip(names, moments, "xyz", strict=True):
             others = sum(moments) - moment
             # A lamina meets the bound exactly, so rounding must not refuse it.
             if moment > others * (1.0 + 1e-12):

@@ -13,7 +13,7 @@ from analysis.checks import Array, ToleranceError, choice, increasing_times, pos
 from analysis.constraints import check_admissible
 from analysis.disk import STEEL_DISK, Disk
 from analysis.friction import SmoothCoulomb
-from analysis.state import Level, State, consistent_start, multiplier_names
+from analysis.state import Level, State, check_upright, consistent_start, multiplier_names
 from analysis.trajectory import Setting, Trajectory, versions
 
 Form = Literal["index-1", "reduced"]
@@ -105,6 +105,7 @@ def simulate(
             problem, times, method, tolerance
         )
     coordinates, rates = problem.expand(times, states)
+    check_upright(times, coordinates)
     settings: dict[str, Setting] = {
         "form": form,
         "method": method,
@@ -180,10 +181,11 @@ def _integrate_to(
 ) -> tuple[Array, int, float, float]:
     """Tighten the local tolerance until two runs agree to `tolerance` in beta and gamma."""
     angles = list(problem.angles)
-    local = min(tolerance / 3.0, 1e-3)
+    # Two runs must differ in their local tolerance to be compared.
+    local = max(min(tolerance / 3.0, 1e-3), 10.0 * TIGHTEST_LOCAL_TOLERANCE)
     coarse, evaluations = _integrate(problem, times, method, _floor(local))
     difference = np.inf
-    while local > TIGHTEST_LOCAL_TOLERANCE:
+    while local > 1.01 * TIGHTEST_LOCAL_TOLERANCE:
         local /= 10.0
         fine, count = _integrate(problem, times, method, _floor(local))
         evaluations += count

@@ -77,6 +77,29 @@ def check_tilt(name: str, beta: float) -> float:
     return beta
 
 
+def check_upright(times: Array, coordinates: Array) -> None:
+    """Raise if the disk of a motion comes to lie flat, where the Euler angles end.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+    coordinates : ndarray, shape (n, 6)
+
+    Raises
+    ------
+    ArithmeticError
+        If beta leaves the open interval (0, pi).
+    """
+    beta = coordinates[:, 4]
+    flat = (beta <= 0.0) | (beta >= pi)
+    if np.any(flat):
+        time = times[np.argmax(flat)]
+        raise ArithmeticError(
+            f"beta leaves the open interval (0, pi) before t = {time:.6g} s: the disk lies flat, "
+            "and the Euler angles of the motion end there"
+        )
+
+
 def consistent_start(
     level: Level,
     disk: Disk,

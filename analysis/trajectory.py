@@ -4,6 +4,7 @@ import json
 import os
 import platform
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
@@ -20,6 +21,9 @@ from analysis.state import COORDINATES, LEVELS, Level, State, multiplier_names
 
 Source = Literal["engine", "in-house"]
 Setting = str | float | int | None
+
+_UNREADABLE = (OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError)
+"""What NumPy and JSON raise on damaged files."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -165,7 +169,7 @@ class Trajectory:
                 return cls._from_arrays(stored)
         except FileNotFoundError:
             raise
-        except (OSError, EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+        except (*_UNREADABLE, zipfile.BadZipFile, zlib.error) as error:
             cause = f"lacks {error}" if isinstance(error, KeyError) else str(error)
             raise ValueError(f"{path} is not a readable trajectory: {cause}") from error
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.checks import Array, ToleranceError, increasing_times, positive
-from analysis.state import State
+from analysis.state import COORDINATES, State, check_upright
 from analysis.trajectory import Trajectory, versions
 from mbs_models.build import build
 from mbs_models.extrapolation import Ladder
@@ -170,6 +170,7 @@ def _single(
         if blocks:
             coordinates[:, [3, 5]] += _whole_turns(blocks[-1][-1, [3, 5]] - coordinates[0, [3, 5]])
         _unwrap(coordinates, rates, spacing)
+        check_upright(times[first : first + intervals + 1], coordinates)
         columns = [coordinates, rates]
         if not isinstance(model, ContactTree):
             columns.append(model.multipliers(samples.algebraic, coordinates))
@@ -202,12 +203,19 @@ def _unwrap(coordinates: Array, rates: Array, spacing: float) -> None:
     """Make alpha and gamma continuous in place.
 
     Their mean rates predict each sample, so that coarse sampling of a fast spin does not lose
-    turns.
+    turns. A sample half a turn off its prediction cannot be told from the next.
     """
     for column in (3, 5):
         angle, rate = coordinates[:, column], rates[:, column]
         predicted = 0.5 * spacing * (rate[1:] + rate[:-1])
-        angle[1:] += np.cumsum(_whole_turns(predicted - np.diff(angle)))
+        turns = _whole_turns(predicted - np.diff(angle))
+        doubt = np.abs(predicted - np.diff(angle) - turns)
+        if np.any(doubt > 0.5 * np.pi):
+            raise EngineError(
+                f"the turns of {COORDINATES[column]} cannot be followed after sample "
+                f"{int(np.argmax(doubt))}: the disk lies flat, or the samples are too far apart"
+            )
+        angle[1:] += np.cumsum(turns)
 
 
 def _contact_tree_forces(scene: Scene, coordinates: Array, rates: Array) -> Array:
