@@ -58,11 +58,13 @@ class Picture:
     svg: str
 
 
-def new_figure(rows: int = 1, *, width: float = 7.5, height: float = 4.2) -> tuple[Figure, Any]:
-    """Figure without a window, and its axes in one column, sharing the horizontal axis."""
+def new_figure(
+    rows: int = 1, *, width: float = 7.5, height: float = 4.2, share: bool = True
+) -> tuple[Figure, Any]:
+    """Figure without a window, and its axes in one column, sharing the horizontal axis or not."""
     with mpl.rc_context(_RC):
         figure = Figure(figsize=(width, height))
-        axes = figure.subplots(rows, 1, sharex=True)
+        axes = figure.subplots(rows, 1, sharex=share)
     return figure, axes
 
 

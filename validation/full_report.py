@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis import LEVELS, LOADS
-from validation import crosscheck, inversion, paper_numbers, snapshots
+from validation import crosscheck, inversion, paper_numbers, snapshots, stability
 from validation.report import Job, Section, run_jobs, write
 from validation.tables import Table
 
@@ -25,10 +25,17 @@ def make(folder: Path) -> tuple[Path, list[Table]]:
         The tables a terminal should show.
     """
     begin = time.perf_counter()
-    results = run_jobs([*_inversion_jobs(), *_crosscheck_jobs()], title="report")
-    sections = [_inversion(results), _crosscheck(results), _numbers()]
+    results = run_jobs(
+        [*_inversion_jobs(), *_crosscheck_jobs(), *stability.jobs()], title="report"
+    )
+    sections = [
+        _inversion(results),
+        _crosscheck(results),
+        stability.section(results),
+        _numbers(),
+    ]
     page = write(sections, folder, seconds=time.perf_counter() - begin)
-    return page, [sections[0].tables[0], *sections[1].tables]
+    return page, [sections[0].tables[0], *sections[1].tables, *sections[2].tables[:3]]
 
 
 def _inversion_jobs() -> list[Job]:
