@@ -15,13 +15,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
+import numpy as np
+
 import analysis
 import mbs_models
-from analysis import Level, SmoothCoulomb, Trajectory
+from analysis import STEEL_DISK, Level, SmoothCoulomb, Trajectory, spectra
+from analysis.stability_chart import stability_chart
 from mbs_models import Formulation, Scene
 from mbs_models.build import build
 from mbs_models.integrators import find_integrator, run
 from validation.crosscheck import TABLE_3_TIMES, angle_error
+from validation.eigenvalue_check import engine_matrices
 from validation.report import machine
 from validation.tables import Cell, Table
 
@@ -178,6 +182,44 @@ def load_laws(repeats: int) -> Table:
     )
 
 
+def stability(repeats: int) -> Table:
+    """Times of the eigenvalue work beside what they should stay below."""
+    friction = SmoothCoulomb()
+    many = np.linspace(0.0, 60.0, 10_000)
+    calls: list[tuple[str, Callable[[], object], float]] = [
+        (
+            "10,000 spins of the full system, tracked branches",
+            partial(spectra.branches, "full", STEEL_DISK, friction, many),
+            1500.0,
+        ),
+        (
+            "stability chart, 200 x 200",
+            partial(
+                stability_chart,
+                STEEL_DISK,
+                np.linspace(0.0, 80.0, 200),
+                np.geomspace(0.3, 30.0, 200),
+            ),
+            10_000.0,
+        ),
+        (
+            "engine, Model 1, 100 spins",
+            partial(engine_matrices, 1, np.linspace(0.0, 60.0, 100)),
+            5000.0,
+        ),
+    ]
+    cells: list[list[Cell]] = []
+    for label, call, limit in calls:
+        taken = median_milliseconds(call, min(repeats, 3))
+        cells.append([label, round(taken), limit, taken <= limit])
+    return Table(
+        name="stability-speed",
+        title="Linear stability",
+        columns=("task", "time in ms", "at most", "reached"),
+        rows=cells,
+    )
+
+
 def start_up() -> Table:
     """Time of a new process until it has imported a package or shown the help."""
     calls = {
@@ -199,7 +241,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=7, help="timed calls of each run (7)")
     repeats = parser.parse_args().repeats
-    for table in (targets(repeats), friction_forms(repeats), load_laws(repeats), start_up()):
+    for table in (
+        targets(repeats),
+        stability(repeats),
+        friction_forms(repeats),
+        load_laws(repeats),
+        start_up(),
+    ):
         print(f"{table.title}\n{table.to_text()}\n")
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"Largest memory of this process: {memory:.0f} MB. Machine: {machine()}.")

@@ -7,6 +7,7 @@ and wrong calls answer at once; each subcommand imports what it needs when it ru
 import argparse
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from importlib.metadata import version
 from typing import NoReturn
 
@@ -15,6 +16,8 @@ MODELS = (1, 2, 3, 4)
 FORMULATIONS = ("floating", "floating-lie", "euler-tree", "contact-tree", "index-1", "reduced")
 LOADS = ("weight", "contact")
 DISKS = ("steel", "steel-rounded")
+SYSTEMS = ("full", "reduced", "model1", "model2", "model3", "model4")
+MOTIONS = ("inverted", "noninverted")
 
 _DESCRIPTION = """\
 The tippedisk: a rigid disk whose centre of gravity lies off its centre. Spun fast about an
@@ -32,6 +35,8 @@ examples:
   tippedisk simulate --model 1 --out engine.npz      the engine, from the paper's start
   tippedisk simulate --model 1 --source in-house --out equations.npz
   tippedisk show engine.npz equations.npz --out compare.png
+  tippedisk eigenvalues --system full --spin 0:50:501 --plot figure-6.png
+  tippedisk critical --system full                   where inverted spinning changes its stability
 
 A wrong call prints one line that says what is allowed, and exits with code 2.
 """
@@ -59,10 +64,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     parser = _parser()
     options = parser.parse_args(arguments)
-    # Imported late: commands bring NumPy and SciPy along.
-    from validation import commands
-
     try:
+        # Imported late: the commands bring NumPy, SciPy and the engine along.
+        commands = import_module(f"validation.{options.module}")
         return int(getattr(commands, options.command)(options))
     except (ValueError, ArithmeticError, OSError) as error:
         message = " ".join(str(error).split())
@@ -85,6 +89,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_report(commands)
     _add_simulate(commands)
     _add_show(commands)
+    _add_eigenvalues(commands)
+    _add_critical(commands)
     return parser
 
 
@@ -95,6 +101,7 @@ def _add_report(commands: "argparse._SubParsersAction[_Parser]") -> None:
         description="Run engine and in-house equations, compare them, and write one page of HTML "
         "with everything in it, the figures as PNG and SVG and the tables as CSV.",
     )
+    report.set_defaults(module="commands")
     report.add_argument(
         "--out", default="report", metavar="DIR", help="folder to write to (default: %(default)s)"
     )
@@ -110,6 +117,7 @@ def _add_simulate(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "co-rotating coordinates (m, rad, m/s, rad/s), normal_force (N,) in N, multipliers\n"
         "(N, k), and meta, a JSON string with all parameters, versions and the error estimate.",
     )
+    simulate.set_defaults(module="commands")
     add = simulate.add_argument
     add("--source", choices=SOURCES, default="engine", help="who simulates (default: %(default)s)")
     add("--model", type=int, choices=MODELS, default=1, help="constraint level (default: 1)")
@@ -125,14 +133,12 @@ def _add_simulate(commands: "argparse._SubParsersAction[_Parser]") -> None:
         default="weight",
         help="load in the friction law: the weight m g (default), or the normal contact force",
     )
-    add("--disk", choices=DISKS, default="steel", help="disk (default: %(default)s)")
+    _add_disk_and_friction(simulate)
     add("--spin", type=float, default=40.0, help="rate of alpha at the start in rad/s (40)")
     add("--beta", type=float, help="inclination at the start in rad (pi/2)")
     add("--gamma", type=float, help="rotation angle at the start in rad (-pi/2 + 0.1)")
     add("--beta-rate", type=float, default=0.0, help="rate of beta at the start in rad/s (0)")
     add("--gamma-rate", type=float, help="rate of gamma in rad/s (-spin * cos(beta))")
-    add("--mu", type=float, default=0.3, help="friction coefficient (0.3)")
-    add("--eps", type=float, default=0.1, help="smoothing speed of the friction law in m/s (0.1)")
     add("--end", type=float, default=2.0, help="end of the simulation in s (2)")
     add("--samples", type=int, default=201, help="number of evenly spaced samples (201)")
     accuracy = simulate.add_mutually_exclusive_group()
@@ -149,7 +155,76 @@ def _add_show(commands: "argparse._SubParsersAction[_Parser]") -> None:
         help="plot stored motions over each other",
         description="Plot beta, gamma, spinning velocity and normal force of stored motions.",
     )
+    show.set_defaults(module="commands")
     show.add_argument("files", nargs="+", metavar="FILE", help="files written by simulate")
     show.add_argument(
         "--out", metavar="PICTURE", help="write a .png, .svg or .pdf instead of opening a window"
     )
+
+
+def _add_eigenvalues(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    eigenvalues = commands.add_parser(
+        "eigenvalues",
+        help="eigenvalues of inverted and noninverted spinning",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Eigenvalues of the stationary spinning motions over the spin, in 1/s.\n\n"
+        "full: the eight of Eq. (55); reduced: the three of Eq. (111); model1 to model4: those\n"
+        "of the nonlinear models, linearised numerically (8, 4, 3, 3). With --source engine they\n"
+        "come from the engine's Models 1 (full) and 4 (reduced) or the model named. Columns\n"
+        "follow the branches.",
+    )
+    eigenvalues.set_defaults(module="commands_stability")
+    _add_system(eigenvalues)
+    add = eigenvalues.add_argument
+    add("--source", choices=SOURCES, default="in-house", help="default: %(default)s")
+    add("--formulation", choices=FORMULATIONS[:4], help="with --source engine: how it is built")
+    add(
+        "--spin",
+        nargs="+",
+        required=True,
+        metavar="SPIN",
+        help="spins in rad/s: values, or first:last:number",
+    )
+    output = eigenvalues.add_mutually_exclusive_group()
+    output.add_argument(
+        "--json", action="store_true", help="print a list with spin, real and imag for each spin"
+    )
+    output.add_argument("--csv", metavar="FILE", help="write a table with full precision")
+    output.add_argument("--plot", metavar="PICTURE", help="write a .png, .svg or .pdf")
+
+
+def _add_critical(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    critical = commands.add_parser(
+        "critical",
+        help="spins at which the spinning changes its stability",
+        description="Critical spins with their frequency and the side on which they are stable, "
+        "beside the closed form of the reduced system, Eq. (126).",
+    )
+    critical.set_defaults(module="commands_stability")
+    _add_system(critical)
+    critical.add_argument(
+        "--spin",
+        default="0:60",
+        metavar="FIRST:LAST",
+        help="range in rad/s (default: %(default)s)",
+    )
+
+
+def _add_system(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--system", choices=SYSTEMS, default="full", help="linear system (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--motion",
+        choices=MOTIONS,
+        default="inverted",
+        help="centre of gravity above (default) or below the geometric centre",
+    )
+    _add_disk_and_friction(parser)
+
+
+def _add_disk_and_friction(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--disk", choices=DISKS, default="steel", help="disk (default: %(default)s)")
+    add("--mu", type=float, default=0.3, help="friction coefficient (0.3)")
+    add("--eps", type=float, default=0.1, help="smoothing speed of the friction law in m/s (0.1)")

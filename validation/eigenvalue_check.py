@@ -60,7 +60,7 @@ def engine_matrices(
     disk: Disk = STEEL_DISK,
     friction: SmoothCoulomb | None = None,
 ) -> Array:
-    """State matrices of the engine over the spin, shape (n, k, k), by `mbs_models.state_matrix`."""
+    """State matrices of the engine over the spin, shape (n, k, k): `mbs_models.state_matrix`."""
     return np.array(
         [
             mbs_models.state_matrix(

@@ -73,14 +73,14 @@ def section(results: dict[Any, Any]) -> Section:
         title="Linear stability",
         paragraphs=[
             (
-                "Eigenvalues of inverted and noninverted spinning, from the linear systems (55) and "
-                "(111) and from the engine's accelerations, differentiated along the constraint "
-                "manifold."
+                "Eigenvalues of inverted and noninverted spinning, from the linear systems (55) "
+                "and (111) and from the engine's accelerations, differentiated along the "
+                "constraint manifold."
             ),
             (
-                "The full system has two Hopf points: a fast pair loses its stability at the lower "
-                "one, and the slow pair gains it at the upper one. In the reduced system only the "
-                "slow pair is left, and the critical speed is the paper's closed form."
+                "The full system has two Hopf points: a fast pair loses its stability at the "
+                "lower one, and the slow pair gains it at the upper one. In the reduced system "
+                "only the slow pair is left, and the critical speed is the paper's closed form."
             ),
         ],
         pictures=[

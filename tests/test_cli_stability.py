@@ -1,0 +1,96 @@
+"""The command line's eigenvalues and critical speeds."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mbs_models
+from analysis import spectra
+from validation import cli
+
+
+def run(call: str) -> int:
+    try:
+        return cli.main(call.split())
+    except SystemExit as stop:
+        return int(stop.code or 0)
+
+
+def test_choices_are_those_of_the_packages() -> None:
+    assert cli.SYSTEMS == spectra.SYSTEMS
+    assert cli.MOTIONS == mbs_models.MOTIONS
+    assert cli.FORMULATIONS[:4] == mbs_models.FORMULATIONS
+
+
+@pytest.mark.parametrize(("system", "size"), [("full", 8), ("reduced", 3), ("model2", 4)])
+@pytest.mark.parametrize("source", cli.SOURCES)
+def test_json_holds_every_eigenvalue(
+    system: str, size: int, source: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(f"eigenvalues --system {system} --source {source} --spin 0:40:3 --json") == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert [row["spin"] for row in rows] == [0.0, 20.0, 40.0]
+    assert all(len(row["real"]) == len(row["imag"]) == size for row in rows)
+
+
+def test_sources_agree(capsys: pytest.CaptureFixture[str]) -> None:
+    values = []
+    for source in cli.SOURCES:
+        run(f"eigenvalues --system reduced --source {source} --spin 35 --mu 0.2 --json")
+        row = json.loads(capsys.readouterr().out)[0]
+        values.append(np.sort_complex(np.array(row["real"]) + 1j * np.array(row["imag"])))
+    np.testing.assert_allclose(values[0], values[1], rtol=1e-6)
+
+
+def test_csv_and_plot_are_written(tmp_path: Path) -> None:
+    table, picture = tmp_path / "eigenvalues.csv", tmp_path / "eigenvalues.png"
+    assert run(f"eigenvalues --spin 0:50:11 --csv {table}") == 0
+    with table.open() as stream:
+        rows = list(csv.reader(stream))
+    assert len(rows) == 12
+    assert len(rows[0]) == 17
+    assert run(f"eigenvalues --spin 0:50:11 --plot {picture}") == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_critical_prints_computed_beside_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("critical --system full") == 0
+    shown = capsys.readouterr().out
+    assert "26.8736" in shown
+    assert "30.1049" in shown
+    assert "30.9168" in shown
+
+
+def test_critical_says_why_there_is_no_crossing(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("critical --system full --mu 0") == 0
+    assert "no friction: undamped" in capsys.readouterr().out
+
+
+BAD = [
+    ("eigenvalues --spin 5:1:10", "--spin must have FIRST < LAST, got '5:1:10'"),
+    ("eigenvalues --spin x", "--spin must be a finite number, got 'x'"),
+    ("eigenvalues --spin nan", "--spin must be a finite number, got nan"),
+    ("eigenvalues --spin 3 2", "--spin must increase strictly"),
+    ("eigenvalues --spin 0:1:1", "with at least 2, got '0:1:1'"),
+    ("eigenvalues --spin 1 --system foo", "--system: invalid choice: 'foo'"),
+    ("eigenvalues --spin 1 --motion up", "--motion: invalid choice: 'up'"),
+    ("eigenvalues --spin 1 --formulation floating", "--formulation needs --source engine"),
+    ("eigenvalues --spin 1 --plot a.txt", "--plot must end in .png, .svg or .pdf"),
+    ("eigenvalues --spin 1 --mu -1", "coefficient must not be negative, got -1"),
+    ("critical --spin 5:2", "interval must have 0 <= lowest < highest spin"),
+    ("critical --spin 5", "--spin must be FIRST:LAST, got '5'"),
+]
+
+
+@pytest.mark.parametrize(("call", "message"), BAD, ids=[bad[0] for bad in BAD])
+def test_bad_input_is_one_line_and_code_2(
+    call: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(call) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert message in shown.err
+    assert shown.err.count("\n") == 1

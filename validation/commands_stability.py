@@ -1,0 +1,155 @@
+"""What the subcommands on linear stability do; each returns the exit code."""
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+
+from analysis import DISKS, Disk, SmoothCoulomb, linear_reduced, spectra
+from analysis.checks import Array, number
+from analysis.critical import critical_speeds
+from analysis.files import whole_file
+from analysis.spectra import Branches
+from validation.tables import Table
+
+
+def eigenvalues(options: argparse.Namespace) -> int:
+    """Print, store or plot eigenvalues over the spin."""
+    spins = parse_spins(options.spin)
+    picture = None if options.plot is None else _picture_path(options.plot)
+    if options.formulation is not None and options.source != "engine":
+        raise ValueError("--formulation needs --source engine")
+    found = _branches(options, spins)
+    if options.json:
+        rows = [
+            {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
+            for spin, values in zip(found.spins.tolist(), found.values, strict=True)
+        ]
+        print(json.dumps(rows))
+    elif picture is not None:
+        _plot(found, picture)
+    else:
+        table = _table(options.system, found)
+        if options.csv is None:
+            print(table.to_text())
+        else:
+            with whole_file(options.csv) as stream:
+                stream.write(table.to_csv().encode())
+    return 0
+
+
+def critical(options: argparse.Namespace) -> int:
+    """Print critical spins, closed form beside computed."""
+    from validation.stability_tables import critical_table
+
+    disk, friction = _disk_and_friction(options)
+    ends = options.spin.split(":")
+    if len(ends) != 2:
+        raise ValueError(f"--spin must be FIRST:LAST, got {options.spin!r}")
+    low, high = (number("--spin", end) for end in ends)
+    found = critical_speeds(options.system, disk, friction, (low, high), options.motion)
+    table = critical_table(found)
+    print(f"{table.title}\n{table.to_text() if table.rows else 'none'}")
+    if table.note:
+        print(table.note)
+    closed = linear_reduced.critical_speed(disk, options.motion)
+    meaning = {
+        "hopf": f"a complex pair crosses at {closed.frequency:.6g} rad/s, stable above",
+        "static": "without eccentricity, a real eigenvalue crosses",
+        "saddle": "two real eigenvalues of opposite sign cancel; no stability changes",
+    }[closed.kind]
+    print(
+        f"\nClosed form of the reduced system with any friction, Eq. (126): {closed.spin:.6g} "
+        f"rad/s; {meaning}."
+    )
+    return 0
+
+
+def parse_spins(texts: list[str]) -> Array:
+    """Spins in rad/s from values and ranges `first:last:number`, strictly increasing, (n,).
+
+    Raises
+    ------
+    ValueError
+        If a text is neither, a range is empty or descending, or the spins do not increase.
+    """
+    spins: list[float] = []
+    for text in texts:
+        parts = text.split(":")
+        if len(parts) == 1:
+            spins.append(number("--spin", text))
+            continue
+        if len(parts) != 3 or not parts[2].isdigit() or int(parts[2]) < 2:
+            raise ValueError(
+                f"--spin must be a value or FIRST:LAST:NUMBER with at least 2, got {text!r}"
+            )
+        first, last = number("--spin", parts[0]), number("--spin", parts[1])
+        if first >= last:
+            raise ValueError(f"--spin must have FIRST < LAST, got {text!r}")
+        spins += np.linspace(first, last, int(parts[2])).tolist()
+    if np.any(np.diff(spins) <= 0.0):
+        raise ValueError("--spin must increase strictly")
+    return np.array(spins)
+
+
+def _disk_and_friction(options: argparse.Namespace) -> tuple[Disk, SmoothCoulomb]:
+    return DISKS[options.disk], SmoothCoulomb(coefficient=options.mu, smoothing=options.eps)
+
+
+def _branches(options: argparse.Namespace, spins: Array) -> Branches:
+    disk, friction = _disk_and_friction(options)
+    if options.source == "in-house":
+        return spectra.branches(options.system, disk, friction, spins, options.motion)
+    from validation.eigenvalue_check import LEVEL_OF_SYSTEM, engine_matrices
+
+    matrices = engine_matrices(
+        LEVEL_OF_SYSTEM[options.system],
+        spins,
+        formulation=options.formulation,
+        motion=options.motion,
+        disk=disk,
+        friction=friction,
+    )
+    return Branches(spins=spins, values=spectra.follow(matrices))
+
+
+def _table(system: str, found: Branches) -> Table:
+    size = found.values.shape[1]
+    heads = [f"{part} {index + 1}" for index in range(size) for part in ("Re λ", "Im λ")]
+    return Table(
+        name="eigenvalues",
+        title=f"Eigenvalues of the {system} system in 1/s",
+        columns=("spin in rad/s", *heads),
+        rows=[
+            [spin, *np.column_stack((values.real, values.imag)).ravel().tolist()]
+            for spin, values in zip(found.spins.tolist(), found.values, strict=True)
+        ],
+    )
+
+
+def _picture_path(text: str) -> Path:
+    path = Path(text)
+    if path.suffix not in {".png", ".svg", ".pdf"}:
+        raise ValueError(f"--plot must end in .png, .svg or .pdf, got {text!r}")
+    return path
+
+
+def _plot(found: Branches, path: Path) -> None:
+    from validation import figures
+
+    figure, axes = figures.new_figure(2, height=6.5)
+    for column in range(found.values.shape[1]):
+        look = {
+            "color": figures.COLOURS[column % 4],
+            "linestyle": figures.STYLES[column // 4 % 4],
+            "marker": "o" if found.spins.size == 1 else None,
+        }
+        axes[0].plot(found.spins, found.values[:, column].real, **look, label=f"λ{column + 1}")
+        axes[1].plot(found.spins, found.values[:, column].imag, **look)
+    axes[0].axhline(0.0, color="#999999", linewidth=0.8, zorder=0)
+    axes[0].set(ylabel="Re λ in 1/s")
+    axes[1].set(ylabel="Im λ in 1/s", xlabel="spinning speed Ω in rad/s")
+    figures.legend_above(axes[0], columns=8)
+    with whole_file(path) as stream:
+        figure.savefig(stream, format=path.suffix[1:], dpi=150)
