@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import sin
+from math import sin, sqrt
 from typing import Literal, get_args
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from analysis import index1, reduced
 from analysis.checks import Array, ToleranceError, choice, increasing_times, positive
 from analysis.constraints import check_admissible
-from analysis.disk import STEEL_DISK, Disk
+from analysis.disk import GRAVITY, STEEL_DISK, Disk
 from analysis.friction import SmoothCoulomb
 from analysis.state import Level, State, consistent_start, multiplier_names, raise_flat
 from analysis.trajectory import Setting, Trajectory, versions
@@ -35,6 +35,7 @@ class _Problem:
     start: Array
     expand: Callable[[Array, Array], tuple[Array, Array]]
     angles: tuple[int, int]
+    longest_step: float
 
 
 def simulate(
@@ -142,7 +143,7 @@ def _problem(
         def split(_: Array, states: Array) -> tuple[Array, Array]:
             return states[:, :6], states[:, 6:]
 
-        return _Problem(full, start.vector, split, (4, 5))
+        return _Problem(full, start.vector, split, (4, 5), longest_step(disk, start))
     if level != 4:
         raise ValueError(f"form 'reduced' exists for Model 4 alone, got level {level}")
     if friction.load != "weight":
@@ -156,7 +157,17 @@ def _problem(
         return reduced.expand(disk, spin, alpha + spin * (times - times[0]), states)
 
     minimal_start = np.array((*start.coordinates[4:6], start.rates[4]))
-    return _Problem(minimal, minimal_start, expand, (0, 1))
+    return _Problem(minimal, minimal_start, expand, (0, 1), longest_step(disk, start))
+
+
+def longest_step(disk: Disk, start: State) -> float:
+    """Longest step in s: a part of a turn and of the time of a fall.
+
+    On an unstable equilibrium nothing but rounding moves, and steps without a bound would grow
+    past the time in which a deviation does.
+    """
+    fall = 0.5 * sqrt(disk.radius / GRAVITY)
+    return min(fall, 2.0 / max(abs(start.rates[3]), 1e-3))
 
 
 def _integrate(
@@ -177,6 +188,7 @@ def _integrate(
         t_eval=times,
         rtol=local_tolerance,
         atol=local_tolerance,
+        max_step=problem.longest_step,
         events=flat,
     )
     if result.status == 1:

@@ -1,6 +1,14 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
-from mbs_models.integrators import INTEGRATORS, EngineError, IntegratorName, integrators
+from mbs_models.contact import PenaltyContact
+from mbs_models.integrators import (
+    INTEGRATORS,
+    EngineError,
+    Integrator,
+    IntegratorName,
+    Newton,
+    integrators,
+)
 from mbs_models.linearization import (
     MOTIONS,
     Motion,
@@ -19,8 +27,11 @@ __all__ = [
     "MOTIONS",
     "EngineError",
     "Formulation",
+    "Integrator",
     "IntegratorName",
     "Motion",
+    "Newton",
+    "PenaltyContact",
     "Scene",
     "acceleration",
     "eigenvalues",

@@ -55,8 +55,11 @@ class Ladder:
 
     @property
     def stalled(self) -> bool:
-        """Whether the last three halvings brought nothing: rounding has taken over."""
-        return self._worse >= 3
+        """Whether the last three halvings brought nothing: rounding has taken over.
+
+        Not while the estimate is large: then the steps are still too long to be extrapolated.
+        """
+        return self._worse >= 3 and self.best_estimate < 1e-5
 
     def add(self, values: Array) -> None:
         """Add a run with half the step of the run before.

@@ -11,8 +11,15 @@ from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 
 from analysis import frames
 from analysis.checks import Array
-from mbs_models.friction import UPWARD, connector_force, friction_limit, symbolic_connector
+from mbs_models.friction import (
+    UPWARD,
+    Force,
+    connector_force,
+    friction_limit,
+    symbolic_connector,
+)
 from mbs_models.model import GRAVITY_VECTOR, Model
+from mbs_models.penalty import connector_contact
 
 _OUTPUT = exu.OutputVariableType
 
@@ -41,68 +48,94 @@ class Floating(Model):
             gravity=GRAVITY_VECTOR,
         )
         self._node = self.system.GetObject(self._body)["nodeNumber"]
-        table, origin = self._add_table()
-        centre = self._disk_marker(0.0)
+        # The engine adds these four at once.
+        self.reasons |= {
+            ("node", int(self._node)): "position and rotation of the disk",
+            ("object", int(self._body)): "the disk",
+            ("marker", 0): "what the weight acts on",
+            ("load", 0): "the weight",
+        }
+        self._hold()
+
+    def _hold(self) -> None:
+        """Add what the table does to the disk."""
+        table = self._add_table()
+        centre = self._disk_marker(0.0, "the disk's centre")
+        if self.has_force:
+            self._add_force(table, centre)
+        if self.scene.contact is not None:
+            return
+        origin = self._add_origin(table)
         self._add_contact(origin, centre)
-        if self.scene.friction.coefficient:
-            self._add_friction(table, centre)
         if self.scene.level >= 2:
-            self._add_fixed_cog(origin, self._disk_marker(disk.eccentricity))
+            cog = self._disk_marker(self.scene.disk.eccentricity, "the disk's centre of gravity")
+            self._add_fixed_cog(origin, cog)
         if self.scene.level >= 4:
             self._add_carrier(centre)
 
-    def _disk_marker(self, offset: float) -> int:
-        return int(
-            self.system.AddMarker(
-                items.MarkerBodyRigid(bodyNumber=self._body, localPosition=[offset, 0.0, 0.0])
-            )
+    def _disk_marker(self, offset: float, why: str) -> int:
+        return self._add(
+            items.MarkerBodyRigid(bodyNumber=self._body, localPosition=[offset, 0.0, 0.0]), why
         )
 
-    def _add_friction(self, table: int, centre: int) -> None:
-        upward = self.system.AddMarker(
+    def _add_force(self, table: int, centre: int) -> None:
+        """Add friction, and the contact if it is one of penalty."""
+        upward = self._add(
             items.MarkerBodyRigid(
                 bodyNumber=table, localHT=exu.HT(rotation=np.array(UPWARD), translation=[0.0] * 3)
-            )
+            ),
+            f"the table's side of {self.force_name}, turned to where its angles are regular",
         )
-        limit = friction_limit(self.scene, self._contact)
-        force = connector_force(self.scene, limit, self._functions())
+        force = self._force()
         if self._symbolic:
             force = symbolic_connector(self.system, force)
             self._kept.append(force)
-        self.system.AddObject(
+        self._add(
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[upward, centre],
                 useIntrinsicFormulation=False,
                 springForceTorqueUserFunction=force,
-            )
+            ),
+            f"{self.force_name} by a user function",
         )
+
+    def _force(self) -> Force:
+        contact = self.scene.contact
+        if contact is not None:
+            return connector_contact(self.scene, contact, self._functions())
+        limit = friction_limit(self.scene, self._contact)
+        return connector_force(self.scene, limit, self._functions())
 
     def _add_carrier(self, centre: int) -> None:
         """Add a carrier that turns at the prescribed spin and takes the disk's axis along."""
         start = self.scene.start
-        node = self.system.AddNode(
+        node = self._add(
             items.Node1D(
                 referenceCoordinates=[0.0],
                 initialCoordinates=[start.coordinates[3]],
                 initialVelocities=[start.rates[3]],
-            )
+            ),
+            "the spin angle, which a free body's coordinates do not hold",
         )
-        carrier = self.system.AddObject(
+        carrier = self._add(
             # Its motion is prescribed, so that its inertia matters to nothing.
-            items.ObjectRotationalMass1D(nodeNumber=node, inertia=self.scene.disk.inertia_z)
+            items.ObjectRotationalMass1D(nodeNumber=node, inertia=self.scene.disk.inertia_z),
+            "carrier that turns at the constant spin",
         )
         # The joint wants its y axis along e_x of the R-frame, across the disk's axis.
-        across = self.system.AddMarker(
+        across = self._add(
             items.MarkerBodyRigid(
                 bodyNumber=carrier,
                 localHT=exu.HT(rotation=RotationMatrixZ(-pi / 2), translation=[0.0] * 3),
-            )
+            ),
+            "the carrier's side of its joint",
         )
         self._add_constant_spin(node)
-        self.system.AddObject(
+        self._add(
             items.ObjectJointGeneric(
                 markerNumbers=[across, centre], constrainedAxes=[0, 0, 0, 1, 0, 0]
-            )
+            ),
+            "takes the disk's axis along with the carrier",
         )
 
     def record(self) -> Array:

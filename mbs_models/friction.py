@@ -31,10 +31,26 @@ class Functions:
     cos: Callable[[Any], Any]
     sqrt: Callable[[Any], Any]
     absolute: Callable[[Any], Any]
+    where_positive: Callable[[Any, float], Any]
+    """The second argument where the first is positive, and zero elsewhere."""
 
 
-ON_FLOATS = Functions(math.sin, math.cos, math.sqrt, abs)
-ON_SYMBOLS = Functions(exu.symbolic.sin, exu.symbolic.cos, exu.symbolic.sqrt, exu.symbolic.abs)
+def _where_positive_float(switch: float, value: float) -> float:
+    return value if switch > 0.0 else 0.0
+
+
+def _where_positive_symbol(switch: Any, value: float) -> Any:
+    return value * exu.symbolic.max(0.0 * switch, exu.symbolic.sign(switch))
+
+
+ON_FLOATS = Functions(math.sin, math.cos, math.sqrt, abs, _where_positive_float)
+ON_SYMBOLS = Functions(
+    exu.symbolic.sin,
+    exu.symbolic.cos,
+    exu.symbolic.sqrt,
+    exu.symbolic.abs,
+    _where_positive_symbol,
+)
 
 UPWARD = [[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]
 """Rotation matrix of a frame whose x axis points up."""

@@ -1,7 +1,7 @@
 """An assembled engine system, and the way from its coordinates to the paper's."""
 
 from abc import ABC, abstractmethod
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import exudyn as exu
 import exudyn.itemInterface as items
@@ -14,6 +14,9 @@ from mbs_models.friction import ON_FLOATS, ON_SYMBOLS, Functions
 from mbs_models.scene import Scene
 
 GRAVITY_VECTOR = [0.0, 0.0, -GRAVITY]
+
+
+Kind = Literal["node", "object", "marker", "load", "sensor"]
 
 
 class Residual(NamedTuple):
@@ -32,16 +35,21 @@ class Model(ABC):
     scene : Scene
     symbolic : bool
         Whether the friction law is recorded for the engine to evaluate instead of called back in
-        Python. Only for the load "weight"; `ValueError` otherwise.
+        Python. Not for the load "contact" of an ideal contact; `ValueError` otherwise.
 
     Attributes
     ----------
     system : exudyn.MainSystem
         Assembled, with the start of the scene as its initial state.
+    reasons : dict
+        From kind and number of every item in the system to why it is there.
     """
 
+    continuous_angles = False
+    """Whether alpha and gamma are coordinates of the engine, and not taken from a rotation."""
+
     def __init__(self, scene: Scene, *, symbolic: bool = False) -> None:
-        if symbolic and scene.friction.load == "contact":
+        if symbolic and scene.contact is None and scene.friction.load == "contact":
             raise ValueError("symbolic friction takes the load 'weight' alone, got 'contact'")
         self.scene = scene
         self._symbolic = symbolic
@@ -51,6 +59,7 @@ class Model(ABC):
         self.system: Any = self.container.AddSystem()
         # Joints by what they hold; the friction functions read the contact's number at run time.
         self._contact: list[int] = []
+        self.reasons: dict[tuple[Kind, int], str] = {}
         self._cog: int | None = None
         self._spin: int | None = None
         self._build()
@@ -85,16 +94,18 @@ class Model(ABC):
         """Time derivatives of the engine's coordinates in its current state, shape (n,)."""
         return np.array(self.system.systemData.GetODE2Coordinates_t())
 
-    def multipliers(self, algebraic: Array, coordinates: Array) -> Array:
+    def multipliers(self, algebraic: Array, coordinates: Array, rates: Array) -> Array:
         """Constraint forces on the disk in R-frame axes, shape (n, k).
 
         Parameters
         ----------
         algebraic : ndarray, shape (n, m)
             The engine's algebraic coordinates.
-        coordinates : ndarray, shape (n, 6)
-            Co-rotating coordinates.
+        coordinates, rates : ndarray, shape (n, 6)
+            Co-rotating coordinates and their rates.
         """
+        if self.scene.contact is not None:
+            return self.scene.contact.forces(self.scene.disk, coordinates, rates)[:, None]
         # The engine's constraint forces act with a minus sign on the second body.
         contact = algebraic[:, self._equations(self._contact[0])]
         columns = [-contact[:, 2]]
@@ -108,14 +119,39 @@ class Model(ABC):
             columns.append(-algebraic[:, self._equations(self._spin)[0]])
         return np.column_stack(columns)
 
+    def add_sensor(self) -> int:
+        """Add the one sensor of a run: all that is sampled, read at the same instant.
+
+        It stores time, `record` and the algebraic coordinates.
+        """
+        data = self.system.systemData
+
+        def sample(*_unused: Any) -> Array:
+            return np.concatenate((self.record(), data.GetAECoordinates()))
+
+        sensor = self._add(
+            items.SensorUserFunction(
+                sensorNumbers=[],
+                factors=[],
+                storeInternal=True,
+                writeToFile=False,
+                sensorUserFunction=sample,
+            ),
+            "state and constraint forces at every sample, by a user function",
+        )
+        self.system.Assemble()
+        return sensor
+
     def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
-        """Constraint residuals of the start.
+        """Constraint residuals of the start; a penalty contact is no constraint.
 
         Parameters
         ----------
         velocity_residuals : ndarray, shape (m,)
             The engine's algebraic equations on velocity level.
         """
+        if self.scene.contact is not None:
+            return []
         contact = velocity_residuals[self._equations(self._contact[0])]
         height = self.system.GetObjectOutput(self._contact[0], exu.OutputVariableType.Position)[2]
         residuals = [
@@ -138,45 +174,96 @@ class Model(ABC):
         """Number of the algebraic equation of the normal contact, if there is one."""
         return self._equations(self._contact[0])[2] if self._contact else None
 
+    @property
+    def force_rounding(self) -> float:
+        """Residual in N that rounding leaves, below which Newton's iteration cannot get.
+
+        A stiff contact turns the last digit of a height into a force, and steep friction that of
+        a slip speed.
+        """
+        disk, friction, contact = self.scene.disk, self.scene.friction, self.scene.contact
+        rim_speed = disk.radius * max(abs(rate) for rate in self.scene.start.rates[3:])
+        slope = friction.coefficient * disk.weight / friction.smoothing
+        lost = slope * rim_speed
+        if contact is not None:
+            lost += contact.stiffness * disk.radius
+        return max(2e-14 * disk.weight, 4.0 * float(np.finfo(float).eps) * lost)
+
+    @property
+    def has_force(self) -> bool:
+        """Whether the table acts on the disk by a force law, in a user function."""
+        return self.scene.contact is not None or self.scene.friction.coefficient > 0.0
+
+    @property
+    def force_name(self) -> str:
+        """What that force law covers."""
+        parts = ["penalty contact"] if self.scene.contact is not None else []
+        parts += ["friction"] if self.scene.friction.coefficient > 0.0 else []
+        return " and ".join(parts)
+
     def _functions(self) -> Functions:
         return ON_SYMBOLS if self._symbolic else ON_FLOATS
 
     def _equations(self, joint: int) -> list[int]:
         return list(self.system.systemData.GetObjectLTGAE(joint))
 
-    def _add_table(self) -> tuple[int, int]:
-        """Add the table; returns its object number and a marker at the origin."""
-        table = self.system.AddObject(items.ObjectGround())
-        return table, self.system.AddMarker(items.MarkerBodyRigid(bodyNumber=table))
+    def _add(self, item: Any, why: str) -> int:
+        """Add an item to the system under the reason for it; returns its number."""
+        kind = _kind(item)
+        number = int(getattr(self.system, f"Add{kind.capitalize()}")(item))
+        self.reasons[kind, number] = why
+        return number
+
+    def _add_table(self) -> int:
+        """Add the table; returns its object number."""
+        return self._add(items.ObjectGround(), "the table, which what holds the disk refers to")
+
+    def _add_origin(self, table: int) -> int:
+        """Add a marker at the origin; returns its number."""
+        return self._add(items.MarkerBodyRigid(bodyNumber=table), "the table's side of the joints")
 
     def _add_contact(self, table: int, centre: int) -> None:
         """Close the contact; from Model 3 on without slip along e_x of the R-frame."""
+        rolls = self.scene.level >= 3
         self._contact.append(
-            self.system.AddObject(
+            self._add(
                 items.ObjectJointRollingDisc(
                     markerNumbers=[table, centre],
-                    constrainedAxes=[0, int(self.scene.level >= 3), 1],
+                    constrainedAxes=[0, int(rolls), 1],
                     discRadius=self.scene.disk.radius,
                     discAxis=[0.0, 0.0, 1.0],
-                )
+                ),
+                "contact with the table" + (", without slip along the edge" if rolls else ""),
             )
         )
 
     def _add_fixed_cog(self, table: int, cog: int) -> None:
         """Hold the centre of gravity above the origin."""
-        self._cog = self.system.AddObject(
-            items.ObjectJointSpherical(markerNumbers=[table, cog], constrainedAxes=[1, 1, 0])
+        self._cog = self._add(
+            items.ObjectJointSpherical(markerNumbers=[table, cog], constrainedAxes=[1, 1, 0]),
+            "holds the centre of gravity above the origin",
         )
 
     def _add_constant_spin(self, node: int) -> None:
         """Hold the rate of the first coordinate of `node` at the start's spin."""
-        ground = self.system.AddNode(items.NodePointGround())
-        markers = [
-            self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=number, coordinate=0))
-            for number in (ground, node)
-        ]
-        self._spin = self.system.AddObject(
-            items.ObjectConnectorCoordinate(
-                markerNumbers=markers, offset=self.scene.start.rates[3], velocityLevel=True
-            )
+        ground = self._add(items.NodePointGround(), "what the spin is measured from")
+        fixed = self._add(
+            items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0), "the ground's coordinate"
         )
+        turning = self._add(
+            items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0), "the spin's coordinate"
+        )
+        self._spin = self._add(
+            items.ObjectConnectorCoordinate(
+                markerNumbers=[fixed, turning],
+                offset=self.scene.start.rates[3],
+                velocityLevel=True,
+            ),
+            "holds the spin constant",
+        )
+
+
+def _kind(item: Any) -> Kind:
+    name = type(item).__name__
+    kinds: tuple[Kind, ...] = get_args(Kind)
+    return next(kind for kind in kinds if name.lower().startswith(kind))

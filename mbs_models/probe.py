@@ -46,8 +46,8 @@ def acceleration(scene: Scene, state: State | None = None) -> tuple[Array, Array
     accelerations = model.decode_accelerations(second_derivatives)
     if isinstance(model, ContactTree):
         return accelerations, np.array([model.normal_force(second_derivatives)])
-    coordinates, _ = model.decode(model.record()[None])
-    return accelerations, model.multipliers(algebraic[None], coordinates)[0]
+    coordinates, rates = model.decode(model.record()[None])
+    return accelerations, model.multipliers(algebraic[None], coordinates, rates)[0]
 
 
 class Probe:

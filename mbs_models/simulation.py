@@ -1,13 +1,15 @@
 """Simulation of a scene in the engine, to a step size or to a tolerance."""
 
+import time
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.checks import Array, ToleranceError, increasing_times, positive
+from analysis.disk import GRAVITY
 from analysis.state import COORDINATES, State, check_upright
 from analysis.trajectory import Trajectory, versions
 from mbs_models.build import build
@@ -27,7 +29,8 @@ def simulate(
     *,
     step: float | None = None,
     tolerance: float | None = None,
-    integrator: IntegratorName | None = None,
+    integrator: Integrator | IntegratorName | None = None,
+    symbolic: bool = False,
 ) -> Trajectory:
     """Simulate a scene in the engine.
 
@@ -45,8 +48,12 @@ def simulate(
         Largest step in s; shortened so that every sample falls on a step.
     tolerance : float, optional
         Largest error in beta and gamma in rad; 1e-8 if neither is given.
-    integrator : str, optional
-        One of `integrators(scene.formulation)`, by default the first.
+    integrator : Integrator or str, optional
+        With its options, or the name of one of `integrators(scene.formulation)`; by default the
+        first of them. DOPRI5 takes its accuracy from `Integrator.local_tolerance`, and `step`
+        only limits its steps.
+    symbolic : bool
+        Hand the friction law to the engine as a symbolic expression instead of a Python function.
 
     Returns
     -------
@@ -62,36 +69,59 @@ def simulate(
         If `tolerance` cannot be met.
     """
     times = increasing_times(times)
-    chosen = find_integrator(scene.formulation, integrator)
+    chosen = find_integrator(scene.formulation, integrator, constrained=scene.has_constraints)
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
-    Probe(build(scene)).check_start()
-    if step is not None:
-        result = _single(scene, times, chosen, positive("step", step))
-        estimate = None
-    else:
-        tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
-        result, estimate = _to_tolerance(scene, times, chosen, tolerance)
-    return _trajectory(scene, times, chosen, result, (tolerance, estimate))
+    if tolerance is not None and chosen.controls_step:
+        raise ValueError(
+            f"tolerance must be left out for integrator {chosen.name!r}, which has a "
+            f"local_tolerance of its own, got {tolerance!r}"
+        )
+    Probe(build(scene, symbolic=symbolic)).check_start()
+    if step is not None or chosen.controls_step:
+        largest = np.inf if step is None else positive("step", step)
+        result = one_pass(scene, times, chosen, largest, symbolic=symbolic)
+        return trajectory(scene, times, chosen, result)
+    tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    result, estimate = _to_tolerance(scene, times, chosen, tolerance, symbolic)
+    return trajectory(scene, times, chosen, result, tolerance=tolerance, estimate=estimate)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Result:
-    """Samples of a motion, values (n, 12 + k), the longest step and the work they took."""
+class Pass:
+    """One pass over all times: what came out and what it took.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, 12 + k)
+        Co-rotating coordinates, their rates, and the multipliers of scenes with constraints.
+    step : float
+        Longest step in s, or the limit of step control.
+    counts : Counter
+        See `Samples`.
+    setup_seconds : float
+        Processor time that building the scene took.
+    seconds : float
+        Processor time that the engine's solver took.
+    """
 
     values: Array
     step: float
     counts: Counter[str]
+    setup_seconds: float = 0.0
+    seconds: float = 0.0
 
 
-def _trajectory(
+def trajectory(
     scene: Scene,
     times: Array,
     integrator: Integrator,
-    result: _Result,
-    accuracy: tuple[float | None, float | None],
+    result: Pass,
+    *,
+    tolerance: float | None = None,
+    estimate: float | None = None,
 ) -> Trajectory:
-    tolerance, estimate = accuracy
+    """Trajectory from the samples of a pass; the contact tree's normal force is added here."""
     coordinates, rates = result.values[:, :6], result.values[:, 6:12]
     multipliers = result.values[:, 12:]
     if scene.formulation == "contact-tree":
@@ -107,10 +137,11 @@ def _trajectory(
         source="engine",
         method={
             "formulation": scene.formulation,
-            "integrator": integrator.name,
+            **integrator.settings(),
             "step": result.step,
             "tolerance": tolerance,
-        },
+        }
+        | ({} if scene.contact is None else asdict(scene.contact)),
         error_estimate=estimate,
         counts=dict(result.counts),
         versions=versions("numpy", "exudyn"),
@@ -118,24 +149,26 @@ def _trajectory(
 
 
 def _to_tolerance(
-    scene: Scene, times: Array, integrator: Integrator, tolerance: float
-) -> tuple[_Result, float]:
+    scene: Scene, times: Array, integrator: Integrator, tolerance: float, symbolic: bool
+) -> tuple[Pass, float]:
     """Halve the step and extrapolate until the estimated error is small enough."""
     ladder = Ladder(scene.formulation, integrator.name)
     counts: Counter[str] = Counter()
     failure: EngineError | None = None
     for halvings in range(HALVINGS):
         try:
-            result = _single(scene, times, integrator, integrator.first_step, halvings)
+            result = one_pass(
+                scene, times, integrator, integrator.first_step, halvings, symbolic=symbolic
+            )
         except EngineError as error:
             # A step too long for the iteration is no failure of the tolerance: halve it.
             failure, ladder = error, Ladder(scene.formulation, integrator.name)
         else:
             failure = None
-            counts += result.counts
+            counts.update(result.counts)
             ladder.add(result.values)
             if ladder.estimate <= tolerance:
-                return _Result(ladder.best, result.step, counts), ladder.estimate
+                return Pass(ladder.best, result.step, counts), ladder.estimate
             if ladder.stalled:
                 break
     if failure is not None:
@@ -146,37 +179,62 @@ def _to_tolerance(
     )
 
 
-def _single(
-    scene: Scene, times: Array, integrator: Integrator, step: float, halvings: int = 0
-) -> _Result:
-    """One pass over all times, with steps of at most `step` that are then halved so often."""
+def one_pass(
+    scene: Scene,
+    times: Array,
+    integrator: Integrator,
+    step: float,
+    halvings: int = 0,
+    *,
+    symbolic: bool = False,
+) -> Pass:
+    """One pass over all times, with steps of at most `step` that are then halved so often.
+
+    Raises
+    ------
+    EngineError
+        If the engine does not reach the end.
+    ArithmeticError
+        If the disk comes to lie flat.
+    """
     blocks: list[Array] = []
     counts: Counter[str] = Counter()
-    longest = 0.0
+    longest = setup = seconds = 0.0
     for first, intervals, spacing in _even_stretches(times):
         if blocks:
             scene = replace(scene, start=_restart(blocks[-1]))
-        model = build(scene)
+        begin = time.process_time()
+        model = build(scene, symbolic=symbolic)
+        setup += time.process_time() - begin
         substeps = max(1, int(np.ceil(spacing / step - 1e-9))) << halvings
         longest = max(longest, spacing / substeps)
+        # Angles from rotation matrices are followed more closely than they are asked for.
+        finer = 1 if model.continuous_angles else _fineness(scene, spacing, substeps)
         try:
             samples = run(
-                model, integrator, spacing=spacing, intervals=intervals, substeps=substeps
+                model,
+                integrator,
+                spacing=spacing / finer,
+                intervals=intervals * finer,
+                substeps=substeps // finer,
             )
         except EngineError as error:
             raise EngineError(f"{error} (stretch from t = {times[first]:.6g} s)") from error
-        counts += Counter(samples.counts)
+        counts.update(samples.counts)
+        seconds += samples.seconds
         coordinates, rates = model.decode(samples.records)
-        if blocks:
-            coordinates[:, [3, 5]] += _whole_turns(blocks[-1][-1, [3, 5]] - coordinates[0, [3, 5]])
-        _unwrap(coordinates, rates, spacing)
-        check_upright(times[first : first + intervals + 1], coordinates)
+        check_upright(times[first] + spacing / finer * np.arange(len(coordinates)), coordinates)
+        if not model.continuous_angles:
+            turns = scene.start.coordinates[3::2] - coordinates[0, 3::2]
+            coordinates[:, 3::2] += _whole_turns(turns)
+            _unwrap(coordinates, rates, spacing / finer)
+        coordinates, rates = coordinates[::finer], rates[::finer]
         columns = [coordinates, rates]
         if not isinstance(model, ContactTree):
-            columns.append(model.multipliers(samples.algebraic, coordinates))
+            columns.append(model.multipliers(samples.algebraic[::finer], coordinates, rates))
         block = np.column_stack(columns)
         blocks.append(block[1:] if blocks else block)
-    return _Result(np.concatenate(blocks), longest, counts)
+    return Pass(np.concatenate(blocks), longest, counts, setup, seconds)
 
 
 def _even_stretches(times: Array) -> Iterator[tuple[int, int, float]]:
@@ -193,6 +251,17 @@ def _even_stretches(times: Array) -> Iterator[tuple[int, int, float]]:
 def _restart(block: Array) -> State:
     last = block[-1].tolist()
     return State(coordinates=tuple(last[:6]), rates=tuple(last[6:12]))
+
+
+def _fineness(scene: Scene, spacing: float, substeps: int) -> int:
+    """Divisor of `substeps` that leaves less than about a radian between samples.
+
+    From the rates at the start, and those that the fall of the disk can add.
+    """
+    fall = np.sqrt(GRAVITY / scene.disk.radius)
+    fastest = 2.0 * (sum(abs(rate) for rate in scene.start.rates[3:]) + fall)
+    needed = fastest * spacing
+    return next((k for k in range(1, substeps) if k >= needed and substeps % k == 0), substeps)
 
 
 def _whole_turns(angles: Array) -> Array:

@@ -20,6 +20,7 @@ from mbs_models.friction import (
     symbolic_tree,
 )
 from mbs_models.model import GRAVITY_VECTOR, Model, Residual
+from mbs_models.penalty import euler_tree_contact
 from mbs_models.scene import Scene
 
 _JOINT = exu.JointType
@@ -27,6 +28,8 @@ _JOINT = exu.JointType
 
 class _Tree(Model):
     """A chain of massless links with the disk at its end."""
+
+    continuous_angles = True
 
     _law: Callable[[Scene, Limit, Functions], Force]
     _node: int
@@ -37,19 +40,22 @@ class _Tree(Model):
     ) -> None:
         """Add the chain; the last joint turns the disk about its axis and carries its mass."""
         n, disk = len(joints), self.scene.disk
-        self._node = self.system.AddNode(
+        self._node = self._add(
             items.NodeGenericODE2(
                 numberOfODE2Coordinates=n,
                 referenceCoordinates=[0.0] * n,
                 initialCoordinates=position.tolist(),
                 initialCoordinates_t=velocity.tolist(),
-            )
+            ),
+            "the joint coordinates",
         )
         inertia = np.diag(disk.inertia_about_cog)
-        friction = {}
-        if self.scene.friction.coefficient:
-            friction["forceUserFunction"] = self._friction(n)
-        self._tree = self.system.AddObject(
+        forces = {}
+        why = "the disk at the end of its joints, with its weight"
+        if self.has_force:
+            forces["forceUserFunction"] = self._force(n)
+            why += f" and {self.force_name} by a user function"
+        self._tree = self._add(
             items.ObjectKinematicTree(
                 nodeNumber=self._node,
                 gravity=GRAVITY_VECTOR,
@@ -60,12 +66,18 @@ class _Tree(Model):
                 linkInertiasCOM=exu.Matrix3DList([np.zeros((3, 3))] * (n - 1) + [inertia]),
                 linkCOMs=exu.Vector3DList([[0.0] * 3] * (n - 1) + [[disk.eccentricity, 0.0, 0.0]]),
                 linkMasses=[0.0] * (n - 1) + [disk.mass],
-                **friction,
-            )
+                **forces,
+            ),
+            why,
         )
 
-    def _friction(self, size: int) -> Any:
-        law = self._law(self.scene, friction_limit(self.scene, self._contact), self._functions())
+    def _force(self, size: int) -> Any:
+        contact = self.scene.contact
+        if contact is not None:
+            law = euler_tree_contact(self.scene, contact, self._functions())
+        else:
+            limit = friction_limit(self.scene, self._contact)
+            law = self._law(self.scene, limit, self._functions())
         if not self._symbolic:
             return law
         function, symbols = symbolic_tree(self.system, law, size)
@@ -98,20 +110,22 @@ class EulerTree(_Tree):
             np.array(start.coordinates)[order],
             np.array(start.rates)[order],
         )
-        _, table = self._add_table()
-        self._add_contact(table, self._disk_marker(0.0))
+        if self.scene.contact is not None:
+            return
+        origin = self._add_origin(self._add_table())
+        self._add_contact(origin, self._disk_marker(0.0, "the disk's centre"))
         if self.scene.level >= 2:
-            self._add_fixed_cog(table, self._disk_marker(self.scene.disk.eccentricity))
+            cog = self._disk_marker(self.scene.disk.eccentricity, "the disk's centre of gravity")
+            self._add_fixed_cog(origin, cog)
         if self.scene.level >= 4:
             self._add_constant_spin(self._node)
 
-    def _disk_marker(self, offset: float) -> int:
-        return int(
-            self.system.AddMarker(
-                items.MarkerKinematicTreeRigid(
-                    objectNumber=self._tree, linkNumber=5, localPosition=[offset, 0.0, 0.0]
-                )
-            )
+    def _disk_marker(self, offset: float, why: str) -> int:
+        return self._add(
+            items.MarkerKinematicTreeRigid(
+                objectNumber=self._tree, linkNumber=5, localPosition=[offset, 0.0, 0.0]
+            ),
+            why,
         )
 
     def decode(self, records: Array) -> tuple[Array, Array]:

@@ -64,16 +64,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     parser = _parser()
     options = parser.parse_args(arguments)
+    name = f"tippedisk {options.command.replace('_', '-')}"
     try:
         # Imported late: the commands bring NumPy, SciPy and the engine along.
         commands = import_module(f"validation.{options.module}")
         return int(getattr(commands, options.command)(options))
     except (ValueError, ArithmeticError, OSError) as error:
         message = " ".join(str(error).split())
-        print(f"tippedisk {options.command}: error: {message}", file=sys.stderr)
+        print(f"{name}: error: {message}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print(f"tippedisk {options.command}: interrupted", file=sys.stderr)
+        print(f"{name}: interrupted", file=sys.stderr)
         return 130
 
 
@@ -91,6 +92,9 @@ def _parser() -> argparse.ArgumentParser:
     _add_show(commands)
     _add_eigenvalues(commands)
     _add_critical(commands)
+    _add_scene(commands)
+    _add_work_precision(commands)
+    _add_robustness(commands)
     return parser
 
 
@@ -208,6 +212,50 @@ def _add_critical(commands: "argparse._SubParsersAction[_Parser]") -> None:
         metavar="FIRST:LAST",
         help="range in rad/s (default: %(default)s)",
     )
+
+
+def _add_scene(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    scene = commands.add_parser(
+        "scene",
+        help="list what is in a scene of the engine, and why",
+        description="List the nodes, objects, markers and sensors of a scene with the reason for "
+        "each, and count its coordinates, constraints and user functions.",
+    )
+    scene.set_defaults(module="commands_scene")
+    add = scene.add_argument
+    add("--model", type=int, choices=MODELS, default=1, help="constraint level (default: 1)")
+    add("--formulation", choices=FORMULATIONS[:4], help="how the disk is built")
+    add("--load", choices=LOADS, default="weight", help="load in the friction law (weight)")
+    add("--mu", type=float, default=0.3, help="friction coefficient (0.3)")
+    add("--stiffness", type=float, help="penalty contact in N/m instead of the ideal one")
+
+
+def _add_work_precision(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    study = commands.add_parser(
+        "work-precision",
+        help="measure error against run time of every formulation and integrator",
+        description="Run every formulation with every integrator on ladders of steps or "
+        "tolerances and write diagrams, tables and the lesson to one page. An interrupted study "
+        "goes on where it stopped.",
+    )
+    study.set_defaults(module="commands_work_precision", command="work_precision")
+    add = study.add_argument
+    add("--quick", action="store_true", help="a selection, about a minute")
+    add("--out", default="work-precision", metavar="DIR", help="folder (default: %(default)s)")
+    add("--fresh", action="store_true", help="measure again what is kept")
+
+
+def _add_robustness(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    study = commands.add_parser(
+        "robustness",
+        help="numerical stability on stiff and extreme cases",
+        description="Run a grid of hard cases in separate processes, classify each from its "
+        "measured error, drift and energy, and write tables and figures to one page.",
+    )
+    study.set_defaults(module="commands_robustness")
+    add = study.add_argument
+    add("--quick", action="store_true", help="a selection, about a minute")
+    add("--out", default="robustness", metavar="DIR", help="folder (default: %(default)s)")
 
 
 def _add_system(parser: argparse.ArgumentParser) -> None:

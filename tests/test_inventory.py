@@ -1,0 +1,194 @@
+"""What is in a scene: this list holds it, item by item."""
+
+import argparse
+from typing import Any
+
+import pytest
+
+import mbs_models
+from analysis import LEVELS, Level, SmoothCoulomb
+from mbs_models import Formulation, PenaltyContact, Scene
+from mbs_models.ballast import BALLAST, six_axes
+from mbs_models.build import build
+from mbs_models.integrators import find_integrator, run
+from mbs_models.inventory import Inventory, _items, inventory, unused_markers
+from mbs_models.model import Model
+from validation import lean
+from validation.commands_scene import scene as scene_command
+from validation.commands_scene import scene_table
+
+SMOOTH = SmoothCoulomb(coefficient=0.0)
+SENSOR = ["sensor UserFunction"]
+
+TREE = ["node GenericODE2", "object KinematicTree"]
+TABLE = ["object Ground", "marker BodyRigid"]
+CONTACT = ["object JointRollingDisc"]
+COG = ["object JointSpherical"]
+SPIN = [
+    "node PointGround",
+    "marker NodeCoordinate",
+    "marker NodeCoordinate",
+    "object ConnectorCoordinate",
+]
+BODY = ["object RigidBody", "marker BodyMass", "load MassProportional"]
+FRICTION = ["marker BodyRigid", "object ConnectorRigidBodySpringDamper"]
+CARRIER = ["node 1D", "object RotationalMass1D", "marker BodyRigid", "object JointGeneric"]
+
+
+def expected(level: Level, formulation: Formulation, *, rough: bool) -> list[str]:
+    if formulation == "contact-tree":
+        return TREE + SENSOR
+    if formulation == "euler-tree":
+        marker = ["marker KinematicTreeRigid"]
+        listed = TREE + SENSOR + TABLE + CONTACT + marker
+        listed += COG + marker if level >= 2 else []
+        return listed + (SPIN if level >= 4 else [])
+    node = "RigidBodyEP" if formulation == "floating" else "RigidBodyRotVecLG"
+    listed = [f"node {node}", *BODY, *SENSOR, *TABLE, *CONTACT, "marker BodyRigid"]
+    listed += FRICTION if rough else []
+    listed += [*COG, "marker BodyRigid"] if level >= 2 else []
+    return listed + (CARRIER + SPIN if level >= 4 else [])
+
+
+def listed(found: Inventory) -> list[str]:
+    return sorted(f"{item.kind} {item.type}" for item in found.items)
+
+
+SCENES = [
+    (level, formulation, rough)
+    for level in LEVELS
+    for formulation in mbs_models.formulations(level)
+    for rough in (True, False)
+]
+
+
+@pytest.mark.parametrize(("level", "formulation", "rough"), SCENES)
+def test_scene_holds_what_it_needs_and_nothing_else(
+    level: Level, formulation: Formulation, rough: bool
+) -> None:
+    friction = SmoothCoulomb() if rough else SMOOTH
+    scene = Scene(level=level, formulation=formulation, friction=friction)
+    found = inventory(scene)
+    assert listed(found) == sorted(expected(level, formulation, rough=rough))
+    assert found.user_functions == 1 + rough
+    assert not unused_markers(scene)
+
+
+@pytest.mark.parametrize(("level", "formulation", "rough"), SCENES)
+def test_counts_are_those_of_the_assembled_system(
+    level: Level, formulation: Formulation, rough: bool
+) -> None:
+    scene = Scene(
+        level=level, formulation=formulation, friction=SmoothCoulomb() if rough else SMOOTH
+    )
+    found, model = inventory(scene), build(scene)
+    data = model.system.systemData
+    assert found.coordinates == len(data.GetODE2Coordinates())
+    assert found.equations == len(data.GetAECoordinates())
+    # Contact; COG (2); rolling; spin; and what a formulation adds for itself.
+    extra = (formulation == "floating") + (formulation.startswith("floating") and level == 4)
+    closed = formulation == "contact-tree"
+    assert found.constraints == {1: 1, 2: 3, 3: 4, 4: 5}[level] + extra - closed
+    assert scene.has_constraints is (found.constraints > 0)
+
+
+@pytest.mark.parametrize("rough", [True, False])
+@pytest.mark.parametrize(
+    ("formulation", "items"),
+    [
+        ("euler-tree", TREE),
+        ("floating", ["node RigidBodyEP", *BODY, *TABLE, "marker BodyRigid", FRICTION[1]]),
+        (
+            "floating-lie",
+            ["node RigidBodyRotVecLG", *BODY, *TABLE, "marker BodyRigid", FRICTION[1]],
+        ),
+    ],
+)
+def test_penalty_contact_needs_one_force_law_and_no_joint(
+    formulation: Any, items: list[str], rough: bool
+) -> None:
+    scene = Scene(
+        formulation=formulation,
+        contact=PenaltyContact(stiffness=1e5),
+        friction=SmoothCoulomb() if rough else SMOOTH,
+    )
+    assert listed(inventory(scene)) == sorted(items + SENSOR)
+    assert not unused_markers(scene)
+
+
+def test_every_item_says_why_it_is_there() -> None:
+    for level, formulation, _ in SCENES:
+        for item in inventory(Scene(level=level, formulation=formulation)).items:
+            assert len(item.why) > 5
+
+
+def test_item_without_a_reason_is_found() -> None:
+    model = build(Scene())
+    model.reasons.clear()
+    with pytest.raises(LookupError, match="node 0 has no recorded reason"):
+        list(_items(model))
+
+
+def test_frictionless_scene_does_not_mention_friction() -> None:
+    for level, formulation, _ in SCENES:
+        found = inventory(Scene(level=level, formulation=formulation, friction=SMOOTH))
+        assert not [item for item in found.items if "friction" in item.why]
+
+
+def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str]) -> None:
+    options = argparse.Namespace(
+        model=3, formulation="euler-tree", load="weight", mu=0.3, stiffness=None
+    )
+    assert scene_command(options) == 0
+    printed = capsys.readouterr().out
+    assert "JointRollingDisc" in printed
+    assert "without slip along the edge" in printed
+    assert "6 coordinates, 6 algebraic equations (4 constraints" in printed
+
+
+def test_table_has_one_row_per_item() -> None:
+    found = inventory(Scene(level=4, formulation="floating"))
+    assert len(scene_table(found).rows) == len(found.items)
+
+
+@pytest.mark.parametrize("part", BALLAST)
+def test_ballast_does_not_change_the_motion(part: str) -> None:
+    ends = []
+    for loaded in (False, True):
+        scene = Scene(level=2, formulation="floating", friction=SMOOTH)
+        model = build(scene)
+        if loaded:
+            BALLAST[part](model)
+        samples = run(
+            model, find_integrator("floating", None), spacing=1e-2, intervals=3, substeps=10
+        )
+        ends.append(samples.records[-1])
+    assert abs(ends[0] - ends[1]).max() < 1e-12
+
+
+def test_joint_with_six_axes_holds_the_same_motion() -> None:
+    ends = []
+    for loaded in (False, True):
+        model = build(Scene(level=2))
+        if loaded:
+            six_axes(model)
+        samples = run(
+            model, find_integrator("euler-tree", None), spacing=1e-2, intervals=3, substeps=10
+        )
+        ends.append(samples.records[-1])
+    assert abs(ends[0] - ends[1]).max() < 1e-9
+
+
+def test_price_of_friction_that_does_nothing_is_measured() -> None:
+    frictionless = Scene(level=2, formulation="floating", friction=SMOOTH)
+
+    def carried() -> Model:
+        model = build(frictionless)
+        BALLAST["friction of coefficient zero"](model)
+        return model
+
+    found = lean.price("part", "scene", carried, lambda: build(frictionless), repeats=2)
+    assert found.carried > 0.0
+    assert found.left_out > 0.0
+    assert found.spread >= 1.0
+    assert len(lean.price_table([found]).rows) == 1

@@ -1,0 +1,196 @@
+"""The unilateral penalty contact."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import LOADS, STEEL_DISK, Load, SmoothCoulomb, State, consistent_start
+from analysis.equations import mass_matrix
+from analysis.frames import poses
+from mbs_models import Formulation, PenaltyContact, Scene
+from mbs_models.build import build
+from mbs_models.probe import Probe
+from validation.penalty_limit import penalty_error
+
+FORMULATIONS: tuple[Formulation, ...] = ("euler-tree", "floating", "floating-lie")
+CONTACT = PenaltyContact(stiffness=1e5, damping=10.0)
+TIMES = np.linspace(0.0, 0.1, 21)
+
+
+def moving_start() -> State:
+    start = consistent_start(
+        1, STEEL_DISK, beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0, gamma_rate=-5.0
+    )
+    return CONTACT.lowered(STEEL_DISK, start)
+
+
+def raised(start: State, height: float) -> State:
+    x, y, z, *angles = start.coordinates
+    return replace(start, coordinates=(x, y, z + height, *angles))
+
+
+@pytest.mark.parametrize("load", LOADS)
+def test_error_falls_with_the_first_power_of_the_stiffness(load: Load) -> None:
+    soft, stiff = penalty_error(1e5, load), penalty_error(1e6, load)
+    assert stiff.estimate < 0.01 * stiff.angles
+    assert soft.angles / stiff.angles == pytest.approx(10.0, rel=0.1)
+    assert soft.normal_force / stiff.normal_force == pytest.approx(10.0, rel=0.1)
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("coefficient", [0.0, 0.3])
+def test_all_formulations_have_the_same_accelerations(load: Load, coefficient: float) -> None:
+    friction = SmoothCoulomb(load=load, coefficient=coefficient)
+    found = [
+        mbs_models.acceleration(
+            Scene(formulation=name, contact=CONTACT, friction=friction, start=moving_start())
+        )
+        for name in FORMULATIONS
+    ]
+    for accelerations, force in found[1:]:
+        np.testing.assert_allclose(accelerations, found[0][0], rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(force, found[0][1], rtol=1e-9)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("load", LOADS)
+def test_symbolic_form_gives_the_same_accelerations(formulation: Any, load: Load) -> None:
+    scene = Scene(
+        formulation=formulation,
+        contact=CONTACT,
+        friction=SmoothCoulomb(load=load),
+        start=moving_start(),
+    )
+    plain, symbolic = (Probe(build(scene, symbolic=flag)).solve()[0] for flag in (False, True))
+    np.testing.assert_allclose(symbolic, plain, rtol=1e-12, atol=1e-10)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("load", LOADS)
+def test_disk_in_the_air_feels_its_weight_alone(formulation: Any, load: Load) -> None:
+    start = raised(consistent_start(1, STEEL_DISK, spin=0.0), 1e-3)
+    scene = Scene(
+        formulation=formulation, contact=CONTACT, friction=SmoothCoulomb(load=load), start=start
+    )
+    accelerations, force = mbs_models.acceleration(scene)
+    np.testing.assert_allclose(accelerations, [0, 0, -analysis.GRAVITY, 0, 0, 0], atol=1e-9)
+    assert force[0] == 0.0
+
+
+def test_disk_falls_freely_until_it_touches_the_table() -> None:
+    start = raised(consistent_start(1, STEEL_DISK, spin=0.0, gamma=np.pi / 2), 0.05)
+    times = np.linspace(0.0, 0.1, 11)
+    run = mbs_models.simulate(Scene(contact=CONTACT, start=start), times, step=1e-3)
+    fallen = start.coordinates[2] - 0.5 * analysis.GRAVITY * times**2
+    np.testing.assert_allclose(run.coordinate("z"), fallen, atol=1e-12)
+    assert not np.any(run.normal_force)
+
+
+def test_undamped_frictionless_bounce_keeps_the_energy() -> None:
+    start = raised(consistent_start(1, STEEL_DISK, spin=0.0, gamma=np.pi / 2), 0.01)
+    scene = Scene(
+        contact=PenaltyContact(stiffness=1e5),
+        friction=SmoothCoulomb(coefficient=0.0),
+        start=start,
+    )
+    run = mbs_models.simulate(scene, np.linspace(0.0, 0.3, 301), step=2e-5)
+    kinetic, potential = analysis.energies(run.disk, run.coordinates, run.rates)
+    total = kinetic + potential + 0.5 * run.normal_force**2 / 1e5
+    assert np.max(run.normal_force) > 10 * run.disk.weight
+    # A step across the touch-down is of lower order.
+    np.testing.assert_allclose(total, total[0], rtol=2e-5)
+
+
+def test_default_start_rests_in_the_table() -> None:
+    disk, start = STEEL_DISK, Scene(contact=CONTACT).start
+    depth = disk.radius * np.sin(start.coordinates[4]) - start.coordinates[2]
+    assert CONTACT.stiffness * depth == pytest.approx(disk.weight, rel=1e-9)
+
+
+def test_disk_at_rest_stays_at_rest() -> None:
+    start = CONTACT.lowered(STEEL_DISK, consistent_start(1, STEEL_DISK, spin=0.0, gamma=np.pi / 2))
+    for name in FORMULATIONS:
+        scene = Scene(formulation=name, contact=CONTACT, start=start)
+        run = mbs_models.simulate(scene, TIMES, step=1e-3)
+        np.testing.assert_allclose(run.coordinates, run.coordinates[:1].repeat(21, 0), atol=1e-12)
+        np.testing.assert_allclose(run.normal_force, run.disk.weight, rtol=1e-8)
+
+
+def test_normal_force_is_what_accelerates_the_centre_of_gravity() -> None:
+    scene = Scene(contact=CONTACT, start=moving_start())
+    step = 1e-4
+    run = mbs_models.simulate(scene, [0.0, step, 2 * step], tolerance=1e-12)
+    _, rotation = poses(run.coordinates)
+    height = run.coordinate("z") + run.disk.eccentricity * rotation[:, 2, 0]
+    acceleration = (height[0] - 2 * height[1] + height[2]) / step**2
+    expected = run.normal_force[1] / run.disk.mass - analysis.GRAVITY
+    assert acceleration == pytest.approx(expected, abs=0.02)
+    assert mass_matrix(run.disk, run.coordinates[1])[2, 2] == pytest.approx(run.disk.mass)
+
+
+@pytest.mark.parametrize(
+    ("formulation", "constrained"),
+    [("euler-tree", False), ("floating-lie", False), ("floating", True)],
+)
+def test_penalty_leaves_no_constraint_but_that_of_euler_parameters(
+    formulation: Any, constrained: bool
+) -> None:
+    scene = Scene(formulation=formulation, contact=CONTACT)
+    assert scene.has_constraints is constrained
+    if constrained:
+        with pytest.raises(ValueError, match="cannot take the constraints"):
+            mbs_models.simulate(scene, TIMES, step=1e-4, integrator="RK44")
+    else:
+        run = mbs_models.simulate(scene, TIMES, step=1e-4, integrator="RK44")
+        implicit = mbs_models.simulate(scene, TIMES, step=1e-4, integrator="TrapezoidalIndex2")
+        np.testing.assert_allclose(run.coordinates, implicit.coordinates, atol=1e-5)
+
+
+def test_stiff_contact_is_taken_by_the_implicit_integrator_in_large_steps() -> None:
+    truth = analysis.simulate(1, TIMES, tolerance=1e-9)
+    for name in FORMULATIONS:
+        scene = Scene(formulation=name, contact=PenaltyContact.damped(1e9, STEEL_DISK))
+        run = mbs_models.simulate(scene, TIMES, step=1e-3, integrator="TrapezoidalIndex2")
+        assert np.max(np.abs(run.coordinates - truth.coordinates)[:, 4:]) < 1e-3
+
+
+def test_uneven_times_go_on_where_the_stretch_before_ended() -> None:
+    even = mbs_models.simulate(Scene(contact=CONTACT), TIMES, tolerance=1e-9)
+    uneven = mbs_models.simulate(Scene(contact=CONTACT), TIMES[[0, 1, 2, 5, 20]], tolerance=1e-9)
+    np.testing.assert_allclose(uneven.coordinates[-1], even.coordinates[-1], atol=1e-8)
+
+
+def test_trajectory_says_which_contact_made_it() -> None:
+    run = mbs_models.simulate(Scene(contact=CONTACT), [0.0, 0.01], step=1e-3)
+    assert run.method["stiffness"] == 1e5
+    assert run.method["damping"] == 10.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"contact": PenaltyContact(stiffness=1e3)}, r"stiffness must be at least .* got 1000"),
+        ({"contact": CONTACT, "level": 2}, "exists for Model 1 alone, got level 2"),
+        ({"contact": CONTACT, "formulation": "contact-tree"}, "no room for a penalty contact"),
+    ],
+)
+def test_contact_that_fits_no_scene_is_refused(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Scene(**arguments)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"stiffness": 0.0}, "stiffness must be positive"),
+        ({"stiffness": 1e5, "damping": -1.0}, "damping must not be negative"),
+        ({"stiffness": np.nan}, "stiffness must be a finite number"),
+    ],
+)
+def test_bad_contact_is_refused(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        PenaltyContact(**arguments)

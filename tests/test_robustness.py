@@ -1,0 +1,201 @@
+"""Numerical stability on stiff and extreme cases."""
+
+import os
+import signal
+import time
+from dataclasses import replace
+from math import factorial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mbs_models
+from analysis import STEEL_DISK, consistent_start
+from mbs_models import Scene
+from mbs_models.linear_stability import STAGES, amplification, largest_step, stability_polynomial
+from validation import robustness
+from validation import robustness_steps as steps
+from validation.isolated import Failure, run_isolated
+from validation.refusals import REQUESTS, refusals
+from validation.robustness_cases import Problem, Way, eccentric_disk, problems, scaled, ways
+from validation.robustness_drift import RUNNERS, conserved, drift
+from validation.robustness_run import run_case
+
+TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
+EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")
+EASY = Problem(
+    axis="none", label="", level=1, start=consistent_start(1, STEEL_DISK), end=0.1, samples=11
+)
+
+
+def misbehave(what: str) -> str:
+    if what == "crash":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if what == "hang":
+        time.sleep(60.0)
+    return what
+
+
+def test_crash_and_hang_are_noted_and_the_rest_still_runs() -> None:
+    calls = [("a",), ("crash",), ("b",), ("hang",), ("c",)]
+    results = run_isolated(misbehave, calls, limit=1.0)
+    assert [each for each in results if not isinstance(each, Failure)] == ["a", "b", "c"]
+    assert [each.kind for each in results if isinstance(each, Failure)] == ["crashed", "too slow"]
+    assert "ended with code -11" in results[1].reason
+
+
+@pytest.mark.parametrize("integrator", STAGES)
+def test_stability_function_starts_like_the_exponential(integrator: Any) -> None:
+    order = {"RK44": 4, "RK67": 6}[integrator]
+    found = stability_polynomial(integrator)
+    expected = [1.0 / factorial(power) for power in range(order + 1)]
+    np.testing.assert_allclose(found[: order + 1], expected, atol=1e-14)
+
+
+@pytest.mark.parametrize("integrator", STAGES)
+@pytest.mark.parametrize("z", [-0.5, -2.0 + 1.0j, 2.0j])
+def test_polynomial_gives_the_engine_s_amplification(integrator: Any, z: complex) -> None:
+    polynomial = np.polyval(stability_polynomial(integrator)[::-1], z)
+    assert amplification(integrator, z) == pytest.approx(polynomial, abs=1e-12)
+
+
+def test_stability_limit_of_the_classical_method_is_the_known_one() -> None:
+    assert largest_step("RK44", -1.0) == pytest.approx(2.785, abs=2e-3)
+    assert largest_step("RK44", 1.0j) == pytest.approx(2.828, abs=2e-3)
+    assert largest_step("RK44", -200.0) == pytest.approx(2.785 / 200.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("smoothing", [1e-2, 1e-5, 1e-8])
+@pytest.mark.parametrize("integrator", STAGES)
+def test_largest_stable_step_over_smoothing_is_the_predicted_one(
+    integrator: Any, smoothing: float
+) -> None:
+    (limit,) = steps.stable_over_smoothing(smoothing, integrator)
+    assert limit.step == pytest.approx(limit.predicted, rel=0.03)
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e9])
+@pytest.mark.parametrize("integrator", STAGES)
+def test_largest_stable_step_over_stiffness_is_the_predicted_one(
+    integrator: Any, stiffness: float
+) -> None:
+    (limit,) = steps.stable_over_stiffness(stiffness, integrator)
+    assert limit.step == pytest.approx(limit.predicted, rel=0.03)
+
+
+def test_implicit_integrator_needs_no_smaller_step_for_a_stiffer_contact() -> None:
+    way = [("euler-tree", "RK44"), ("euler-tree", "TrapezoidalIndex2")]
+    soft, stiff = (
+        steps.accurate_steps("stiffness", value, way, 1e-4)  # type: ignore[arg-type]
+        for value in (1e5, 1e7)
+    )
+    assert soft[0].step is not None
+    assert stiff[0].step is not None
+    assert stiff[0].step < 0.2 * soft[0].step
+    assert stiff[1].step == soft[1].step
+
+
+@pytest.mark.parametrize("way", [TREE, EULER])
+def test_easy_case_is_accurate(way: Way) -> None:
+    outcome = run_case(EASY, way)
+    assert outcome.verdict == "accurate"
+    assert outcome.error is not None
+    assert outcome.estimate is not None
+    assert outcome.error <= outcome.estimate
+
+
+def test_wrong_result_is_called_inaccurate(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulate = mbs_models.simulate
+
+    def wrong(*arguments: Any, **options: Any) -> Any:
+        run = simulate(*arguments, **options)
+        return replace(run, coordinates=run.coordinates + 1e-4)
+
+    monkeypatch.setattr(mbs_models, "simulate", wrong)
+    assert run_case(EASY, TREE).verdict == "inaccurate"
+
+
+def test_failed_run_and_refused_case_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = run_case(EASY, replace(EULER, integrator="RK44"))
+    assert refused.verdict == "refused"
+    assert "cannot take the constraints" in refused.reason
+
+    def failing(*_arguments: Any, **_options: Any) -> Any:
+        raise mbs_models.EngineError("engine run stopped")
+
+    monkeypatch.setattr(mbs_models, "simulate", failing)
+    failed = run_case(EASY, EULER)
+    assert failed.verdict == "diverged"
+    assert failed.reason == "engine run stopped"
+
+
+@pytest.mark.parametrize("name", REQUESTS)
+def test_what_cannot_work_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=r"^[^\n]+$"):
+        REQUESTS[name]()
+
+
+def test_all_refusals_come_at_once() -> None:
+    assert all(row[1] is True for row in refusals().rows)
+
+
+@pytest.mark.parametrize("eccentricity", [0.0, 1e-9, 0.99 * STEEL_DISK.radius])
+def test_rigid_body_exists_for_every_eccentricity(eccentricity: float) -> None:
+    disk = eccentric_disk(eccentricity)
+    assert disk.eccentricity == eccentricity
+    np.testing.assert_allclose(disk.inertia_about_cog, STEEL_DISK.inertia_about_cog, rtol=1e-9)
+
+
+@pytest.mark.parametrize("radius", [1e-3, 10.0])
+def test_scaled_disk_makes_the_same_motion(radius: float) -> None:
+    problem = scaled(1, radius)
+    scene = Scene(disk=problem.disk, friction=problem.friction, start=problem.start)
+    run = mbs_models.simulate(scene, np.linspace(0.0, problem.end, 51), tolerance=1e-8)
+    original = mbs_models.simulate(Scene(), np.linspace(0.0, 0.5, 51), tolerance=1e-8)
+    np.testing.assert_allclose(run.coordinates[:, 3:], original.coordinates[:, 3:], atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("formulation", "integrator", "energy"),
+    [("contact-tree", "RK67", 1e-9), ("euler-tree", "TrapezoidalIndex2", 1e-3)],
+)
+def test_frictionless_disk_keeps_energy_and_momenta(
+    formulation: Any, integrator: Any, energy: float
+) -> None:
+    found = conserved(formulation, integrator, 0.5)
+    assert not found.failure
+    assert max(found.energy, found.momentum, found.spin) < energy
+
+
+def test_acceleration_level_drifts_and_minimal_coordinates_do_not() -> None:
+    acceleration, minimal = drift(RUNNERS[0], 1.0), drift(RUNNERS[-1], 1.0)
+    assert acceleration.position[-1] > 5 * acceleration.position[100]
+    assert acceleration.position[-1] > 1e-9
+    assert np.max(minimal.position) < 1e-15
+
+
+def test_full_grid_covers_all_formulations_integrators_and_models() -> None:
+    full = [
+        (problem, way) for problem in problems(quick=False) for way in ways(problem, quick=False)
+    ]
+    names = {(way.formulation, way.integrator) for problem, way in full if problem.level == 1}
+    for formulation in mbs_models.formulations(1):
+        for integrator in mbs_models.integrators(formulation):
+            assert (formulation, integrator) in names
+    assert {problem.level for problem, _ in full} == {1, 2, 3, 4}
+    assert len(problems(quick=True)) < len(problems(quick=False)) / 3
+
+
+def test_every_quick_problem_is_known_by_its_key() -> None:
+    keys = [job.key for job in robustness.jobs(quick=True)]
+    assert len(set(keys)) == len(keys)
+    assert all(key[0] == "robustness" for key in keys)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("problem", problems(quick=True), ids=lambda p: f"{p.axis} {p.label}")
+def test_no_quick_case_gives_a_wrong_result_as_right(problem: Problem) -> None:
+    for way in ways(problem, quick=True):
+        if way.source == "engine":
+            assert run_case(problem, way).verdict in {"accurate", "diverged"}

@@ -1,0 +1,25 @@
+"""The subcommand `robustness`: numerical stability on stiff and extreme cases."""
+
+import argparse
+import time
+from pathlib import Path
+
+
+def robustness(options: argparse.Namespace) -> int:
+    """Run the study and write its page; options are out and quick.
+
+    Returns 1 if a result came back as right and is not, or if a run took the interpreter down.
+    """
+    from validation import robustness as study
+    from validation.report import run_jobs, write
+
+    begin = time.perf_counter()
+    results = run_jobs(study.jobs(quick=options.quick), title="robustness")
+    section = study.section(results, quick=options.quick)
+    page = write([section], Path(options.out), seconds=time.perf_counter() - begin)
+    for table in section.tables:
+        print(f"\n{table.title}\n{table.to_text()}")
+    wrong = study.wrong(results)
+    verdict = "No case is wrong or crashed" if not wrong else f"{wrong} cases FAIL"
+    print(f"\n{verdict}. Open {page}")
+    return 1 if wrong else 0

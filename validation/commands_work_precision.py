@@ -1,0 +1,26 @@
+"""What `tippedisk work-precision` does."""
+
+import argparse
+from pathlib import Path
+
+
+def work_precision(options: argparse.Namespace) -> int:
+    """Run the work-precision study and print its tables.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        `out`, `quick` and `fresh`.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    from validation import work_precision as study
+
+    page, tables = study.main(Path(options.out), quick=options.quick, fresh=options.fresh)
+    for table in tables:
+        print(f"\n{table.title}\n{table.to_text()}")
+    print(f"\nOpen {page}")
+    return 0

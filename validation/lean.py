@@ -1,0 +1,298 @@
+"""The price of carrying what a scene does not need, and of starting a command."""
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from statistics import median
+
+from analysis import SmoothCoulomb
+from mbs_models import Scene
+from mbs_models.ballast import BALLAST, Ballast, six_axes
+from mbs_models.build import build
+from mbs_models.integrators import IntegratorName, find_integrator, run
+from mbs_models.model import Model
+from validation.report import Job, Section
+from validation.tables import Table
+
+SMOOTH = SmoothCoulomb(coefficient=0.0)
+DURATION = 0.5
+STEP = 5e-4
+
+Build = Callable[[], Model]
+
+START_UPS: dict[str, tuple[str, str]] = {
+    "(Python alone)": ("", ""),
+    "report": ("report", "validation.full_report"),
+    "simulate --source engine": ("simulate", "validation.commands, mbs_models"),
+    "simulate --source in-house": ("simulate", "validation.commands"),
+    "show": ("show", "validation.commands, validation.figures"),
+    "eigenvalues": ("eigenvalues", "validation.commands_stability"),
+    "scene": ("scene", "validation.commands_scene, mbs_models.inventory"),
+    "robustness": ("robustness", "validation.robustness"),
+}
+"""Subcommand for `--help`, and what it really imports when it runs."""
+
+HEAVY = ("numpy", "scipy", "exudyn", "matplotlib")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Price:
+    """Run times with and without a part.
+
+    Parameters
+    ----------
+    part : str
+    scene : str
+    carried, left_out : float
+        Engine time of a run in s, the least over the repeats.
+    spread : float
+        Median of the runs without the part over the least of them.
+    """
+
+    part: str
+    scene: str
+    carried: float
+    left_out: float
+    spread: float
+
+
+def price(
+    part: str,
+    scene: str,
+    carried: Build,
+    left_out: Build,
+    *,
+    repeats: int,
+    integrator: IntegratorName | None = None,
+) -> Price:
+    """Measure two models against each other, in turns, after a warm-up each."""
+    times: list[list[float]] = [[], []]
+    for _ in range(repeats + 1):
+        for which, make in enumerate((carried, left_out)):
+            times[which].append(_seconds(make(), integrator))
+    return Price(
+        part=part,
+        scene=scene,
+        carried=min(times[0][1:]),
+        left_out=min(times[1][1:]),
+        spread=median(times[1][1:]) / min(times[1][1:]),
+    )
+
+
+def _seconds(model: Model, name: IntegratorName | None) -> float:
+    scene = model.scene
+    integrator = find_integrator(scene.formulation, name, constrained=scene.has_constraints)
+    spacing = 5e-3
+    samples = run(
+        model,
+        integrator,
+        spacing=spacing,
+        intervals=round(DURATION / spacing),
+        substeps=round(spacing / STEP),
+    )
+    return samples.seconds
+
+
+def _with(scene: Scene, ballast: Ballast) -> Model:
+    model = build(scene)
+    ballast(model)
+    return model
+
+
+def prices(repeats: int) -> list[Price]:
+    """Measure every part that could be left out.
+
+    Parameters
+    ----------
+    repeats : int
+        Runs of each kind, of which the fastest counts.
+    """
+    result = [
+        price(
+            part,
+            f"{scene.formulation}, Model {scene.level}, μ = {scene.friction.coefficient:g}",
+            partial(_with, scene, BALLAST[part]),
+            partial(build, scene),
+            repeats=repeats,
+        )
+        for part, scene in _ballast_cases()
+    ]
+    return result + _alternatives(repeats)
+
+
+def _ballast_cases() -> list[tuple[str, Scene]]:
+    bare = [
+        Scene(level=1, formulation="contact-tree", friction=SMOOTH),
+        Scene(level=2, formulation="euler-tree", friction=SMOOTH),
+        Scene(level=2, formulation="floating", friction=SMOOTH),
+    ]
+    rough = [
+        Scene(level=2, formulation="euler-tree"),
+        Scene(level=2, formulation="floating"),
+    ]
+    first, *others = BALLAST
+    return [(first, scene) for scene in bare] + [
+        (part, scene) for part in others for scene in rough
+    ]
+
+
+def _alternatives(repeats: int) -> list[Price]:
+    """Costlier ways to the same motion, or to the next simpler model.
+
+    Each is a pair of scenes, the costlier one first, or the same scene built in two ways.
+    """
+    tree, body = Scene(level=2), Scene(level=2, formulation="floating")
+    python = "Python, not symbolic, friction"
+    pairs: list[tuple[str, str, Build, Build]] = [
+        (
+            "six joint axes where three do",
+            "euler-tree, Model 2",
+            partial(_with, tree, six_axes),
+            partial(build, tree),
+        ),
+        (python, "euler-tree, Model 2", partial(build, tree), partial(build, tree, symbolic=True)),
+        (python, "floating, Model 2", partial(build, body), partial(build, body, symbolic=True)),
+    ]
+    scenes: list[tuple[str, str, Scene, Scene]] = [
+        (
+            "contact as a constraint, not by topology",
+            "euler-tree and contact-tree, Model 1",
+            Scene(level=1, formulation="euler-tree"),
+            Scene(level=1, formulation="contact-tree"),
+        ),
+        (
+            "Euler parameters, not a rotation vector",
+            "floating and floating-lie, Model 2",
+            body,
+            Scene(level=2, formulation="floating-lie"),
+        ),
+        (
+            "constraint of the spin (Model 4 against 3)",
+            "euler-tree",
+            Scene(level=4),
+            Scene(level=3),
+        ),
+        (
+            "carrier and constraint of the spin (Model 4 against 3)",
+            "floating",
+            Scene(level=4, formulation="floating"),
+            Scene(level=3, formulation="floating"),
+        ),
+    ]
+    pairs += [(part, name, partial(build, a), partial(build, b)) for part, name, a, b in scenes]
+    return [
+        price(part, name, carried, left_out, repeats=repeats, integrator="TrapezoidalIndex2")
+        for part, name, carried, left_out in pairs
+    ]
+
+
+def price_table(found: Sequence[Price]) -> Table:
+    """Table of run times with against without."""
+    return Table(
+        name="lean-scenes",
+        title="The price of carrying what a scene does not need",
+        columns=(
+            "part carried",
+            "scene",
+            "run time with in ms",
+            "without in ms",
+            "price in %",
+            "scatter in %",
+        ),
+        rows=[
+            [
+                each.part,
+                each.scene,
+                1e3 * each.carried,
+                1e3 * each.left_out,
+                round(100.0 * (each.carried / each.left_out - 1.0), 1),
+                round(100.0 * (each.spread - 1.0), 1),
+            ]
+            for each in found
+        ],
+        note=f"Engine time of {DURATION:g} s from Table 3 at step {STEP:g} s, sampled every 5 ms, "
+        "the fastest of the repeats; scatter is how far their median lies above the fastest. A "
+        "price within the scatter is none.",
+    )
+
+
+def start_up(repeats: int) -> Table:
+    """Time until each subcommand answers `--help`, and of the imports it really needs.
+
+    Parameters
+    ----------
+    repeats : int
+        Processes of each kind, of which the fastest counts.
+    """
+    rows = []
+    for command, (name, modules) in START_UPS.items():
+        called = [sys.executable, "-m", "validation.cli", name, "--help"] if name else None
+        heavy = ""
+        if modules:
+            code = f"import sys, {modules}; print(*(n for n in {HEAVY!r} if n in sys.modules))"
+            heavy = _run([sys.executable, "-c", code]) or "none of them"
+        imported = [sys.executable, "-c", f"import {modules}" if modules else ""]
+        rows.append(
+            [
+                command,
+                None if called is None else 1e3 * _fastest(called, repeats),
+                1e3 * _fastest(imported, repeats),
+                heavy,
+            ]
+        )
+    return Table(
+        name="start-up",
+        title="Start-up of each subcommand",
+        columns=(
+            "subcommand",
+            "answer to --help in ms",
+            "process with its real imports in ms",
+            f"of {', '.join(HEAVY)} it loads",
+        ),
+        rows=rows,
+        note="Whole processes, from start to end, the fastest of the repeats.",
+    )
+
+
+def _run(command: Sequence[str]) -> str:
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    return result.stdout.strip()
+
+
+def _fastest(command: Sequence[str], repeats: int) -> float:
+    seconds = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        subprocess.run(command, capture_output=True, check=False)
+        seconds.append(time.perf_counter() - begin)
+    return min(seconds)
+
+
+def jobs(*, quick: bool) -> list[Job]:
+    """Jobs for `run_jobs`; the keys start with "lean"."""
+    return [
+        Job(("lean", "prices"), prices, (3 if quick else 9,)),
+        Job(("lean", "start-up"), start_up, (1 if quick else 5,)),
+    ]
+
+
+def section(results: dict[tuple[str, ...], object]) -> Section:
+    """Section of the report from the results of `jobs`."""
+    found, start = results["lean", "prices"], results["lean", "start-up"]
+    assert isinstance(found, list)
+    assert isinstance(start, Table)
+    return Section(
+        name="lean",
+        title="Lean scenes",
+        paragraphs=[
+            (
+                "A scene holds what its model, contact, friction and outputs call for and nothing "
+                "else; `tippedisk scene` lists it with the reason for each item. What follows is "
+                "the price of carrying more."
+            )
+        ],
+        tables=[price_table(found), start],
+    )

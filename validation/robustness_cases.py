@@ -1,0 +1,257 @@
+"""The hard cases: motions at the ends of what the parameters allow, and ways to compute them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from math import pi, sqrt
+from typing import Literal
+
+import mbs_models
+from analysis import LEVELS, STEEL_DISK, Disk, Form, Level, Method, SmoothCoulomb, consistent_start
+from analysis.state import State
+from mbs_models import Formulation, IntegratorName, Scene
+
+TOLERANCE = 1e-6
+"""Accuracy asked for in rad."""
+
+QUICK_LEVELS: tuple[Level, ...] = (1,)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """A motion to be computed.
+
+    Parameters
+    ----------
+    axis : str
+        What is extreme about it.
+    label : str
+        How extreme.
+    level : {1, 2, 3, 4}
+    disk : Disk
+    friction : SmoothCoulomb
+    start : State
+    end : float
+        In s.
+    samples : int
+    """
+
+    axis: str
+    label: str
+    level: Level
+    start: State
+    disk: Disk = STEEL_DISK
+    friction: SmoothCoulomb = field(default_factory=SmoothCoulomb)
+    end: float = 0.5
+    samples: int = 101
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Way:
+    """A way to compute a motion: formulation and integrator, or in-house form and method."""
+
+    source: Literal["engine", "in-house"]
+    formulation: Formulation | Form
+    integrator: IntegratorName | Method
+
+    @property
+    def name(self) -> str:
+        """Formulation and integrator."""
+        return f"{self.formulation}, {self.integrator}"
+
+
+def ways(problem: Problem, *, quick: bool) -> list[Way]:
+    """Ways that apply to a problem; all integrators only for Model 1 in the full version."""
+    most = 1 if quick or problem.level > 1 else None
+    stiff = problem.friction.smoothing < 1e-3
+    methods: tuple[Method, ...] = ("Radau",) if stiff else ("DOP853", "Radau")
+    forms: tuple[Form, ...] = ("index-1", "reduced") if problem.level == 4 else ("index-1",)
+    engine = [
+        Way(source="engine", formulation=formulation, integrator=integrator)
+        for formulation in mbs_models.formulations(problem.level)
+        for integrator in mbs_models.integrators(formulation)[:most]
+    ]
+    in_house = [
+        Way(source="in-house", formulation=form, integrator=method)
+        for form in forms
+        for method in methods[:most]
+    ]
+    return engine + in_house
+
+
+def problems(*, quick: bool) -> list[Problem]:
+    """All problems, for Model 1 alone in the quick version, without the long ones."""
+    found: list[Problem] = []
+    for level in QUICK_LEVELS if quick else LEVELS:
+        found += _smoothing(level, quick=quick)
+        found += _spin(level, quick=quick)
+        found += _tilt(level, quick=quick)
+        found += _body(level)
+        found += _friction(level)
+        found += _rest(level)
+        found += _sampling(level, quick=quick)
+    return found
+
+
+def _smoothing(level: Level, *, quick: bool) -> Iterator[Problem]:
+    # Below, runs take a minute until they give up.
+    values = (1.0, 1e-2, 1e-3, 1e-4) if quick else tuple(10.0**-n for n in range(9))
+    for value in values:
+        yield Problem(
+            axis="smoothing ε",
+            label=f"{value:g} m/s",
+            level=level,
+            friction=SmoothCoulomb(smoothing=value),
+            start=consistent_start(level, STEEL_DISK),
+        )
+
+
+def _spin(level: Level, *, quick: bool) -> Iterator[Problem]:
+    for spin in (0.0, 1.0, 100.0, 1000.0, -40.0):
+        fast_end = 0.02 if quick else 0.2
+        yield Problem(
+            axis="spin",
+            label=f"{spin:g} rad/s",
+            level=level,
+            start=consistent_start(level, STEEL_DISK, spin=spin),
+            end=fast_end if spin == 1000.0 else 0.5,
+        )
+
+
+def _tilt(level: Level, *, quick: bool) -> Iterator[Problem]:
+    cases = [
+        (1e-4, "1e-4, until it falls", 4e-4),
+        (0.01, "0.01, until it falls", 4e-3),
+        (pi - 0.01, "π − 0.01, until it falls", 4e-3),
+        (pi - 1e-4, "π − 1e-4, until it falls", 4e-4),
+    ]
+    if not quick:
+        cases.append((1e-4, "1e-4, beyond its fall", 0.1))
+    for beta, label, end in cases:
+        yield Problem(
+            axis="tilt β",
+            label=label,
+            level=level,
+            start=consistent_start(level, STEEL_DISK, beta=beta, spin=40.0),
+            end=end,
+        )
+
+
+def eccentric_disk(eccentricity: float) -> Disk:
+    """The steel disk with its COG elsewhere.
+
+    Mass and moments about the COG stay, so that a rigid body exists for every eccentricity; the
+    moments about G follow.
+    """
+    disk = STEEL_DISK
+    shift = disk.mass * eccentricity**2
+    a, b, c = disk.inertia_about_cog
+    return replace(
+        disk, eccentricity=eccentricity, inertia_x=a, inertia_y=b + shift, inertia_z=c + shift
+    )
+
+
+def scaled(level: Level, radius: float) -> Problem:
+    """Table 3 for a steel disk of another size, at the same Froude number.
+
+    Lengths are scaled by s, times by the root of s, speeds and smoothing likewise, so that the
+    angles of the motion are those of the original.
+    """
+    scale = radius / STEEL_DISK.radius
+    disk = Disk.ring(
+        radius=radius,
+        hole_radius=0.015 * scale,
+        hole_distance=0.02 * scale,
+        thickness=0.01 * scale,
+        density=7700.0,
+    )
+    return Problem(
+        axis="radius",
+        label=f"{radius:g} m",
+        level=level,
+        disk=disk,
+        friction=SmoothCoulomb(smoothing=0.1 * sqrt(scale)),
+        start=consistent_start(level, disk, spin=40.0 / sqrt(scale)),
+        end=0.5 * sqrt(scale),
+    )
+
+
+def _body(level: Level) -> Iterator[Problem]:
+    radius = STEEL_DISK.radius
+    for value, label in ((0.0, "0"), (1e-9, "1e-9 m"), (0.99 * radius, "0.99 r")):
+        disk = eccentric_disk(value)
+        yield Problem(
+            axis="eccentricity",
+            label=label,
+            level=level,
+            disk=disk,
+            start=consistent_start(level, disk),
+            end=0.25,
+        )
+    for size in (1e-3, 10.0):
+        yield scaled(level, size)
+
+
+def _friction(level: Level) -> Iterator[Problem]:
+    for coefficient in (0.0, 10.0):
+        yield Problem(
+            axis="friction μ",
+            label=f"{coefficient:g}",
+            level=level,
+            friction=SmoothCoulomb(coefficient=coefficient),
+            start=consistent_start(level, STEEL_DISK),
+        )
+
+
+def _rest(level: Level) -> Iterator[Problem]:
+    for label, gamma, spin in (
+        ("at rest", -pi / 2 + 0.1, 0.0),
+        ("at rest, COG exactly above", pi / 2, 0.0),
+        ("noninverted, unstable, exactly", -pi / 2, 40.0),
+        ("inverted, below the critical spin, exactly", pi / 2, 20.0),
+    ):
+        yield Problem(
+            axis="start",
+            label=label,
+            level=level,
+            start=consistent_start(level, STEEL_DISK, gamma=gamma, spin=spin),
+        )
+
+
+def _sampling(level: Level, *, quick: bool) -> Iterator[Problem]:
+    for samples, end in ((2, 0.5),) if quick else ((2, 0.5), (2, 2.0), (3, 2.0)):
+        yield Problem(
+            axis="sampling",
+            label=f"{samples} samples over {end:g} s",
+            level=level,
+            start=consistent_start(level, STEEL_DISK),
+            end=end,
+            samples=samples,
+        )
+    yield Problem(
+        axis="sampling",
+        label="2 samples over 0.3 s, rolling fast",
+        level=level,
+        start=consistent_start(level, STEEL_DISK, beta=1.0, gamma=0.0, spin=60.0),
+        end=0.3,
+        samples=2,
+    )
+    if not quick:
+        yield Problem(
+            axis="duration",
+            label="100 s, near inverted spinning",
+            level=level,
+            start=consistent_start(level, STEEL_DISK, gamma=pi / 2 - 0.1, spin=60.0),
+            end=100.0,
+            samples=10001,
+        )
+
+
+def scene(problem: Problem, way: Way) -> Scene:
+    """Scene of a problem in one of the engine's formulations."""
+    return Scene(
+        level=problem.level,
+        formulation=way.formulation,  # type: ignore[arg-type]  # an engine's way has one of these
+        disk=problem.disk,
+        friction=problem.friction,
+        start=problem.start,
+    )

@@ -1,0 +1,306 @@
+"""The methods of the work-precision study, each with its ladder of steps or tolerances."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, get_args
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+import mbs_models
+from analysis import STEEL_DISK, Form, Trajectory, index1, reduced
+from analysis.checks import Array
+from analysis.simulation import longest_step
+from analysis.trajectory import versions
+from mbs_models import Formulation, Integrator, Newton, Scene
+from mbs_models.extrapolation import Ladder
+from mbs_models.simulation import Pass, one_pass, trajectory
+from validation.work_precision_problems import SPACING, TIMES, Problem
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """One run of a method: its samples, processor time of its integration alone, and its work."""
+
+    values: Any
+    seconds: float
+    setup_seconds: float
+    counts: dict[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EngineMethod:
+    """A formulation of the engine with an integrator.
+
+    Parameters
+    ----------
+    formulation : str
+    integrator : Integrator
+    symbolic : bool
+        Friction as a symbolic expression instead of a Python function.
+    variant : str
+        What differs from the plain method, empty for that itself.
+    """
+
+    formulation: Formulation
+    integrator: Integrator
+    symbolic: bool = False
+    variant: str = ""
+
+    @property
+    def scheme(self) -> str:
+        """Short name of the integrator."""
+        radius = self.integrator.spectral_radius
+        if self.integrator.name == "TrapezoidalIndex2":
+            return "trapezoidal"
+        return self.integrator.name if radius is None else f"generalized-α {radius:g}"
+
+    @property
+    def fixed_step(self) -> bool:
+        """Whether it is a step that its ladder halves."""
+        return not self.integrator.controls_step
+
+    def ladder(self, quick: bool) -> list[float]:
+        """Steps in s or local tolerances, from coarse to fine."""
+        if not self.fixed_step:
+            return [10.0**-digits for digits in range(3, 14, 2 if quick else 1)]
+        return [SPACING * 0.5**halvings for halvings in range(6 if quick else 8)]
+
+    def run(self, problem: Problem, setting: float) -> Measured:
+        """Build the scene and run it once.
+
+        Raises
+        ------
+        ArithmeticError
+            If the run does not reach its end.
+        """
+        integrator, step = self.integrator, setting
+        if integrator.controls_step:
+            integrator, step = Integrator(name=integrator.name, local_tolerance=setting), np.inf
+        result = one_pass(self._scene(problem), TIMES, integrator, step, symbolic=self.symbolic)
+        return Measured(result, result.seconds, result.setup_seconds, dict(result.counts))
+
+    def trajectory(self, problem: Problem, run: Measured) -> Trajectory:
+        """Trajectory of a run; adds the normal force of the contact tree, outside of its time."""
+        return trajectory(self._scene(problem), TIMES, self.integrator, run.values)
+
+    def extrapolation(self) -> "Extrapolation":
+        """Richardson's extrapolation of its runs, with their times added up."""
+        return Extrapolation(Ladder(self.formulation, self.integrator.name))
+
+    def _scene(self, problem: Problem) -> Scene:
+        return Scene(
+            level=problem.level,
+            formulation=self.formulation,
+            friction=problem.friction,
+            start=problem.start,
+        )
+
+
+class Extrapolation:
+    """Extrapolates the runs of a ladder of halved steps as the tolerance-controlled runs do.
+
+    Parameters
+    ----------
+    ladder : Ladder
+        An empty one.
+    """
+
+    def __init__(self, ladder: Ladder) -> None:
+        self._ladder = ladder
+        self._seconds = self._setup = 0.0
+        self._counts: dict[str, int] = {}
+
+    def add(self, run: Measured) -> Measured | None:
+        """Extrapolated run up to this one, with all their work; None after the first."""
+        self._seconds += run.seconds
+        self._setup += run.setup_seconds
+        for name, count in run.counts.items():
+            self._counts[name] = self._counts.get(name, 0) + count
+        self._ladder.add(run.values.values)
+        if not np.isfinite(self._ladder.estimate):
+            return None
+        values = Pass(self._ladder.best, run.values.step, run.values.counts)
+        return Measured(values, self._seconds, self._setup, dict(self._counts))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InHouseMethod:
+    """In-house equations with a method of SciPy.
+
+    Parameters
+    ----------
+    form : {"index-1", "reduced"}
+    scheme : str
+        Name of the method.
+    """
+
+    form: Form
+    scheme: str
+    variant: str = ""
+
+    @property
+    def formulation(self) -> str:
+        """Name of the form."""
+        return self.form
+
+    @property
+    def fixed_step(self) -> bool:
+        """Whether it is a step that its ladder halves."""
+        return False
+
+    def ladder(self, quick: bool) -> list[float]:
+        """Local tolerances, from coarse to fine."""
+        finest = {"RK45": 11, "DOP853": 13, "Radau": 10, "BDF": 11, "LSODA": 13}[self.scheme]
+        return [10.0**-digits for digits in range(3, finest + 1, 2 if quick else 1)]
+
+    def run(self, problem: Problem, setting: float) -> Measured:
+        """Integrate once.
+
+        Raises
+        ------
+        ArithmeticError
+            If the integration does not reach its end.
+        """
+        begin = time.process_time()
+        function, start = right_hand_side(problem, self.form)
+        setup = time.process_time() - begin
+        begin = time.process_time()
+        # Radau and BDF let the difference step of coordinates that matter to nothing overflow.
+        with np.errstate(over="ignore", invalid="ignore"):
+            result = solve_ivp(
+                function,
+                (TIMES[0], TIMES[-1]),
+                start,
+                method=self.scheme,
+                t_eval=TIMES,
+                rtol=setting,
+                atol=setting,
+                max_step=longest_step(STEEL_DISK, problem.start),
+            )
+        seconds = time.process_time() - begin
+        if not result.success:
+            raise ArithmeticError(f"stopped at t = {result.t[-1]:g} s: {result.message}")
+        counts = {"right_hand_sides": int(result.nfev), "jacobians": int(result.njev)}
+        return Measured(result.y.T, seconds, setup, counts)
+
+    def trajectory(self, problem: Problem, run: Measured) -> Trajectory:
+        """Trajectory of a run; adds the constraint forces, outside of its time."""
+        coordinates, rates = run.values[:, :6], run.values[:, 6:]
+        if self.form == "reduced":
+            angle = problem.start.coordinates[3] + problem.spin * TIMES
+            coordinates, rates = reduced.expand(STEEL_DISK, problem.spin, angle, run.values)
+        forces = [
+            index1.accelerations(problem.level, STEEL_DISK, problem.friction, z, u)[1]
+            for z, u in zip(coordinates.tolist(), rates.tolist(), strict=True)
+        ]
+        return Trajectory(
+            times=TIMES,
+            coordinates=coordinates,
+            rates=rates,
+            multipliers=np.array(forces),
+            level=problem.level,
+            disk=STEEL_DISK,
+            friction=problem.friction,
+            source="in-house",
+            method={"form": self.form, "method": self.scheme},
+            versions=versions("numpy", "scipy"),
+        )
+
+
+Method = EngineMethod | InHouseMethod
+
+
+def right_hand_side(problem: Problem, form: Form) -> tuple[Callable[[float, Array], Any], Array]:
+    """Right-hand side of the in-house equations, and the start."""
+    level, friction, start = problem.level, problem.friction, problem.start
+    if form == "reduced":
+
+        def minimal(_t: float, state: Array) -> tuple[float, float, float]:
+            return reduced.right_hand_side(STEEL_DISK, friction, problem.spin, state.tolist())
+
+        return minimal, np.array((*start.coordinates[4:6], start.rates[4]))
+
+    def full(_t: float, state: Array) -> Array:
+        values = state.tolist()
+        z, u = values[:6], values[6:]
+        acceleration, _forces = index1.accelerations(level, STEEL_DISK, friction, z, u)
+        return np.concatenate((u, acceleration))
+
+    return full, start.vector
+
+
+def label(method: Method) -> str:
+    """Formulation, integrator and variant, in words."""
+    text = f"{method.formulation}, {method.scheme}"
+    return f"{text}, {method.variant}" if method.variant else text
+
+
+def methods(problem: Problem, quick: bool) -> list[Method]:
+    """Every method that can take a problem; the quick selection leaves some out."""
+    available: list[Method] = []
+    for formulation in _formulations(problem):
+        plain = [
+            EngineMethod(formulation=formulation, integrator=integrator)
+            for integrator in _integrators(formulation, quick)
+        ]
+        available += plain
+        if problem.name in (_VARIED[:1] if quick else _VARIED):
+            available += _variants(formulation, quick)
+    schemes = ("RK45", "DOP853", "LSODA", "Radau") if quick else _SCIPY
+    forms = get_args(Form) if problem.level == 4 else ("index-1",)
+    available += [InHouseMethod(form=form, scheme=scheme) for form in forms for scheme in schemes]
+    return available
+
+
+_VARIED = ("model-1", "model-3")
+"""Problems on which solver options are tried out: one that slides, one that rolls."""
+
+_SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
+
+
+def _formulations(problem: Problem) -> Sequence[Formulation]:
+    known = problem.friction.load == "weight"
+    return [
+        formulation
+        for formulation in mbs_models.formulations(problem.level)
+        if known or formulation != "contact-tree"
+    ]
+
+
+def _integrators(formulation: Formulation, quick: bool) -> list[Integrator]:
+    trapezoidal = Integrator(name="TrapezoidalIndex2")
+    radii = (0.9,) if quick else (1.0, 0.9, 0.6)
+    damped = [Integrator(name="GeneralizedAlpha", spectral_radius=radius) for radius in radii]
+    if formulation == "contact-tree":
+        explicit = [Integrator(name="RK67"), Integrator(name="RK44"), Integrator(name="DOPRI5")]
+        return explicit if quick else [*explicit, trapezoidal]
+    return [trapezoidal, *damped]
+
+
+def _variants(formulation: Formulation, quick: bool) -> list[EngineMethod]:
+    """The default integrator of a formulation with one option changed."""
+    name = mbs_models.integrators(formulation)[0]
+    plain = Integrator(name=name)
+    result = [
+        EngineMethod(
+            formulation=formulation, integrator=plain, symbolic=True, variant="symbolic friction"
+        )
+    ]
+    if plain.implicit:
+        newtons = {"full Newton": Newton(modified=False)}
+        if not quick:
+            for relative in (1e-4, 1e-8):
+                newtons[f"Newton to {relative:g}"] = Newton(
+                    relative=relative, absolute=0.01 * relative
+                )
+        result += [
+            EngineMethod(
+                formulation=formulation,
+                integrator=Integrator(name=name, newton=newton),
+                variant=variant,
+            )
+            for variant, newton in newtons.items()
+        ]
+    return result
