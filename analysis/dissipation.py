@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from math import sqrt
 
-from analysis.checks import not_negative, number, positive
+import numpy as np
+
+from analysis.checks import Array, not_negative, positive
 from analysis.disk import Disk
 
 CAUSES = ("damping", "sliding", "rolling_dry", "rolling_viscous", "pivoting", "air_drag")
@@ -151,4 +153,26 @@ class RestCriterion:
 
     def __post_init__(self) -> None:
         for name in ("energy", "height", "duration"):
-            object.__setattr__(self, name, positive(name, number(name, getattr(self, name))))
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+
+    def samples(self, spacing: float) -> int:
+        """Number of samples this far apart (in s) that span the duration."""
+        return max(2, 1 + int(np.ceil(self.duration / spacing - 1e-9)))
+
+    def first(self, kinetic: Array, heights: Array, spacing: float) -> int | None:
+        """Index of the first sample from which on the disk is at rest for long enough.
+
+        Parameters
+        ----------
+        kinetic, heights : ndarray, shape (n,)
+            Kinetic energy in J and height of the centre of gravity in m.
+        spacing : float
+            Time between samples in s.
+        """
+        length = self.samples(spacing)
+        still = kinetic <= self.energy
+        for begin in range(still.size - length + 1):
+            window = slice(begin, begin + length)
+            if np.all(still[window]) and np.ptp(heights[window]) <= self.height:
+                return begin
+        return None

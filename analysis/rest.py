@@ -119,24 +119,14 @@ def start_vector(model: FreeDisk, start: State) -> Array:
     cog[2] = height + offset[2] - model.contact.resting_penetration(disk)
     cog_velocity = velocity[0] + np.cross(angular[0], offset)
     return np.concatenate(
-        (cog, _quaternion(A), A.T @ cog_velocity, A.T @ angular[0], np.zeros(len(CAUSES)))
-    )
-
-
-def _quaternion(A: Array) -> Array:
-    """Quaternion of a rotation matrix, from the largest of its four squares, shape (4,)."""
-    xx, yy, zz = np.diag(A)
-    symmetric = np.array(
         (
-            (1 + xx + yy + zz, A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]),
-            (A[2, 1] - A[1, 2], 1 + xx - yy - zz, A[0, 1] + A[1, 0], A[0, 2] + A[2, 0]),
-            (A[0, 2] - A[2, 0], A[0, 1] + A[1, 0], 1 - xx + yy - zz, A[1, 2] + A[2, 1]),
-            (A[1, 0] - A[0, 1], A[0, 2] + A[2, 0], A[1, 2] + A[2, 1], 1 - xx - yy + zz),
+            cog,
+            frames.quaternions(rotation)[0],
+            A.T @ cog_velocity,
+            A.T @ angular[0],
+            np.zeros(len(CAUSES)),
         )
     )
-    row = symmetric[np.argmax(np.diag(symmetric))]
-    result: Array = row / np.linalg.norm(row)
-    return result
 
 
 def _integrate(
@@ -150,8 +140,7 @@ def _integrate(
     method, tolerance = solver
     spacing = times[1] - times[0]
     stretch = max(1, round(STRETCH / spacing))
-    states, count = first[None], 0
-    blocks = [states]
+    blocks, count = [first[None]], 0
     for begin in range(0, times.size - 1, stretch):
         span = times[begin : begin + stretch + 1]
         result = solve_ivp(
@@ -169,29 +158,15 @@ def _integrate(
         block = result.y.T
         block[:, 3:7] /= np.linalg.norm(block[:, 3:7], axis=1)[:, None]
         blocks.append(block)
-        rest = _rest(model, np.concatenate(blocks[-2:]), spacing, criterion)
+        recent = np.concatenate(blocks[-2:])
+        kinetic = np.array([model.energies(state)[0] for state in recent.tolist()])
+        rest = criterion.first(kinetic, recent[:, 2], spacing)
         if rest is not None:
             whole = np.concatenate(blocks)
-            still = len(whole) - len(blocks[-1]) - len(blocks[-2]) + rest
-            last = min(len(whole), still + _window(spacing, criterion))
+            still = len(whole) - len(recent) + rest
+            last = still + criterion.samples(spacing)
             return whole[:last], count, float(times[still])
     return np.concatenate(blocks), count, None
-
-
-def _window(spacing: float, criterion: RestCriterion) -> int:
-    return max(2, 1 + int(np.ceil(criterion.duration / spacing - 1e-9)))
-
-
-def _rest(model: FreeDisk, states: Array, spacing: float, criterion: RestCriterion) -> int | None:
-    """Index of the first sample from which on the disk is at rest for long enough."""
-    length = _window(spacing, criterion)
-    kinetic = np.array([model.energies(state)[0] for state in states.tolist()])
-    still = kinetic <= criterion.energy
-    for begin in range(len(states) - length + 1):
-        window = slice(begin, begin + length)
-        if np.all(still[window]) and np.ptp(states[window, 2]) <= criterion.height:
-            return begin
-    return None
 
 
 def _sampled(model: FreeDisk, times: Array, states: Array) -> dict[str, Array]:
