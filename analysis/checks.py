@@ -65,7 +65,10 @@ def increasing_times(times: npt.ArrayLike) -> Array:
     ValueError
         If it is not one-dimensional, too short, not finite or not increasing.
     """
-    result = np.array(times, dtype=float)
+    try:
+        result = np.array(times, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"times must be numbers, got {times!r}") from None
     if result.ndim != 1 or result.size < 2:
         raise ValueError(
             f"times must be one-dimensional with at least 2 entries, got shape {result.shape}"

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import cos, isclose, pi, sin
-from typing import Literal, get_args
+from typing import Literal, NoReturn, get_args
 
 import numpy as np
 
@@ -93,11 +93,15 @@ def check_upright(times: Array, coordinates: Array) -> None:
     beta = coordinates[:, 4]
     flat = (beta <= 0.0) | (beta >= pi)
     if np.any(flat):
-        time = times[np.argmax(flat)]
-        raise ArithmeticError(
-            f"beta leaves the open interval (0, pi) before t = {time:.6g} s: the disk lies flat, "
-            "and the Euler angles of the motion end there"
-        )
+        raise_flat(float(times[np.argmax(flat)]))
+
+
+def raise_flat(time: float) -> NoReturn:
+    """Raise that the disk lies flat from `time` in s, or from shortly before."""
+    raise ArithmeticError(
+        f"beta leaves the open interval (0, pi) at t = {time:.6g} s: the disk lies flat, and the "
+        "Euler angles of the motion end there"
+    )
 
 
 def consistent_start(

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from analysis.friction import SmoothCoulomb
 from analysis.state import COORDINATES, LEVELS, Level, State, multiplier_names
 
 Source = Literal["engine", "in-house"]
+SOURCES: tuple[Source, ...] = get_args(Source)
 Setting = str | float | int | None
 
 _UNREADABLE = (OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError)
@@ -74,6 +75,7 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         choice("level", self.level, LEVELS)
+        choice("source", self.source, SOURCES)
         times = increasing_times(self.times)
         shapes = {
             "times": (times.size,),

@@ -5,7 +5,6 @@ from math import pi
 
 import numpy as np
 import pytest
-from tests.helpers import assert_close, random_disk
 
 from analysis import (
     DISKS,
@@ -21,6 +20,7 @@ from analysis.checks import Array
 from analysis.linear_full import MOTIONS, Motion, full_system, without_drift
 from analysis.linear_models import MODEL_STATES, model_matrices
 from analysis.linear_reduced import reduced_matrices
+from tests.helpers import assert_close, random_disk
 
 FRICTION = SmoothCoulomb()
 SPINS = np.array([0.0, 1e-3, 5.0, 30.0, 60.0])

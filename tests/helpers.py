@@ -1,0 +1,280 @@
+"""What several tests share: random disks and states, own kinematics, derivatives, Lagrange."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy
+
+from analysis import (
+    GRAVITY,
+    Disk,
+    Level,
+    SmoothCoulomb,
+    State,
+    Trajectory,
+    consistent_start,
+    multiplier_names,
+)
+from analysis.checks import Array
+
+Generator = np.random.Generator
+
+OUTER_STEP = 8e-3
+"""Step for derivatives of derivatives: keeps the inner one's rounding error small."""
+
+
+def assert_close(actual: Any, expected: Any, relative: float = 1e-12) -> None:
+    """Shapes agree, and no entry differs by more than `relative` times the largest expected."""
+    actual, expected = np.asarray(actual), np.asarray(expected)
+    assert actual.shape == expected.shape
+    scale = float(np.max(np.abs(expected)))
+    assert scale > 0.0
+    np.testing.assert_allclose(actual, expected, rtol=0.0, atol=relative * scale)
+
+
+def derivative(function: Callable[[float], Array], step: float = 4e-3) -> Array:
+    """Derivative at 0 by the central difference of eighth order.
+
+    Truncation and rounding both stay near 1e-13 if the function varies over about 1.
+    """
+    weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+    total = sum(
+        weight * (function(k * step) - function(-k * step)) for k, weight in enumerate(weights, 1)
+    )
+    result: Array = np.asarray(total) / step
+    return result
+
+
+def jacobian(function: Callable[[Array], Array], place: Array) -> Array:
+    """Jacobian matrix at `place`, one `derivative` for each column."""
+
+    def along(axis: Array) -> Array:
+        return derivative(lambda t: function(place + t * axis))
+
+    return np.column_stack([along(axis) for axis in np.eye(place.size)])
+
+
+def second_derivative(function: Callable[[float], Array]) -> Array:
+    """Second derivative at 0, good to about 1e-11 of the function's size."""
+    return derivative(lambda outer: slope(function, outer), OUTER_STEP)
+
+
+def slope(function: Callable[[float], Array], time: float) -> Array:
+    """Derivative at `time`, to be differentiated once more with `OUTER_STEP`."""
+    return derivative(lambda inner: function(time + inner), OUTER_STEP)
+
+
+def random_disk(random: Generator) -> Disk:
+    """Disk with all parameters of order one, so that no term of an equation can hide."""
+    a, b, c = random.uniform(0.5, 1.5, size=3)
+    radius, mass = random.uniform(0.8, 1.6, size=2)
+    eccentricity = random.uniform(0.3, 0.7)
+    shift = mass * eccentricity**2
+    return Disk(
+        radius=radius,
+        mass=mass,
+        eccentricity=eccentricity,
+        inertia_x=b + c,
+        inertia_y=a + c + shift,
+        inertia_z=a + b + shift,
+    )
+
+
+def random_state(random: Generator) -> tuple[Array, Array]:
+    """Coordinates and rates of order one that know of no constraint."""
+    z = random.uniform(-1.0, 1.0, size=6)
+    z[3], z[5] = random.uniform(-3.0, 3.0, size=2)
+    z[4] = random.uniform(0.4, 2.7)
+    return z, random.uniform(-1.5, 1.5, size=6)
+
+
+def random_admissible(level: Level, disk: Disk, random: Generator) -> State:
+    """State that meets all constraints of the model and is free in everything else."""
+    beta, gamma = random.uniform(0.4, 2.7), random.uniform(-3.0, 3.0)
+    spin, beta_rate, gamma_rate = random.uniform(-1.5, 1.5, size=3)
+    start = consistent_start(
+        level,
+        disk,
+        beta=beta,
+        gamma=gamma,
+        spin=spin,
+        beta_rate=beta_rate,
+        gamma_rate=gamma_rate if level < 3 else None,
+    )
+    z, u = np.array(start.coordinates), np.array(start.rates)
+    z[3] = random.uniform(-3.0, 3.0)
+    if level == 1:
+        z[:2], u[:2] = random.uniform(-1.0, 1.0, size=(2, 2))
+    return replace(start, coordinates=tuple(z), rates=tuple(u))
+
+
+def random_sample(level: Level, seed: int) -> tuple[Disk, Array, Array]:
+    """Random disk with coordinates and rates that meet the constraints of the model."""
+    random = np.random.default_rng(seed)
+    disk = random_disk(random)
+    start = random_admissible(level, disk, random)
+    return disk, np.array(start.coordinates), np.array(start.rates)
+
+
+def arc(z: Array, u: Array, a: Array) -> Callable[[float], Array]:
+    """Path with these coordinates, rates and accelerations at time 0."""
+    return lambda t: z + t * u + t * t / 2 * a
+
+
+def random_trajectory(level: Level = 3) -> Trajectory:
+    """Five samples that are no motion; none of the numbers has a short decimal form."""
+    random = np.random.default_rng(level)
+    return Trajectory(
+        times=np.cumsum(random.uniform(0.1, 1.0, size=5)),
+        coordinates=random.uniform(0.1, 3.0, size=(5, 6)),
+        rates=random.normal(size=(5, 6)),
+        multipliers=random.normal(size=(5, len(multiplier_names(level)))),
+        level=level,
+        disk=random_disk(random),
+        friction=SmoothCoulomb(coefficient=1 / 3, smoothing=0.01, load="contact"),
+        source="engine",
+        method={"formulation": "tree", "step": 1 / 7, "stages": 4, "event": None},
+        error_estimate=1e-8 / 3,
+        counts={"steps": 12},
+        versions={"numpy": np.__version__},
+    )
+
+
+def turn_x(angle: float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def turn_z(angle: float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def rotation(z: Array) -> Array:
+    """Rotation matrix A_IB, as the product of the three Euler turns."""
+    return turn_z(z[3]) @ turn_x(z[4]) @ turn_z(z[5])
+
+
+def centre(z: Array) -> Array:
+    """Inertial position of G."""
+    return turn_z(z[3]) @ z[:3]
+
+
+def cog(disk: Disk, z: Array) -> Array:
+    """Inertial position of S."""
+    return centre(z) + disk.eccentricity * rotation(z)[:, 0]
+
+
+def contact_arm(disk: Disk, z: Array) -> Array:
+    """Inertial vector from G to the lowest point of the rim: down, within the disk's plane."""
+    normal = rotation(z)[:, 2]
+    down = normal[2] * normal - np.array([0.0, 0.0, 1.0])
+    arm: Array = disk.radius * down / np.linalg.norm(down)
+    return arm
+
+
+def axial(skew: Array) -> Array:
+    return np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
+
+
+def angular_velocity(path: Callable[[float], Array], time: float = 0.0) -> Array:
+    """Inertial angular velocity along a path of coordinates, from the rotation matrix alone."""
+    change = derivative(lambda s: rotation(path(time + s)))
+    return axial(change @ rotation(path(time)).T)
+
+
+def spin_momentum(disk: Disk, path: Callable[[float], Array], time: float) -> Array:
+    """Angular momentum about S in inertial axes."""
+    turn = rotation(path(time))
+    in_body = turn.T @ angular_velocity(path, time)
+    momentum: Array = turn @ (disk.inertia_about_cog * in_body)
+    return momentum
+
+
+def slip(disk: Disk, path: Callable[[float], Array], time: float = 0.0) -> Array:
+    """Velocity of the disk's material point at the contact, in R-frame axes, shape (2,)."""
+    speed = derivative(lambda s: centre(path(time + s)))
+    speed = speed + np.cross(angular_velocity(path, time), contact_arm(disk, path(time)))
+    in_frame: Array = (turn_z(-path(time)[3]) @ speed)[:2]
+    return in_frame
+
+
+class RigidBody(NamedTuple):
+    """Symbolic equations of motion M u' - h = f + w_N lambda_N + W_T lambda_T of the disk."""
+
+    parameters: Any
+    coordinates: Any
+    rates: Any
+    mass_matrix: Any
+    gyroscopic_forces: Any
+    gravity_forces: Any
+    normal_direction: Any
+    tangential_directions: Any
+    cog: Any
+    """Position of S in the frame of the coordinates."""
+    height: Any
+    """Height of G over the lowest point of the rim."""
+
+
+def parameter_values(disk: Disk) -> tuple[float, ...]:
+    """Numbers for `RigidBody.parameters`."""
+    moments = (disk.inertia_x, disk.inertia_y, disk.inertia_z)
+    return (disk.mass, disk.radius, disk.eccentricity, *moments, GRAVITY)
+
+
+@cache
+def rigid_body(*, rotating: bool) -> RigidBody:
+    """Lagrange's equations from the position of G and the rotation matrix alone.
+
+    G is given in the frame R if `rotating`, in the inertial frame otherwise.
+    """
+    parameters = sympy.symbols("m r e A B C g", positive=True)
+    m, r, e, A, B, C, g = parameters
+    z = sympy.Matrix(sympy.symbols("x y z alpha beta gamma"))
+    u = sympy.Matrix(sympy.symbols("u1:7"))
+
+    def rate(matrix: Any) -> Any:
+        terms = (matrix.diff(place) * speed for place, speed in zip(z, u, strict=True))
+        return sum(terms, sympy.zeros(*matrix.shape))
+
+    frame = _symbolic_turn(z[3], 2) if rotating else sympy.eye(3)
+    turn = _symbolic_turn(z[3], 2) * _symbolic_turn(z[4], 0) * _symbolic_turn(z[5], 2)
+    centre, to_cog = frame * z[:3, :], sympy.Matrix([e, 0, 0])
+    spin = turn.T * rate(turn)
+    omega = sympy.Matrix([spin[2, 1], spin[0, 2], spin[1, 0]])
+    speed = rate(centre)
+    kinetic = (
+        m * speed.dot(speed) / 2
+        + m * speed.dot(turn * omega.cross(to_cog))
+        + (omega.T * sympy.diag(A, B, C) * omega)[0] / 2
+    )
+    potential = m * g * (centre + turn * to_cog)[2]
+    momenta = sympy.Matrix([kinetic]).jacobian(u).T
+    # The contact point is the lowest one of the rim: down the plane of the disk from G.
+    normal = turn[:, 2]
+    down = normal[2] * normal - sympy.Matrix([0, 0, 1])
+    arm = r * down / sympy.sqrt(1 - normal[2] ** 2)
+    contact_speed = frame.T * (speed + (turn * omega).cross(arm))
+    return RigidBody(
+        parameters=parameters,
+        coordinates=z,
+        rates=u,
+        mass_matrix=momenta.jacobian(u),
+        gyroscopic_forces=sympy.Matrix([kinetic]).jacobian(z).T - momenta.jacobian(z) * u,
+        gravity_forces=-sympy.Matrix([potential]).jacobian(z).T,
+        normal_direction=sympy.Matrix([(centre + arm)[2]]).jacobian(z).T,
+        tangential_directions=contact_speed[:2, :].jacobian(u).T,
+        cog=frame.T * (centre + turn * to_cog),
+        height=-arm[2],
+    )
+
+
+def _symbolic_turn(angle: Any, axis: int) -> Any:
+    """Turn about coordinate axis 0 (x) or 2 (z)."""
+    c, s = sympy.cos(angle), sympy.sin(angle)
+    if axis == 0:
+        return sympy.Matrix([[1, 0, 0], [0, c, -s], [0, s, c]])
+    return sympy.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])

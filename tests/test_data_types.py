@@ -1,0 +1,271 @@
+"""What the data types accept, refuse and compute."""
+
+from dataclasses import FrozenInstanceError, asdict, replace
+from math import inf, nan, pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import (
+    DISKS,
+    GRAVITY,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    SmoothCoulomb,
+    State,
+    multiplier_names,
+)
+from analysis.checks import Array
+from tests.helpers import random_trajectory
+
+RING: dict[str, float] = {
+    "radius": 0.045,
+    "hole_radius": 0.015,
+    "hole_distance": 0.02,
+    "thickness": 0.01,
+    "density": 7700.0,
+}
+
+
+def ring_integrals(
+    radius: float, hole_radius: float, hole_distance: float, thickness: float, density: float
+) -> tuple[float, Array, Array]:
+    """Mass, first moments and second moments about G, summed over the ring's own area.
+
+    Polar coordinates around the hole's centre: Gauss-Legendre from the hole to the outer edge,
+    and the trapezoidal rule, exact for smooth periodic functions, around. Nothing is subtracted.
+    """
+    angles = np.linspace(0.0, 2 * pi, 400, endpoint=False)
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    # The hole lies opposite to the COG, at x = -hole_distance.
+    across = hole_distance * np.sin(angles)
+    outer = hole_distance * np.cos(angles) + np.sqrt(radius**2 - across**2)
+    half = (outer - hole_radius)[:, None] / 2
+    distances = hole_radius + half * (1 + nodes)
+    x = distances * np.cos(angles)[:, None] - hole_distance
+    y = distances * np.sin(angles)[:, None]
+    mass = density * thickness * half * weights * distances * 2 * pi / angles.size
+    through = thickness**2 / 12
+    moments = np.array([y**2 + through, x**2 + through, x**2 + y**2])
+    first = np.array([np.sum(mass * x), np.sum(mass * y)])
+    return float(np.sum(mass)), first, np.sum(mass * moments, axis=(1, 2))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"hole_distance": 0.0},
+        {"hole_distance": 0.025, "hole_radius": 0.012},
+        {"thickness": 0.03, "density": 2700.0},
+    ],
+)
+def test_ring_has_the_integrals_over_its_area(changes: dict[str, float]) -> None:
+    ring = Disk.ring(**(RING | changes))
+    mass, first, moments = ring_integrals(**(RING | changes))
+    assert ring.mass == pytest.approx(mass, rel=1e-12)
+    assert ring.eccentricity == pytest.approx(first[0] / mass, rel=1e-12, abs=1e-15)
+    assert first[1] == pytest.approx(0.0, abs=1e-15)
+    computed = (ring.inertia_x, ring.inertia_y, ring.inertia_z)
+    np.testing.assert_allclose(computed, moments, rtol=1e-12)
+
+
+def test_ring_without_a_hole_is_a_centred_disk() -> None:
+    full = Disk.ring(**(RING | {"hole_radius": 0.0}))
+    assert full.eccentricity == 0.0
+    assert full.inertia_x == full.inertia_y
+    assert full.inertia_z == pytest.approx(full.mass * full.radius**2 / 2, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("radius", 0.045),
+        ("mass", 0.4354247),
+        ("eccentricity", 2.5e-3),
+        ("inertia_x", 2.485550e-4),
+        ("inertia_y", 2.267837e-4),
+        ("inertia_z", 4.680816e-4),
+    ],
+)
+def test_default_disk_is_the_unrounded_ring(name: str, value: float) -> None:
+    assert getattr(STEEL_DISK, name) == pytest.approx(value, rel=2e-7)
+
+
+@pytest.mark.parametrize("name", list(asdict(ROUNDED_STEEL_DISK)))
+def test_table_1_is_the_default_disk_to_three_digits(name: str) -> None:
+    exact, printed = getattr(STEEL_DISK, name), getattr(ROUNDED_STEEL_DISK, name)
+    assert float(f"{exact:.2e}") == pytest.approx(printed, rel=1e-12)
+
+
+def test_named_disks_are_the_papers() -> None:
+    assert DISKS == {"steel": STEEL_DISK, "steel-rounded": ROUNDED_STEEL_DISK}
+
+
+def test_weight_is_mass_times_gravity() -> None:
+    assert GRAVITY == 9.81
+    assert STEEL_DISK.weight == STEEL_DISK.mass * GRAVITY
+
+
+def test_inertia_moves_to_the_cog_along_x() -> None:
+    shift = STEEL_DISK.mass * STEEL_DISK.eccentricity**2
+    about_cog = STEEL_DISK.inertia_about_cog
+    expected = (STEEL_DISK.inertia_x, STEEL_DISK.inertia_y - shift, STEEL_DISK.inertia_z - shift)
+    np.testing.assert_allclose(about_cog, expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", ["radius", "mass", "inertia_x", "inertia_y", "inertia_z"])
+@pytest.mark.parametrize(
+    ("value", "fault"),
+    [
+        (0.0, "be positive, got 0"),
+        (-2.0, "be positive, got -2"),
+        (nan, "be a finite number, got nan"),
+        (inf, "be a finite number, got inf"),
+        ("heavy", "be a finite number, got 'heavy'"),
+        (None, "be a finite number, got None"),
+    ],
+)
+def test_disk_names_the_field_out_of_range(name: str, value: Any, fault: str) -> None:
+    with pytest.raises(ValueError, match=f"^{name} must {fault}$"):
+        Disk(**(asdict(STEEL_DISK) | {name: value}))
+
+
+@pytest.mark.parametrize("value", [-1e-9, 0.045, 0.1])
+def test_disk_refuses_an_eccentricity_outside_the_radius(value: float) -> None:
+    message = rf"^eccentricity must lie in \[0, radius\) = \[0, 0\.045\), got {value:g}$"
+    with pytest.raises(ValueError, match=message):
+        replace(STEEL_DISK, eccentricity=value)
+
+
+@pytest.mark.parametrize("value", [nan, -inf, "off"])
+def test_disk_refuses_an_eccentricity_that_is_no_number(value: Any) -> None:
+    with pytest.raises(ValueError, match=f"^eccentricity must be a finite number, got {value!r}$"):
+        replace(STEEL_DISK, eccentricity=value)
+
+
+@pytest.mark.parametrize("name", ["inertia_y", "inertia_z"])
+def test_disk_refuses_inertia_that_is_negative_about_the_cog(name: str) -> None:
+    shift = STEEL_DISK.mass * STEEL_DISK.eccentricity**2
+    with pytest.raises(
+        ValueError, match=rf"^{name} must exceed mass \* eccentricity² .* leaves -"
+    ):
+        replace(STEEL_DISK, **{name: 0.99 * shift})
+
+
+@pytest.mark.parametrize(
+    ("name", "axis"), [("inertia_x", "x"), ("inertia_y", "y"), ("inertia_z", "z")]
+)
+def test_disk_refuses_inertia_above_the_triangle_bound(name: str, axis: str) -> None:
+    about_cog = dict(zip("xyz", STEEL_DISK.inertia_about_cog, strict=True))
+    slack = sum(about_cog.values()) - 2 * about_cog[axis]
+    bound = getattr(STEEL_DISK, name) + slack
+    assert replace(STEEL_DISK, **{name: bound * (1 - 1e-9)}).mass == STEEL_DISK.mass
+    message = f"^{name} must not exceed the sum of the two other moments .* about the {axis} axis$"
+    with pytest.raises(ValueError, match=message):
+        replace(STEEL_DISK, **{name: bound * (1 + 1e-9)})
+
+
+def test_disk_accepts_a_lamina() -> None:
+    shift = STEEL_DISK.mass * STEEL_DISK.eccentricity**2
+    a, b = 0.1 + 0.2, 0.7
+    lamina = Disk(
+        radius=1.0,
+        mass=STEEL_DISK.mass,
+        eccentricity=STEEL_DISK.eccentricity,
+        inertia_x=a,
+        inertia_y=b + shift,
+        inertia_z=a + b + shift,
+    )
+    assert lamina.inertia_about_cog[2] == pytest.approx(a + b, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"radius": 0.0}, "radius must be positive, got 0"),
+        ({"hole_radius": -0.01}, "hole_radius must not be negative, got -0.01"),
+        ({"hole_distance": -0.01}, "hole_distance must not be negative, got -0.01"),
+        ({"thickness": -1.0}, "thickness must be positive, got -1"),
+        ({"density": nan}, "density must be a finite number, got nan"),
+        (
+            {"hole_distance": 0.03},
+            r"hole_distance \+ hole_radius must be less than radius = 0\.045, got 0\.045",
+        ),
+    ],
+)
+def test_ring_names_the_argument_out_of_range(changes: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        Disk.ring(**(RING | changes))
+
+
+DESCRIPTIONS: list[tuple[Any, str]] = [
+    (STEEL_DISK, "mass"),
+    (SmoothCoulomb(), "coefficient"),
+    (State(coordinates=(0, 0, 0, 0, 1, 0), rates=(0,) * 6), "rates"),
+    (random_trajectory(), "times"),
+]
+
+
+@pytest.mark.parametrize(("description", "field"), DESCRIPTIONS)
+def test_descriptions_cannot_be_changed(description: Any, field: str) -> None:
+    with pytest.raises(FrozenInstanceError):
+        setattr(description, field, getattr(description, field))
+
+
+@pytest.mark.parametrize(("description", "field"), DESCRIPTIONS)
+def test_descriptions_take_no_value_without_its_name(description: Any, field: str) -> None:
+    with pytest.raises(TypeError, match="positional argument"):
+        type(description)(getattr(description, field))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"coefficient": -0.1}, "coefficient must not be negative, got -0.1"),
+        ({"coefficient": nan}, "coefficient must be a finite number, got nan"),
+        ({"smoothing": 0.0}, "smoothing must be positive, got 0"),
+        ({"smoothing": inf}, "smoothing must be a finite number, got inf"),
+        ({"load": "half"}, "load must be one of weight, contact, got 'half'"),
+    ],
+)
+def test_friction_names_the_field_out_of_range(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        SmoothCoulomb(**changes)
+
+
+def test_default_friction_is_the_papers() -> None:
+    paper = SmoothCoulomb(coefficient=0.3, smoothing=0.1, load="weight")
+    assert SmoothCoulomb() == paper
+
+
+def test_a_table_without_friction_is_allowed() -> None:
+    assert SmoothCoulomb(coefficient=0.0).coefficient == 0.0
+
+
+@pytest.mark.parametrize("field", ["coordinates", "rates"])
+def test_state_needs_six_numbers(field: str) -> None:
+    good: dict[str, Any] = {"coordinates": (0, 0, 0, 0, 1, 0), "rates": (0,) * 6}
+    with pytest.raises(ValueError, match=f"^{field} must hold 6 numbers, got 5$"):
+        State(**(good | {field: (1.0,) * 5}))
+    with pytest.raises(ValueError, match=rf"^{field}\[gamma\] must be a finite number, got nan$"):
+        State(**(good | {field: (1.0, 1.0, 1.0, 1.0, 1.0, nan)}))
+
+
+@pytest.mark.parametrize("beta", [0.0, pi, -1.0, 3.2])
+def test_state_refuses_a_singular_tilt(beta: float) -> None:
+    with pytest.raises(ValueError, match=rf"^beta must lie in .* \(0, pi\), .* got {beta:g}$"):
+        State(coordinates=(0, 0, 0, 0, beta, 0), rates=(0,) * 6)
+
+
+def test_state_vector_holds_coordinates_before_rates() -> None:
+    state = State(coordinates=(1, 2, 3, 4, 0.5, 6), rates=(7, 8, 9, 10, 11, 12))
+    np.testing.assert_array_equal(state.vector, [1, 2, 3, 4, 0.5, 6, 7, 8, 9, 10, 11, 12])
+
+
+@pytest.mark.parametrize(("level", "count"), [(1, 1), (2, 3), (3, 4), (4, 5)])
+def test_each_model_has_one_multiplier_for_each_constraint(level: Any, count: int) -> None:
+    everything = ("normal_force", "cog_force_x", "cog_force_y", "tangential_force", "spin_torque")
+    assert multiplier_names(level) == everything[:count]

@@ -1,0 +1,138 @@
+"""Model 4 in minimal coordinates against its projection from the full equations of motion."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+
+from analysis import (
+    STEEL_DISK,
+    Disk,
+    SmoothCoulomb,
+    constraints,
+    index1,
+    reduced,
+)
+from analysis.checks import Array
+from tests.helpers import assert_close, derivative, parameter_values, random_disk, rigid_body
+
+seeds = pytest.mark.parametrize("seed", range(6))
+coefficients = pytest.mark.parametrize("coefficient", [0.0, 0.3])
+
+
+def sample(seed: int) -> tuple[Disk, float, tuple[float, float, float]]:
+    """Disk of order one, spin and minimal state."""
+    random = np.random.default_rng(seed)
+    disk = random_disk(random)
+    beta, gamma = random.uniform(0.4, 2.7), random.uniform(-3.0, 3.0)
+    return disk, random.uniform(-3.0, 3.0), (beta, gamma, random.uniform(-3.0, 3.0))
+
+
+@pytest.fixture(scope="module")
+def projection() -> Callable[..., list[Any]]:
+    """Terms of Eq. (101), with B(z) and beta(z, t) solved for from the constraints.
+
+    The constraints come from the geometry of the rigid body, so Eqs. (97) and (102)-(108) have
+    no part in this. In order: projected mass, everything else without friction, direction of
+    the lateral friction and lateral slip.
+    """
+    body = rigid_body(rotating=True)
+    z, u = body.coordinates, body.rates
+    beta, gamma, spin, v = z[4], z[5], sympy.Symbol("Omega"), u[4]
+    held = sympy.Matrix([z[2] - body.height, body.cog[0], body.cog[1]])
+    # Contact and COG fix the position of G. Nothing depends on alpha, so any value will do.
+    at_zero = {z[3]: 0}
+    place = sympy.solve(list(held.subs(at_zero)), list(z[:3, 0]), dict=True)[0]
+
+    def on_manifold(matrix: Any) -> Any:
+        return matrix.subs(at_zero).subs(place)
+
+    rows = on_manifold(held.jacobian(z).col_join(body.tangential_directions[:, 0].T))
+    rows = rows.col_join(sympy.eye(6)[3, :])
+    others = [0, 1, 2, 3, 5]
+    solved = rows[:, others].LUsolve(sympy.Matrix([0, 0, 0, 0, spin]) - rows[:, 4] * v)
+    rates = sympy.Matrix([*solved[:4, 0], v, solved[4]])
+    B = rates.diff(v)
+    change = rates.diff(beta) * v + rates.diff(gamma) * rates[5]
+    moving = dict(zip(u, rates, strict=True))
+    M, W_y = on_manifold(body.mass_matrix), on_manifold(body.tangential_directions[:, 1])
+    h, f = on_manifold(body.gyroscopic_forces).subs(moving), on_manifold(body.gravity_forces)
+    terms = [B.T * M * B, B.T * (h + f - M * change), B.T * W_y, W_y.T * rates]
+    arguments = [body.parameters, spin, [beta, gamma, v]]
+    function: Callable[..., list[Any]] = sympy.lambdify(arguments, terms, cse=True)
+    return function
+
+
+@coefficients
+@seeds
+def test_reduced_equations_are_the_projection_of_the_full_ones(
+    projection: Callable[..., list[Any]], coefficient: float, seed: int
+) -> None:
+    disk, spin, x = sample(seed)
+    law = SmoothCoulomb(coefficient=coefficient)
+    terms = projection(parameter_values(disk), spin, x)
+    mass, force, direction, slip = (float(term[0, 0]) for term in terms)
+    force += direction * -coefficient * disk.weight * slip / (abs(slip) + law.smoothing)
+    assert reduced.acceleration(disk, law, spin, x) == pytest.approx(force / mass, rel=1e-12)
+
+
+@coefficients
+@pytest.mark.parametrize("large", [False, True])
+@seeds
+def test_index_1_system_of_model_4_accelerates_like_the_reduced_one(
+    coefficient: float, large: bool, seed: int
+) -> None:
+    disk, spin, x = sample(seed)
+    if large:
+        disk, spin = STEEL_DISK, 40.0 + spin
+    law = SmoothCoulomb(coefficient=coefficient)
+    z, u = reduced.expand(disk, spin, np.array([1.7]), np.array([x]))
+    accelerations, _ = index1.accelerations(4, disk, law, z[0], u[0])
+    expected = reduced.acceleration(disk, law, spin, x)
+    assert accelerations[4] == pytest.approx(expected, rel=1e-10)
+
+
+@seeds
+def test_index_1_system_of_model_4_follows_the_reduced_kinematics(seed: int) -> None:
+    disk, spin, x = sample(seed)
+    z, u = reduced.expand(disk, spin, np.array([1.7]), np.array([x]))
+    accelerations, _ = index1.accelerations(4, disk, SmoothCoulomb(), z[0], u[0])
+    right = np.array(reduced.right_hand_side(disk, SmoothCoulomb(), spin, x))
+
+    def rates(t: float) -> Array:
+        _, rows = reduced.expand(disk, spin, np.array([1.7]), np.array([x]) + t * right)
+        return rows.ravel()
+
+    assert_close(accelerations, derivative(rates), relative=1e-11)
+
+
+@seeds
+def test_expanded_states_meet_all_constraints(seed: int) -> None:
+    disk, spin, x = sample(seed)
+    z, u = reduced.expand(disk, spin, np.array([1.7]), np.array([x]))
+    residuals = constraints.directions(4, disk, z[0]) @ u[0]
+    np.testing.assert_allclose(constraints.positions(4, disk, z[0]), 0.0, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(residuals[:4], 0.0, rtol=0.0, atol=1e-14)
+    assert residuals[4] == spin
+
+
+@seeds
+def test_expanded_rates_are_the_rates_of_the_expanded_coordinates(seed: int) -> None:
+    disk, spin, x = sample(seed)
+    right = np.array(reduced.right_hand_side(disk, SmoothCoulomb(), spin, x))
+
+    def coordinates(t: float) -> Array:
+        states = np.array([x]) + t * right
+        rows, _ = reduced.expand(disk, spin, np.array([1.7 + spin * t]), states)
+        return rows.ravel()
+
+    _, u = reduced.expand(disk, spin, np.array([1.7]), np.array([x]))
+    assert_close(u[0], derivative(coordinates))
+
+
+def test_reduced_system_looks_at_the_weight_alone() -> None:
+    disk, spin, x = sample(0)
+    by_weight = reduced.acceleration(disk, SmoothCoulomb(load="weight"), spin, x)
+    assert reduced.acceleration(disk, SmoothCoulomb(load="contact"), spin, x) == by_weight

@@ -1,0 +1,234 @@
+"""In-house simulation: accuracy, the paper's statements, and what is refused."""
+
+from dataclasses import replace
+from functools import cache
+from math import pi
+
+import numpy as np
+import pytest
+
+from analysis import (
+    FORMS,
+    LEVELS,
+    STEEL_DISK,
+    Form,
+    Level,
+    Load,
+    Method,
+    SmoothCoulomb,
+    Trajectory,
+    balance,
+    consistent_start,
+    simulate,
+)
+from analysis.checks import Array
+from tests.helpers import assert_close
+
+TIMES = np.linspace(0.0, 0.6, 301)
+"""The inversion of Model 1 from Table 3."""
+
+levels = pytest.mark.parametrize("level", LEVELS)
+
+
+@cache
+def reference(level: Level, load: Load = "weight") -> Trajectory:
+    """Run from Table 3, accurate to some 1e-12 rad."""
+    return simulate(level, TIMES, friction=SmoothCoulomb(load=load), local_tolerance=1e-13)
+
+
+def difference(first: Trajectory, second: Trajectory) -> float:
+    """Largest difference in beta and gamma in rad."""
+    return float(np.max(np.abs(first.coordinates - second.coordinates)[:, 4:]))
+
+
+def total_energy(trajectory: Trajectory) -> Array:
+    kinetic, potential = balance.energies(
+        trajectory.disk, trajectory.coordinates, trajectory.rates
+    )
+    return kinetic + potential
+
+
+@levels
+def test_method_families_agree(level: Level) -> None:
+    implicit = simulate(level, TIMES, method="Radau", local_tolerance=1e-10)
+    assert difference(implicit, reference(level)) < 1e-10
+
+
+def test_index_1_and_reduced_form_of_model_4_agree() -> None:
+    start = consistent_start(4, STEEL_DISK, beta=1.3, gamma=-0.7, spin=30.0, beta_rate=2.0)
+    full, minimal = (
+        simulate(4, TIMES, start=start, form=form, local_tolerance=1e-13) for form in FORMS
+    )
+    for name in ("coordinates", "rates", "multipliers"):
+        assert_close(getattr(minimal, name), getattr(full, name), relative=1e-11)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_forms_keep_alpha_and_the_clock_of_the_start(form: Form) -> None:
+    start = consistent_start(4, STEEL_DISK)
+    turned = replace(start, coordinates=(*start.coordinates[:3], 2.0, *start.coordinates[4:]))
+    late = simulate(4, TIMES + 5.0, start=turned, form=form, local_tolerance=1e-13)
+    expected = reference(4).coordinates + np.array([0.0, 0.0, 0.0, 2.0, 0.0, 0.0])
+    np.testing.assert_array_equal(late.times, TIMES + 5.0)
+    # Subtracting the start from the late times leaves 1e-15 s, at 40 rad/s.
+    np.testing.assert_allclose(late.coordinates, expected, rtol=0.0, atol=2e-12)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("method", ["DOP853", "RK45", "Radau", "LSODA", "BDF"])
+@pytest.mark.parametrize("level", [1, 4])
+def test_tolerance_and_estimate_bound_the_error(
+    level: Level, method: Method, tolerance: float
+) -> None:
+    run = simulate(level, TIMES, method=method, tolerance=tolerance)
+    assert run.error_estimate is not None
+    assert difference(run, reference(level)) <= run.error_estimate <= tolerance
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_estimate_is_the_difference_to_a_run_ten_times_looser(form: Form) -> None:
+    run = simulate(4, TIMES, form=form, tolerance=1e-6)
+    used = run.method["local_tolerance"]
+    assert isinstance(used, float)
+    looser = simulate(4, TIMES, form=form, local_tolerance=10.0 * used)
+    assert run.error_estimate == pytest.approx(difference(run, looser), rel=1e-4)
+
+
+def test_tighter_tolerance_takes_more_work() -> None:
+    loose, tight = (simulate(1, TIMES, tolerance=value) for value in (1e-4, 1e-8))
+    assert 100 < loose.counts["right_hand_sides"] < tight.counts["right_hand_sides"] < 2500
+
+
+def test_default_tolerance_is_1e_8() -> None:
+    chosen, default = simulate(1, TIMES, tolerance=1e-8), simulate(1, TIMES)
+    np.testing.assert_array_equal(chosen.coordinates, default.coordinates)
+    assert default.method == chosen.method
+    assert default.method["tolerance"] == 1e-8
+
+
+def test_single_run_gives_no_estimate() -> None:
+    run = simulate(1, TIMES, local_tolerance=1e-6)
+    assert run.error_estimate is None
+    assert run.method["local_tolerance"] == 1e-6
+
+
+def test_run_names_the_software_that_made_it() -> None:
+    run = reference(1)
+    assert run.source == "in-house"
+    assert run.versions["numpy"] == np.__version__
+    assert set(run.versions) == {"python", "numpy", "scipy"}
+
+
+def test_repeating_with_the_recorded_settings_gives_the_same_motion() -> None:
+    run = simulate(2, TIMES, method="RK45", tolerance=1e-5)
+    local_tolerance = run.method["local_tolerance"]
+    assert isinstance(local_tolerance, float)
+    again = simulate(2, TIMES, method="RK45", local_tolerance=local_tolerance)
+    np.testing.assert_array_equal(again.coordinates, run.coordinates)
+
+
+@levels
+def test_motion_does_not_depend_on_the_times_asked_for(level: Level) -> None:
+    sparse = simulate(level, TIMES[::60], tolerance=1e-9)
+    samples = reference(level).coordinates[::60, 4:]
+    np.testing.assert_allclose(sparse.coordinates[:, 4:], samples, rtol=0.0, atol=1e-9)
+
+
+@levels
+def test_motion_begins_with_the_start(level: Level) -> None:
+    start = consistent_start(level, STEEL_DISK, beta=1.2, gamma=0.4, spin=-20.0, beta_rate=0.3)
+    assert simulate(level, TIMES[:5], start=start, tolerance=1e-6).state(0) == start
+
+
+@levels
+def test_rates_are_the_derivative_of_the_coordinates(level: Level) -> None:
+    times = np.linspace(0.1, 0.1 + 8e-3, 9)
+    run = simulate(level, np.concatenate(([0.0], times)), local_tolerance=1e-13)
+    weights = np.array([3, -32, 168, -672, 0, 672, -168, 32, -3]) / 840
+    slope = weights @ run.coordinates[1:] / 1e-3
+    np.testing.assert_allclose(slope, run.rates[5], rtol=0.0, atol=1e-9)
+
+
+@levels
+def test_energy_is_kept_without_friction(level: Level) -> None:
+    start = consistent_start(level, STEEL_DISK, beta=1.3, beta_rate=2.0)
+    run = simulate(level, TIMES, friction=SmoothCoulomb(coefficient=0.0), start=start)
+    kinetic, _ = balance.energies(run.disk, run.coordinates, run.rates)
+    spin_work = balance.power(run)
+    assert np.ptp(kinetic) > 1e-3
+    if level < 4:
+        np.testing.assert_array_equal(spin_work, 0.0)
+        np.testing.assert_allclose(total_energy(run), total_energy(run)[0], rtol=1e-9)
+    else:
+        assert np.max(np.abs(spin_work)) > 1e-3
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_friction_never_gives_energy(level: Level) -> None:
+    gains = np.diff(total_energy(reference(level)))
+    assert np.max(gains) < 1e-13
+    assert np.sum(gains) < -1e-2
+
+
+@levels
+@pytest.mark.parametrize("load", ["weight", "contact"])
+def test_energy_balance_closes(level: Level, load: Load) -> None:
+    residual = balance.energy_residual(reference(level, load))
+    turnover = np.ptp(total_energy(reference(level, load)))
+    assert turnover > 1e-2
+    # What is left is Simpson's rule over 2 ms steps.
+    assert np.max(np.abs(residual)) < 1e-6 * turnover
+
+
+def test_energy_residual_falls_with_the_fourth_power_of_the_spacing() -> None:
+    fine = reference(1)
+    coarse = simulate(1, TIMES[::2], local_tolerance=1e-13)
+    largest = [np.max(np.abs(balance.energy_residual(run))) for run in (coarse, fine)]
+    assert largest[0] / largest[1] == pytest.approx(16.0, rel=0.05)
+
+
+@levels
+def test_index_1_form_drifts_little_off_the_constraints(level: Level) -> None:
+    position, velocity = balance.constraint_drift(simulate(level, TIMES, tolerance=1e-8))
+    assert np.max(position) < 1e-11
+    assert np.max(velocity) < 1e-10
+
+
+@pytest.mark.parametrize(("column", "amount"), [(0, 2e-3), (1, -3e-3), (2, 5e-3)])
+def test_drift_is_the_largest_broken_constraint(column: int, amount: float) -> None:
+    run = reference(2)
+    places, speeds = run.coordinates.copy(), run.rates.copy()
+    places[7, column] += amount
+    speeds[9, column] += 10 * amount
+    position, velocity = balance.constraint_drift(replace(run, coordinates=places, rates=speeds))
+    assert position[7] == pytest.approx(abs(amount), rel=1e-9)
+    assert velocity[9] == pytest.approx(10 * abs(amount), rel=1e-9)
+    assert np.max(np.delete(position, 7)) < 1e-11
+    assert np.max(np.delete(velocity, 9)) < 1e-10
+
+
+def test_drift_leaves_out_the_prescribed_spin() -> None:
+    _, velocity = balance.constraint_drift(reference(4))
+    assert np.max(velocity) < 1e-11
+
+
+def test_model_4_keeps_its_spin() -> None:
+    np.testing.assert_allclose(reference(4).rate("alpha"), 40.0, rtol=1e-14)
+
+
+def test_model_1_inverts_within_the_papers_time() -> None:
+    gamma = reference(1).coordinate("gamma")
+    assert np.all(gamma[TIMES < 0.3] < 0.0)
+    upright = TIMES[np.argmax(gamma > pi / 2)]
+    assert 0.5 < upright < 0.6
+
+
+def test_the_load_changes_the_angles_of_model_1_by_a_hundredth() -> None:
+    # Sect. 4.1: "the absolute difference lies in the range of 1e-2 rad".
+    gap = difference(reference(1, "weight"), reference(1, "contact"))
+    assert 1e-3 < gap < 5e-2
+
+
+def test_contact_carries_about_the_weight_of_model_1() -> None:
+    # Sect. 4.1 neglects the rest.
+    np.testing.assert_allclose(reference(1).normal_force, STEEL_DISK.weight, rtol=0.06)

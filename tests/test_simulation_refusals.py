@@ -1,0 +1,127 @@
+"""What the in-house simulation refuses, and how it reports what it cannot do."""
+
+from itertools import count
+from math import nan, pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import (
+    FORMS,
+    METHODS,
+    STEEL_DISK,
+    Form,
+    Level,
+    Method,
+    SmoothCoulomb,
+    ToleranceError,
+    consistent_start,
+    index1,
+    reduced,
+    simulate,
+    simulation,
+)
+from analysis.checks import Array
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_disk_that_falls_flat_is_reported(form: Form) -> None:
+    start = consistent_start(4, STEEL_DISK, beta=1.0, gamma=pi / 2, spin=0.0)
+    with pytest.raises(ArithmeticError, match="beta leaves"):
+        simulate(4, [0.0, 0.2], start=start, form=form, local_tolerance=1e-6)
+
+
+def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Beyond beta = 0 the equations go on to the next singular tilt and get stuck there.
+    calls = count()
+
+    def within_budget(*given: Any) -> Any:
+        assert next(calls) < 5000
+        return accelerations(*given)
+
+    accelerations = index1.accelerations
+    monkeypatch.setattr(index1, "accelerations", within_budget)
+    start = consistent_start(1, STEEL_DISK, beta=1.0, gamma=pi / 2, spin=0.0)
+    with pytest.raises(ArithmeticError, match="beta leaves"):
+        simulate(1, [0.0, 0.5], start=start, tolerance=1e-6)
+
+
+def test_integration_that_gives_up_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
+    # gamma = 1 / (1.005 - t) has no value at t = 1.005 s.
+    start = consistent_start(4, STEEL_DISK, gamma=1 / 1.005)
+    monkeypatch.setattr(reduced, "right_hand_side", lambda *given: (0.0, given[-1][1] ** 2, 0.0))
+    with pytest.raises(ArithmeticError, match=r"^DOP853 stopped .*t = 1 s: "):
+        simulate(4, np.linspace(0.0, 2.0, 201), start=start, form="reduced")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"times": [0.0, 1.0, 1.0]}, "times must increase strictly, got 1 before 1"),
+        ({"times": [0.0, nan]}, "times must be finite"),
+        ({"times": [0.0]}, "times must be one-dimensional with at least 2 entries"),
+        ({"level": 5}, "level must be one of 1, 2, 3, 4, got 5"),
+        ({"method": "RK4"}, "method must be one of DOP853, RK45, .*, got 'RK4'"),
+        ({"form": "index-2"}, "form must be one of index-1, reduced, got 'index-2'"),
+        ({"tolerance": -1e-6}, "tolerance must be positive, got -1e-06"),
+        ({"tolerance": 0.0}, "tolerance must be positive, got 0"),
+        ({"tolerance": nan}, "tolerance must be a finite number, got nan"),
+        ({"local_tolerance": -1e-6}, "local_tolerance must be positive, got -1e-06"),
+        ({"local_tolerance": 1.0}, r"local_tolerance must lie in \[3e-14, 1\), got 1"),
+        ({"local_tolerance": 1e-15}, r"local_tolerance must lie in \[3e-14, 1\), got 1e-15"),
+        (
+            {"tolerance": 1e-6, "local_tolerance": 1e-6},
+            "give either tolerance or local_tolerance, not both",
+        ),
+    ],
+)
+def test_argument_out_of_range_is_named(arguments: dict[str, Any], message: str) -> None:
+    good: dict[str, Any] = {"level": 1, "times": [0.0, 0.01]}
+    with pytest.raises(ValueError, match=f"^{message}"):
+        simulate(**(good | arguments))
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_reduced_form_exists_for_model_4_alone(level: Level) -> None:
+    with pytest.raises(
+        ValueError, match=rf"'reduced' exists for Model 4 alone, got level {level}$"
+    ):
+        simulate(level, [0.0, 0.01], form="reduced")
+
+
+def test_reduced_form_takes_the_weight_alone() -> None:
+    with pytest.raises(
+        ValueError, match=r"'reduced' takes the load 'weight' alone, got 'contact'$"
+    ):
+        simulate(4, [0.0, 0.01], form="reduced", friction=SmoothCoulomb(load="contact"))
+
+
+def test_start_that_breaks_a_constraint_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"^start breaks 'fixed centre of gravity"):
+        simulate(2, [0.0, 0.01], start=consistent_start(1, STEEL_DISK))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_unreachable_tolerance_is_refused(method: Method) -> None:
+    message = rf"^tolerance 1e-16 rad cannot be reached with {method}: .* by \d\.\de-\d\d rad$"
+    with pytest.raises(ToleranceError, match=message):
+        simulate(1, [0.0, 0.01], method=method, tolerance=1e-16)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-11, 1e-12, 1e-13, 1e-16])
+def test_compared_runs_differ_threefold_in_their_local_tolerance(
+    tolerance: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Two runs of nearly the same local tolerance agree without being right.
+    used: list[float] = []
+
+    def never_agree(_: Any, times: Any, __: Method, local_tolerance: float) -> tuple[Array, int]:
+        used.append(local_tolerance)
+        return np.full((len(times), 12), float(len(used))), 1
+
+    monkeypatch.setattr(simulation, "_integrate", never_agree)
+    with pytest.raises(ToleranceError):
+        simulate(1, [0.0, 0.01], tolerance=tolerance)
+    assert len(used) >= 2
+    assert np.min(np.divide(used[:-1], used[1:])) >= 3.0

@@ -1,0 +1,199 @@
+"""Trajectory files: exact, free of pickle, whole or not at all."""
+
+import io
+import json
+import os
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import LEVELS, Level, Trajectory
+from tests.helpers import random_trajectory
+
+ARRAYS = ("times", "coordinates", "rates", "multipliers")
+MEMBERS = ("t", "q", "u", "normal_force", "multipliers", "meta")
+META = ("level", "disk", "friction", "source", "method", "error_estimate", "counts", "versions")
+
+
+def members(path: Path) -> dict[str, Any]:
+    with np.load(path, allow_pickle=False) as stored:
+        return dict(stored)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_file_gives_back_exactly_what_was_saved(level: Level, tmp_path: Path) -> None:
+    saved = random_trajectory(level)
+    saved.save(tmp_path / "motion.npz")
+    loaded = Trajectory.load(tmp_path / "motion.npz")
+    for name in ARRAYS:
+        np.testing.assert_array_equal(getattr(loaded, name), getattr(saved, name))
+    for name in META:
+        assert getattr(loaded, name) == getattr(saved, name)
+
+
+def test_file_keeps_a_missing_error_estimate(tmp_path: Path) -> None:
+    replace(random_trajectory(), error_estimate=None).save(tmp_path / "motion.npz")
+    assert Trajectory.load(tmp_path / "motion.npz").error_estimate is None
+
+
+def test_file_is_written_where_it_was_asked_for(tmp_path: Path) -> None:
+    random_trajectory().save(str(tmp_path / "motion"))
+    assert [entry.name for entry in tmp_path.iterdir()] == ["motion"]
+
+
+def test_file_holds_no_pickle(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory().save(path)
+    with zipfile.ZipFile(path) as archive:
+        assert sorted(archive.namelist()) == sorted(f"{name}.npy" for name in MEMBERS)
+        for name in archive.namelist():
+            array = np.load(io.BytesIO(archive.read(name)), allow_pickle=False)
+            assert not array.dtype.hasobject
+
+
+def test_file_offers_the_normal_force_by_name(tmp_path: Path) -> None:
+    saved = random_trajectory()
+    saved.save(tmp_path / "motion.npz")
+    stored = members(tmp_path / "motion.npz")["normal_force"]
+    np.testing.assert_array_equal(stored, saved.multipliers[:, 0])
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions follow the umask on POSIX alone")
+def test_file_has_the_permissions_of_any_new_file(tmp_path: Path) -> None:
+    random_trajectory().save(tmp_path / "motion.npz")
+    (tmp_path / "plain").touch()
+    assert (tmp_path / "motion.npz").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+@pytest.mark.parametrize("part", [0.0, 0.01, 0.3, 0.6, 0.9, 0.999])
+def test_truncated_file_is_named(part: float, tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory().save(path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(part * len(whole))])
+    with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
+        Trajectory.load(path)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_file_of_random_bytes_is_named(seed: int, tmp_path: Path) -> None:
+    path = tmp_path / "noise.npz"
+    path.write_bytes(np.random.default_rng(seed).bytes(3000))
+    with pytest.raises(ValueError, match=r"noise\.npz is not a readable trajectory: ."):
+        Trajectory.load(path)
+
+
+# Flags "encrypted" and "needs ZIP version 25.5" in the archive's own directory: `zipfile` answers
+# with errors that say neither OSError nor BadZipFile.
+@pytest.mark.parametrize(("offset", "value"), [(8, 1), (6, 255)])
+def test_file_with_a_damaged_directory_is_named(offset: int, value: int, tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory().save(path)
+    content = bytearray(path.read_bytes())
+    content[content.index(b"PK\x01\x02") + offset] = value
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
+        Trajectory.load(path)
+
+
+def test_file_with_a_flipped_bit_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory().save(path)
+    content = bytearray(path.read_bytes())
+    content[content.index(random_trajectory().rates.tobytes()) + 17] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
+        Trajectory.load(path)
+
+
+@pytest.mark.parametrize("key", ["t", "q", "u", "multipliers", "meta"])
+def test_missing_member_is_named(key: str, tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory().save(path)
+    stored = members(path)
+    del stored[key]
+    np.savez(path, **stored)
+    with pytest.raises(ValueError, match=rf"motion\.npz is not .*: lacks .*\b{key}\b"):
+        Trajectory.load(path)
+
+
+@pytest.mark.parametrize("key", META)
+def test_missing_piece_of_the_description_is_named(key: str, tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory().save(path)
+    stored = members(path)
+    meta = json.loads(str(stored["meta"]))
+    del meta[key]
+    np.savez(path, **(stored | {"meta": np.array(json.dumps(meta))}))
+    with pytest.raises(ValueError, match=rf"motion\.npz is not .*: lacks '{key}'"):
+        Trajectory.load(path)
+
+
+@pytest.mark.parametrize("meta", ["{", "[]", "", '{"level": 3, "disk": {"mass": 1}}'])
+def test_unreadable_description_is_named(meta: str, tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory().save(path)
+    np.savez(path, **(members(path) | {"meta": np.array(meta)}))
+    with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
+        Trajectory.load(path)
+
+
+def test_single_array_is_not_a_trajectory(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npy"
+    np.save(path, np.arange(3.0))
+    with pytest.raises(ValueError, match=r"motion\.npy is not a readable trajectory: ."):
+        Trajectory.load(path)
+
+
+def test_pickled_member_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory().save(path)
+    times = np.array(list(random_trajectory().times), dtype=object)
+    np.savez(path, allow_pickle=True, **(members(path) | {"t": times}))
+    with pytest.raises(ValueError, match=r"motion\.npz is not .*allow_pickle"):
+        Trajectory.load(path)
+
+
+def test_missing_file_is_a_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        Trajectory.load(tmp_path / "nothing.npz")
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
+@pytest.mark.parametrize("before", [None, b"an older result"])
+def test_interrupted_save_leaves_the_folder_as_it_was(
+    error: type[BaseException],
+    before: bytes | None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path = tmp_path / "motion.npz"
+    if before is not None:
+        path.write_bytes(before)
+
+    def stop_half_way(stream: Any, **_: Any) -> None:
+        stream.write(b"half of the file")
+        raise error
+
+    monkeypatch.setattr(np, "savez", stop_half_way)
+    with pytest.raises(error):
+        random_trajectory().save(path)
+    left = {entry.name: entry.read_bytes() for entry in tmp_path.iterdir()}
+    assert left == ({} if before is None else {"motion.npz": before})
+
+
+def test_new_file_replaces_the_old_one(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory(1).save(path)
+    random_trajectory(2).save(path)
+    assert Trajectory.load(path).level == 2
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_save_into_a_missing_folder_fails(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        random_trajectory().save(tmp_path / "nowhere" / "motion.npz")
