@@ -1,5 +1,6 @@
 """In-house simulation of the disk until it lies still, in any attitude."""
 
+from collections.abc import Callable
 from typing import Literal, get_args
 
 import numpy as np
@@ -20,6 +21,8 @@ RestMethod = Literal["LSODA", "DOP853", "RK45"]
 REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
 """SciPy's Radau and BDF overflow: their numerical Jacobian meets states nothing depends on."""
 
+Progress = Callable[[float], None]
+
 STRETCH = 1.0
 """Time in s after which the quaternion is normalised and rest is looked for."""
 
@@ -38,6 +41,7 @@ def simulate_to_rest(
     criterion: RestCriterion | None = None,
     method: RestMethod = "LSODA",
     local_tolerance: float = 1e-10,
+    progress: Progress | None = None,
 ) -> SpatialMotion:
     """Simulate the disk on a compliant table until it rests, or until `end`.
 
@@ -62,6 +66,8 @@ def simulate_to_rest(
         SciPy method. LSODA is fastest; the explicit ones slow down on a flat disk.
     local_tolerance : float
         Relative tolerance of a single step; the absolute one is a hundredth of the number.
+    progress : callable, optional
+        Called now and then with the time in s that the motion has reached.
 
     Returns
     -------
@@ -88,7 +94,9 @@ def simulate_to_rest(
     first = start_vector(model, start if start is not None else consistent_start(1, disk))
     criterion = criterion if criterion is not None else RestCriterion()
     times: Array = np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing
-    states, count, rest = _integrate(model, first, times, (method, tolerance), criterion)
+    states, count, rest = _integrate(
+        model, first, times, (method, tolerance), (criterion, progress)
+    )
     return SpatialMotion(
         **_sampled(model, times[: len(states)], states),
         disk=disk,
@@ -134,10 +142,11 @@ def _integrate(
     first: Array,
     times: Array,
     solver: tuple[RestMethod, float],
-    criterion: RestCriterion,
+    watch: tuple[RestCriterion, Progress | None],
 ) -> tuple[Array, int, float | None]:
     """States at the sampling times up to rest, right-hand sides used, and the time of rest."""
     method, tolerance = solver
+    criterion, progress = watch
     spacing = times[1] - times[0]
     stretch = max(1, round(STRETCH / spacing))
     blocks, count = [first[None]], 0
@@ -158,6 +167,8 @@ def _integrate(
         block = result.y.T
         block[:, 3:7] /= np.linalg.norm(block[:, 3:7], axis=1)[:, None]
         blocks.append(block)
+        if progress is not None:
+            progress(float(span[-1]))
         recent = np.concatenate(blocks[-2:])
         kinetic = np.array([model.energies(state)[0] for state in recent.tolist()])
         rest = criterion.first(kinetic, recent[:, 2], spacing)

@@ -10,6 +10,8 @@ from mbs_models.linearization import (
     stock_eigenvalues,
 )
 from mbs_models.probe import acceleration
+from mbs_models.rest import simulate_rest
+from mbs_models.rest_scene import RestScene
 from mbs_models.scene import FORMULATIONS, Formulation, Scene, formulations
 from mbs_models.simulation import simulate
 
@@ -21,12 +23,14 @@ __all__ = [
     "Formulation",
     "IntegratorName",
     "Motion",
+    "RestScene",
     "Scene",
     "acceleration",
     "eigenvalues",
     "formulations",
     "integrators",
     "simulate",
+    "simulate_rest",
     "state_matrix",
     "stationary_scene",
     "stock_eigenvalues",

@@ -1,5 +1,6 @@
 """Engine runs of the scene `rest`, until an event says that the disk lies still."""
 
+from collections.abc import Callable
 from typing import Any
 
 import exudyn as exu
@@ -29,6 +30,7 @@ def simulate_rest(
     step: float | None = None,
     spacing: float = 2e-3,
     criterion: RestCriterion | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> SpatialMotion:
     """Simulate a scene in the engine until the disk rests, or until `end`.
 
@@ -45,6 +47,8 @@ def simulate_rest(
     spacing : float
         Time between samples in s.
     criterion : RestCriterion, optional
+    progress : callable, optional
+        Called now and then with the time in s that the motion has reached.
 
     Returns
     -------
@@ -76,6 +80,8 @@ def simulate_rest(
     while still is None and run.done < count:
         run.advance(min(stretch, count - run.done), step)
         still = run.rest_after(criterion)
+        if progress is not None:
+            progress(run.done * spacing)
     last = count if still is None else still + criterion.samples(spacing) - 1
     return _motion(scene, run, last + 1, (step, still))
 
