@@ -145,7 +145,7 @@ def test_rolling_resistance_ends_in_its_power_law(
     rate_law = fit_power_law(motion.times[part], precession(motion)[part], law.end)
     assert law.exponent == pytest.approx(tilting, abs=0.005)
     assert rate_law.exponent == pytest.approx(turning, abs=0.003)
-    # Bringing the disk from rolling on all fours to this law costs a little nutation.
+    # The start does not sink yet, which leaves a little nutation.
     assert law.end == pytest.approx(time_to_flat(DISK, dissipation, 0.1), rel=0.01)
     assert law.error < 0.01
     assert law.decades > 0.8

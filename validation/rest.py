@@ -219,18 +219,18 @@ def draw_story(motion: SpatialMotion, axes: Any) -> Any:
         colors=[_SHADES[i] for i in used],
     )
     axes[3].set(ylabel="energy in J")
-    figures.legend_above(axes[3], columns=6)
+    axes[3].legend(ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0), fontsize=8, frameon=False)
     axes[4].plot(times, motion.normal_force, color=colours[0], linewidth=0.5)
     axes[4].set(ylabel="contact force in N", xlabel="time in s", xlim=(times[0], times[-1]))
     phases = find_phases(motion)
-    for field in fields(phases):
+    for index, field in enumerate(fields(phases)):
         begin = getattr(phases, field.name)
         if begin is not None:
             for panel in axes:
                 panel.axvline(begin, color="#888888", linestyle=":", linewidth=1.0)
-            axes[0].text(
-                begin, 178, field.name.replace("_", " "), rotation=90, va="top", ha="right"
-            )
+            name = field.name.replace("_", " ")
+            # Staggered, for phases that follow each other closely.
+            axes[0].text(begin, 178 - 55 * (index % 2), name, rotation=90, va="top", fontsize=7)
     return axes
 
 

@@ -105,5 +105,6 @@ def draw(results: dict[Any, Any]) -> Picture:
         figure,
         name="rest-final-stage",
         title="The final stage follows its power law",
-        caption="Grey: range of the fit. Near the end the rounded rim takes over.",
+        caption="Grey: range of the fit. The laws take the disk to sink slowly as it turns, "
+        "which ends in its last turn; neither a thinner rim nor a stiffer contact moves that.",
     )
