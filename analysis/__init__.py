@@ -7,8 +7,12 @@ path to the full analysis", Nonlinear Dynamics 105 (2021).
 from analysis.balance import constraint_drift, energies, energy_residual, power
 from analysis.checks import ToleranceError
 from analysis.disk import DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.dissipation import CAUSES, Dissipation, RestCriterion, RimContact
 from analysis.friction import LOADS, Load, SmoothCoulomb
+from analysis.phases import Phases, find_phases
+from analysis.rest import REST_METHODS, RestMethod, simulate_to_rest
 from analysis.simulation import FORMS, METHODS, Form, Method, simulate
+from analysis.spatial_motion import SpatialMotion
 from analysis.state import (
     COORDINATES,
     LEVELS,
@@ -21,6 +25,7 @@ from analysis.state import (
 from analysis.trajectory import Trajectory
 
 __all__ = [
+    "CAUSES",
     "COORDINATES",
     "DISKS",
     "FORMS",
@@ -29,14 +34,21 @@ __all__ = [
     "LOADS",
     "METHODS",
     "MULTIPLIERS",
+    "REST_METHODS",
     "ROUNDED_STEEL_DISK",
     "STEEL_DISK",
     "Disk",
+    "Dissipation",
     "Form",
     "Level",
     "Load",
     "Method",
+    "Phases",
+    "RestCriterion",
+    "RestMethod",
+    "RimContact",
     "SmoothCoulomb",
+    "SpatialMotion",
     "State",
     "ToleranceError",
     "Trajectory",
@@ -44,7 +56,9 @@ __all__ = [
     "constraint_drift",
     "energies",
     "energy_residual",
+    "find_phases",
     "multiplier_names",
     "power",
     "simulate",
+    "simulate_to_rest",
 ]

@@ -104,3 +104,27 @@ def accelerations_from_inertial(
     xdd = ax + 2 * ad * yd + add * y + ad * ad * x
     ydd = ay - 2 * ad * xd - add * x + ad * ad * y
     return np.column_stack((xdd, ydd, az, add, bdd, gdd))
+
+
+def quaternions(rotations: Array) -> Array:
+    """Unit quaternions, scalar part first, shape (n, 4), of rotation matrices, shape (n, 3, 3).
+
+    Each comes from the largest of its squares, which is regular in every attitude; signs are
+    such that neighbours are close.
+    """
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.moveaxis(rotations, 0, -1)
+    products = np.array(
+        (
+            (1 + xx + yy + zz, zy - yz, xz - zx, yx - xy),
+            (zy - yz, 1 + xx - yy - zz, yx + xy, xz + zx),
+            (xz - zx, yx + xy, 1 - xx + yy - zz, zy + yz),
+            (yx - xy, xz + zx, zy + yz, 1 - xx - yy + zz),
+        )
+    )
+    largest = np.argmax(np.einsum("iin->ni", products), axis=1)
+    chosen = products[largest, :, np.arange(len(rotations))]
+    chosen = chosen / np.linalg.norm(chosen, axis=1)[:, None]
+    turned = np.sum(chosen[1:] * chosen[:-1], axis=1) < 0.0
+    chosen[1:][np.cumsum(turned) % 2 == 1] *= -1.0
+    result: Array = chosen
+    return result

@@ -18,6 +18,8 @@ from mbs_models.linearization import (
     stock_eigenvalues,
 )
 from mbs_models.probe import acceleration
+from mbs_models.rest import simulate_rest
+from mbs_models.rest_scene import RestScene
 from mbs_models.scene import FORMULATIONS, Formulation, Scene, formulations
 from mbs_models.simulation import simulate
 
@@ -32,12 +34,14 @@ __all__ = [
     "Motion",
     "Newton",
     "PenaltyContact",
+    "RestScene",
     "Scene",
     "acceleration",
     "eigenvalues",
     "formulations",
     "integrators",
     "simulate",
+    "simulate_rest",
     "state_matrix",
     "stationary_scene",
     "stock_eigenvalues",

@@ -8,7 +8,17 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-DATA_TYPES = {"checks", "disk", "files", "frames", "friction", "state", "trajectory"}
+DATA_TYPES = {
+    "checks",
+    "disk",
+    "dissipation",
+    "files",
+    "frames",
+    "friction",
+    "spatial_motion",
+    "state",
+    "trajectory",
+}
 
 
 def imported_modules(path: Path) -> set[str]:

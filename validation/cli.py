@@ -37,6 +37,7 @@ examples:
   tippedisk show engine.npz equations.npz --out compare.png
   tippedisk eigenvalues --system full --spin 0:50:501 --plot figure-6.png
   tippedisk critical --system full                   where inverted spinning changes its stability
+  tippedisk rest --rolling 1e-3 --pivoting 5e-5 --plot rest.png
 
 A wrong call prints one line that says what is allowed, and exits with code 2.
 """
@@ -95,6 +96,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_scene(commands)
     _add_work_precision(commands)
     _add_robustness(commands)
+    _add_rest(commands)
     return parser
 
 
@@ -256,6 +258,31 @@ def _add_robustness(commands: "argparse._SubParsersAction[_Parser]") -> None:
     add = study.add_argument
     add("--quick", action="store_true", help="a selection, about a minute")
     add("--out", default="robustness", metavar="DIR", help="folder (default: %(default)s)")
+
+
+def _add_rest(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    rest = commands.add_parser(
+        "rest",
+        help="simulate the disk from the paper's start until it lies still",
+        description="Simulate the disk on a stiff unilateral contact until it lies still, and "
+        "print when each phase began and where the energy went. All dissipation besides sliding "
+        "friction and the contact's damper is off by default; then the disk does not lie flat.",
+    )
+    rest.set_defaults(module="commands_rest")
+    add = rest.add_argument
+    add("--source", choices=SOURCES, default="engine", help="who simulates (default: %(default)s)")
+    _add_disk_and_friction(rest)
+    add("--spin", type=float, default=40.0, help="rate of alpha at the start in rad/s (40)")
+    add("--rolling", type=float, default=0.0, help="dry rolling resistance on the contour (0)")
+    add("--rolling-viscous", type=float, default=0.0, help="viscous one, in s/m (0)")
+    add("--pivoting", type=float, default=0.0, help="lever of the pivoting friction in m (0)")
+    add("--air-drag", type=float, default=0.0, help="air density times drag coefficient (0)")
+    add("--stiffness", type=float, default=1e6, help="of the contact in N/m (1e6)")
+    add("--half-thickness", type=float, default=2e-4, help="of the spheroid in m (2e-4)")
+    add("--step", type=float, help="engine only: largest step in s")
+    add("--end", type=float, default=80.0, help="longest time in s (80)")
+    add("--out", metavar="FILE", help="store the motion, .npz")
+    add("--plot", metavar="PICTURE", help="draw the story, .png, .svg or .pdf")
 
 
 def _add_system(parser: argparse.ArgumentParser) -> None:

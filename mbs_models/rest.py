@@ -1,0 +1,231 @@
+"""Engine runs of the scene `rest`, until an event says that the disk lies still."""
+
+from collections.abc import Callable
+from typing import Any
+
+import exudyn as exu
+import exudyn.itemInterface as items
+import numpy as np
+
+from analysis import frames
+from analysis.checks import Array, positive
+from analysis.dissipation import RestCriterion
+from analysis.spatial_motion import SpatialMotion
+from analysis.trajectory import versions
+from mbs_models.integrators import EngineError
+from mbs_models.quiet import quiet
+from mbs_models.rest_scene import STAGE_WEIGHTS, RestModel, RestScene
+
+STRETCH = 0.1
+"""Longest time in s after which the step is chosen anew and rest is looked for."""
+
+SAFETY = 0.6
+"""Part of the predicted stability limit that a step may use."""
+
+
+def simulate_rest(
+    scene: RestScene,
+    end: float,
+    *,
+    step: float | None = None,
+    spacing: float = 2e-3,
+    criterion: RestCriterion | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> SpatialMotion:
+    """Simulate a scene in the engine until the disk rests, or until `end`.
+
+    The engine's explicit Runge-Kutta method of order 4 runs on the Lie group. Its step is cut
+    where rolling resistance makes a nearly flat disk stiff.
+
+    Parameters
+    ----------
+    scene : RestScene
+    end : float
+        Longest time in s.
+    step : float, optional
+        Largest step in s; by default a part of the predicted stability limit.
+    spacing : float
+        Time between samples in s.
+    criterion : RestCriterion, optional
+    progress : callable, optional
+        Called now and then with the time in s that the motion has reached.
+
+    Returns
+    -------
+    SpatialMotion
+        The energy taken by each cause is integrated with the weights of the engine's stages.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, or the step is too large for the contact's stiffness.
+    EngineError
+        If the engine does not reach the end.
+    """
+    end, spacing = positive("end", end), positive("spacing", spacing)
+    if spacing > end:
+        raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
+    limit = scene.largest_step()
+    step = SAFETY * limit if step is None else positive("step", step)
+    if step > limit:
+        raise ValueError(
+            f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
+            f"{scene.contact.stiffness:g} and damping {scene.contact.damping:g}, got {step:g}"
+        )
+    criterion = criterion if criterion is not None else RestCriterion()
+    run = _Run(RestModel(scene), spacing)
+    count = int(np.floor(end / spacing + 1e-9))
+    stretch = max(1, round(STRETCH / spacing))
+    still = None
+    while still is None and run.done < count:
+        run.advance(min(stretch, count - run.done), step)
+        still = run.rest_after(criterion)
+        if progress is not None:
+            progress(run.done * spacing)
+    last = count if still is None else still + criterion.samples(spacing) - 1
+    return _motion(scene, run, last + 1, (step, still))
+
+
+class _Run:
+    """A run in stretches; `done` counts the sampling intervals behind it."""
+
+    def __init__(self, model: RestModel, spacing: float) -> None:
+        self.model, self.spacing, self.done, self.steps = model, spacing, 0, 0
+        self._sensor = model.system.AddSensor(
+            items.SensorUserFunction(
+                sensorNumbers=[],
+                factors=[],
+                storeInternal=True,
+                writeToFile=False,
+                sensorUserFunction=lambda *_unused: model.record(),
+            )
+        )
+        model.system.Assemble()
+        self.records: list[Array] = [model.record()[None]]
+
+    def advance(self, intervals: int, step: float) -> None:
+        """Run over so many sampling intervals."""
+        leaning = float(np.hypot(*self.records[-1][-1, [5, 8]]))
+        step = min(step, SAFETY * self.model.scene.largest_step(0.5 * leaning))
+        substeps = int(np.ceil(self.spacing / step - 1e-9))
+        settings = _settings(self.done * self.spacing, intervals * self.spacing)
+        settings.timeIntegration.numberOfSteps = intervals * substeps
+        settings.solution.sensors.writePeriod = self.spacing
+        system: Any = self.model.system
+        self.model.step = self.spacing / substeps
+        self.model.calls = 0
+        try:
+            with quiet():
+                system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
+        except exu.ExudynError as error:
+            cause = str(error).strip().splitlines()[0]
+            raise EngineError(
+                f"engine run stopped after t = {self._time:.6g} s: {cause}"
+            ) from error
+        stored = np.array(system.GetSensorStoredData(self._sensor))[:, 1:]
+        if len(stored) != intervals + 1 or not np.all(np.isfinite(stored)):
+            raise EngineError(f"engine run stopped after t = {self._time:.6g} s")
+        if self.model.calls != len(STAGE_WEIGHTS) * intervals * substeps:
+            raise EngineError(
+                f"the engine evaluated the loads {self.model.calls} times in "
+                f"{intervals * substeps} steps of {len(STAGE_WEIGHTS)} stages"
+            )
+        data = system.systemData
+        data.SetSystemState(
+            data.GetSystemState(exu.ConfigurationType.Current), exu.ConfigurationType.Initial
+        )
+        self.records.append(stored[1:])
+        self.done += intervals
+        self.steps += intervals * substeps
+
+    @property
+    def _time(self) -> float:
+        return self.done * self.spacing
+
+    def rest_after(self, criterion: RestCriterion) -> int | None:
+        """Index of the first sample at rest, seen from the last stretches."""
+        needed = criterion.samples(self.spacing)
+        recent: list[Array] = []
+        number = 0
+        for block in reversed(self.records):
+            recent.insert(0, block)
+            number += len(block)
+            if number >= needed + len(self.records[-1]):
+                break
+        records = np.concatenate(recent)
+        found = criterion.first(
+            kinetic_energy(self.model.scene, records),
+            records[:, 2] + self.model.scene.disk.eccentricity * records[:, 9],
+            self.spacing,
+        )
+        return None if found is None else self.done + 1 - number + found
+
+
+def _settings(begin: float, duration: float) -> Any:
+    settings = exu.SimulationSettings()
+    time = settings.timeIntegration
+    time.startTime = begin
+    time.endTime = begin + duration
+    time.verboseMode = 0
+    time.adaptiveStep = False
+    # One evaluation per stage and no more: the work is counted by them.
+    time.explicit.computeEndOfStepAccelerations = False
+    settings.solution.file.write = False
+    return settings
+
+
+def kinetic_energy(scene: RestScene, records: Array) -> Array:
+    """Kinetic energy in J, shape (n,), from records of `RestModel`, shape (n, 24)."""
+    disk = scene.disk
+    rotation = records[:, 3:12].reshape(-1, 3, 3)
+    v, w = records[:, 12:15], records[:, 15:18]
+    local = np.einsum("nij,ni->nj", rotation, w)
+    about_centre = local**2 @ (disk.inertia_x, disk.inertia_y, disk.inertia_z)
+    arm = disk.eccentricity * rotation[:, :, 0]
+    coupling = 2.0 * np.sum(v * np.cross(w, arm), axis=1)
+    result: Array = 0.5 * (about_centre + disk.mass * (np.sum(v * v, axis=1) + coupling))
+    return result
+
+
+def _motion(
+    scene: RestScene, run: _Run, count: int, outcome: tuple[float, int | None]
+) -> SpatialMotion:
+    step, still = outcome
+    records = np.concatenate(run.records)[:count]
+    times: Array = np.arange(count, dtype=float) * run.spacing
+    rotation = records[:, 3:12].reshape(-1, 3, 3)
+    rows = []
+    for record in records.tolist():
+        load = run.model.loads.at(
+            record[2],
+            (record[5], record[8], record[11]),
+            (record[12], record[13], record[14]),
+            (record[15], record[16], record[17]),
+        )
+        rows.append((*load.point, load.slip, load.contour, load.force[2], load.elastic))
+    values = np.array(rows)
+    height = records[:, 2] + scene.disk.eccentricity * rotation[:, 2, 0]
+    return SpatialMotion(
+        times=times,
+        positions=records[:, :3],
+        quaternions=frames.quaternions(rotation),
+        velocities=records[:, 12:15],
+        angular_velocities=records[:, 15:18],
+        contact_points=records[:, :3] + values[:, :3],
+        slip_speeds=values[:, 3],
+        contour_speeds=values[:, 4],
+        normal_force=values[:, 5],
+        energies=np.column_stack(
+            (kinetic_energy(scene, records), scene.disk.weight * height, values[:, 6])
+        ),
+        dissipated=records[:, 18:],
+        disk=scene.disk,
+        friction=scene.friction,
+        contact=scene.contact,
+        dissipation=scene.dissipation,
+        source="engine",
+        rest_time=None if still is None else float(times[still]),
+        method={"integrator": "RK44", "step": step},
+        counts={"steps": run.steps},
+        versions=versions("numpy", "exudyn"),
+    )

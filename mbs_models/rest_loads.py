@@ -1,0 +1,162 @@
+"""What acts on the disk on its way to rest, written for the engine in inertial components.
+
+With n the disk's axis, e the vertical and k = r² - c², the spheroid of semi-axes r, r, c has its
+lowest point at p = -(r² e - k n_z n) / H from its centre, at the height H = sqrt(r² - k n_z²).
+"""
+
+from math import hypot, pi, sqrt
+
+from analysis.disk import Disk
+from analysis.dissipation import CAUSES, Dissipation, RimContact
+from analysis.friction import SmoothCoulomb
+
+Triple = tuple[float, float, float]
+
+
+class Loads:
+    """Force and torque about the geometric centre G from table and air.
+
+    Parameters
+    ----------
+    disk : Disk
+    friction : SmoothCoulomb
+    contact : RimContact
+    dissipation : Dissipation
+    """
+
+    def __init__(
+        self,
+        disk: Disk,
+        friction: SmoothCoulomb,
+        contact: RimContact,
+        dissipation: Dissipation,
+    ) -> None:
+        self._friction, self._contact, self._loss = friction, contact, dissipation
+        self._square = disk.radius**2
+        self._flattening = self._square - contact.half_thickness**2
+        self._rolls = dissipation.rolling_dry > 0.0 or dissipation.rolling_viscous > 0.0
+        half_air = 0.5 * dissipation.air_drag
+        self._push = half_air * pi * disk.radius**2
+        self._brake = half_air * 8.0 / 15.0 * disk.radius**5
+
+    def height(self, axis_up: float) -> float:
+        """Height in m of the centre over the lowest point, from the axis' vertical component."""
+        return sqrt(self._square - self._flattening * axis_up * axis_up)
+
+    def at(self, centre_height: float, n: Triple, v: Triple, w: Triple) -> "Loading":
+        """Force and torque on the disk, and what they tell about the contact.
+
+        Parameters
+        ----------
+        centre_height : float
+            Height of G over the table in m.
+        n, v, w : tuple of 3 floats
+            Axis of the disk, velocity of G in m/s and angular velocity in rad/s.
+        """
+        load = Loading()
+        height = self.height(n[2])
+        lean = self._flattening * n[2] / height
+        px, py, pz = load.point = (lean * n[0], lean * n[1], -height)
+        # Velocity of the material at the contact point.
+        sx = v[0] + w[1] * pz - w[2] * py
+        sy = v[1] + w[2] * px - w[0] * pz
+        rise = v[2] + w[0] * py - w[1] * px
+        normal = self._normal_force(height - centre_height, rise, load)
+        load.slip = hypot(sx, sy)
+        slope = self._friction.coefficient * normal / (load.slip + self._friction.smoothing)
+        fx, fy = -slope * sx, -slope * sy
+        load.taken[1] = slope * load.slip * load.slip
+        load.force = (fx, fy, normal)
+        load.torque = (py * normal - pz * fy, pz * fx - px * normal, px * fy - py * fx)
+        self._rolling(n, w, load)
+        if self._loss.pivoting:
+            moment = self._loss.pivoting * normal / (abs(w[2]) + self._loss.pivoting_smoothing)
+            load.add((0.0, 0.0, 0.0), (0.0, 0.0, -moment * w[2]))
+            load.taken[4] = moment * w[2] * w[2]
+        if self._push:
+            self._air(n, v, w, load)
+        return load
+
+    def _normal_force(self, depth: float, rise: float, load: "Loading") -> float:
+        contact = self._contact
+        spring = contact.stiffness * depth
+        force = spring - contact.damping * rise
+        if not contact.bilateral:
+            if depth <= 0.0:
+                spring = force = 0.0
+            force = max(force, 0.0)
+        load.taken[0] = (spring - force) * rise
+        load.elastic = 0.5 * spring * depth
+        return force
+
+    def _rolling(self, n: Triple, w: Triple, load: "Loading") -> None:
+        """Find the velocity over the rim, p' - w x p, and add the torque of its resistance.
+
+        A resistance F on it takes F . (p' - w x p) = w . (n x g - p x F), where
+        g = k (n_z F + (n . F) e) / H + k n_z (p . F) e / H².
+        """
+        px, py, pz = load.point
+        ratio = self._flattening / -pz
+        mx, my, mz = (
+            w[1] * n[2] - w[2] * n[1],
+            w[2] * n[0] - w[0] * n[2],
+            w[0] * n[1] - w[1] * n[0],
+        )
+        stretch = ratio * mz * n[2] / -pz
+        cx = ratio * (mz * n[0] + n[2] * mx) + px * stretch - w[1] * pz + w[2] * py
+        cy = ratio * (mz * n[1] + n[2] * my) + py * stretch - w[2] * px + w[0] * pz
+        speed = load.contour = hypot(cx, cy)
+        if not self._rolls:
+            return
+        dry = self._loss.rolling_dry * load.force[2] / (speed + self._loss.rolling_smoothing)
+        viscous = self._loss.rolling_viscous * load.force[2]
+        load.taken[2], load.taken[3] = dry * speed * speed, viscous * speed * speed
+        fx, fy = (dry + viscous) * cx, (dry + viscous) * cy
+        gx, gy = ratio * n[2] * fx, ratio * n[2] * fy
+        gz = ratio * (n[0] * fx + n[1] * fy) - ratio * n[2] * (px * fx + py * fy) / pz
+        torque = (
+            -(n[1] * gz - n[2] * gy) - pz * fy,
+            -(n[2] * gx - n[0] * gz) + pz * fx,
+            -(n[0] * gy - n[1] * gx) + px * fy - py * fx,
+        )
+        load.add((0.0, 0.0, 0.0), torque)
+
+    def _air(self, n: Triple, v: Triple, w: Triple, load: "Loading") -> None:
+        along = n[0] * v[0] + n[1] * v[1] + n[2] * v[2]
+        axial = n[0] * w[0] + n[1] * w[1] + n[2] * w[2]
+        tx, ty, tz = w[0] - axial * n[0], w[1] - axial * n[1], w[2] - axial * n[2]
+        rate = sqrt(tx * tx + ty * ty + tz * tz)
+        push, brake = -self._push * abs(along) * along, -self._brake * rate
+        load.add((push * n[0], push * n[1], push * n[2]), (brake * tx, brake * ty, brake * tz))
+        load.taken[5] = -push * along - brake * rate * rate
+
+
+class Loading:
+    """What acts on the disk at one instant.
+
+    Attributes
+    ----------
+    force, torque : tuple of 3 floats
+        On the disk at its centre in N and N m, without its weight.
+    point : tuple of 3 floats
+        Contact point from the centre in m.
+    slip, contour : float
+        Speeds in m/s of the material at the contact point, and of that point over the rim.
+    elastic : float
+        Energy in J in the contact's spring.
+    taken : list of 6 floats
+        Power in W taken by each of `CAUSES`.
+    """
+
+    __slots__ = ("contour", "elastic", "force", "point", "slip", "taken", "torque")
+
+    def __init__(self) -> None:
+        self.force = self.torque = self.point = (0.0, 0.0, 0.0)
+        self.slip = self.contour = self.elastic = 0.0
+        self.taken = [0.0] * len(CAUSES)
+
+    def add(self, force: Triple, torque: Triple) -> None:
+        """Add a force at the centre and a torque."""
+        a, b = self.force, self.torque
+        self.force = (a[0] + force[0], a[1] + force[1], a[2] + force[2])
+        self.torque = (b[0] + torque[0], b[1] + torque[1], b[2] + torque[2])

@@ -1,0 +1,104 @@
+"""The engine's way to rest against the in-house one, and its refusals."""
+
+from dataclasses import fields, replace
+from itertools import pairwise
+from math import log2
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from analysis import STEEL_DISK, SmoothCoulomb, find_phases, simulate_to_rest
+from analysis.dissipation import Dissipation, RimContact
+from analysis.free_disk import FreeDisk
+from analysis.spatial_motion import SpatialMotion
+from mbs_models.rest import simulate_rest
+from mbs_models.rest_loads import Loads
+from mbs_models.rest_scene import RestScene
+
+EVERYTHING = Dissipation(
+    rolling_dry=1e-3, rolling_viscous=1e-4, pivoting=5e-5, air_drag=1.2, rolling_smoothing=0.1
+)
+SETTLING = Dissipation(rolling_viscous=2e-3, pivoting=2e-4)
+FRICTION = SmoothCoulomb(load="contact")
+
+
+@pytest.fixture(scope="module")
+def settled() -> SpatialMotion:
+    return simulate_rest(RestScene(dissipation=SETTLING), 30.0, step=1e-4)
+
+
+@pytest.mark.parametrize("bilateral", [False, True])
+def test_loads_and_powers_are_those_of_the_in_house_equations(bilateral: bool) -> None:
+    contact = replace(RimContact(half_thickness=2e-3), bilateral=bilateral)
+    model = FreeDisk(disk=STEEL_DISK, friction=FRICTION, contact=contact, dissipation=EVERYTHING)
+    loads = Loads(STEEL_DISK, FRICTION, contact, EVERYTHING)
+    rng = np.random.default_rng(1)
+    for attitude in Rotation.random(50, random_state=2):
+        A = attitude.as_matrix()
+        x, y, z, w = attitude.as_quat()
+        offset = STEEL_DISK.eccentricity * A[:, 0]
+        height = loads.height(A[2, 2]) - rng.uniform(-1e-6, 1e-5)
+        v, omega = rng.normal(size=3) * (0.2, 0.2, 1e-3), 10 * rng.normal(size=3)
+        found = loads.at(height, tuple(A[:, 2]), tuple(v), tuple(omega))
+        cog = A.T @ (v + np.cross(omega, offset))
+        place = [0.0, 0.0, height + offset[2]]
+        state = np.array([*place, w, x, y, z, *cog, *(A.T @ omega), *np.zeros(6)])
+        rate = np.array(model.derivative(0.0, state))
+        spin = A.T @ omega
+        inertia = np.array(STEEL_DISK.inertia_about_cog)
+        force = A @ (STEEL_DISK.mass * (rate[7:10] + np.cross(spin, cog)))
+        torque = A @ (inertia * rate[10:13] + np.cross(spin, inertia * spin))
+        expected = np.array(found.force) - (0.0, 0.0, STEEL_DISK.weight)
+        np.testing.assert_allclose(force, expected, rtol=1e-9, atol=1e-9)
+        about_cog = np.array(found.torque) - np.cross(offset, found.force)
+        np.testing.assert_allclose(torque, about_cog, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(rate[13:], found.taken, rtol=1e-9, atol=1e-12)
+
+
+def test_engine_converges_to_the_in_house_motion_with_order_4() -> None:
+    scene = RestScene(dissipation=EVERYTHING)
+    other = simulate_to_rest(
+        0.5, contact=scene.contact, dissipation=EVERYTHING, spacing=1e-2, method="DOP853"
+    )
+    errors = []
+    for step in (2e-4, 1e-4, 5e-5):
+        found = simulate_rest(scene, 0.5, step=step, spacing=1e-2)
+        errors.append(float(np.max(np.abs(found.rotations - other.rotations))))
+        np.testing.assert_allclose(found.positions, other.positions, atol=1e-9)
+    assert errors[-1] < 1e-8
+    np.testing.assert_allclose(found.dissipated, other.dissipated, atol=1e-9)
+    for coarse, fine in pairwise(errors):
+        assert log2(coarse / fine) > 3.5
+
+
+def test_engine_comes_to_rest_as_the_in_house_motion_does(settled: SpatialMotion) -> None:
+    other = simulate_to_rest(30.0, contact=settled.contact, dissipation=SETTLING)
+    count = min(settled.times.size, other.times.size)
+    np.testing.assert_allclose(settled.tilt[:count], other.tilt[:count], atol=1e-4)
+    one, two = find_phases(settled), find_phases(other)
+    for phase in fields(one):
+        found = getattr(one, phase.name)
+        assert found == pytest.approx(getattr(two, phase.name), abs=5e-3)
+
+
+def test_engine_energy_budget_closes_and_contact_never_pulls(settled: SpatialMotion) -> None:
+    assert np.max(np.abs(settled.energy_residual)) < 1e-4 * settled.energies[0].sum()
+    assert np.min(settled.normal_force) >= 0.0
+    assert settled.source == "engine"
+    assert settled.rest_time is not None
+    assert settled.times[-1] - settled.rest_time == pytest.approx(0.1, abs=2e-3)
+
+
+def test_step_beyond_the_predicted_limit_is_refused_before_the_run() -> None:
+    with pytest.raises(ValueError, match="the predicted stability limit"):
+        simulate_rest(RestScene(), 1.0, step=1e-3)
+
+
+def test_scene_refuses_bad_input() -> None:
+    with pytest.raises(ValueError, match="friction must take the load 'contact'"):
+        RestScene(friction=SmoothCoulomb())
+    with pytest.raises(ValueError, match="half_thickness must not exceed the radius"):
+        RestScene(contact=RimContact(half_thickness=0.1))
+    with pytest.raises(ValueError, match="spacing must not exceed end"):
+        simulate_rest(RestScene(), 1.0, spacing=2.0)

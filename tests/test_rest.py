@@ -1,0 +1,246 @@
+"""The disk until rest: agreement before the fall, energy, either face, phases, refusals."""
+
+from dataclasses import replace
+from itertools import pairwise
+from math import log2, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis import STEEL_DISK, SmoothCoulomb, State, Trajectory, consistent_start, simulate
+from analysis.dissipation import CAUSES, Dissipation, RestCriterion, RimContact
+from analysis.phases import find_phases
+from analysis.rest import simulate_to_rest
+from analysis.spatial_motion import SpatialMotion
+
+FRICTION = SmoothCoulomb(load="contact")
+SETTLING = Dissipation(rolling_viscous=2e-3, pivoting=2e-4)
+THIN = 1e-6
+
+
+@pytest.fixture(scope="module")
+def settled() -> SpatialMotion:
+    return simulate_to_rest(60.0, dissipation=SETTLING)
+
+
+@pytest.fixture(scope="module")
+def model_1() -> Trajectory:
+    return simulate(1, np.linspace(0.0, 1.0, 101), friction=FRICTION, local_tolerance=1e-11)
+
+
+def standing(stiffness: float, half_thickness: float) -> Trajectory:
+    contact = RimContact.damped(stiffness, STEEL_DISK, half_thickness=half_thickness)
+    return simulate_to_rest(1.0, contact=contact, spacing=1e-2).to_trajectory()
+
+
+def difference(one: Trajectory, other: Trajectory) -> float:
+    columns = [4, 5]
+    return float(np.max(np.abs(one.coordinates[:, columns] - other.coordinates[:, columns])))
+
+
+def test_inversion_agrees_with_model_1_to_first_order_in_the_compliance(
+    model_1: Trajectory,
+) -> None:
+    errors = [difference(standing(k, THIN), model_1) for k in (2e5, 4e5, 8e5)]
+    assert errors[-1] < 1e-5
+    for coarse, fine in pairwise(errors):
+        assert log2(coarse / fine) == pytest.approx(1.0, abs=0.05)
+
+
+def test_inversion_agrees_with_the_thin_disk_to_second_order_in_the_thickness() -> None:
+    thin = standing(2e5, THIN)
+    errors = [difference(standing(2e5, c), thin) for c in (4e-4, 2e-4, 1e-4)]
+    assert errors[-1] < 2e-5
+    for coarse, fine in pairwise(errors):
+        assert log2(coarse / fine) == pytest.approx(2.0, abs=0.05)
+
+
+def test_contact_force_is_that_of_model_1(model_1: Trajectory) -> None:
+    found = standing(3.2e6, THIN)
+    np.testing.assert_allclose(found.normal_force[5:], model_1.normal_force[5:], atol=2e-4)
+
+
+def test_bilateral_contact_is_the_same_while_the_disk_presses() -> None:
+    contact = RimContact.damped(2e5, STEEL_DISK)
+    one = simulate_to_rest(0.5, contact=contact, spacing=1e-2)
+    other = simulate_to_rest(0.5, contact=replace(contact, bilateral=True), spacing=1e-2)
+    np.testing.assert_array_equal(one.positions, other.positions)
+
+
+def test_solvers_agree() -> None:
+    one = simulate_to_rest(1.0, spacing=1e-2, local_tolerance=1e-10)
+    other = simulate_to_rest(1.0, spacing=1e-2, method="DOP853", local_tolerance=1e-10)
+    np.testing.assert_allclose(one.positions, other.positions, atol=1e-8)
+    np.testing.assert_allclose(one.quaternions, other.quaternions, atol=1e-7)
+
+
+def test_energy_budget_closes_until_rest(settled: SpatialMotion) -> None:
+    start = settled.energies[0].sum()
+    assert np.max(np.abs(settled.energy_residual)) < 1e-6 * start
+    taken = settled.dissipated[-1].sum() + settled.energies[-1].sum()
+    assert taken == pytest.approx(start, rel=1e-6)
+    assert settled.energy_taken("rolling_dry")[-1] == 0.0
+    assert settled.energy_taken("air_drag")[-1] == 0.0
+
+
+def test_energy_never_rises_and_no_cause_gives_any_back(settled: SpatialMotion) -> None:
+    start = settled.energies[0].sum()
+    assert np.max(np.diff(settled.energies.sum(axis=1))) < 1e-7 * start
+    # The friction laws take power at every instant; sampled work only rises.
+    assert np.min(np.diff(settled.dissipated, axis=0)) > -1e-9 * start
+
+
+def test_contact_never_pulls(settled: SpatialMotion) -> None:
+    assert np.min(settled.normal_force) >= 0.0
+
+
+def test_phases_follow_each_other_until_rest(settled: SpatialMotion) -> None:
+    phases = find_phases(settled)
+    order = (phases.inversion, phases.inversion_lost, phases.rolling, phases.flat, phases.rest)
+    assert None not in order
+    assert list(order) == sorted(order)  # type: ignore[type-var]
+    assert phases.inversion == pytest.approx(0.48, abs=0.02)
+    # On a spheroid the disk lies still with its centre of gravity over the contact point.
+    disk, contact = settled.disk, settled.contact
+    balance = disk.eccentricity * contact.half_thickness / disk.radius**2
+    assert settled.leaning[-1] == pytest.approx(balance, rel=0.05)
+    assert settled.normal_force[-1] == pytest.approx(disk.weight, rel=1e-3)
+
+
+def test_start_turned_to_the_other_face_moves_the_same_way() -> None:
+    start = consistent_start(1, STEEL_DISK, beta=1.2, gamma=0.4, spin=10.0, gamma_rate=-2.0)
+    one = simulate_to_rest(4.0, start=start, dissipation=SETTLING, spacing=1e-2)
+    # A half turn of the body about x maps the disk onto itself and swaps its faces.
+    x, y, z, alpha, beta, gamma = start.coordinates
+    rates = start.rates
+    swapped = State(
+        coordinates=(-x, -y, z, alpha + pi, pi - beta, pi - gamma),
+        rates=(-rates[0], -rates[1], rates[2], rates[3], -rates[4], -rates[5]),
+    )
+    other = simulate_to_rest(4.0, start=swapped, dissipation=SETTLING, spacing=1e-2)
+    np.testing.assert_allclose(one.tilt, pi - other.tilt, atol=1e-7)
+    np.testing.assert_allclose(one.cog_height, other.cog_height, atol=1e-8)
+    np.testing.assert_allclose(one.positions, other.positions, atol=1e-7)
+
+
+@pytest.mark.parametrize("height", [0.01, 0.05])
+def test_dropped_disk_bounces_without_pull_and_with_a_closed_budget(height: float) -> None:
+    motion = dropped(height)
+    airborne = motion.normal_force == 0.0
+    assert np.any(airborne)
+    assert np.any(~airborne)
+    assert np.min(motion.normal_force) >= 0.0
+    assert np.max(np.abs(motion.energy_residual)) < 1e-6 * motion.energies[0].sum()
+
+
+def dropped(height: float) -> SpatialMotion:
+    """Tilted disk thrown upwards, so that it lifts off and comes down again."""
+    start = consistent_start(1, STEEL_DISK, beta=0.7, gamma=0.3, spin=1.0)
+    up = float(np.sqrt(2 * 9.81 * height))
+    thrown = State(coordinates=start.coordinates, rates=(0.0, 0.0, up, *start.rates[3:]))
+    return simulate_to_rest(0.5, start=thrown, spacing=1e-3)
+
+
+@pytest.mark.parametrize("option", CAUSES[2:])
+def test_each_dissipation_takes_energy_alone_when_it_is_on(option: str) -> None:
+    start = consistent_start(1, STEEL_DISK, beta=1.0, gamma=0.4, spin=10.0)
+    motion = simulate_to_rest(
+        0.5, start=start, dissipation=Dissipation(**{option: 1e-3}), spacing=1e-2
+    )
+    taken = dict(zip(CAUSES, motion.dissipated[-1], strict=True))
+    for cause in CAUSES[2:]:
+        assert (taken[cause] > 0.0) == (cause == option)
+    assert np.max(np.abs(motion.energy_residual)) < 1e-8
+
+
+def test_file_gives_back_the_motion(tmp_path: Path) -> None:
+    motion = simulate_to_rest(0.1, dissipation=SETTLING)
+    motion.save(tmp_path / "rest.npz")
+    found = SpatialMotion.load(tmp_path / "rest.npz")
+    np.testing.assert_array_equal(found.quaternions, motion.quaternions)
+    assert found.dissipation == motion.dissipation
+    assert found.contact == motion.contact
+    assert found.method == motion.method
+    (tmp_path / "rest.npz").write_bytes(b"no archive")
+    with pytest.raises(ValueError, match="is not a readable spatial motion"):
+        SpatialMotion.load(tmp_path / "rest.npz")
+
+
+def test_flat_motion_has_no_trajectory_but_its_beginning_has(settled: SpatialMotion) -> None:
+    with pytest.raises(ValueError, match="end must lie before the disk lies flat"):
+        settled.to_trajectory()
+    begin = settled.to_trajectory(1.0)
+    np.testing.assert_allclose(begin.coordinate("beta"), settled.tilt[: begin.times.size])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("stiffness", 0.0, "stiffness must be positive, got 0"),
+        ("damping", -1.0, "damping must not be negative, got -1"),
+        ("half_thickness", float("nan"), "half_thickness must be a finite number, got nan"),
+    ],
+)
+def test_contact_refuses_values_out_of_range(name: str, value: float, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        RimContact(**{name: value})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", [*CAUSES[2:], "rolling_smoothing", "pivoting_smoothing"])
+def test_dissipation_refuses_negative_and_infinite_values(name: str) -> None:
+    with pytest.raises(ValueError, match=f"{name} must"):
+        Dissipation(**{name: -1.0})
+    with pytest.raises(ValueError, match=f"{name} must be a finite number"):
+        Dissipation(**{name: float("inf")})
+
+
+def test_simulation_refuses_bad_arguments() -> None:
+    with pytest.raises(ValueError, match="half_thickness must not exceed the radius"):
+        simulate_to_rest(1.0, contact=RimContact(half_thickness=0.1))
+    with pytest.raises(ValueError, match="spacing must not exceed end = 1"):
+        simulate_to_rest(1.0, spacing=2.0)
+    with pytest.raises(ValueError, match="method must be one of"):
+        simulate_to_rest(1.0, method="Radau")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="energy must be positive"):
+        RestCriterion(energy=0.0)
+
+
+def mean_loss(motion: SpatialMotion, begin: float, end: float) -> tuple[float, float]:
+    """Mean leaning and loss in W between two times."""
+    part = (motion.times >= begin) & (motion.times <= end)
+    energy = motion.energies.sum(axis=1)[part]
+    return float(motion.leaning[part].mean()), float((energy[0] - energy[-1]) / (end - begin))
+
+
+@pytest.fixture(scope="module")
+def slid() -> SpatialMotion:
+    return simulate_to_rest(80.0)
+
+
+@pytest.mark.slow
+def test_sliding_friction_alone_leaves_the_disk_rolling(slid: SpatialMotion) -> None:
+    phases = find_phases(slid)
+    assert phases.inversion_lost == pytest.approx(19.2, abs=0.1)
+    assert phases.rolling == pytest.approx(21.05, abs=0.1)
+    assert phases.flat is None
+    assert phases.rest is None
+    leaning, loss = mean_loss(slid, 70.0, 80.0)
+    assert leaning == pytest.approx(0.285, abs=0.005)
+    assert slid.energies[-1].sum() == pytest.approx(0.0805, abs=0.001)
+    assert loss == pytest.approx(8.2e-5, rel=0.1)
+
+
+@pytest.mark.slow
+def test_creeping_loss_is_that_of_the_viscous_slip_and_vanishes_with_it(
+    slid: SpatialMotion,
+) -> None:
+    start = slid.to_trajectory().state(-1)
+    losses = []
+    for coefficient, smoothing in ((0.3, 0.1), (0.6, 0.2), (0.6, 0.05), (0.6, 0.0125)):
+        friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing, load="contact")
+        motion = simulate_to_rest(20.0, start=start, friction=friction)
+        losses.append(mean_loss(motion, 10.0, 20.0)[1])
+    # At such small slip the law is viscous: only smoothing / coefficient matters.
+    assert losses[1] == pytest.approx(losses[0], rel=0.03)
+    assert losses[3] < 0.5 * losses[2]

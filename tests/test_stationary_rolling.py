@@ -1,0 +1,188 @@
+"""Rolling of a centred disk: the textbook's closed forms against equations and motions."""
+
+from dataclasses import replace
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+from analysis import GRAVITY, STEEL_DISK, Disk, SmoothCoulomb, State, equations
+from analysis.checks import Array
+from analysis.dissipation import Dissipation, RimContact
+from analysis.final_stage import fit_power_law, precession
+from analysis.rest import simulate_to_rest
+from analysis.spatial_motion import SpatialMotion
+from analysis.stationary_rolling import (
+    axial_spin,
+    euler_disk_energy,
+    euler_disk_precession,
+    time_to_flat,
+    upright_rolling_spin,
+)
+
+DISK = Disk.ring(
+    radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
+)
+STICKY = SmoothCoulomb(coefficient=2.0, smoothing=1e-3, load="contact")
+
+
+def rolling_start(beta: float, rate: float, spin: float, side_rate: float = 0.0) -> State:
+    """Centred disk that rolls without slip; the R-frame turns about the centre of its path."""
+    y = DISK.radius * spin / rate
+    return State(
+        coordinates=(0.0, y, DISK.radius * sin(beta), 0.0, beta, 0.0),
+        rates=(
+            0.0,
+            -DISK.radius * sin(beta) * side_rate,
+            DISK.radius * cos(beta) * side_rate,
+            rate,
+            side_rate,
+            spin - rate * cos(beta),
+        ),
+    )
+
+
+def rolling_accelerations(state: State) -> Array:
+    """Accelerations under the paper's equations with contact and no slip in both directions."""
+    z, u = np.array(state.coordinates), np.array(state.rates)
+    r, beta = DISK.radius, z[4]
+
+    def directions(place: Array) -> Array:
+        normal = equations.normal_direction(DISK, place)
+        return np.column_stack((normal, equations.tangential_directions(DISK, place))).T
+
+    W, step = directions(z), 1e-7
+    W_rate = (directions(z + step * u) - directions(z - step * u)) / (2 * step)
+    np.testing.assert_allclose(W @ u, 0.0, atol=1e-12)
+    matrix = np.block([[equations.mass_matrix(DISK, z), -W.T], [W, np.zeros((3, 3))]])
+    forces = equations.gyroscopic_forces(DISK, z, u) + equations.gravity_forces(DISK, z)
+    assert r * sin(beta) == z[2]
+    return np.linalg.solve(matrix, np.concatenate((forces, -W_rate @ u)))
+
+
+@pytest.mark.parametrize("beta", [0.2, 0.8, 1.4, 2.0])
+@pytest.mark.parametrize("rate", [-30.0, 5.0, 20.0])
+def test_textbook_rolling_is_stationary_under_the_papers_equations(
+    beta: float, rate: float
+) -> None:
+    spin = axial_spin(DISK, beta, rate)
+    found = rolling_accelerations(rolling_start(beta, rate, spin))
+    scale = rate**2 + spin**2
+    np.testing.assert_allclose(found[3:6], 0.0, atol=1e-7 * scale)
+    assert found[6] == pytest.approx(DISK.weight, rel=1e-6)
+    wrong = rolling_accelerations(rolling_start(beta, rate, spin + 1.0))
+    assert abs(wrong[4]) > 1e-2
+
+
+def test_euler_disk_is_the_limit_without_axial_spin() -> None:
+    for beta in (0.05, 0.3, 1.0):
+        assert axial_spin(DISK, beta, euler_disk_precession(DISK, beta)) == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("face", ["one face", "other face"])
+def test_euler_disk_keeps_rolling_with_textbook_energy_and_contact_force(face: str) -> None:
+    beta = 0.2
+    rate = euler_disk_precession(DISK, beta)
+    start = rolling_start(beta if face == "one face" else pi - beta, rate, 0.0)
+    contact = RimContact.damped(1e6, DISK, half_thickness=2e-5)
+    motion = simulate_to_rest(1.0, disk=DISK, contact=contact, start=start, spacing=1e-2)
+    np.testing.assert_allclose(motion.leaning, beta, rtol=1e-3)
+    np.testing.assert_allclose(motion.normal_force, DISK.weight, rtol=5e-3)
+    np.testing.assert_allclose(precession(motion), rate, rtol=1e-3)
+    energy = motion.energies[:, :2].sum(axis=1)
+    np.testing.assert_allclose(energy, euler_disk_energy(DISK, beta), rtol=1e-3)
+
+
+def test_rolling_thin_disk_needs_spin_square_of_g_over_3_r() -> None:
+    r, m = 0.1, 1.0
+    thin = Disk(
+        radius=r, mass=m, eccentricity=0.0,
+        inertia_x=m * r**2 / 4, inertia_y=m * r**2 / 4, inertia_z=m * r**2 / 2,
+    )  # fmt: skip
+    assert upright_rolling_spin(thin) == pytest.approx(sqrt(GRAVITY / (3 * r)))
+
+
+@pytest.mark.parametrize(("part", "stable"), [(1.05, True), (0.95, False)])
+def test_upright_rolling_falls_below_the_critical_spin_only(part: float, stable: bool) -> None:
+    spin = part * upright_rolling_spin(DISK)
+    start = State(
+        coordinates=(0.0, 0.0, DISK.radius, 0.0, pi / 2, 0.0),
+        rates=(-DISK.radius * spin, 0.0, 0.0, 0.0, 1e-3, spin),
+    )
+    motion = simulate_to_rest(2.5, disk=DISK, friction=STICKY, start=start, spacing=1e-2)
+    largest = np.max(np.abs(motion.tilt - pi / 2))
+    assert largest < 2e-3 if stable else largest > 2e-2
+
+
+def final_stage(dissipation: Dissipation, end: float, half_thickness: float) -> SpatialMotion:
+    beta = 0.1
+    return simulate_to_rest(
+        end,
+        disk=DISK,
+        contact=RimContact.damped(1e6, DISK, half_thickness=half_thickness),
+        dissipation=dissipation,
+        start=rolling_start(beta, euler_disk_precession(DISK, beta), 0.0),
+        spacing=2e-3,
+    )
+
+
+@pytest.mark.parametrize(
+    ("dissipation", "tilting", "turning"),
+    [
+        (Dissipation(rolling_viscous=2e-4), 1 / 2, -1 / 4),
+        (Dissipation(rolling_dry=1e-3), 2 / 3, -1 / 3),
+    ],
+    ids=["viscous", "dry"],
+)
+def test_rolling_resistance_ends_in_its_power_law(
+    dissipation: Dissipation, tilting: float, turning: float
+) -> None:
+    motion = final_stage(dissipation, 1.2, half_thickness=2e-5)
+    # The fit spans 0.08 > beta > 0.02: small angles, well above half_thickness / radius.
+    leaning = motion.leaning
+    part = slice(int(np.argmax(leaning < 0.08)), int(np.argmax(leaning < 0.02)))
+    law = fit_power_law(motion.times[part], leaning[part])
+    rate_law = fit_power_law(motion.times[part], precession(motion)[part], law.end)
+    assert law.exponent == pytest.approx(tilting, abs=0.005)
+    assert rate_law.exponent == pytest.approx(turning, abs=0.003)
+    # The start does not sink yet, which leaves a little nutation.
+    assert law.end == pytest.approx(time_to_flat(DISK, dissipation, 0.1), rel=0.01)
+    assert law.error < 0.01
+    assert law.decades > 0.8
+
+
+def test_pivoting_friction_alone_ends_in_no_finite_time() -> None:
+    motion = final_stage(Dissipation(pivoting=1e-3), 6.0, half_thickness=2e-5)
+    width = 100
+    count = motion.times.size // width * width
+    beta = motion.leaning[:count].reshape(-1, width).mean(axis=1)
+    rate, middle = np.diff(beta), 0.5 * (beta[1:] + beta[:-1])
+    # The rate goes with a power of beta of at least one: no end.
+    power = np.polyfit(np.log(middle), np.log(-rate), 1)[0]
+    assert power > 1.4
+    assert motion.rest_time is None
+    assert motion.leaning.min() > 0.03
+
+
+def test_fit_finds_the_power_law_it_was_given() -> None:
+    times = np.linspace(0.0, 0.95, 200)
+    law = fit_power_law(times, 0.3 * (1.0 - times) ** 0.6)
+    assert law.exponent == pytest.approx(0.6, abs=1e-5)
+    assert law.end == pytest.approx(1.0, abs=1e-5)
+    assert law.scale == pytest.approx(0.3, rel=1e-5)
+    with pytest.raises(ValueError, match="values must be positive, got 0"):
+        fit_power_law(times, times)
+    with pytest.raises(ValueError, match="end must lie behind the last time"):
+        fit_power_law(times, times + 1.0, end=0.5)
+
+
+def test_closed_forms_refuse_what_they_do_not_hold_for() -> None:
+    with pytest.raises(ValueError, match="disk must be centred"):
+        euler_disk_precession(STEEL_DISK, 0.1)
+    with pytest.raises(ValueError, match="beta must lie in"):
+        euler_disk_energy(DISK, 0.0)
+    with pytest.raises(ValueError, match="precession must not be zero"):
+        axial_spin(DISK, 0.3, 0.0)
+    both = replace(Dissipation(rolling_dry=1e-3), rolling_viscous=1e-3)
+    with pytest.raises(ValueError, match="either rolling_dry or rolling_viscous"):
+        time_to_flat(DISK, both, 0.1)

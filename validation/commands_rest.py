@@ -1,0 +1,101 @@
+"""What `tippedisk rest` does."""
+
+import argparse
+from dataclasses import fields
+from pathlib import Path
+
+from tqdm import tqdm
+
+from analysis import (
+    CAUSES,
+    DISKS,
+    Dissipation,
+    RimContact,
+    SmoothCoulomb,
+    SpatialMotion,
+    consistent_start,
+    find_phases,
+    simulate_to_rest,
+)
+from analysis.checks import positive
+from analysis.files import whole_file
+
+
+def rest(options: argparse.Namespace) -> int:
+    """Simulate the disk until it lies still, and print phases and energy budget."""
+    _check_output("--out", options.out, (".npz",))
+    _check_output("--plot", options.plot, (".png", ".svg", ".pdf"))
+    motion = _simulate(options)
+    if options.out is not None:
+        motion.save(options.out)
+    if options.plot is not None:
+        _plot(motion, Path(options.plot))
+    phases = find_phases(motion)
+    for field in fields(phases):
+        begin = getattr(phases, field.name)
+        print(f"{field.name.replace('_', ' '):16s} {'-' if begin is None else f'{begin:.3f} s'}")
+    energies = motion.energies.sum(axis=1)
+    print(f"energy           {energies[0]:.6f} J at first, {energies[-1]:.6f} J left")
+    for cause, taken in zip(CAUSES, motion.dissipated[-1], strict=True):
+        if taken:
+            print(f"  {cause.replace('_', ' '):14s} {taken:.6f} J")
+    if phases.rest is None:
+        print(
+            f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad; "
+            "lying flat needs --rolling or --rolling-viscous, lying still --pivoting"
+        )
+    return 0
+
+
+def _check_output(name: str, value: str | None, suffixes: tuple[str, ...]) -> None:
+    if value is None:
+        return
+    path = Path(value)
+    if path.suffix not in suffixes:
+        raise ValueError(f"{name} must end in {' or '.join(suffixes)}, got {value!r}")
+    if not path.parent.is_dir():
+        raise ValueError(f"{name} must lie in an existing folder, got {value!r}")
+
+
+def _simulate(options: argparse.Namespace) -> SpatialMotion:
+    disk, end = DISKS[options.disk], positive("--end", options.end)
+    friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load="contact")
+    contact = RimContact.damped(options.stiffness, disk, half_thickness=options.half_thickness)
+    dissipation = Dissipation(
+        rolling_dry=options.rolling,
+        rolling_viscous=options.rolling_viscous,
+        pivoting=options.pivoting,
+        air_drag=options.air_drag,
+    )
+    start = consistent_start(1, disk, spin=options.spin)
+    with tqdm(total=end, disable=None, leave=False, unit="s", desc="simulated") as bar:
+
+        def progress(time: float) -> None:
+            bar.update(time - bar.n)
+
+        if options.source == "in-house":
+            return simulate_to_rest(
+                end,
+                disk=disk,
+                friction=friction,
+                contact=contact,
+                dissipation=dissipation,
+                start=start,
+                progress=progress,
+            )
+        from mbs_models import RestScene, simulate_rest
+
+        scene = RestScene(
+            disk=disk, friction=friction, contact=contact, dissipation=dissipation, start=start
+        )
+        return simulate_rest(scene, end, step=options.step, progress=progress)
+
+
+def _plot(motion: SpatialMotion, out: Path) -> None:
+    from validation import figures
+    from validation.rest import draw_story
+
+    figure, axes = figures.new_figure(5, height=11.0)
+    draw_story(motion, axes)
+    with whole_file(out) as stream:
+        figure.savefig(stream, format=out.suffix[1:], dpi=150)

@@ -1,0 +1,114 @@
+"""Do random starts come to rest? `python -m validation.rest_starts [number]` shows it."""
+
+import sys
+from dataclasses import dataclass
+from math import acos, pi
+
+import numpy as np
+
+from analysis import (
+    STEEL_DISK,
+    Dissipation,
+    State,
+    consistent_start,
+    find_phases,
+    simulate_to_rest,
+)
+from validation.report import Job, run_jobs
+from validation.tables import Table
+
+DISSIPATION = Dissipation(rolling_dry=1e-3, pivoting=5e-5)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What became of a start.
+
+    Parameters
+    ----------
+    seed : int
+    beta, spin : float
+        Inclination in rad and rate of alpha in rad/s at the start.
+    flat, rest : float, optional
+        Times in s; None if it never was.
+    face : str
+        Which face lies up at last.
+    lifted : bool
+        Whether the disk left the table on its way.
+    lowest_force : float
+        In N.
+    residual : float
+        Largest unexplained energy in J.
+    """
+
+    seed: int
+    beta: float
+    spin: float
+    flat: float | None
+    rest: float | None
+    face: str
+    lifted: bool
+    lowest_force: float
+    residual: float
+
+
+def random_start(seed: int) -> State:
+    """Any attitude, and rates of up to 50 rad/s."""
+    rng = np.random.default_rng(seed)
+    return consistent_start(
+        1,
+        STEEL_DISK,
+        beta=acos(rng.uniform(-1.0, 1.0)),
+        gamma=rng.uniform(-pi, pi),
+        spin=rng.uniform(-50.0, 50.0),
+        beta_rate=rng.uniform(-5.0, 5.0),
+        gamma_rate=rng.uniform(-50.0, 50.0),
+    )
+
+
+def run(seed: int) -> Outcome:
+    """Simulate a random start for at most two minutes."""
+    start = random_start(seed)
+    motion = simulate_to_rest(120.0, start=start, dissipation=DISSIPATION, spacing=5e-3)
+    phases = find_phases(motion)
+    lowest = float(np.min(motion.normal_force))
+    return Outcome(
+        seed=seed,
+        beta=start.coordinates[4],
+        spin=start.rates[3],
+        flat=phases.flat,
+        rest=phases.rest,
+        face="first" if motion.tilt[-1] < pi / 2 else "second",
+        lifted=bool(np.any(motion.normal_force == 0.0)),
+        lowest_force=lowest,
+        residual=float(np.max(np.abs(motion.energy_residual))),
+    )
+
+
+def table(outcomes: list[Outcome]) -> Table:
+    """One row per start."""
+    return Table(
+        name="rest-starts",
+        title="Random starts on their way to rest",
+        columns=(
+            "seed", "β in rad", "spin in rad/s", "flat at s", "rest at s", "face up",
+            "left the table", "lowest force in N", "unexplained energy in J", "at rest",
+        ),
+        rows=[
+            (o.seed, o.beta, o.spin, o.flat, o.rest, o.face, "yes" if o.lifted else "no",
+             o.lowest_force, o.residual, o.rest is not None)
+            for o in outcomes
+        ],
+    )  # fmt: skip
+
+
+def main(number: int) -> int:
+    """Run so many starts on all cores and print what became of them; 1 if one did not rest."""
+    results = run_jobs([Job(seed, run, (seed,)) for seed in range(number)], title="starts")
+    outcomes = [results[seed] for seed in range(number)]
+    sys.stdout.write(table(outcomes).to_text() + "\n")
+    return int(any(outcome.rest is None for outcome in outcomes))
+
+
+if __name__ == "__main__":
+    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 30))
