@@ -36,7 +36,8 @@ QUICK: list[Case] = [
 def check_trajectory(case: Case) -> None:
     check = crosscheck.check_trajectory(case)
     assert check.angles <= crosscheck.ANGLE_LIMIT
-    assert check.estimate >= check.angles
+    # The difference holds the error of the in-house run as well.
+    assert check.estimate + crosscheck.REFERENCE_TOLERANCE >= check.angles
     assert check.normal_force <= 2e-7
     assert check.order == pytest.approx(check.expected, abs=0.25)
 
