@@ -6,8 +6,9 @@ path to the full analysis", Nonlinear Dynamics 105 (2021).
 
 from analysis.balance import constraint_drift, energies, energy_residual, power
 from analysis.checks import ToleranceError
+from analysis.contact import PenaltyContact
 from analysis.disk import DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
-from analysis.dissipation import CAUSES, Dissipation, RestCriterion, RimContact
+from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.friction import LOADS, Load, SmoothCoulomb
 from analysis.phases import Phases, find_phases
 from analysis.rest import REST_METHODS, RestMethod, simulate_to_rest
@@ -43,10 +44,10 @@ __all__ = [
     "Level",
     "Load",
     "Method",
+    "PenaltyContact",
     "Phases",
     "RestCriterion",
     "RestMethod",
-    "RimContact",
     "SmoothCoulomb",
     "SpatialMotion",
     "State",

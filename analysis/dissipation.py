@@ -1,85 +1,13 @@
-"""How a disk touches the table on its way to rest, and where its energy may go."""
+"""What may take energy from the disk, and when it counts as at rest."""
 
 from dataclasses import dataclass
-from math import sqrt
 
 import numpy as np
 
 from analysis.checks import Array, not_negative, positive
-from analysis.disk import Disk
 
 CAUSES = ("damping", "sliding", "rolling_dry", "rolling_viscous", "pivoting", "air_drag")
 """What takes energy from the disk: the contact's damper, sliding friction, and the options."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RimContact:
-    """Contact of a thin spheroid with the table through a spring and a damper.
-
-    The normal force is stiffness * penetration + damping * its rate. A unilateral contact never
-    pulls, and its force is zero without penetration; a bilateral one holds the disk down.
-
-    Parameters
-    ----------
-    stiffness : float
-        In N/m, positive.
-    damping : float
-        In N s/m, not negative.
-    half_thickness : float
-        Half the thickness of the spheroid in m, positive and at most the radius of the disk
-        (see `check`). The thin disk is the limit of zero.
-    bilateral : bool
-        Whether the contact may pull.
-
-    Raises
-    ------
-    ValueError
-        If a value is out of range.
-    """
-
-    stiffness: float = 1e6
-    damping: float = 660.0
-    half_thickness: float = 2e-4
-    bilateral: bool = False
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness))
-        object.__setattr__(self, "damping", not_negative("damping", self.damping))
-        thickness = positive("half_thickness", self.half_thickness)
-        object.__setattr__(self, "half_thickness", thickness)
-
-    @classmethod
-    def damped(
-        cls, stiffness: float, disk: Disk, *, ratio: float = 0.5, half_thickness: float = 2e-4
-    ) -> "RimContact":
-        """Contact on which the upright disk bounces with this part of the critical damping.
-
-        Parameters
-        ----------
-        stiffness : float
-            In N/m.
-        disk : Disk
-        ratio : float
-            Damping ratio, not negative.
-        half_thickness : float
-            In m.
-        """
-        damping = (
-            2.0 * not_negative("ratio", ratio) * sqrt(disk.mass * positive("stiffness", stiffness))
-        )
-        return cls(stiffness=stiffness, damping=damping, half_thickness=half_thickness)
-
-    def check(self, disk: Disk) -> None:
-        """Raise `ValueError` if the spheroid would be thicker than the disk is wide."""
-        if self.half_thickness > disk.radius:
-            raise ValueError(
-                f"half_thickness must not exceed the radius of the disk = {disk.radius:g}, "
-                f"got {self.half_thickness:g}"
-            )
-
-    def resting_penetration(self, disk: Disk) -> float:
-        """Penetration in m at which the contact carries the weight of the disk."""
-        return disk.weight / self.stiffness
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,6 +54,11 @@ class Dissipation:
             object.__setattr__(self, name, not_negative(name, getattr(self, name)))
         for name in ("rolling_smoothing", "pivoting_smoothing"):
             object.__setattr__(self, name, positive(name, getattr(self, name)))
+
+    @property
+    def is_on(self) -> bool:
+        """Whether any of it takes energy."""
+        return any(getattr(self, name) > 0.0 for name in CAUSES[2:])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,8 +11,9 @@ from math import pi, sqrt
 from typing import NamedTuple
 
 from analysis.checks import Array
+from analysis.contact import PenaltyContact
 from analysis.disk import GRAVITY, Disk
-from analysis.dissipation import Dissipation, RimContact
+from analysis.dissipation import Dissipation
 from analysis.friction import SmoothCoulomb
 from analysis.spheroid import Vector3, contact_point, contour_velocity, support_height
 
@@ -44,18 +45,18 @@ class FreeDisk:
     disk : Disk
     friction : SmoothCoulomb
         Sliding friction; its load is the weight or the actual contact force.
-    contact : RimContact
+    contact : PenaltyContact
     dissipation : Dissipation
 
     Raises
     ------
     ValueError
-        If the spheroid of the contact is thicker than the disk is wide.
+        If the contact does not fit the disk.
     """
 
     disk: Disk
     friction: SmoothCoulomb
-    contact: RimContact
+    contact: PenaltyContact
     dissipation: Dissipation
 
     def __post_init__(self) -> None:

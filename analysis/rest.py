@@ -8,12 +8,12 @@ from scipy.integrate import solve_ivp
 
 from analysis import frames
 from analysis.checks import Array, choice, positive
+from analysis.contact import PenaltyContact
 from analysis.disk import STEEL_DISK, Disk
-from analysis.dissipation import CAUSES, Dissipation, RestCriterion, RimContact
+from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.free_disk import FreeDisk, norm, to_inertial
 from analysis.friction import SmoothCoulomb
 from analysis.spatial_motion import SpatialMotion
-from analysis.spheroid import support_height
 from analysis.state import State, consistent_start
 from analysis.trajectory import versions
 
@@ -34,7 +34,7 @@ def simulate_to_rest(
     *,
     disk: Disk = STEEL_DISK,
     friction: SmoothCoulomb = ACTUAL,
-    contact: RimContact | None = None,
+    contact: PenaltyContact | None = None,
     dissipation: Dissipation | None = None,
     start: State | None = None,
     spacing: float = 2e-3,
@@ -52,13 +52,13 @@ def simulate_to_rest(
     disk : Disk
     friction : SmoothCoulomb
         The paper's values on the actual contact force by default.
-    contact : RimContact, optional
-        By default a unilateral one of 1e6 N/m with half of the critical damping.
+    contact : PenaltyContact, optional
+        With a rounded rim; by default `PenaltyContact.rounded`.
     dissipation : Dissipation, optional
         None besides sliding friction and the contact's damper by default.
     start : State, optional
-        By default Table 3. It is lowered until the contact carries the weight, so that the disk
-        does not bounce.
+        By default Table 3, lowered until the contact carries the weight. A given start is taken
+        as it is; `PenaltyContact.lowered` makes one that does not bounce.
     spacing : float
         Time between samples in s.
     criterion : RestCriterion, optional
@@ -85,17 +85,21 @@ def simulate_to_rest(
         raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
     choice("method", method, REST_METHODS)
     tolerance = positive("local_tolerance", local_tolerance)
+    contact = contact if contact is not None else PenaltyContact.rounded(disk)
+    if not contact.is_rounded:
+        raise ValueError("half_thickness must be positive for the disk to lie flat, got 0")
     model = FreeDisk(
         disk=disk,
         friction=friction,
-        contact=contact if contact is not None else RimContact.damped(1e6, disk),
+        contact=contact,
         dissipation=dissipation if dissipation is not None else Dissipation(),
     )
-    first = start_vector(model, start if start is not None else consistent_start(1, disk))
+    if start is None:
+        start = contact.lowered(disk, consistent_start(1, disk))
     criterion = criterion if criterion is not None else RestCriterion()
     times: Array = np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing
     states, count, rest = _integrate(
-        model, first, times, (method, tolerance), (criterion, progress)
+        model, start_vector(disk, start), times, (method, tolerance), (criterion, progress)
     )
     return SpatialMotion(
         **_sampled(model, times[: len(states)], states),
@@ -111,20 +115,13 @@ def simulate_to_rest(
     )
 
 
-def start_vector(model: FreeDisk, start: State) -> Array:
-    """State of `FreeDisk` for a start in the paper's coordinates, shape (19,).
-
-    The height is chosen anew: the disk rests on the contact with its weight.
-    """
-    disk = model.disk
+def start_vector(disk: Disk, start: State) -> Array:
+    """State of `FreeDisk` for a start in the paper's coordinates, shape (19,)."""
     position, rotation = frames.poses(np.array([start.coordinates]))
     velocity, angular = frames.twists(np.array([start.coordinates]), np.array([start.rates]))
     A = rotation[0]
     offset = disk.eccentricity * A[:, 0]
-    upward = (float(A[2, 0]), float(A[2, 1]), float(A[2, 2]))
-    height = support_height(disk.radius, model.contact.half_thickness, upward)
     cog = position[0] + offset
-    cog[2] = height + offset[2] - model.contact.resting_penetration(disk)
     cog_velocity = velocity[0] + np.cross(angular[0], offset)
     return np.concatenate(
         (

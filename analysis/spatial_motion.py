@@ -13,8 +13,9 @@ import numpy as np
 
 from analysis import frames
 from analysis.checks import Array, choice, increasing_times
+from analysis.contact import PenaltyContact
 from analysis.disk import Disk
-from analysis.dissipation import CAUSES, Dissipation, RimContact
+from analysis.dissipation import CAUSES, Dissipation
 from analysis.files import whole_file
 from analysis.friction import SmoothCoulomb
 from analysis.trajectory import Setting, Source, Trajectory
@@ -62,7 +63,7 @@ class SpatialMotion:
         Energy in J taken since the start by each of `CAUSES`.
     disk : Disk
     friction : SmoothCoulomb
-    contact : RimContact
+    contact : PenaltyContact
     dissipation : Dissipation
     source : {"engine", "in-house"}
     rest_time : float, optional
@@ -89,7 +90,7 @@ class SpatialMotion:
     dissipated: Array
     disk: Disk
     friction: SmoothCoulomb
-    contact: RimContact
+    contact: PenaltyContact
     dissipation: Dissipation
     source: Source
     rest_time: float | None = None
@@ -260,7 +261,7 @@ class SpatialMotion:
             **{name: stored[name] for name in ("times", *_COLUMNS)},
             disk=Disk(**meta.pop("disk")),
             friction=SmoothCoulomb(**meta.pop("friction")),
-            contact=RimContact(**meta.pop("contact")),
+            contact=PenaltyContact(**meta.pop("contact")),
             dissipation=Dissipation(**meta.pop("dissipation")),
             **meta,
         )

@@ -1,6 +1,5 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
-from mbs_models.contact import PenaltyContact
 from mbs_models.integrators import (
     INTEGRATORS,
     EngineError,
@@ -18,8 +17,7 @@ from mbs_models.linearization import (
     stock_eigenvalues,
 )
 from mbs_models.probe import acceleration
-from mbs_models.rest import simulate_rest
-from mbs_models.rest_scene import RestScene
+from mbs_models.rest import simulate_to_rest
 from mbs_models.scene import FORMULATIONS, Formulation, Scene, formulations
 from mbs_models.simulation import simulate
 
@@ -33,15 +31,13 @@ __all__ = [
     "IntegratorName",
     "Motion",
     "Newton",
-    "PenaltyContact",
-    "RestScene",
     "Scene",
     "acceleration",
     "eigenvalues",
     "formulations",
     "integrators",
     "simulate",
-    "simulate_rest",
+    "simulate_to_rest",
     "state_matrix",
     "stationary_scene",
     "stock_eigenvalues",

@@ -1,5 +1,6 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
+from collections.abc import Callable
 from math import pi
 from typing import Any
 
@@ -18,16 +19,37 @@ from mbs_models.friction import (
     friction_limit,
     symbolic_connector,
 )
+from mbs_models.loads import Loads
 from mbs_models.model import GRAVITY_VECTOR, Model
-from mbs_models.penalty import connector_contact
+from mbs_models.scene import Scene
 
 _OUTPUT = exu.OutputVariableType
 
 
 class Floating(Model):
-    """A free rigid body with Euler parameters, held by joints."""
+    """A free rigid body with Euler parameters, held by joints or on a penalty contact.
+
+    Attributes
+    ----------
+    loads : Loads or None
+        What acts on the disk at its centre on a penalty contact.
+    count_work : callable or None
+        Called with the power in W taken by each of `CAUSES` whenever the engine asks for `loads`.
+    """
 
     _node_type: Any = exu.NodeType.RotationEulerParameters
+
+    def __init__(self, scene: Scene, *, symbolic: bool = False) -> None:
+        self.loads: Loads | None = None
+        self.count_work: Callable[[list[float]], None] | None = None
+        if scene.contact is not None:
+            if symbolic:
+                raise ValueError(
+                    "symbolic user functions of a penalty contact exist for formulation "
+                    f"'euler-tree' alone, got {scene.formulation!r}"
+                )
+            self.loads = Loads(scene.disk, scene.friction, scene.contact, scene.dissipation)
+        super().__init__(scene, symbolic=symbolic)
 
     def _build(self) -> None:
         start, disk = self.scene.start, self.scene.disk
@@ -80,31 +102,54 @@ class Floating(Model):
 
     def _add_force(self, table: int, centre: int) -> None:
         """Add friction, and the contact if it is one of penalty."""
-        upward = self._add(
-            items.MarkerBodyRigid(
-                bodyNumber=table, localHT=exu.HT(rotation=np.array(UPWARD), translation=[0.0] * 3)
-            ),
-            f"the table's side of {self.force_name}, turned to where its angles are regular",
-        )
-        force = self._force()
+        if self.loads is not None:
+            side = self._add(
+                items.MarkerBodyRigid(bodyNumber=table), f"the table's side of {self.force_name}"
+            )
+            force = self._contact_force(self.loads)
+        else:
+            side = self._add(
+                items.MarkerBodyRigid(
+                    bodyNumber=table,
+                    localHT=exu.HT(rotation=np.array(UPWARD), translation=[0.0] * 3),
+                ),
+                f"the table's side of {self.force_name}, turned to where its angles are regular",
+            )
+            limit = friction_limit(self.scene, self._contact)
+            force = connector_force(self.scene, limit, self._functions())
         if self._symbolic:
             force = symbolic_connector(self.system, force)
             self._kept.append(force)
         self._add(
             items.ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=[upward, centre],
+                markerNumbers=[side, centre],
                 useIntrinsicFormulation=False,
                 springForceTorqueUserFunction=force,
             ),
             f"{self.force_name} by a user function",
         )
 
-    def _force(self) -> Force:
-        contact = self.scene.contact
-        if contact is not None:
-            return connector_contact(self.scene, contact, self._functions())
-        limit = friction_limit(self.scene, self._contact)
-        return connector_force(self.scene, limit, self._functions())
+    def _contact_force(self, loads: Loads) -> Force:
+        """User function with the load on the table, which is minus that on the disk."""
+        node, attitude = self._node, _OUTPUT.RotationMatrix
+
+        def force(
+            system: Any, _t: Any, _item: Any, displacement: Any, _rotation: Any,
+            velocity: Any, angular: Any, *_unused: Any,
+        ) -> list[float]:  # fmt: skip
+            # The connector's own angles are singular somewhere; the rotation matrix is not.
+            matrix = system.GetNodeOutput(node, attitude).tolist()
+            load = loads.at(
+                float(displacement[2]),
+                (matrix[2], matrix[5], matrix[8]),
+                tuple(velocity),
+                tuple(angular),
+            )
+            if self.count_work is not None:
+                self.count_work(load.taken)
+            return [-value for value in (*load.force, *load.torque)]
+
+        return force
 
     def _add_carrier(self, centre: int) -> None:
         """Add a carrier that turns at the prescribed spin and takes the disk's axis along."""

@@ -1,6 +1,7 @@
 """An assembled engine system, and the way from its coordinates to the paper's."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any, Literal, NamedTuple, get_args
 
 import exudyn as exu
@@ -11,6 +12,7 @@ from analysis.checks import Array
 from analysis.disk import GRAVITY
 from analysis.frames import turn_about_vertical
 from mbs_models.friction import ON_FLOATS, ON_SYMBOLS, Functions
+from mbs_models.loads import normal_forces
 from mbs_models.scene import Scene
 
 GRAVITY_VECTOR = [0.0, 0.0, -GRAVITY]
@@ -35,7 +37,8 @@ class Model(ABC):
     scene : Scene
     symbolic : bool
         Whether the friction law is recorded for the engine to evaluate instead of called back in
-        Python. Not for the load "contact" of an ideal contact; `ValueError` otherwise.
+        Python. Not for the load "contact" of an ideal contact, nor for the penalty contact of a
+        free body; `ValueError` otherwise.
 
     Attributes
     ----------
@@ -105,7 +108,8 @@ class Model(ABC):
             Co-rotating coordinates and their rates.
         """
         if self.scene.contact is not None:
-            return self.scene.contact.forces(self.scene.disk, coordinates, rates)[:, None]
+            disk = self.scene.disk
+            return normal_forces(self.scene.contact, disk, coordinates, rates)[:, None]
         # The engine's constraint forces act with a minus sign on the second body.
         contact = algebraic[:, self._equations(self._contact[0])]
         columns = [-contact[:, 2]]
@@ -119,14 +123,19 @@ class Model(ABC):
             columns.append(-algebraic[:, self._equations(self._spin)[0]])
         return np.column_stack(columns)
 
-    def add_sensor(self) -> int:
+    def add_sensor(self, read: Callable[[], Array] | None = None) -> int:
         """Add the one sensor of a run: all that is sampled, read at the same instant.
 
-        It stores time, `record` and the algebraic coordinates.
+        Parameters
+        ----------
+        read : callable, optional
+            What to store after the time; by default `record` and the algebraic coordinates.
         """
         data = self.system.systemData
 
         def sample(*_unused: Any) -> Array:
+            if read is not None:
+                return read()
             return np.concatenate((self.record(), data.GetAECoordinates()))
 
         sensor = self._add(
@@ -137,7 +146,7 @@ class Model(ABC):
                 writeToFile=False,
                 sensorUserFunction=sample,
             ),
-            "state and constraint forces at every sample, by a user function",
+            "state and forces at every sample, by a user function",
         )
         self.system.Assemble()
         return sensor
@@ -197,9 +206,16 @@ class Model(ABC):
     @property
     def force_name(self) -> str:
         """What that force law covers."""
-        parts = ["penalty contact"] if self.scene.contact is not None else []
-        parts += ["friction"] if self.scene.friction.coefficient > 0.0 else []
-        return " and ".join(parts)
+        scene, loss = self.scene, self.scene.dissipation
+        parts = {
+            "penalty contact": scene.contact is not None,
+            "friction": scene.friction.coefficient > 0.0,
+            "rolling resistance": loss.rolling_dry > 0.0 or loss.rolling_viscous > 0.0,
+            "pivoting friction": loss.pivoting > 0.0,
+            "air drag": loss.air_drag > 0.0,
+        }
+        *others, last = [name for name, present in parts.items() if present]
+        return f"{', '.join(others)} and {last}" if others else last
 
     def _functions(self) -> Functions:
         return ON_SYMBOLS if self._symbolic else ON_FLOATS

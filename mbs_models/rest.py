@@ -1,20 +1,23 @@
-"""Engine runs of the scene `rest`, until an event says that the disk lies still."""
+"""Engine runs of scenes with a rounded rim, until an event says that the disk lies still."""
 
 from collections.abc import Callable
+from math import hypot, sqrt
 from typing import Any
 
 import exudyn as exu
-import exudyn.itemInterface as items
 import numpy as np
 
 from analysis import frames
 from analysis.checks import Array, positive
-from analysis.dissipation import RestCriterion
+from analysis.contact import PenaltyContact
+from analysis.dissipation import CAUSES, RestCriterion
 from analysis.spatial_motion import SpatialMotion
 from analysis.trajectory import versions
+from mbs_models.floating import FloatingLie
 from mbs_models.integrators import EngineError
+from mbs_models.loads import Loads
 from mbs_models.quiet import quiet
-from mbs_models.rest_scene import STAGE_WEIGHTS, RestModel, RestScene
+from mbs_models.scene import Scene
 
 STRETCH = 0.1
 """Longest time in s after which the step is chosen anew and rest is looked for."""
@@ -22,9 +25,12 @@ STRETCH = 0.1
 SAFETY = 0.6
 """Part of the predicted stability limit that a step may use."""
 
+STAGE_WEIGHTS = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
+"""Weights of the stages of the classical Runge-Kutta method of order 4."""
 
-def simulate_rest(
-    scene: RestScene,
+
+def simulate_to_rest(
+    scene: Scene,
     end: float,
     *,
     step: float | None = None,
@@ -39,7 +45,8 @@ def simulate_rest(
 
     Parameters
     ----------
-    scene : RestScene
+    scene : Scene
+        Of formulation "floating-lie" and with a rounded rim, such as `Scene.rest` makes.
     end : float
         Longest time in s.
     step : float, optional
@@ -58,22 +65,24 @@ def simulate_rest(
     Raises
     ------
     ValueError
-        If an argument is out of range, or the step is too large for the contact's stiffness.
+        If an argument is out of range, the scene does not last until the disk lies flat, or the
+        step is too large for the contact's stiffness.
     EngineError
         If the engine does not reach the end.
     """
     end, spacing = positive("end", end), positive("spacing", spacing)
     if spacing > end:
         raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
-    limit = scene.largest_step()
+    contact = _rounded_contact(scene)
+    limit = largest_step(scene)
     step = SAFETY * limit if step is None else positive("step", step)
     if step > limit:
         raise ValueError(
             f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
-            f"{scene.contact.stiffness:g} and damping {scene.contact.damping:g}, got {step:g}"
+            f"{contact.stiffness:g} and damping {contact.damping:g}, got {step:g}"
         )
     criterion = criterion if criterion is not None else RestCriterion()
-    run = _Run(RestModel(scene), spacing)
+    run = _Run(scene, spacing)
     count = int(np.floor(end / spacing + 1e-9))
     stretch = max(1, round(STRETCH / spacing))
     still = None
@@ -86,34 +95,96 @@ def simulate_rest(
     return _motion(scene, run, last + 1, (step, still))
 
 
-class _Run:
-    """A run in stretches; `done` counts the sampling intervals behind it."""
+def largest_step(scene: Scene, leaning: float = 1.0) -> float:
+    """Step in s above which explicit Runge-Kutta runs of order 4 are predicted to diverge.
 
-    def __init__(self, model: RestModel, spacing: float) -> None:
-        self.model, self.spacing, self.done, self.steps = model, spacing, 0, 0
-        self._sensor = model.system.AddSensor(
-            items.SensorUserFunction(
-                sensorNumbers=[],
-                factors=[],
-                storeInternal=True,
-                writeToFile=False,
-                sensorUserFunction=lambda *_unused: model.record(),
-            )
+    Parameters
+    ----------
+    scene : Scene
+        With a rounded rim.
+    leaning : float
+        Sine of the smallest inclination, 0 flat. The lower the disk leans, the more a rolling
+        resistance on the fast contour brakes its turning.
+
+    Raises
+    ------
+    ValueError
+        If the scene has no rounded rim.
+    """
+    disk, contact, loss = scene.disk, _rounded_contact(scene), scene.dissipation
+    inertia = min(disk.inertia_about_cog[:2])
+    # The contact point of a disk leaning low carries the least mass.
+    mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
+    frequency = sqrt(contact.stiffness * mobility)
+    slope = loss.rolling_viscous + loss.rolling_dry / loss.rolling_smoothing
+    reach = disk.radius**2 / hypot(disk.radius * leaning, contact.half_thickness)
+    decay = max(contact.damping * mobility, slope * disk.weight * reach**2 / inertia)
+    # Stability limits of the method along the imaginary and the negative real axis.
+    return min(2.8 / frequency, 2.7 / decay) if decay else 2.8 / frequency
+
+
+def _rounded_contact(scene: Scene) -> PenaltyContact:
+    if scene.contact is None or not scene.contact.is_rounded:
+        raise ValueError(
+            "scene must have a penalty contact with half_thickness above 0, since only then the "
+            f"contact is defined when the disk lies flat, got contact {scene.contact!r}"
         )
-        model.system.Assemble()
-        self.records: list[Array] = [model.record()[None]]
+    if scene.formulation != "floating-lie":
+        raise ValueError(
+            "scene must be of formulation 'floating-lie', which the explicit integrator of this "
+            f"run can take, got {scene.formulation!r}"
+        )
+    return scene.contact
+
+
+class _Run:
+    """A run in stretches.
+
+    Attributes
+    ----------
+    done, steps : int
+        Sampling intervals and steps behind it.
+    taken : list of 6 floats
+        Energy in J taken so far by each of `CAUSES`.
+    records : list of ndarray, each shape (n, 24)
+        Position of G, rotation, velocity, angular velocity and energy taken.
+    """
+
+    def __init__(self, scene: Scene, spacing: float) -> None:
+        self.scene, self.spacing, self.done, self.steps = scene, spacing, 0, 0
+        self.taken = [0.0] * len(CAUSES)
+        self._step, self._calls = 0.0, 0
+        self._model = FloatingLie(scene)
+        self._model.count_work = self._count_work
+        self._sensor = self._model.add_sensor(self._record)
+        self.records: list[Array] = [self._record()[None]]
+
+    def _record(self) -> Array:
+        return np.concatenate((self._model.record(), self.taken))
+
+    def _count_work(self, powers: list[float]) -> None:
+        """Add the work of one stage of a step.
+
+        The engine evaluates the loads once a stage; `advance` checks that. An engine variable of
+        order 1 would see the powers of the stage before.
+        """
+        part = self._step * STAGE_WEIGHTS[self._calls % len(STAGE_WEIGHTS)]
+        self._calls += 1
+        for cause, power in enumerate(powers):
+            if power:
+                self.taken[cause] += part * power
 
     def advance(self, intervals: int, step: float) -> None:
         """Run over so many sampling intervals."""
         leaning = float(np.hypot(*self.records[-1][-1, [5, 8]]))
-        step = min(step, SAFETY * self.model.scene.largest_step(0.5 * leaning))
+        step = min(step, SAFETY * largest_step(self.scene, 0.5 * leaning))
         substeps = int(np.ceil(self.spacing / step - 1e-9))
         settings = _settings(self.done * self.spacing, intervals * self.spacing)
         settings.timeIntegration.numberOfSteps = intervals * substeps
         settings.solution.sensors.writePeriod = self.spacing
-        system: Any = self.model.system
-        self.model.step = self.spacing / substeps
-        self.model.calls = 0
+        system: Any = self._model.system
+        self._step = self.spacing / substeps
+        self._calls = 0
         try:
             with quiet():
                 system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
@@ -125,9 +196,9 @@ class _Run:
         stored = np.array(system.GetSensorStoredData(self._sensor))[:, 1:]
         if len(stored) != intervals + 1 or not np.all(np.isfinite(stored)):
             raise EngineError(f"engine run stopped after t = {self._time:.6g} s")
-        if self.model.calls != len(STAGE_WEIGHTS) * intervals * substeps:
+        if self._calls != len(STAGE_WEIGHTS) * intervals * substeps:
             raise EngineError(
-                f"the engine evaluated the loads {self.model.calls} times in "
+                f"the engine evaluated the loads {self._calls} times in "
                 f"{intervals * substeps} steps of {len(STAGE_WEIGHTS)} stages"
             )
         data = system.systemData
@@ -154,8 +225,8 @@ class _Run:
                 break
         records = np.concatenate(recent)
         found = criterion.first(
-            kinetic_energy(self.model.scene, records),
-            records[:, 2] + self.model.scene.disk.eccentricity * records[:, 9],
+            kinetic_energy(self.scene, records),
+            records[:, 2] + self.scene.disk.eccentricity * records[:, 9],
             self.spacing,
         )
         return None if found is None else self.done + 1 - number + found
@@ -174,8 +245,8 @@ def _settings(begin: float, duration: float) -> Any:
     return settings
 
 
-def kinetic_energy(scene: RestScene, records: Array) -> Array:
-    """Kinetic energy in J, shape (n,), from records of `RestModel`, shape (n, 24)."""
+def kinetic_energy(scene: Scene, records: Array) -> Array:
+    """Kinetic energy in J, shape (n,), from records of `_Run`, shape (n, 24)."""
     disk = scene.disk
     rotation = records[:, 3:12].reshape(-1, 3, 3)
     v, w = records[:, 12:15], records[:, 15:18]
@@ -188,21 +259,20 @@ def kinetic_energy(scene: RestScene, records: Array) -> Array:
 
 
 def _motion(
-    scene: RestScene, run: _Run, count: int, outcome: tuple[float, int | None]
+    scene: Scene, run: _Run, count: int, outcome: tuple[float, int | None]
 ) -> SpatialMotion:
     step, still = outcome
     records = np.concatenate(run.records)[:count]
     times: Array = np.arange(count, dtype=float) * run.spacing
     rotation = records[:, 3:12].reshape(-1, 3, 3)
+    loads = Loads(scene.disk, scene.friction, _rounded_contact(scene), scene.dissipation)
     rows = []
     for record in records.tolist():
-        load = run.model.loads.at(
-            record[2],
-            (record[5], record[8], record[11]),
-            (record[12], record[13], record[14]),
-            (record[15], record[16], record[17]),
-        )
-        rows.append((*load.point, load.slip, load.contour, load.force[2], load.elastic))
+        axis = (record[5], record[8], record[11])
+        angular = (record[15], record[16], record[17])
+        load = loads.at(record[2], axis, (record[12], record[13], record[14]), angular)
+        contour = hypot(*loads.contour(axis, angular, load.point))
+        rows.append((*load.point, load.slip, contour, load.force[2], load.elastic))
     values = np.array(rows)
     height = records[:, 2] + scene.disk.eccentricity * rotation[:, 2, 0]
     return SpatialMotion(
@@ -221,7 +291,7 @@ def _motion(
         dissipated=records[:, 18:],
         disk=scene.disk,
         friction=scene.friction,
-        contact=scene.contact,
+        contact=_rounded_contact(scene),
         dissipation=scene.dissipation,
         source="engine",
         rest_time=None if still is None else float(times[still]),

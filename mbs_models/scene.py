@@ -4,10 +4,11 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from analysis.checks import choice
+from analysis.contact import PenaltyContact
 from analysis.disk import STEEL_DISK, Disk
+from analysis.dissipation import Dissipation
 from analysis.friction import SmoothCoulomb
 from analysis.state import LEVELS, Level, State, consistent_start
-from mbs_models.contact import PenaltyContact
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
 FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
@@ -47,8 +48,11 @@ class Scene:
         by the resting penetration. A given start is taken as it is: on a penalty contact it may
         lie above the table or in it, and `PenaltyContact.lowered` makes one that rests.
     contact : PenaltyContact, optional
-        Unilateral penalty contact (Model 1, not `contact-tree`); by default the ideal bilateral
-        constraint of the paper.
+        Penalty contact (Model 1, not `contact-tree`); by default the ideal bilateral constraint
+        of the paper. With a rounded rim, the free body alone is regular when it lies flat.
+    dissipation : Dissipation
+        What takes energy besides friction and damping, on the penalty contact of a free body;
+        by default nothing, and nothing of it is in the scene.
 
     Raises
     ------
@@ -62,14 +66,12 @@ class Scene:
     friction: SmoothCoulomb = field(default_factory=SmoothCoulomb)
     start: State = None  # type: ignore[assignment]  # filled in below
     contact: PenaltyContact | None = None
+    dissipation: Dissipation = field(default_factory=Dissipation)
 
     def __post_init__(self) -> None:
         available = formulations(self.level)
         if self.formulation is None:
-            chosen = default_formulation(self.level, self.friction)
-            if self.contact is not None and chosen == "contact-tree":
-                chosen = "euler-tree"
-            object.__setattr__(self, "formulation", chosen)
+            object.__setattr__(self, "formulation", self._default_formulation())
         choice("formulation", self.formulation, FORMULATIONS)
         if self.formulation not in available:
             raise ValueError(
@@ -83,11 +85,59 @@ class Scene:
                 "formulation 'contact-tree' has no contact constraint whose force the load "
                 "'contact' could take; use the load 'weight' or another formulation"
             )
+        if self.dissipation.is_on and (self.contact is None or not self._is_free_body):
+            raise ValueError(
+                "dissipation needs a penalty contact and one of the formulations floating, "
+                f"floating-lie, got contact {self.contact!r} and {self.formulation!r}"
+            )
         if self.start is None:
             start = consistent_start(self.level, self.disk)
             if self.contact is not None:
                 start = self.contact.lowered(self.disk, start)
             object.__setattr__(self, "start", start)
+
+    @classmethod
+    def rest(
+        cls,
+        *,
+        disk: Disk = STEEL_DISK,
+        friction: SmoothCoulomb | None = None,
+        start: State | None = None,
+        contact: PenaltyContact | None = None,
+        dissipation: Dissipation | None = None,
+    ) -> "Scene":
+        """Scene for the way to rest: a free body with a rounded rim on a stiff table.
+
+        Parameters
+        ----------
+        disk : Disk
+        friction : SmoothCoulomb, optional
+            By default on the actual contact force.
+        start : State, optional
+            As in `Scene`.
+        contact : PenaltyContact, optional
+            By default `PenaltyContact.rounded`.
+        dissipation : Dissipation, optional
+
+        Raises
+        ------
+        ValueError
+            If an argument does not fit the others.
+        """
+        return cls(
+            formulation="floating-lie",
+            disk=disk,
+            friction=friction or SmoothCoulomb(load="contact"),
+            start=start,  # type: ignore[arg-type]  # filled in
+            contact=contact or PenaltyContact.rounded(disk),
+            dissipation=dissipation or Dissipation(),
+        )
+
+    def _default_formulation(self) -> Formulation:
+        if self.contact is None:
+            return default_formulation(self.level, self.friction)
+        rest = self.contact.is_rounded or self.dissipation.is_on
+        return "floating-lie" if rest else "euler-tree"
 
     def _check_penalty(self, contact: PenaltyContact) -> None:
         if self.level != 1:
@@ -97,7 +147,17 @@ class Scene:
                 "formulation 'contact-tree' closes the contact by its topology and has no room "
                 "for a penalty contact; use one of euler-tree, floating, floating-lie"
             )
+        if contact.is_rounded and not self._is_free_body:
+            raise ValueError(
+                f"half_thickness must be 0 in formulation {self.formulation!r}, which is singular "
+                f"when the disk lies flat, got {contact.half_thickness:g}; use floating or "
+                "floating-lie"
+            )
         contact.check(self.disk)
+
+    @property
+    def _is_free_body(self) -> bool:
+        return self.formulation.startswith("floating")
 
     @property
     def has_constraints(self) -> bool:

@@ -141,7 +141,8 @@ def trajectory(
             "step": result.step,
             "tolerance": tolerance,
         }
-        | ({} if scene.contact is None else asdict(scene.contact)),
+        | ({} if scene.contact is None else asdict(scene.contact))
+        | (asdict(scene.dissipation) if scene.dissipation.is_on else {}),
         error_estimate=estimate,
         counts=dict(result.counts),
         versions=versions("numpy", "exudyn"),

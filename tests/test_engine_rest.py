@@ -8,13 +8,19 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analysis import STEEL_DISK, SmoothCoulomb, find_phases, simulate_to_rest
-from analysis.dissipation import Dissipation, RimContact
+import mbs_models
+from analysis import (
+    STEEL_DISK,
+    PenaltyContact,
+    SmoothCoulomb,
+    find_phases,
+    simulate_to_rest,
+)
+from analysis.dissipation import Dissipation
 from analysis.free_disk import FreeDisk
 from analysis.spatial_motion import SpatialMotion
-from mbs_models.rest import simulate_rest
-from mbs_models.rest_loads import Loads
-from mbs_models.rest_scene import RestScene
+from mbs_models import Scene
+from mbs_models.loads import Loads
 
 EVERYTHING = Dissipation(
     rolling_dry=1e-3, rolling_viscous=1e-4, pivoting=5e-5, air_drag=1.2, rolling_smoothing=0.1
@@ -25,12 +31,12 @@ FRICTION = SmoothCoulomb(load="contact")
 
 @pytest.fixture(scope="module")
 def settled() -> SpatialMotion:
-    return simulate_rest(RestScene(dissipation=SETTLING), 30.0, step=1e-4)
+    return mbs_models.simulate_to_rest(Scene.rest(dissipation=SETTLING), 30.0, step=1e-4)
 
 
 @pytest.mark.parametrize("bilateral", [False, True])
 def test_loads_and_powers_are_those_of_the_in_house_equations(bilateral: bool) -> None:
-    contact = replace(RimContact(half_thickness=2e-3), bilateral=bilateral)
+    contact = replace(PenaltyContact.rounded(STEEL_DISK, half_thickness=2e-3), bilateral=bilateral)
     model = FreeDisk(disk=STEEL_DISK, friction=FRICTION, contact=contact, dissipation=EVERYTHING)
     loads = Loads(STEEL_DISK, FRICTION, contact, EVERYTHING)
     rng = np.random.default_rng(1)
@@ -57,19 +63,28 @@ def test_loads_and_powers_are_those_of_the_in_house_equations(bilateral: bool) -
 
 
 def test_engine_converges_to_the_in_house_motion_with_order_4() -> None:
-    scene = RestScene(dissipation=EVERYTHING)
+    scene = Scene.rest(dissipation=EVERYTHING)
     other = simulate_to_rest(
         0.5, contact=scene.contact, dissipation=EVERYTHING, spacing=1e-2, method="DOP853"
     )
     errors = []
     for step in (2e-4, 1e-4, 5e-5):
-        found = simulate_rest(scene, 0.5, step=step, spacing=1e-2)
+        found = mbs_models.simulate_to_rest(scene, 0.5, step=step, spacing=1e-2)
         errors.append(float(np.max(np.abs(found.rotations - other.rotations))))
         np.testing.assert_allclose(found.positions, other.positions, atol=1e-9)
     assert errors[-1] < 1e-8
     np.testing.assert_allclose(found.dissipated, other.dissipated, atol=1e-9)
     for coarse, fine in pairwise(errors):
         assert log2(coarse / fine) > 3.5
+
+
+def test_scene_runs_like_any_other_before_the_disk_lies_flat() -> None:
+    scene = Scene.rest(dissipation=EVERYTHING)
+    times = np.linspace(0.0, 0.5, 51)
+    found = mbs_models.simulate(scene, times, tolerance=1e-6)
+    other = mbs_models.simulate_to_rest(scene, 0.5, step=5e-5, spacing=1e-2).to_trajectory()
+    np.testing.assert_allclose(found.coordinates, other.coordinates, atol=1e-6)
+    np.testing.assert_allclose(found.normal_force, other.normal_force, atol=1e-4)
 
 
 def test_engine_comes_to_rest_as_the_in_house_motion_does(settled: SpatialMotion) -> None:
@@ -92,13 +107,16 @@ def test_engine_energy_budget_closes_and_contact_never_pulls(settled: SpatialMot
 
 def test_step_beyond_the_predicted_limit_is_refused_before_the_run() -> None:
     with pytest.raises(ValueError, match="the predicted stability limit"):
-        simulate_rest(RestScene(), 1.0, step=1e-3)
+        mbs_models.simulate_to_rest(Scene.rest(), 1.0, step=1e-3)
 
 
 def test_scene_refuses_bad_input() -> None:
-    with pytest.raises(ValueError, match="friction must take the load 'contact'"):
-        RestScene(friction=SmoothCoulomb())
     with pytest.raises(ValueError, match="half_thickness must not exceed the radius"):
-        RestScene(contact=RimContact(half_thickness=0.1))
+        Scene.rest(contact=PenaltyContact(stiffness=1e6, half_thickness=0.1))
+    with pytest.raises(ValueError, match="contact with half_thickness above 0"):
+        mbs_models.simulate_to_rest(Scene(), 1.0)
+    constrained = Scene(formulation="floating", contact=PenaltyContact.rounded(STEEL_DISK))
+    with pytest.raises(ValueError, match="must be of formulation 'floating-lie'"):
+        mbs_models.simulate_to_rest(constrained, 1.0)
     with pytest.raises(ValueError, match="spacing must not exceed end"):
-        simulate_rest(RestScene(), 1.0, spacing=2.0)
+        mbs_models.simulate_to_rest(Scene.rest(), 1.0, spacing=2.0)

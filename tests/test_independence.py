@@ -10,6 +10,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 DATA_TYPES = {
     "checks",
+    "contact",
     "disk",
     "dissipation",
     "files",

@@ -1,20 +1,19 @@
 """What is in a scene: this list holds it, item by item."""
 
-import argparse
 from typing import Any
 
 import pytest
 
 import mbs_models
-from analysis import LEVELS, Level, SmoothCoulomb
-from mbs_models import Formulation, PenaltyContact, Scene
+from analysis import LEVELS, Dissipation, Level, PenaltyContact, SmoothCoulomb
+from mbs_models import Formulation, Scene
 from mbs_models.ballast import BALLAST, six_axes
 from mbs_models.build import build
 from mbs_models.integrators import find_integrator, run
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
 from validation import lean
-from validation.commands_scene import scene as scene_command
+from validation.cli import main
 from validation.commands_scene import scene_table
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
@@ -116,6 +115,27 @@ def test_penalty_contact_needs_one_force_law_and_no_joint(
     assert not unused_markers(scene)
 
 
+@pytest.mark.parametrize(
+    ("dissipation", "named"),
+    [
+        (Dissipation(), "penalty contact and friction by"),
+        (Dissipation(pivoting=1e-5), "penalty contact, friction and pivoting friction by"),
+        (
+            Dissipation(rolling_dry=1e-3, air_drag=1.2),
+            "penalty contact, friction, rolling resistance and air drag by",
+        ),
+    ],
+)
+def test_rest_scene_has_one_connector_which_names_what_is_on(
+    dissipation: Dissipation, named: str
+) -> None:
+    found = inventory(Scene.rest(dissipation=dissipation))
+    items = ["node RigidBodyRotVecLG", *BODY, *TABLE, "marker BodyRigid", FRICTION[1], *SENSOR]
+    assert listed(found) == sorted(items)
+    assert found.equations == 0
+    assert sum(item.why.startswith(named) for item in found.items) == 1
+
+
 def test_every_item_says_why_it_is_there() -> None:
     for level, formulation, _ in SCENES:
         for item in inventory(Scene(level=level, formulation=formulation)).items:
@@ -136,10 +156,7 @@ def test_frictionless_scene_does_not_mention_friction() -> None:
 
 
 def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str]) -> None:
-    options = argparse.Namespace(
-        model=3, formulation="euler-tree", load="weight", mu=0.3, stiffness=None
-    )
-    assert scene_command(options) == 0
+    assert main(["scene", "--model", "3", "--formulation", "euler-tree"]) == 0
     printed = capsys.readouterr().out
     assert "JointRollingDisc" in printed
     assert "without slip along the edge" in printed

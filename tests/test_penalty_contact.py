@@ -8,10 +8,19 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import LOADS, STEEL_DISK, Load, SmoothCoulomb, State, consistent_start
+from analysis import (
+    LOADS,
+    STEEL_DISK,
+    Dissipation,
+    Load,
+    PenaltyContact,
+    SmoothCoulomb,
+    State,
+    consistent_start,
+)
 from analysis.equations import mass_matrix
 from analysis.frames import poses
-from mbs_models import Formulation, PenaltyContact, Scene
+from mbs_models import Formulation, Scene
 from mbs_models.build import build
 from mbs_models.probe import Probe
 from validation.penalty_limit import penalty_error
@@ -56,17 +65,16 @@ def test_all_formulations_have_the_same_accelerations(load: Load, coefficient: f
         np.testing.assert_allclose(force, found[0][1], rtol=1e-9)
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize("load", LOADS)
-def test_symbolic_form_gives_the_same_accelerations(formulation: Any, load: Load) -> None:
-    scene = Scene(
-        formulation=formulation,
-        contact=CONTACT,
-        friction=SmoothCoulomb(load=load),
-        start=moving_start(),
-    )
+def test_symbolic_form_gives_the_same_accelerations(load: Load) -> None:
+    scene = Scene(contact=CONTACT, friction=SmoothCoulomb(load=load), start=moving_start())
     plain, symbolic = (Probe(build(scene, symbolic=flag)).solve()[0] for flag in (False, True))
     np.testing.assert_allclose(symbolic, plain, rtol=1e-12, atol=1e-10)
+
+
+def test_symbolic_form_of_a_free_body_is_refused() -> None:
+    with pytest.raises(ValueError, match="exist for formulation 'euler-tree' alone"):
+        build(Scene(formulation="floating", contact=CONTACT), symbolic=True)
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
@@ -132,6 +140,42 @@ def test_normal_force_is_what_accelerates_the_centre_of_gravity() -> None:
     assert mass_matrix(run.disk, run.coordinates[1])[2, 2] == pytest.approx(run.disk.mass)
 
 
+def test_bilateral_contact_pulls_and_the_unilateral_one_does_not() -> None:
+    start = raised(consistent_start(1, STEEL_DISK, spin=0.0, gamma=np.pi / 2), 1e-5)
+    for formulation in FORMULATIONS:
+        for bilateral, expected in ((False, 0.0), (True, -1e5 * 1e-5)):
+            scene = Scene(
+                formulation=formulation,
+                contact=replace(CONTACT, bilateral=bilateral),
+                friction=SmoothCoulomb(load="contact"),
+                start=start,
+            )
+            accelerations, force = mbs_models.acceleration(scene)
+            assert force[0] == pytest.approx(expected, rel=1e-9)
+            lifting = expected / STEEL_DISK.mass - analysis.GRAVITY
+            assert accelerations[2] == pytest.approx(lifting, rel=1e-9)
+
+
+def test_disk_falling_onto_the_table_feels_no_damper_before_it_touches() -> None:
+    start = raised(consistent_start(1, STEEL_DISK, spin=0.0, gamma=np.pi / 2), 1e-6)
+    falling = replace(start, rates=(0.0, 0.0, -1.0, 0.0, 0.0, 0.0))
+    for formulation in FORMULATIONS:
+        scene = Scene(formulation=formulation, contact=CONTACT, start=falling)
+        assert mbs_models.acceleration(scene)[1][0] == 0.0
+
+
+def test_rounded_rim_vanishes_with_the_second_power_of_its_thickness() -> None:
+    def gamma(half_thickness: float) -> Any:
+        contact = PenaltyContact.damped(1e5, STEEL_DISK, half_thickness=half_thickness)
+        scene = Scene(formulation="floating-lie", contact=contact)
+        run = mbs_models.simulate(scene, TIMES, step=1e-3)
+        return run.coordinate("gamma")
+
+    thin = gamma(0.0)
+    errors = [np.max(np.abs(gamma(c) - thin)) for c in (2e-3, 1e-3)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
+
+
 @pytest.mark.parametrize(
     ("formulation", "constrained"),
     [("euler-tree", False), ("floating-lie", False), ("floating", True)],
@@ -176,6 +220,23 @@ def test_trajectory_says_which_contact_made_it() -> None:
         ({"contact": PenaltyContact(stiffness=1e3)}, r"stiffness must be at least .* got 1000"),
         ({"contact": CONTACT, "level": 2}, "exists for Model 1 alone, got level 2"),
         ({"contact": CONTACT, "formulation": "contact-tree"}, "no room for a penalty contact"),
+        (
+            {"contact": PenaltyContact.rounded(STEEL_DISK), "formulation": "euler-tree"},
+            "half_thickness must be 0 in formulation 'euler-tree'",
+        ),
+        (
+            {"contact": PenaltyContact(stiffness=1e5, half_thickness=0.05)},
+            "half_thickness must not exceed the radius of the disk = 0.045, got 0.05",
+        ),
+        ({"dissipation": Dissipation(pivoting=1e-5)}, "dissipation needs a penalty contact"),
+        (
+            {
+                "dissipation": Dissipation(pivoting=1e-5),
+                "contact": CONTACT,
+                "formulation": "euler-tree",
+            },
+            "dissipation needs .* one of the formulations floating, floating-lie",
+        ),
     ],
 )
 def test_contact_that_fits_no_scene_is_refused(arguments: dict[str, Any], message: str) -> None:
@@ -189,6 +250,7 @@ def test_contact_that_fits_no_scene_is_refused(arguments: dict[str, Any], messag
         ({"stiffness": 0.0}, "stiffness must be positive"),
         ({"stiffness": 1e5, "damping": -1.0}, "damping must not be negative"),
         ({"stiffness": np.nan}, "stiffness must be a finite number"),
+        ({"stiffness": 1e5, "half_thickness": -1e-4}, "half_thickness must not be negative"),
     ],
 )
 def test_bad_contact_is_refused(arguments: dict[str, Any], message: str) -> None:

@@ -8,8 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis import STEEL_DISK, SmoothCoulomb, State, Trajectory, consistent_start, simulate
-from analysis.dissipation import CAUSES, Dissipation, RestCriterion, RimContact
+from analysis import (
+    STEEL_DISK,
+    PenaltyContact,
+    SmoothCoulomb,
+    State,
+    Trajectory,
+    consistent_start,
+    simulate,
+)
+from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.phases import find_phases
 from analysis.rest import simulate_to_rest
 from analysis.spatial_motion import SpatialMotion
@@ -30,7 +38,9 @@ def model_1() -> Trajectory:
 
 
 def standing(stiffness: float, half_thickness: float) -> Trajectory:
-    contact = RimContact.damped(stiffness, STEEL_DISK, half_thickness=half_thickness)
+    contact = PenaltyContact.rounded(
+        STEEL_DISK, stiffness=stiffness, half_thickness=half_thickness
+    )
     return simulate_to_rest(1.0, contact=contact, spacing=1e-2).to_trajectory()
 
 
@@ -62,7 +72,7 @@ def test_contact_force_is_that_of_model_1(model_1: Trajectory) -> None:
 
 
 def test_bilateral_contact_is_the_same_while_the_disk_presses() -> None:
-    contact = RimContact.damped(2e5, STEEL_DISK)
+    contact = PenaltyContact.rounded(STEEL_DISK, stiffness=2e5)
     one = simulate_to_rest(0.5, contact=contact, spacing=1e-2)
     other = simulate_to_rest(0.5, contact=replace(contact, bilateral=True), spacing=1e-2)
     np.testing.assert_array_equal(one.positions, other.positions)
@@ -184,7 +194,7 @@ def test_flat_motion_has_no_trajectory_but_its_beginning_has(settled: SpatialMot
 )
 def test_contact_refuses_values_out_of_range(name: str, value: float, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        RimContact(**{name: value})  # type: ignore[arg-type]
+        replace(PenaltyContact(stiffness=1e6), **{name: value})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", [*CAUSES[2:], "rolling_smoothing", "pivoting_smoothing"])
@@ -197,7 +207,9 @@ def test_dissipation_refuses_negative_and_infinite_values(name: str) -> None:
 
 def test_simulation_refuses_bad_arguments() -> None:
     with pytest.raises(ValueError, match="half_thickness must not exceed the radius"):
-        simulate_to_rest(1.0, contact=RimContact(half_thickness=0.1))
+        simulate_to_rest(1.0, contact=PenaltyContact(stiffness=1e6, half_thickness=0.1))
+    with pytest.raises(ValueError, match="half_thickness must be positive"):
+        simulate_to_rest(1.0, contact=PenaltyContact(stiffness=1e6))
     with pytest.raises(ValueError, match="spacing must not exceed end = 1"):
         simulate_to_rest(1.0, spacing=2.0)
     with pytest.raises(ValueError, match="method must be one of"):

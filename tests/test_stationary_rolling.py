@@ -6,9 +6,9 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 import pytest
 
-from analysis import GRAVITY, STEEL_DISK, Disk, SmoothCoulomb, State, equations
+from analysis import GRAVITY, STEEL_DISK, Disk, PenaltyContact, SmoothCoulomb, State, equations
 from analysis.checks import Array
-from analysis.dissipation import Dissipation, RimContact
+from analysis.dissipation import Dissipation
 from analysis.final_stage import fit_power_law, precession
 from analysis.rest import simulate_to_rest
 from analysis.spatial_motion import SpatialMotion
@@ -84,7 +84,8 @@ def test_euler_disk_keeps_rolling_with_textbook_energy_and_contact_force(face: s
     beta = 0.2
     rate = euler_disk_precession(DISK, beta)
     start = rolling_start(beta if face == "one face" else pi - beta, rate, 0.0)
-    contact = RimContact.damped(1e6, DISK, half_thickness=2e-5)
+    contact = PenaltyContact.rounded(DISK, half_thickness=2e-5)
+    start = contact.lowered(DISK, start)
     motion = simulate_to_rest(1.0, disk=DISK, contact=contact, start=start, spacing=1e-2)
     np.testing.assert_allclose(motion.leaning, beta, rtol=1e-3)
     np.testing.assert_allclose(motion.normal_force, DISK.weight, rtol=5e-3)
@@ -109,6 +110,7 @@ def test_upright_rolling_falls_below_the_critical_spin_only(part: float, stable:
         coordinates=(0.0, 0.0, DISK.radius, 0.0, pi / 2, 0.0),
         rates=(-DISK.radius * spin, 0.0, 0.0, 0.0, 1e-3, spin),
     )
+    start = PenaltyContact.rounded(DISK).lowered(DISK, start)
     motion = simulate_to_rest(2.5, disk=DISK, friction=STICKY, start=start, spacing=1e-2)
     largest = np.max(np.abs(motion.tilt - pi / 2))
     assert largest < 2e-3 if stable else largest > 2e-2
@@ -116,12 +118,14 @@ def test_upright_rolling_falls_below_the_critical_spin_only(part: float, stable:
 
 def final_stage(dissipation: Dissipation, end: float, half_thickness: float) -> SpatialMotion:
     beta = 0.1
+    contact = PenaltyContact.rounded(DISK, half_thickness=half_thickness)
+    start = rolling_start(beta, euler_disk_precession(DISK, beta), 0.0)
     return simulate_to_rest(
         end,
         disk=DISK,
-        contact=RimContact.damped(1e6, DISK, half_thickness=half_thickness),
+        contact=contact,
         dissipation=dissipation,
-        start=rolling_start(beta, euler_disk_precession(DISK, beta), 0.0),
+        start=contact.lowered(DISK, start),
         spacing=2e-3,
     )
 

@@ -76,7 +76,7 @@ def rows() -> list[Row]:
         for level in analysis.LEVELS[1:]
     ]
     ours: list[tuple[Level, float, analysis.Form, float]] = [
-        (1, 5e-10, "index-1", 100.0),
+        (1, 1e-10, "index-1", 100.0),
         (4, 1e-10, "reduced", 100.0),
         (2, 3e-12, "index-1", 250.0),
         (3, 1e-11, "index-1", 250.0),

@@ -230,6 +230,8 @@ def _add_scene(commands: "argparse._SubParsersAction[_Parser]") -> None:
     add("--load", choices=LOADS, default="weight", help="load in the friction law (weight)")
     add("--mu", type=float, default=0.3, help="friction coefficient (0.3)")
     add("--stiffness", type=float, help="penalty contact in N/m instead of the ideal one")
+    add("--half-thickness", type=float, default=0.0, help="of a rounded rim on it in m (0)")
+    _add_dissipation(scene)
 
 
 def _add_work_precision(commands: "argparse._SubParsersAction[_Parser]") -> None:
@@ -273,10 +275,7 @@ def _add_rest(commands: "argparse._SubParsersAction[_Parser]") -> None:
     add("--source", choices=SOURCES, default="engine", help="who simulates (default: %(default)s)")
     _add_disk_and_friction(rest)
     add("--spin", type=float, default=40.0, help="rate of alpha at the start in rad/s (40)")
-    add("--rolling", type=float, default=0.0, help="dry rolling resistance on the contour (0)")
-    add("--rolling-viscous", type=float, default=0.0, help="viscous one, in s/m (0)")
-    add("--pivoting", type=float, default=0.0, help="lever of the pivoting friction in m (0)")
-    add("--air-drag", type=float, default=0.0, help="air density times drag coefficient (0)")
+    _add_dissipation(rest)
     add("--stiffness", type=float, default=1e6, help="of the contact in N/m (1e6)")
     add("--half-thickness", type=float, default=2e-4, help="of the spheroid in m (2e-4)")
     add("--step", type=float, help="engine only: largest step in s")
@@ -296,6 +295,14 @@ def _add_system(parser: argparse.ArgumentParser) -> None:
         help="centre of gravity above (default) or below the geometric centre",
     )
     _add_disk_and_friction(parser)
+
+
+def _add_dissipation(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--rolling", type=float, default=0.0, help="dry rolling resistance on the contour (0)")
+    add("--rolling-viscous", type=float, default=0.0, help="viscous one, in s/m (0)")
+    add("--pivoting", type=float, default=0.0, help="lever of the pivoting friction in m (0)")
+    add("--air-drag", type=float, default=0.0, help="air density times drag coefficient (0)")
 
 
 def _add_disk_and_friction(parser: argparse.ArgumentParser) -> None:

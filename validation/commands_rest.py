@@ -10,7 +10,7 @@ from analysis import (
     CAUSES,
     DISKS,
     Dissipation,
-    RimContact,
+    PenaltyContact,
     SmoothCoulomb,
     SpatialMotion,
     consistent_start,
@@ -60,14 +60,11 @@ def _check_output(name: str, value: str | None, suffixes: tuple[str, ...]) -> No
 def _simulate(options: argparse.Namespace) -> SpatialMotion:
     disk, end = DISKS[options.disk], positive("--end", options.end)
     friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load="contact")
-    contact = RimContact.damped(options.stiffness, disk, half_thickness=options.half_thickness)
-    dissipation = Dissipation(
-        rolling_dry=options.rolling,
-        rolling_viscous=options.rolling_viscous,
-        pivoting=options.pivoting,
-        air_drag=options.air_drag,
+    contact = PenaltyContact.rounded(
+        disk, stiffness=options.stiffness, half_thickness=options.half_thickness
     )
-    start = consistent_start(1, disk, spin=options.spin)
+    dissipation = chosen_dissipation(options)
+    start = contact.lowered(disk, consistent_start(1, disk, spin=options.spin))
     with tqdm(total=end, disable=None, leave=False, unit="s", desc="simulated") as bar:
 
         def progress(time: float) -> None:
@@ -83,12 +80,23 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
                 start=start,
                 progress=progress,
             )
-        from mbs_models import RestScene, simulate_rest
+        from mbs_models import Scene
+        from mbs_models import simulate_to_rest as simulate_in_engine
 
-        scene = RestScene(
+        scene = Scene.rest(
             disk=disk, friction=friction, contact=contact, dissipation=dissipation, start=start
         )
-        return simulate_rest(scene, end, step=options.step, progress=progress)
+        return simulate_in_engine(scene, end, step=options.step, progress=progress)
+
+
+def chosen_dissipation(options: argparse.Namespace) -> Dissipation:
+    """Dissipation from the options that `scene` and `rest` share."""
+    return Dissipation(
+        rolling_dry=options.rolling,
+        rolling_viscous=options.rolling_viscous,
+        pivoting=options.pivoting,
+        air_drag=options.air_drag,
+    )
 
 
 def _plot(motion: SpatialMotion, out: Path) -> None:

@@ -2,24 +2,32 @@
 
 import argparse
 
-from analysis import STEEL_DISK, SmoothCoulomb
-from mbs_models.contact import PenaltyContact
+from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb
 from mbs_models.inventory import Inventory, inventory
 from mbs_models.scene import Scene
+from validation.commands_rest import chosen_dissipation
 from validation.tables import Table
 
 
 def scene(options: argparse.Namespace) -> int:
-    """Print the items of a scene; options are model, formulation, load, mu and stiffness."""
+    """Print the items of a scene; the options are those of `tippedisk scene`."""
     contact = None
     if options.stiffness is not None:
-        contact = PenaltyContact.damped(options.stiffness, STEEL_DISK)
+        contact = PenaltyContact.damped(
+            options.stiffness, STEEL_DISK, half_thickness=options.half_thickness
+        )
+    elif options.half_thickness:
+        raise ValueError(
+            f"--half-thickness needs the penalty contact of --stiffness, got "
+            f"{options.half_thickness:g}"
+        )
     listed = inventory(
         Scene(
             level=options.model,
             formulation=options.formulation,
             friction=SmoothCoulomb(coefficient=options.mu, load=options.load),
             contact=contact,
+            dissipation=chosen_dissipation(options),
         )
     )
     table = scene_table(listed)

@@ -6,8 +6,8 @@ import numpy as np
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, Load, SmoothCoulomb
-from mbs_models import PenaltyContact, Scene
+from analysis import STEEL_DISK, Load, PenaltyContact, SmoothCoulomb
+from mbs_models import Scene
 from validation.crosscheck import angle_error
 
 STIFFNESSES = (1e4, 1e5, 1e6, 1e7)

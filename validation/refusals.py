@@ -9,8 +9,8 @@ import numpy as np
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, SmoothCoulomb, State, consistent_start
-from mbs_models import PenaltyContact, Scene
+from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb, State, consistent_start
+from mbs_models import Scene
 from mbs_models.build import build
 from validation.tables import Cell, Table
 

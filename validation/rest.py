@@ -6,18 +6,19 @@ from typing import Any
 
 import numpy as np
 
+import mbs_models
 from analysis import (
     CAUSES,
     STEEL_DISK,
     Dissipation,
+    PenaltyContact,
     Phases,
-    RimContact,
     SpatialMotion,
     consistent_start,
     find_phases,
     simulate_to_rest,
 )
-from mbs_models import RestScene, simulate_rest
+from mbs_models import Scene
 from validation import figures, rest_final
 from validation.figures import Picture
 from validation.report import Job, Section
@@ -50,7 +51,8 @@ _SHADES = (
 
 def run_engine(case: str, end: float) -> SpatialMotion:
     """Run a case in the engine."""
-    return simulate_rest(RestScene(dissipation=CASES[case]), end, step=1e-4, spacing=SPACING)
+    scene = Scene.rest(dissipation=CASES[case])
+    return mbs_models.simulate_to_rest(scene, end, step=1e-4, spacing=SPACING)
 
 
 def run_in_house(case: str, end: float, variant: str = VARIANTS[0]) -> SpatialMotion:
@@ -58,14 +60,14 @@ def run_in_house(case: str, end: float, variant: str = VARIANTS[0]) -> SpatialMo
     stiffness = 2e6 if variant == VARIANTS[1] else 1e6
     half_thickness = 1e-4 if variant == VARIANTS[2] else 2e-4
     spin = 40.001 if variant == VARIANTS[3] else 40.0
-    contact = RimContact.damped(stiffness, STEEL_DISK, half_thickness=half_thickness)
-    if variant == VARIANTS[0]:
-        contact = RimContact()
+    contact = PenaltyContact.rounded(
+        STEEL_DISK, stiffness=stiffness, half_thickness=half_thickness
+    )
     return simulate_to_rest(
         end,
         contact=contact,
         dissipation=CASES[case],
-        start=consistent_start(1, STEEL_DISK, spin=spin),
+        start=contact.lowered(STEEL_DISK, consistent_start(1, STEEL_DISK, spin=spin)),
         spacing=SPACING,
     )
 

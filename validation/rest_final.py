@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import Disk, Dissipation, RimContact, SpatialMotion, State, simulate_to_rest
+from analysis import Disk, Dissipation, PenaltyContact, SpatialMotion, State, simulate_to_rest
 from analysis.final_stage import fit_power_law, precession
 from analysis.stationary_rolling import euler_disk_precession, time_to_flat
 from validation import figures
@@ -36,12 +36,13 @@ def run_stage(name: str) -> SpatialMotion:
         coordinates=(0.0, 0.0, DISK.radius * sin(START), 0.0, START, pi / 2),
         rates=(0.0, 0.0, 0.0, rate, 0.0, -rate * np.cos(START)),
     )
+    contact = PenaltyContact.rounded(DISK, half_thickness=2e-5)
     return simulate_to_rest(
         1.1 * time_to_flat(DISK, dissipation, START),
         disk=DISK,
-        contact=RimContact.damped(1e6, DISK, half_thickness=2e-5),
+        contact=contact,
         dissipation=dissipation,
-        start=start,
+        start=contact.lowered(DISK, start),
     )
 
 

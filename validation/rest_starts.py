@@ -9,6 +9,7 @@ import numpy as np
 from analysis import (
     STEEL_DISK,
     Dissipation,
+    PenaltyContact,
     State,
     consistent_start,
     find_phases,
@@ -69,7 +70,11 @@ def random_start(seed: int) -> State:
 def run(seed: int) -> Outcome:
     """Simulate a random start for at most two minutes."""
     start = random_start(seed)
-    motion = simulate_to_rest(120.0, start=start, dissipation=DISSIPATION, spacing=5e-3)
+    contact = PenaltyContact.rounded(STEEL_DISK)
+    start = contact.lowered(STEEL_DISK, start)
+    motion = simulate_to_rest(
+        120.0, start=start, contact=contact, dissipation=DISSIPATION, spacing=5e-3
+    )
     phases = find_phases(motion)
     lowest = float(np.min(motion.normal_force))
     return Outcome(

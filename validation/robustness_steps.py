@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 
 import mbs_models
-from analysis import STEEL_DISK, SmoothCoulomb, Trajectory, consistent_start
+from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb, Trajectory, consistent_start
 from analysis.checks import Array
 from analysis.linear_reduced import ComplexArray
 from analysis.spectra import state_matrices
-from mbs_models import Formulation, IntegratorName, PenaltyContact, Scene
+from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
 from validation.crosscheck import angle_error
 from validation.robustness_run import quietly
@@ -108,7 +108,7 @@ def stable_over_smoothing(smoothing: float, integrator: IntegratorName) -> list[
 def stable_over_stiffness(stiffness: float, integrator: IntegratorName) -> list[StepLimit]:
     """Largest stable step of the Euler tree on a damped penalty contact, and its prediction."""
     disk, friction = STEEL_DISK, SmoothCoulomb(load="contact")
-    contact = PenaltyContact.damped(stiffness, disk, DAMPING_RATIO)
+    contact = PenaltyContact.damped(stiffness, disk, ratio=DAMPING_RATIO)
     rate = sqrt(stiffness / disk.mass)
     depth = contact.resting_penetration(disk)
     start = contact.lowered(disk, consistent_start(1, disk, gamma=pi / 2, spin=SPIN))
@@ -212,7 +212,7 @@ def accurate_steps(
     if axis == "smoothing":
         friction = SmoothCoulomb(smoothing=value)
     else:
-        contact = PenaltyContact.damped(value, STEEL_DISK, DAMPING_RATIO)
+        contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
     times = np.linspace(0.0, 0.4, 5)
     method = "Radau" if friction.smoothing < 1e-3 else "DOP853"
     truth = quietly(1, times, friction=friction, method=method, local_tolerance=1e-8)

@@ -1,4 +1,4 @@
-"""What acts on the disk on its way to rest, written for the engine in inertial components.
+"""Penalty contact and all that goes with it on a free body, in inertial components.
 
 With n the disk's axis, e the vertical and k = r² - c², the spheroid of semi-axes r, r, c has its
 lowest point at p = -(r² e - k n_z n) / H from its centre, at the height H = sqrt(r² - k n_z²).
@@ -6,8 +6,12 @@ lowest point at p = -(r² e - k n_z n) / H from its centre, at the height H = sq
 
 from math import hypot, pi, sqrt
 
+import numpy as np
+
+from analysis.checks import Array
+from analysis.contact import PenaltyContact
 from analysis.disk import Disk
-from analysis.dissipation import CAUSES, Dissipation, RimContact
+from analysis.dissipation import CAUSES, Dissipation
 from analysis.friction import SmoothCoulomb
 
 Triple = tuple[float, float, float]
@@ -20,7 +24,8 @@ class Loads:
     ----------
     disk : Disk
     friction : SmoothCoulomb
-    contact : RimContact
+    contact : PenaltyContact
+        At a thickness of zero, the disk must not lie flat.
     dissipation : Dissipation
     """
 
@@ -28,10 +33,11 @@ class Loads:
         self,
         disk: Disk,
         friction: SmoothCoulomb,
-        contact: RimContact,
+        contact: PenaltyContact,
         dissipation: Dissipation,
     ) -> None:
         self._friction, self._contact, self._loss = friction, contact, dissipation
+        self._weight = disk.weight
         self._square = disk.radius**2
         self._flattening = self._square - contact.half_thickness**2
         self._rolls = dissipation.rolling_dry > 0.0 or dissipation.rolling_viscous > 0.0
@@ -63,12 +69,13 @@ class Loads:
         rise = v[2] + w[0] * py - w[1] * px
         normal = self._normal_force(height - centre_height, rise, load)
         load.slip = hypot(sx, sy)
-        slope = self._friction.coefficient * normal / (load.slip + self._friction.smoothing)
+        slope = self._friction_limit(normal) / (load.slip + self._friction.smoothing)
         fx, fy = -slope * sx, -slope * sy
         load.taken[1] = slope * load.slip * load.slip
         load.force = (fx, fy, normal)
         load.torque = (py * normal - pz * fy, pz * fx - px * normal, px * fy - py * fx)
-        self._rolling(n, w, load)
+        if self._rolls:
+            self._rolling(n, w, load)
         if self._loss.pivoting:
             moment = self._loss.pivoting * normal / (abs(w[2]) + self._loss.pivoting_smoothing)
             load.add((0.0, 0.0, 0.0), (0.0, 0.0, -moment * w[2]))
@@ -89,13 +96,24 @@ class Loads:
         load.elastic = 0.5 * spring * depth
         return force
 
-    def _rolling(self, n: Triple, w: Triple, load: "Loading") -> None:
-        """Find the velocity over the rim, p' - w x p, and add the torque of its resistance.
+    def _friction_limit(self, normal: float) -> float:
+        """Largest friction force; the weight presses wherever there is contact at all."""
+        if self._friction.load == "weight":
+            touches = normal > 0.0 or self._contact.bilateral
+            return self._friction.coefficient * self._weight if touches else 0.0
+        return self._friction.coefficient * normal
 
-        A resistance F on it takes F . (p' - w x p) = w . (n x g - p x F), where
-        g = k (n_z F + (n . F) e) / H + k n_z (p . F) e / H².
+    def contour(self, n: Triple, w: Triple, point: Triple) -> tuple[float, float]:
+        """Velocity p' - w x p in m/s of the contact point over the rim; it is horizontal.
+
+        Parameters
+        ----------
+        n, w : tuple of 3 floats
+            As in `at`.
+        point : tuple of 3 floats
+            Contact point from the centre in m.
         """
-        px, py, pz = load.point
+        px, py, pz = point
         ratio = self._flattening / -pz
         mx, my, mz = (
             w[1] * n[2] - w[2] * n[1],
@@ -103,15 +121,25 @@ class Loads:
             w[0] * n[1] - w[1] * n[0],
         )
         stretch = ratio * mz * n[2] / -pz
-        cx = ratio * (mz * n[0] + n[2] * mx) + px * stretch - w[1] * pz + w[2] * py
-        cy = ratio * (mz * n[1] + n[2] * my) + py * stretch - w[2] * px + w[0] * pz
-        speed = load.contour = hypot(cx, cy)
-        if not self._rolls:
-            return
+        return (
+            ratio * (mz * n[0] + n[2] * mx) + px * stretch - w[1] * pz + w[2] * py,
+            ratio * (mz * n[1] + n[2] * my) + py * stretch - w[2] * px + w[0] * pz,
+        )
+
+    def _rolling(self, n: Triple, w: Triple, load: "Loading") -> None:
+        """Add the torque of the resistance to the contact point's velocity over the rim.
+
+        A resistance F on it takes F . (p' - w x p) = w . (n x g - p x F), where
+        g = k (n_z F + (n . F) e) / H + k n_z (p . F) e / H².
+        """
+        px, py, pz = load.point
+        cx, cy = self.contour(n, w, load.point)
+        speed = hypot(cx, cy)
         dry = self._loss.rolling_dry * load.force[2] / (speed + self._loss.rolling_smoothing)
         viscous = self._loss.rolling_viscous * load.force[2]
         load.taken[2], load.taken[3] = dry * speed * speed, viscous * speed * speed
         fx, fy = (dry + viscous) * cx, (dry + viscous) * cy
+        ratio = self._flattening / -pz
         gx, gy = ratio * n[2] * fx, ratio * n[2] * fy
         gz = ratio * (n[0] * fx + n[1] * fy) - ratio * n[2] * (px * fx + py * fy) / pz
         torque = (
@@ -140,19 +168,19 @@ class Loading:
         On the disk at its centre in N and N m, without its weight.
     point : tuple of 3 floats
         Contact point from the centre in m.
-    slip, contour : float
-        Speeds in m/s of the material at the contact point, and of that point over the rim.
+    slip : float
+        Speed in m/s of the material at the contact point.
     elastic : float
         Energy in J in the contact's spring.
     taken : list of 6 floats
         Power in W taken by each of `CAUSES`.
     """
 
-    __slots__ = ("contour", "elastic", "force", "point", "slip", "taken", "torque")
+    __slots__ = ("elastic", "force", "point", "slip", "taken", "torque")
 
     def __init__(self) -> None:
         self.force = self.torque = self.point = (0.0, 0.0, 0.0)
-        self.slip = self.contour = self.elastic = 0.0
+        self.slip = self.elastic = 0.0
         self.taken = [0.0] * len(CAUSES)
 
     def add(self, force: Triple, torque: Triple) -> None:
@@ -160,3 +188,25 @@ class Loading:
         a, b = self.force, self.torque
         self.force = (a[0] + force[0], a[1] + force[1], a[2] + force[2])
         self.torque = (b[0] + torque[0], b[1] + torque[1], b[2] + torque[2])
+
+
+def normal_forces(contact: PenaltyContact, disk: Disk, coordinates: Array, rates: Array) -> Array:
+    """Normal force of a penalty contact in N, shape (n,).
+
+    Parameters
+    ----------
+    contact : PenaltyContact
+    disk : Disk
+    coordinates, rates : ndarray, shape (n, 6)
+        Co-rotating coordinates and their rates.
+    """
+    sine, cosine = np.sin(coordinates[:, 4]), np.cos(coordinates[:, 4])
+    height = np.hypot(disk.radius * sine, contact.half_thickness * cosine)
+    slope = (disk.radius**2 - contact.half_thickness**2) * sine * cosine / height
+    penetration = height - coordinates[:, 2]
+    force = contact.stiffness * penetration
+    force += contact.damping * (slope * rates[:, 4] - rates[:, 2])
+    if contact.bilateral:
+        return force
+    result: Array = np.where(penetration > 0.0, np.maximum(0.0, force), 0.0)
+    return result
