@@ -38,6 +38,7 @@ examples:
   tippedisk eigenvalues --system full --spin 0:50:501 --plot figure-6.png
   tippedisk critical --system full                   where inverted spinning changes its stability
   tippedisk rest --rolling 1e-3 --pivoting 5e-5 --plot rest.png
+  tippedisk animate engine.npz                       a page that plays the motion
 
 A wrong call prints one line that says what is allowed, and exits with code 2.
 """
@@ -97,6 +98,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_work_precision(commands)
     _add_robustness(commands)
     _add_rest(commands)
+    _add_animate(commands)
     return parser
 
 
@@ -282,6 +284,24 @@ def _add_rest(commands: "argparse._SubParsersAction[_Parser]") -> None:
     add("--end", type=float, default=80.0, help="longest time in s (80)")
     add("--out", metavar="FILE", help="store the motion, .npz")
     add("--plot", metavar="PICTURE", help="draw the story, .png, .svg or .pdf")
+
+
+def _add_animate(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    animate = commands.add_parser(
+        "animate",
+        help="turn a stored motion into a page that plays it, or a GIF",
+        description="Write a page that plays a motion stored by simulate or rest, and needs no "
+        "network; or, with --out FILE.gif, an animated picture.",
+    )
+    animate.set_defaults(module="commands_animate")
+    add = animate.add_argument
+    add("file", metavar="FILE", help="motion written by simulate or rest, .npz")
+    add("--out", metavar="FILE", help=".html or .gif to write (default: FILE with .html)")
+    add("--begin", type=float, help="in s (default: that of the motion)")
+    add("--end", type=float, help="in s (default: that of the motion)")
+    add("--speed", type=float, help="1 for real time (default: 0.1 until the disk is inverted)")
+    add("--fps", type=float, help="GIF only: frames per second (20)")
+    add("--width", type=int, help="GIF only: width and height in pixels (480)")
 
 
 def _add_system(parser: argparse.ArgumentParser) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis import LEVELS, LOADS
-from validation import crosscheck, inversion, paper_numbers, snapshots, stability
+from validation import animation, crosscheck, inversion, paper_numbers, snapshots, stability
 from validation.report import Job, Section, run_jobs, write
 from validation.tables import Table
 
@@ -61,6 +61,14 @@ def _inversion(results: dict[Any, Any]) -> Section:
                 "The engine's runs and the in-house equations share the description of the disk, "
                 "the friction parameters and the start, and nothing of the mechanics."
             ),
+        ],
+        animations=[
+            animation.player(
+                loads["weight"][0],
+                name="inversion-animation",
+                title="The inversion",
+                caption="Table 3's start. Drag to turn the view.",
+            )
         ],
         pictures=[
             snapshots.strip(loads["weight"][0], (0.0, 0.2, 0.3, 0.38, 0.45, 0.55, 0.8)),

@@ -16,6 +16,7 @@ from tqdm import tqdm
 
 from analysis.files import whole_file
 from analysis.trajectory import versions
+from validation.animation import Animation
 from validation.figures import Picture
 from validation.tables import Table
 
@@ -47,6 +48,7 @@ class Section:
     title : str
     paragraphs : sequence of str
         Plain text.
+    animations : sequence of Animation
     pictures : sequence of Picture
     tables : sequence of Table
     """
@@ -54,6 +56,7 @@ class Section:
     name: str
     title: str
     paragraphs: Sequence[str] = ()
+    animations: Sequence[Animation] = ()
     pictures: Sequence[Picture] = ()
     tables: Sequence[Table] = ()
 
@@ -103,7 +106,7 @@ def run_jobs(
 
 
 def write(sections: Sequence[Section], folder: Path, *, seconds: float) -> Path:
-    """Write the page, the figures as PNG and SVG and the tables as CSV.
+    """Write the page, the animations as pages, the figures as PNG and SVG and tables as CSV.
 
     Parameters
     ----------
@@ -125,6 +128,8 @@ def write(sections: Sequence[Section], folder: Path, *, seconds: float) -> Path:
     """
     folder.mkdir(parents=True, exist_ok=True)
     for section in sections:
+        for animation in section.animations:
+            _write(folder / f"{animation.name}.html", animation.page.encode())
         for picture in section.pictures:
             _write(folder / f"{picture.name}.png", picture.png)
             _write(folder / f"{picture.name}.svg", picture.svg.encode())
@@ -166,6 +171,7 @@ def _page(sections: Sequence[Section], seconds: float) -> str:
 def _section(section: Section) -> str:
     parts = [f'<h2 id="{section.name}">{html.escape(section.title)}</h2>']
     parts += [f"<p>{html.escape(paragraph)}</p>" for paragraph in section.paragraphs]
+    parts += [animation.fragment for animation in section.animations]
     for picture in section.pictures:
         data = base64.b64encode(picture.png).decode()
         parts.append(

@@ -1,0 +1,73 @@
+"""What `tippedisk animate` does."""
+
+import argparse
+from pathlib import Path
+
+from analysis.checks import number, positive
+from analysis.files import whole_file
+from validation.keyframes import Keyframes, keyframes, load
+
+
+def animate(options: argparse.Namespace) -> int:
+    """Write an animation of a stored motion."""
+    source, out = _paths(options)
+    _check_numbers(options, out)
+    poses = keyframes(load(source)).between(options.begin, options.end)
+    detail = (
+        _write_gif(poses, out, options)
+        if out.suffix == ".gif"
+        else _write_page(poses, out, options)
+    )
+    print(f"{out}: {poses.times[0]:g} to {poses.times[-1]:g} s, {detail}")
+    return 0
+
+
+def _paths(options: argparse.Namespace) -> tuple[Path, Path]:
+    source = Path(options.file)
+    if source.suffix != ".npz":
+        raise ValueError(f"FILE must end in .npz, got {options.file!r}")
+    out = source.with_suffix(".html") if options.out is None else Path(options.out)
+    if out.suffix not in {".html", ".gif"}:
+        raise ValueError(f"--out must end in .html or .gif, got {options.out!r}")
+    if not out.parent.is_dir():
+        raise ValueError(f"--out must lie in an existing folder, got {options.out!r}")
+    return source, out
+
+
+def _check_numbers(options: argparse.Namespace, out: Path) -> None:
+    for name in ("begin", "end"):
+        if getattr(options, name) is not None:
+            number(f"--{name}", getattr(options, name))
+    for name in ("speed", "fps", "width"):
+        if getattr(options, name) is not None:
+            positive(f"--{name}", getattr(options, name))
+    if None not in (options.begin, options.end) and options.begin >= options.end:
+        raise ValueError(
+            f"--begin must lie before --end, got {options.begin:g} and {options.end:g}"
+        )
+    if out.suffix == ".html" and (options.fps, options.width) != (None, None):
+        raise ValueError("--fps and --width need --out FILE.gif; a page has neither")
+
+
+def _write_page(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
+    from validation.animation import player
+
+    title = f"The tippedisk: {Path(options.file).stem}"
+    page = player(poses, name="tippedisk", title=title, speed=options.speed).page.encode()
+    with whole_file(out) as stream:
+        stream.write(page)
+    return f"{len(page) / 1024:.0f} KB; open it in a browser"
+
+
+def _write_gif(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
+    from validation import animation_gif
+
+    given = {
+        name: value
+        for name in ("speed", "fps", "width")
+        if (value := getattr(options, name)) is not None
+    }
+    animation_gif.frame_times(poses, **{k: v for k, v in given.items() if k != "width"})
+    with whole_file(out) as stream:
+        frames = animation_gif.write(poses, stream, **given)
+    return f"{frames} frames, {out.stat().st_size / 1024:.0f} KB"
