@@ -10,6 +10,7 @@ from math import cos, pi, sin, sqrt
 from analysis.checks import number, positive
 from analysis.disk import Disk
 from analysis.dissipation import Dissipation
+from analysis.state import State
 
 
 def axial_spin(disk: Disk, beta: float, precession: float) -> float:
@@ -34,10 +35,44 @@ def axial_spin(disk: Disk, beta: float, precession: float) -> float:
     """
     A, rolling = _across(disk), disk.inertia_z + disk.mass * disk.radius**2
     sb, cb = sin(_inclination(beta)), cos(beta)
-    Omega = number("precession", precession)
-    if Omega == 0.0:
-        raise ValueError("precession must not be zero")
+    Omega = _precession(precession)
     return (A * Omega**2 * sb * cb - disk.weight * disk.radius * cb) / (rolling * Omega * sb)
+
+
+def rolling_start(
+    disk: Disk, beta: float, precession: float, spin: float, beta_rate: float = 0.0
+) -> State:
+    """Start of a centred disk that rolls without slip on a circle about the origin.
+
+    Parameters
+    ----------
+    disk : Disk
+    beta : float
+        Inclination in rad.
+    precession, spin : float
+        Angular velocities in rad/s about the vertical and about the axis; see `axial_spin`.
+    beta_rate : float
+        Rate of the inclination in rad/s.
+
+    Raises
+    ------
+    ValueError
+        If the disk is not centred, or the precession is zero.
+    """
+    _across(disk)
+    rate = _precession(precession)
+    sine, cosine = sin(beta), cos(beta)
+    return State(
+        coordinates=(0.0, disk.radius * spin / rate, disk.radius * sine, 0.0, beta, 0.0),
+        rates=(
+            0.0,
+            -disk.radius * sine * beta_rate,
+            disk.radius * cosine * beta_rate,
+            rate,
+            beta_rate,
+            spin - rate * cosine,
+        ),
+    )
 
 
 def euler_disk_precession(disk: Disk, beta: float) -> float:
@@ -93,6 +128,13 @@ def _across(disk: Disk) -> float:
             f"{disk.eccentricity:g}, inertia_x {disk.inertia_x:g}, inertia_y {disk.inertia_y:g}"
         )
     return disk.inertia_x
+
+
+def _precession(precession: float) -> float:
+    precession = number("precession", precession)
+    if precession == 0.0:
+        raise ValueError("precession must not be zero")
+    return precession
 
 
 def _inclination(beta: float) -> float:

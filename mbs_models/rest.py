@@ -79,7 +79,8 @@ def simulate_to_rest(
     if step > limit:
         raise ValueError(
             f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
-            f"{contact.stiffness:g} and damping {contact.damping:g}, got {step:g}"
+            f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
+            f"{scene.friction.coefficient / scene.friction.smoothing:g}, got {step:g}"
         )
     criterion = criterion if criterion is not None else RestCriterion()
     run = _Run(scene, spacing)
@@ -106,6 +107,12 @@ def largest_step(scene: Scene, leaning: float = 1.0) -> float:
         Sine of the smallest inclination, 0 flat. The lower the disk leans, the more a rolling
         resistance on the fast contour brakes its turning.
 
+    Returns
+    -------
+    float
+        The least of three limits: of the contact's spring and damper, of sliding friction at no
+        slip, and of the rolling resistance.
+
     Raises
     ------
     ValueError
@@ -118,7 +125,11 @@ def largest_step(scene: Scene, leaning: float = 1.0) -> float:
     frequency = sqrt(contact.stiffness * mobility)
     slope = loss.rolling_viscous + loss.rolling_dry / loss.rolling_smoothing
     reach = disk.radius**2 / hypot(disk.radius * leaning, contact.half_thickness)
-    decay = max(contact.damping * mobility, slope * disk.weight * reach**2 / inertia)
+    decay = max(
+        contact.damping * mobility,
+        scene.friction.coefficient * disk.weight / scene.friction.smoothing * mobility,
+        slope * disk.weight * reach**2 / inertia,
+    )
     # Stability limits of the method along the imaginary and the negative real axis.
     return min(2.8 / frequency, 2.7 / decay) if decay else 2.8 / frequency
 

@@ -18,7 +18,7 @@ from PIL.GifImagePlugin import GifImageFile
 from analysis import (
     STEEL_DISK,
     Dissipation,
-    RimContact,
+    PenaltyContact,
     SmoothCoulomb,
     SpatialMotion,
     Trajectory,
@@ -75,7 +75,7 @@ def tumbling(samples: int = 101, rate: float = 2.0) -> SpatialMotion:
         dissipated=np.zeros((samples, 6)),
         disk=STEEL_DISK,
         friction=SmoothCoulomb(load="contact"),
-        contact=RimContact.damped(1e6, STEEL_DISK),
+        contact=PenaltyContact.rounded(STEEL_DISK),
         dissipation=Dissipation(),
         source="engine",
         rest_time=0.75,

@@ -1,7 +1,7 @@
 """Rolling of a centred disk: the textbook's closed forms against equations and motions."""
 
 from dataclasses import replace
-from math import cos, pi, sin, sqrt
+from math import pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -16,6 +16,7 @@ from analysis.stationary_rolling import (
     axial_spin,
     euler_disk_energy,
     euler_disk_precession,
+    rolling_start,
     time_to_flat,
     upright_rolling_spin,
 )
@@ -24,22 +25,6 @@ DISK = Disk.ring(
     radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
 )
 STICKY = SmoothCoulomb(coefficient=2.0, smoothing=1e-3, load="contact")
-
-
-def rolling_start(beta: float, rate: float, spin: float, side_rate: float = 0.0) -> State:
-    """Centred disk that rolls without slip; the R-frame turns about the centre of its path."""
-    y = DISK.radius * spin / rate
-    return State(
-        coordinates=(0.0, y, DISK.radius * sin(beta), 0.0, beta, 0.0),
-        rates=(
-            0.0,
-            -DISK.radius * sin(beta) * side_rate,
-            DISK.radius * cos(beta) * side_rate,
-            rate,
-            side_rate,
-            spin - rate * cos(beta),
-        ),
-    )
 
 
 def rolling_accelerations(state: State) -> Array:
@@ -66,11 +51,11 @@ def test_textbook_rolling_is_stationary_under_the_papers_equations(
     beta: float, rate: float
 ) -> None:
     spin = axial_spin(DISK, beta, rate)
-    found = rolling_accelerations(rolling_start(beta, rate, spin))
+    found = rolling_accelerations(rolling_start(DISK, beta, rate, spin))
     scale = rate**2 + spin**2
     np.testing.assert_allclose(found[3:6], 0.0, atol=1e-7 * scale)
     assert found[6] == pytest.approx(DISK.weight, rel=1e-6)
-    wrong = rolling_accelerations(rolling_start(beta, rate, spin + 1.0))
+    wrong = rolling_accelerations(rolling_start(DISK, beta, rate, spin + 1.0))
     assert abs(wrong[4]) > 1e-2
 
 
@@ -83,7 +68,7 @@ def test_euler_disk_is_the_limit_without_axial_spin() -> None:
 def test_euler_disk_keeps_rolling_with_textbook_energy_and_contact_force(face: str) -> None:
     beta = 0.2
     rate = euler_disk_precession(DISK, beta)
-    start = rolling_start(beta if face == "one face" else pi - beta, rate, 0.0)
+    start = rolling_start(DISK, beta if face == "one face" else pi - beta, rate, 0.0)
     contact = PenaltyContact.rounded(DISK, half_thickness=2e-5)
     start = contact.lowered(DISK, start)
     motion = simulate_to_rest(1.0, disk=DISK, contact=contact, start=start, spacing=1e-2)
@@ -119,7 +104,7 @@ def test_upright_rolling_falls_below_the_critical_spin_only(part: float, stable:
 def final_stage(dissipation: Dissipation, end: float, half_thickness: float) -> SpatialMotion:
     beta = 0.1
     contact = PenaltyContact.rounded(DISK, half_thickness=half_thickness)
-    start = rolling_start(beta, euler_disk_precession(DISK, beta), 0.0)
+    start = rolling_start(DISK, beta, euler_disk_precession(DISK, beta), 0.0)
     return simulate_to_rest(
         end,
         disk=DISK,

@@ -101,7 +101,7 @@ def chosen_dissipation(options: argparse.Namespace) -> Dissipation:
 
 def _plot(motion: SpatialMotion, out: Path) -> None:
     from validation import figures
-    from validation.rest import draw_story
+    from validation.rest_figures import draw_story
 
     figure, axes = figures.new_figure(5, height=11.0)
     draw_story(motion, axes)

@@ -59,12 +59,17 @@ class Picture:
 
 
 def new_figure(
-    rows: int = 1, *, width: float = 7.5, height: float = 4.2, share: bool = True
+    rows: int = 1,
+    *,
+    columns: int = 1,
+    width: float = 7.5,
+    height: float = 4.2,
+    share: bool = True,
 ) -> tuple[Figure, Any]:
-    """Figure without a window, and its axes in one column, sharing the horizontal axis or not."""
+    """Figure without a window, and its axes, which may share the horizontal one in a column."""
     with mpl.rc_context(_RC):
         figure = Figure(figsize=(width, height))
-        axes = figure.subplots(rows, 1, sharex=share)
+        axes = figure.subplots(rows, columns, sharex="col" if share else False)
     return figure, axes
 
 

@@ -1,5 +1,6 @@
 """The final stage of a centred disk with one dissipation at a time, and its power law."""
 
+from collections.abc import Mapping
 from math import pi, sin
 from typing import Any
 
@@ -56,7 +57,7 @@ def _fitted(motion: SpatialMotion) -> slice:
     return slice(int(np.argmax(leaning < FIT[0])), int(np.argmax(leaning < FIT[1])))
 
 
-def table(results: dict[Any, Any]) -> Table:
+def table(results: Mapping[Any, Any]) -> Table:
     """Fitted exponents beside those of the theory."""
     rows = []
     for name, (dissipation, tilting, turning) in STAGES.items():
@@ -83,7 +84,7 @@ def table(results: dict[Any, Any]) -> Table:
     )  # fmt: skip
 
 
-def draw(results: dict[Any, Any]) -> Picture:
+def draw(results: Mapping[Any, Any]) -> Picture:
     """Inclination over the time to go, with the fitted laws."""
     figure, axes = figures.new_figure()
     for index, (name, (_, tilting, _)) in enumerate(STAGES.items()):

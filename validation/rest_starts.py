@@ -1,4 +1,7 @@
-"""Do random starts come to rest? `python -m validation.rest_starts [number]` shows it."""
+"""Does every start come to rest? `python -m validation.rest_starts [number]` shows it.
+
+Besides so many random starts, it runs Table 3 with spins below the critical one.
+"""
 
 import sys
 from dataclasses import dataclass
@@ -27,7 +30,8 @@ class Outcome:
 
     Parameters
     ----------
-    seed : int
+    start : str
+        Which one.
     beta, spin : float
         Inclination in rad and rate of alpha in rad/s at the start.
     flat, rest : float, optional
@@ -42,7 +46,7 @@ class Outcome:
         Largest unexplained energy in J.
     """
 
-    seed: int
+    start: str
     beta: float
     spin: float
     flat: float | None
@@ -67,9 +71,21 @@ def random_start(seed: int) -> State:
     )
 
 
-def run(seed: int) -> Outcome:
-    """Simulate a random start for at most two minutes."""
-    start = random_start(seed)
+SLOW_SPINS = (10.0, 20.0, 28.0)
+"""Spins in rad/s below the critical one of 30.9 rad/s, with the centre of gravity low."""
+
+
+def starts(number: int) -> dict[str, State]:
+    """Slow starts of Table 3 and so many random ones, by name."""
+    slow = {
+        f"Table 3 at {spin:g} rad/s": consistent_start(1, STEEL_DISK, spin=spin)
+        for spin in SLOW_SPINS
+    }
+    return slow | {f"random, seed {seed}": random_start(seed) for seed in range(number)}
+
+
+def run(name: str, start: State) -> Outcome:
+    """Simulate a start for at most two minutes."""
     contact = PenaltyContact.rounded(STEEL_DISK)
     start = contact.lowered(STEEL_DISK, start)
     motion = simulate_to_rest(
@@ -78,7 +94,7 @@ def run(seed: int) -> Outcome:
     phases = find_phases(motion)
     lowest = float(np.min(motion.normal_force))
     return Outcome(
-        seed=seed,
+        start=name,
         beta=start.coordinates[4],
         spin=start.rates[3],
         flat=phases.flat,
@@ -94,13 +110,13 @@ def table(outcomes: list[Outcome]) -> Table:
     """One row per start."""
     return Table(
         name="rest-starts",
-        title="Random starts on their way to rest",
+        title="Other starts on their way to rest",
         columns=(
-            "seed", "β in rad", "spin in rad/s", "flat at s", "rest at s", "face up",
+            "start", "β in rad", "spin in rad/s", "flat at s", "rest at s", "face up",
             "left the table", "lowest force in N", "unexplained energy in J", "at rest",
         ),
         rows=[
-            (o.seed, o.beta, o.spin, o.flat, o.rest, o.face, "yes" if o.lifted else "no",
+            (o.start, o.beta, o.spin, o.flat, o.rest, o.face, "yes" if o.lifted else "no",
              o.lowest_force, o.residual, o.rest is not None)
             for o in outcomes
         ],
@@ -108,9 +124,10 @@ def table(outcomes: list[Outcome]) -> Table:
 
 
 def main(number: int) -> int:
-    """Run so many starts on all cores and print what became of them; 1 if one did not rest."""
-    results = run_jobs([Job(seed, run, (seed,)) for seed in range(number)], title="starts")
-    outcomes = [results[seed] for seed in range(number)]
+    """Run the starts on all cores and print what became of them; 1 if one did not rest."""
+    chosen = starts(number)
+    results = run_jobs([Job(name, run, (name, chosen[name])) for name in chosen], title="starts")
+    outcomes = [results[name] for name in chosen]
     sys.stdout.write(table(outcomes).to_text() + "\n")
     return int(any(outcome.rest is None for outcome in outcomes))
 
