@@ -188,15 +188,25 @@ class Model(ABC):
         """Residual in N that rounding leaves, below which Newton's iteration cannot get.
 
         A stiff contact turns the last digit of a height into a force, and steep friction that of
-        a slip speed.
+        a slip speed. The engine adds the residuals of the algebraic equations, whatever their
+        unit: speeds, that of the spin, and the norm of the Euler parameters, which is one. On a
+        light disk their last digits are larger than those of the forces.
         """
         disk, friction, contact = self.scene.disk, self.scene.friction, self.scene.contact
-        rim_speed = disk.radius * max(abs(rate) for rate in self.scene.start.rates[3:])
+        rates = self.scene.start.rates[3:]
+        rim_speed = disk.radius * max(abs(rate) for rate in rates)
+        equations = [0.0]
+        if self.scene.has_constraints:
+            equations.append(rim_speed)
+            if self.scene.level == 4:
+                equations.append(abs(rates[0]))
+            if self.scene.formulation == "floating":
+                equations.append(1.0)
         slope = friction.coefficient * disk.weight / friction.smoothing
         lost = slope * rim_speed
         if contact is not None:
             lost += contact.stiffness * disk.radius
-        return max(2e-14 * disk.weight, 4.0 * float(np.finfo(float).eps) * lost)
+        return max(2e-14 * disk.weight, 4.0 * float(np.finfo(float).eps) * max(lost, *equations))
 
     @property
     def has_force(self) -> bool:

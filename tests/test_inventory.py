@@ -1,5 +1,8 @@
 """What is in a scene: this list holds it, item by item."""
 
+import argparse
+import subprocess
+from importlib.util import find_spec
 from typing import Any
 
 import pytest
@@ -12,8 +15,7 @@ from mbs_models.build import build
 from mbs_models.integrators import find_integrator, run
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
-from validation import lean
-from validation.cli import main
+from validation import cli, lean
 from validation.commands_scene import scene_table
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
@@ -156,7 +158,7 @@ def test_frictionless_scene_does_not_mention_friction() -> None:
 
 
 def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["scene", "--model", "3", "--formulation", "euler-tree"]) == 0
+    assert cli.main(["scene", "--model", "3", "--formulation", "euler-tree"]) == 0
     printed = capsys.readouterr().out
     assert "JointRollingDisc" in printed
     assert "without slip along the edge" in printed
@@ -209,3 +211,17 @@ def test_price_of_friction_that_does_nothing_is_measured() -> None:
     assert found.left_out > 0.0
     assert found.spread >= 1.0
     assert len(lean.price_table([found]).rows) == 1
+
+
+def test_start_up_is_measured_for_every_subcommand() -> None:
+    actions = cli._parser()._actions
+    (commands,) = (each for each in actions if isinstance(each, argparse._SubParsersAction))
+    assert {call.split()[0] for call in lean.START_UPS} == set(commands.choices)
+    for modules in lean.START_UPS.values():
+        assert all(find_spec(module) for module in modules.split(", "))
+
+
+def test_subcommand_whose_start_up_is_measured_answers() -> None:
+    done = subprocess.run(lean.help_call("scene"), capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("usage:")
+    assert "--formulation" in done.stdout

@@ -20,7 +20,7 @@ from validation.isolated import Failure, run_isolated
 from validation.refusals import REQUESTS, refusals
 from validation.robustness_cases import Problem, Way, eccentric_disk, problems, scaled, ways
 from validation.robustness_drift import RUNNERS, conserved, drift
-from validation.robustness_run import run_case
+from validation.robustness_run import reference, run_case
 
 TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
 EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")
@@ -98,7 +98,7 @@ def test_implicit_integrator_needs_no_smaller_step_for_a_stiffer_contact() -> No
 
 @pytest.mark.parametrize("way", [TREE, EULER])
 def test_easy_case_is_accurate(way: Way) -> None:
-    outcome = run_case(EASY, way)
+    outcome = run_case(EASY, way, reference(EASY))
     assert outcome.verdict == "accurate"
     assert outcome.error is not None
     assert outcome.estimate is not None
@@ -113,11 +113,37 @@ def test_wrong_result_is_called_inaccurate(monkeypatch: pytest.MonkeyPatch) -> N
         return replace(run, coordinates=run.coordinates + 1e-4)
 
     monkeypatch.setattr(mbs_models, "simulate", wrong)
-    assert run_case(EASY, TREE).verdict == "inaccurate"
+    assert run_case(EASY, TREE, reference(EASY)).verdict == "inaccurate"
+
+
+def test_drift_and_energy_count_as_well_as_the_angles(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulate, known = mbs_models.simulate, reference(EASY)
+
+    def wrong(column: int, amount: float) -> Any:
+        def run(*arguments: Any, **options: Any) -> Any:
+            made = simulate(*arguments, **options)
+            rates = made.rates + amount * (np.arange(6) == column)
+            coordinates = made.coordinates + amount * (np.arange(6) == column) * (column == 2)
+            return replace(made, coordinates=coordinates, rates=rates)
+
+        return run
+
+    for column, amount in ((2, 1e-6), (4, 1e-1)):
+        monkeypatch.setattr(mbs_models, "simulate", wrong(column, amount))
+        outcome = run_case(EASY, EULER, known)
+        assert outcome.error is not None
+        assert outcome.error < 1e-6
+        assert outcome.verdict == "inaccurate"
+
+
+def test_result_without_a_reference_is_not_called_accurate() -> None:
+    outcome = run_case(EASY, TREE, "too stiff")
+    assert outcome.verdict == "unchecked"
+    assert "too stiff" in outcome.reason
 
 
 def test_failed_run_and_refused_case_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
-    refused = run_case(EASY, replace(EULER, integrator="RK44"))
+    refused = run_case(EASY, replace(EULER, integrator="RK44"), "none")
     assert refused.verdict == "refused"
     assert "cannot take the constraints" in refused.reason
 
@@ -125,7 +151,7 @@ def test_failed_run_and_refused_case_are_told_apart(monkeypatch: pytest.MonkeyPa
         raise mbs_models.EngineError("engine run stopped")
 
     monkeypatch.setattr(mbs_models, "simulate", failing)
-    failed = run_case(EASY, EULER)
+    failed = run_case(EASY, EULER, "none")
     assert failed.verdict == "diverged"
     assert failed.reason == "engine run stopped"
 
@@ -154,6 +180,23 @@ def test_scaled_disk_makes_the_same_motion(radius: float) -> None:
     run = mbs_models.simulate(scene, np.linspace(0.0, problem.end, 51), tolerance=1e-8)
     original = mbs_models.simulate(Scene(), np.linspace(0.0, 0.5, 51), tolerance=1e-8)
     np.testing.assert_allclose(run.coordinates[:, 3:], original.coordinates[:, 3:], atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("level", "formulation", "integrator"),
+    [
+        (1, "floating", "GeneralizedAlpha"),
+        (3, "floating-lie", "TrapezoidalIndex2"),
+        (4, "floating", "GeneralizedAlpha"),
+        (4, "floating-lie", "TrapezoidalIndex2"),
+    ],
+)
+def test_newton_is_content_with_rounding_on_a_disk_that_weighs_next_to_nothing(
+    level: Any, formulation: Any, integrator: Any
+) -> None:
+    problem = scaled(level, 1e-3)
+    way = Way(source="engine", formulation=formulation, integrator=integrator)
+    assert run_case(problem, way, reference(problem)).verdict == "accurate"
 
 
 @pytest.mark.parametrize(
@@ -187,6 +230,19 @@ def test_full_grid_covers_all_formulations_integrators_and_models() -> None:
     assert len(problems(quick=True)) < len(problems(quick=False)) / 3
 
 
+def test_report_and_grid_have_every_axis_of_the_study() -> None:
+    for quick in (True, False):
+        axes = {problem.axis for problem in problems(quick=quick)}
+        assert len(axes) == 9
+        contacts = [each for each in problems(quick=quick) if each.contact is not None]
+        assert contacts
+        for problem in contacts:
+            ways_of_it = ways(problem, quick=quick)
+            assert {way.formulation for way in ways_of_it} == {
+                "euler-tree", "floating", "floating-lie",
+            }  # fmt: skip
+
+
 def test_every_quick_problem_is_known_by_its_key() -> None:
     keys = [job.key for job in robustness.jobs(quick=True)]
     assert len(set(keys)) == len(keys)
@@ -196,6 +252,7 @@ def test_every_quick_problem_is_known_by_its_key() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("problem", problems(quick=True), ids=lambda p: f"{p.axis} {p.label}")
 def test_no_quick_case_gives_a_wrong_result_as_right(problem: Problem) -> None:
+    known = reference(problem)
     for way in ways(problem, quick=True):
         if way.source == "engine":
-            assert run_case(problem, way).verdict in {"accurate", "diverged"}
+            assert run_case(problem, way, known).verdict in {"accurate", "diverged"}

@@ -5,7 +5,18 @@ from pathlib import Path
 from typing import Any
 
 from analysis import LEVELS, LOADS
-from validation import animation, crosscheck, inversion, paper_numbers, snapshots, stability
+from validation import (
+    animation,
+    crosscheck,
+    inversion,
+    lean,
+    paper_numbers,
+    rest,
+    robustness,
+    snapshots,
+    stability,
+    work_precision,
+)
 from validation.report import Job, Section, run_jobs, write
 from validation.tables import Table
 
@@ -26,12 +37,26 @@ def make(folder: Path) -> tuple[Path, list[Table]]:
     """
     begin = time.perf_counter()
     results = run_jobs(
-        [*_inversion_jobs(), *_crosscheck_jobs(), *stability.jobs()], title="report"
+        [
+            # What is timed comes first, so that it runs beside its like.
+            *lean.jobs(quick=True),
+            *work_precision.jobs(quick=True),
+            *robustness.jobs(quick=True),
+            *rest.jobs(),
+            *_inversion_jobs(),
+            *_crosscheck_jobs(),
+            *stability.jobs(),
+        ],
+        title="report",
     )
     sections = [
         _inversion(results),
         _crosscheck(results),
         stability.section(results),
+        rest.section(results),
+        work_precision.section(results, quick=True),
+        robustness.section(results, quick=True),
+        lean.section(results),
         _numbers(),
     ]
     page = write(sections, folder, seconds=time.perf_counter() - begin)

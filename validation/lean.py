@@ -23,17 +23,22 @@ STEP = 5e-4
 
 Build = Callable[[], Model]
 
-START_UPS: dict[str, tuple[str, str]] = {
-    "(Python alone)": ("", ""),
-    "report": ("report", "validation.full_report"),
-    "simulate --source engine": ("simulate", "validation.commands, mbs_models"),
-    "simulate --source in-house": ("simulate", "validation.commands"),
-    "show": ("show", "validation.commands, validation.figures"),
-    "eigenvalues": ("eigenvalues", "validation.commands_stability"),
-    "scene": ("scene", "validation.commands_scene, mbs_models.inventory"),
-    "robustness": ("robustness", "validation.robustness"),
+START_UPS: dict[str, str] = {
+    "report": "validation.full_report",
+    "simulate --source engine": "validation.commands, mbs_models",
+    "simulate --source in-house": "validation.commands",
+    "show": "validation.commands, validation.figures",
+    "eigenvalues --source engine": "validation.commands_stability, validation.eigenvalue_check",
+    "eigenvalues --source in-house": "validation.commands_stability",
+    "critical": "validation.commands_stability, validation.stability_tables",
+    "scene": "validation.commands_scene",
+    "work-precision": "validation.commands_work_precision, validation.work_precision",
+    "robustness": "validation.commands_robustness, validation.robustness",
+    "animate": "validation.commands_animate, validation.animation",
+    "rest --source engine": "validation.commands_rest, mbs_models",
+    "rest --source in-house": "validation.commands_rest",
 }
-"""Subcommand for `--help`, and what it really imports when it runs."""
+"""From each subcommand, with its source if that matters, to what it imports when it runs."""
 
 HEAVY = ("numpy", "scipy", "exudyn", "matplotlib")
 
@@ -220,7 +225,7 @@ def price_table(found: Sequence[Price]) -> Table:
 
 
 def start_up(repeats: int) -> Table:
-    """Time until each subcommand answers `--help`, and of the imports it really needs.
+    """Time until each subcommand answers `--help`, and of the imports it makes when it runs.
 
     Parameters
     ----------
@@ -228,28 +233,21 @@ def start_up(repeats: int) -> Table:
         Processes of each kind, of which the fastest counts.
     """
     rows = []
-    for command, (name, modules) in START_UPS.items():
-        called = [sys.executable, "-m", "validation.cli", name, "--help"] if name else None
-        heavy = ""
+    for command, modules in {"(Python alone)": "", **START_UPS}.items():
+        code = "import sys" + (f", {modules}" if modules else "")
+        code += f"; print(*(name for name in {HEAVY!r} if name in sys.modules))"
+        seconds, loaded = _fastest([sys.executable, "-c", code], repeats)
+        answer = None
         if modules:
-            code = f"import sys, {modules}; print(*(n for n in {HEAVY!r} if n in sys.modules))"
-            heavy = _run([sys.executable, "-c", code]) or "none of them"
-        imported = [sys.executable, "-c", f"import {modules}" if modules else ""]
-        rows.append(
-            [
-                command,
-                None if called is None else 1e3 * _fastest(called, repeats),
-                1e3 * _fastest(imported, repeats),
-                heavy,
-            ]
-        )
+            answer = 1e3 * _fastest(help_call(command), repeats)[0]
+        rows.append([command, answer, 1e3 * seconds, loaded or "none of them"])
     return Table(
         name="start-up",
         title="Start-up of each subcommand",
         columns=(
             "subcommand",
             "answer to --help in ms",
-            "process with its real imports in ms",
+            "imports when it runs in ms",
             f"of {', '.join(HEAVY)} it loads",
         ),
         rows=rows,
@@ -257,18 +255,20 @@ def start_up(repeats: int) -> Table:
     )
 
 
-def _run(command: Sequence[str]) -> str:
-    result = subprocess.run(command, capture_output=True, text=True, check=True)
-    return result.stdout.strip()
+def help_call(command: str) -> list[str]:
+    """Call that asks a subcommand for help."""
+    code = "from validation.cli import main; main()"
+    return [sys.executable, "-c", code, command.split(maxsplit=1)[0], "--help"]
 
 
-def _fastest(command: Sequence[str], repeats: int) -> float:
+def _fastest(command: Sequence[str], repeats: int) -> tuple[float, str]:
+    """Least time of whole processes in s, and what they print."""
     seconds = []
     for _ in range(repeats):
         begin = time.perf_counter()
-        subprocess.run(command, capture_output=True, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
         seconds.append(time.perf_counter() - begin)
-    return min(seconds)
+    return min(seconds), done.stdout.strip()
 
 
 def jobs(*, quick: bool) -> list[Job]:

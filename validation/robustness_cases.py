@@ -6,7 +6,17 @@ from math import pi, sqrt
 from typing import Literal
 
 import mbs_models
-from analysis import LEVELS, STEEL_DISK, Disk, Form, Level, Method, SmoothCoulomb, consistent_start
+from analysis import (
+    LEVELS,
+    STEEL_DISK,
+    Disk,
+    Form,
+    Level,
+    Method,
+    PenaltyContact,
+    SmoothCoulomb,
+    consistent_start,
+)
 from analysis.state import State
 from mbs_models import Formulation, IntegratorName, Scene
 
@@ -29,6 +39,8 @@ class Problem:
     level : {1, 2, 3, 4}
     disk : Disk
     friction : SmoothCoulomb
+    contact : PenaltyContact, optional
+        The ideal contact if there is none. The engine alone has the other.
     start : State
     end : float
         In s.
@@ -41,6 +53,7 @@ class Problem:
     start: State
     disk: Disk = STEEL_DISK
     friction: SmoothCoulomb = field(default_factory=SmoothCoulomb)
+    contact: PenaltyContact | None = None
     end: float = 0.5
     samples: int = 101
 
@@ -68,8 +81,13 @@ def ways(problem: Problem, *, quick: bool) -> list[Way]:
     engine = [
         Way(source="engine", formulation=formulation, integrator=integrator)
         for formulation in mbs_models.formulations(problem.level)
-        for integrator in mbs_models.integrators(formulation)[:most]
+        if problem.contact is None or formulation != "contact-tree"
+        for integrator in mbs_models.integrators(
+            formulation, constrained=scene(problem, formulation).has_constraints
+        )[:most]
     ]
+    if problem.contact is not None:
+        return engine
     in_house = [
         Way(source="in-house", formulation=form, integrator=method)
         for form in forms
@@ -83,6 +101,7 @@ def problems(*, quick: bool) -> list[Problem]:
     found: list[Problem] = []
     for level in QUICK_LEVELS if quick else LEVELS:
         found += _smoothing(level, quick=quick)
+        found += _stiffness(quick=quick) if level == 1 else ()
         found += _spin(level, quick=quick)
         found += _tilt(level, quick=quick)
         found += _body(level)
@@ -94,14 +113,26 @@ def problems(*, quick: bool) -> list[Problem]:
 
 def _smoothing(level: Level, *, quick: bool) -> Iterator[Problem]:
     # Below, runs take a minute until they give up.
-    values = (1.0, 1e-2, 1e-3, 1e-4) if quick else tuple(10.0**-n for n in range(9))
-    for value in values:
+    for digits in (0, 2, 3, 4) if quick else range(9):
         yield Problem(
-            axis="smoothing ε",
-            label=f"{value:g} m/s",
+            axis="smoothing ε in m/s",
+            label=f"1e-{digits}" if digits else "1",
             level=level,
-            friction=SmoothCoulomb(smoothing=value),
+            friction=SmoothCoulomb(smoothing=10.0**-digits),
             start=consistent_start(level, STEEL_DISK),
+        )
+
+
+def _stiffness(*, quick: bool) -> Iterator[Problem]:
+    for digits in (4, 6) if quick else range(4, 10):
+        contact = PenaltyContact.damped(10.0**digits, STEEL_DISK)
+        yield Problem(
+            axis="contact stiffness in N/m",
+            label=f"1e{digits}",
+            level=1,
+            friction=SmoothCoulomb(load="contact"),
+            contact=contact,
+            start=contact.lowered(STEEL_DISK, consistent_start(1, STEEL_DISK)),
         )
 
 
@@ -109,8 +140,8 @@ def _spin(level: Level, *, quick: bool) -> Iterator[Problem]:
     for spin in (0.0, 1.0, 100.0, 1000.0, -40.0):
         fast_end = 0.02 if quick else 0.2
         yield Problem(
-            axis="spin",
-            label=f"{spin:g} rad/s",
+            axis="spin in rad/s",
+            label=f"{spin:g}",
             level=level,
             start=consistent_start(level, STEEL_DISK, spin=spin),
             end=fast_end if spin == 1000.0 else 0.5,
@@ -119,16 +150,16 @@ def _spin(level: Level, *, quick: bool) -> Iterator[Problem]:
 
 def _tilt(level: Level, *, quick: bool) -> Iterator[Problem]:
     cases = [
-        (1e-4, "1e-4, until it falls", 4e-4),
-        (0.01, "0.01, until it falls", 4e-3),
-        (pi - 0.01, "π − 0.01, until it falls", 4e-3),
-        (pi - 1e-4, "π − 1e-4, until it falls", 4e-4),
+        (1e-4, "1e-4", 4e-4),
+        (0.01, "0.01", 4e-3),
+        (pi - 0.01, "π − 0.01", 4e-3),
+        (pi - 1e-4, "π − 1e-4", 4e-4),
     ]
     if not quick:
-        cases.append((1e-4, "1e-4, beyond its fall", 0.1))
+        cases.append((1e-4, "1e-4, beyond the fall", 0.1))
     for beta, label, end in cases:
         yield Problem(
-            axis="tilt β",
+            axis="tilt β in rad",
             label=label,
             level=level,
             start=consistent_start(level, STEEL_DISK, beta=beta, spin=40.0),
@@ -165,8 +196,8 @@ def scaled(level: Level, radius: float) -> Problem:
         density=7700.0,
     )
     return Problem(
-        axis="radius",
-        label=f"{radius:g} m",
+        axis="radius of the disk in m",
+        label=f"{radius:g}",
         level=level,
         disk=disk,
         friction=SmoothCoulomb(smoothing=0.1 * sqrt(scale)),
@@ -177,10 +208,10 @@ def scaled(level: Level, radius: float) -> Problem:
 
 def _body(level: Level) -> Iterator[Problem]:
     radius = STEEL_DISK.radius
-    for value, label in ((0.0, "0"), (1e-9, "1e-9 m"), (0.99 * radius, "0.99 r")):
+    for value, label in ((0.0, "0"), (1e-9, "1e-9"), (0.99 * radius, "0.99 r")):
         disk = eccentric_disk(value)
         yield Problem(
-            axis="eccentricity",
+            axis="eccentricity in m",
             label=label,
             level=level,
             disk=disk,
@@ -205,9 +236,9 @@ def _friction(level: Level) -> Iterator[Problem]:
 def _rest(level: Level) -> Iterator[Problem]:
     for label, gamma, spin in (
         ("at rest", -pi / 2 + 0.1, 0.0),
-        ("at rest, COG exactly above", pi / 2, 0.0),
-        ("noninverted, unstable, exactly", -pi / 2, 40.0),
-        ("inverted, below the critical spin, exactly", pi / 2, 20.0),
+        ("at rest, COG above", pi / 2, 0.0),
+        ("noninverted spinning", -pi / 2, 40.0),
+        ("inverted, below critical spin", pi / 2, 20.0),
     ):
         yield Problem(
             axis="start",
@@ -220,16 +251,16 @@ def _rest(level: Level) -> Iterator[Problem]:
 def _sampling(level: Level, *, quick: bool) -> Iterator[Problem]:
     for samples, end in ((2, 0.5),) if quick else ((2, 0.5), (2, 2.0), (3, 2.0)):
         yield Problem(
-            axis="sampling",
-            label=f"{samples} samples over {end:g} s",
+            axis="sampling, duration",
+            label=f"{samples} samples, {end:g} s",
             level=level,
             start=consistent_start(level, STEEL_DISK),
             end=end,
             samples=samples,
         )
     yield Problem(
-        axis="sampling",
-        label="2 samples over 0.3 s, rolling fast",
+        axis="sampling, duration",
+        label="2 samples, rolling fast",
         level=level,
         start=consistent_start(level, STEEL_DISK, beta=1.0, gamma=0.0, spin=60.0),
         end=0.3,
@@ -237,7 +268,7 @@ def _sampling(level: Level, *, quick: bool) -> Iterator[Problem]:
     )
     if not quick:
         yield Problem(
-            axis="duration",
+            axis="sampling, duration",
             label="100 s, near inverted spinning",
             level=level,
             start=consistent_start(level, STEEL_DISK, gamma=pi / 2 - 0.1, spin=60.0),
@@ -246,12 +277,13 @@ def _sampling(level: Level, *, quick: bool) -> Iterator[Problem]:
         )
 
 
-def scene(problem: Problem, way: Way) -> Scene:
+def scene(problem: Problem, formulation: Formulation) -> Scene:
     """Scene of a problem in one of the engine's formulations."""
     return Scene(
         level=problem.level,
-        formulation=way.formulation,  # type: ignore[arg-type]  # an engine's way has one of these
+        formulation=formulation,
         disk=problem.disk,
         friction=problem.friction,
+        contact=problem.contact,
         start=problem.start,
     )

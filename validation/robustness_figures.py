@@ -1,57 +1,111 @@
 """Figures of the study of numerical stability."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from analysis import Level
 from validation.figures import COLOURS, MARKERS, STYLES, Picture, legend_above, new_figure, render
 from validation.penalty_limit import PenaltyError
+from validation.robustness_cases import TOLERANCE
 from validation.robustness_drift import Drift
-from validation.robustness_run import Outcome
+from validation.robustness_run import Outcome, Verdict
 from validation.robustness_steps import ACCURACY, Axis, StepLimit
+from validation.work_precision_figures import LOOKS, NAMES
 
-_LOOKS: dict[str, tuple[str, str]] = {
-    "accurate": (COLOURS[3], "o"),
-    "inaccurate": (COLOURS[2], "X"),
-    "diverged": (COLOURS[1], "s"),
-    "refused": ("#777777", "d"),
-    "too slow": (COLOURS[0], "v"),
-    "crashed": (COLOURS[0], "*"),
-}
-"""Colour and marker of each verdict; the markers tell them apart in grey."""
+_BANDS: tuple[Verdict, ...] = ("unchecked", "too slow", "diverged", "refused", "crashed")
+"""Verdicts without an error, from the lowest to the highest band above the errors."""
+
+_LOWEST = 1e-13
 
 
-def outcome_map(outcomes: Sequence[Outcome]) -> Picture:
-    """Verdict of every case: problems down, ways across."""
-    problems = list(dict.fromkeys(outcome.problem for outcome in outcomes))
-    names = list(dict.fromkeys(outcome.way.name for outcome in outcomes))
-    rows = {problem: row for row, problem in enumerate(problems)}
-    figure, axes = new_figure(width=8.5, height=1.8 + 0.2 * len(problems))
-    for verdict, (colour, marker) in _LOOKS.items():
-        chosen = [outcome for outcome in outcomes if outcome.verdict == verdict]
-        if chosen:
-            axes.plot(
-                [names.index(outcome.way.name) for outcome in chosen],
-                [rows[outcome.problem] for outcome in chosen],
-                linestyle="none",
-                marker=marker,
-                color=colour,
-                label=verdict,
-            )
-    labels = [f"{each.axis}: {each.label} (Model {each.level})" for each in problems]
-    axes.set_yticks(range(len(problems)), labels, fontsize=8)
-    ticks = [name.replace(", ", "\n") for name in names]
-    axes.set_xticks(range(len(names)), ticks, rotation=45, ha="right", fontsize=8)
-    axes.set(ylim=(len(problems) - 0.5, -0.5), xlim=(-0.5, len(names) - 0.5))
-    legend_above(axes, columns=6)
+def verdicts(outcomes: Sequence[Outcome]) -> list[Picture]:
+    """Error or failure of every case, one panel per axis, one picture per model."""
+    levels = dict.fromkeys(outcome.problem.level for outcome in outcomes)
+    return [
+        _verdicts(level, [each for each in outcomes if each.problem.level == level])
+        for level in levels
+    ]
+
+
+def _verdicts(level: Level, outcomes: Sequence[Outcome]) -> Picture:
+    by_axis: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        by_axis.setdefault(outcome.problem.axis, []).append(outcome)
+    failed = [verdict for verdict in _BANDS if any(each.verdict == verdict for each in outcomes)]
+    bands = {verdict: 10.0 ** (2 * row + 2) for row, verdict in enumerate(failed)}
+    figure = Figure(figsize=(10.5, 9.0 + 0.6 * len(failed)), layout="constrained")
+    panels = figure.subplots(3, 3, sharey=True)
+    for panel in panels.flat[len(by_axis) :]:
+        panel.set_axis_off()
+    for panel, (axis, found) in zip(panels.flat, by_axis.items(), strict=False):
+        panel.set_title(axis, fontsize=10, loc="left")
+        _panel(panel, found, bands)
+    for panel in panels[:, 0]:
+        panel.set_ylabel("error of β, γ in rad")
+    _legend(figure, panels.flat[0], {outcome.way.formulation for outcome in outcomes})
     return render(
         figure,
-        name="robustness",
-        title="Hard cases",
-        caption="Each mark is a run to its end or to its own failure.",
+        name=f"robustness-model-{level}",
+        title=f"Hard cases, Model {level}",
+        caption=f"Each mark is a run with one integrator; dotted: the {TOLERANCE:g} rad asked "
+        "for. Above the line, if there are any: runs without a result. Crosses: results that came "
+        "back as right and are not.",
     )
+
+
+def _legend(figure: Figure, panel: Axes, used: set[str]) -> None:
+    for name, text in NAMES.items():
+        if name in used:
+            colour, marker = LOOKS[name]
+            panel.plot([], [], linestyle="none", color=colour, marker=marker, label=text)
+    figure.legend(
+        handles=panel.get_legend_handles_labels()[0],
+        loc="outside upper center",
+        ncols=3,
+        frameon=False,
+    )
+
+
+def _panel(axes: Axes, outcomes: Sequence[Outcome], bands: Mapping[Verdict, float]) -> None:
+    """Errors over the cases of an axis; what gave none lies in bands above."""
+    problems = list(dict.fromkeys(outcome.problem for outcome in outcomes))
+    ways = list(dict.fromkeys(outcome.way for outcome in outcomes))
+    for outcome in outcomes:
+        colour, marker = LOOKS[outcome.way.formulation]
+        place = (ways.index(outcome.way) + 0.5) / len(ways) - 0.5
+        error = bands[outcome.verdict] if outcome.error is None else max(outcome.error, _LOWEST)
+        axes.plot(
+            problems.index(outcome.problem) + 0.7 * place,
+            error,
+            marker="X" if outcome.verdict == "inaccurate" else marker,
+            markersize=8 if outcome.verdict == "inaccurate" else 4.5,
+            color=colour,
+        )
+    axes.axhline(TOLERANCE, color="#777777", linewidth=0.8, linestyle=":")
+    if bands:
+        axes.axhline(10.0, color="#777777", linewidth=0.8)
+    top = 10.0 * max(bands.values(), default=0.1)
+    axes.set(yscale="log", ylim=(0.3 * _LOWEST, top), xlim=(-0.6, len(problems) - 0.4))
+    errors = [10.0**-digits for digits in (12, 9, 6, 3, 0)]
+    axes.set_yticks(
+        [*errors, *bands.values()],
+        [*(f"$10^{{{-digits}}}$" for digits in (12, 9, 6, 3, 0)), *bands],
+    )
+    axes.minorticks_off()
+    axes.set_xticks(
+        range(len(problems)),
+        [each.label.replace(", ", ",\n") for each in problems],
+        rotation=35,
+        ha="right",
+        rotation_mode="anchor",
+        fontsize=8,
+    )
+    axes.spines[["right", "top"]].set_visible(False)
+    axes.grid(axis="y", alpha=0.3)
 
 
 def steps(limits: Sequence[StepLimit], axis: Axis, axes: Axes | None = None) -> Picture:
