@@ -7,7 +7,7 @@ path to the full analysis", Nonlinear Dynamics 105 (2021).
 from analysis.balance import constraint_drift, energies, energy_residual, power
 from analysis.checks import ToleranceError
 from analysis.contact import PenaltyContact
-from analysis.disk import DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.disk import CENTRED_DISK, DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.friction import LOADS, Load, SmoothCoulomb
 from analysis.phases import Phases, find_phases
@@ -27,6 +27,7 @@ from analysis.trajectory import Trajectory
 
 __all__ = [
     "CAUSES",
+    "CENTRED_DISK",
     "COORDINATES",
     "DISKS",
     "FORMS",

@@ -134,6 +134,11 @@ STEEL_DISK = Disk.ring(
 )
 """The paper's disk, unrounded: the printed eigenvalues and critical speed come from it."""
 
+CENTRED_DISK = Disk.ring(
+    radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
+)
+"""The same with its hole in the middle, for which textbooks have closed forms."""
+
 ROUNDED_STEEL_DISK = Disk(
     radius=0.045,
     mass=0.435,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvals
 
-from analysis import ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb
+from analysis import CENTRED_DISK, ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb
 from analysis.checks import Array
 from analysis.critical import CriticalSpeeds, critical_speeds
 from analysis.linear_full import MOTIONS, Motion
@@ -16,9 +16,6 @@ from analysis.linear_variants import PRINTED, hopf_speeds, reproduces, variants
 from analysis.spectra import System, relevant_matrices
 
 FRICTION = SmoothCoulomb()
-ROUND_DISK = Disk.ring(
-    radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
-)
 
 
 def spins_of(found: CriticalSpeeds) -> list[float]:
@@ -149,10 +146,10 @@ def test_no_hopf_crossing_is_missed(motion: Motion, gradient: float) -> None:
 
 def test_without_eccentricity_the_closed_form_speed_is_a_static_crossing() -> None:
     for system in ("full", "reduced", "model2"):
-        found = critical_speeds(system, ROUND_DISK, FRICTION)
+        found = critical_speeds(system, CENTRED_DISK, FRICTION)
         static = [crossing for crossing in found.crossings if crossing.kind == "static"]
         assert [crossing.stable_side for crossing in static] == ["above"]
-        assert static[0].spin == pytest.approx(critical_speed(ROUND_DISK).spin, rel=1e-10)
+        assert static[0].spin == pytest.approx(critical_speed(CENTRED_DISK).spin, rel=1e-10)
 
 
 def test_eccentricity_zero_in_an_uneven_disk_is_handled() -> None:

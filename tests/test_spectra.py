@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import STEEL_DISK, Disk, SmoothCoulomb
+from analysis import CENTRED_DISK, STEEL_DISK, SmoothCoulomb
 from analysis.checks import Array
 from analysis.linear_full import MOTIONS, Motion
 from analysis.linear_reduced import ComplexArray
@@ -171,9 +171,7 @@ def test_an_eigenvalue_passes_through_a_zero_mode_that_stays(count: int) -> None
 
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_zero_mode_of_a_round_disk_stays_zero(motion: Motion) -> None:
-    disk = Disk.ring(
-        radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
-    )
+    disk = CENTRED_DISK
     spins = np.linspace(0.0, 60.0, 301)
     for system in ("full", "reduced"):
         values = branches(system, disk, FRICTION, spins, motion).values

@@ -6,7 +6,16 @@ from math import pi, sin, sqrt
 import numpy as np
 import pytest
 
-from analysis import GRAVITY, STEEL_DISK, Disk, PenaltyContact, SmoothCoulomb, State, equations
+from analysis import CENTRED_DISK as DISK
+from analysis import (
+    GRAVITY,
+    STEEL_DISK,
+    Disk,
+    PenaltyContact,
+    SmoothCoulomb,
+    State,
+    equations,
+)
 from analysis.checks import Array
 from analysis.dissipation import Dissipation
 from analysis.final_stage import fit_power_law, precession
@@ -21,9 +30,6 @@ from analysis.stationary_rolling import (
     upright_rolling_spin,
 )
 
-DISK = Disk.ring(
-    radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
-)
 STICKY = SmoothCoulomb(coefficient=2.0, smoothing=1e-3, load="contact")
 
 

@@ -142,11 +142,7 @@ def _add_simulate(commands: "argparse._SubParsersAction[_Parser]") -> None:
         help="load in the friction law: the weight m g (default), or the normal contact force",
     )
     _add_disk_and_friction(simulate)
-    add("--spin", type=float, default=40.0, help="rate of alpha at the start in rad/s (40)")
-    add("--beta", type=float, help="inclination at the start in rad (pi/2)")
-    add("--gamma", type=float, help="rotation angle at the start in rad (-pi/2 + 0.1)")
-    add("--beta-rate", type=float, default=0.0, help="rate of beta at the start in rad/s (0)")
-    add("--gamma-rate", type=float, help="rate of gamma in rad/s (-spin * cos(beta))")
+    _add_start(simulate)
     add("--end", type=float, default=2.0, help="end of the simulation in s (2)")
     add("--samples", type=int, default=201, help="number of evenly spaced samples (201)")
     accuracy = simulate.add_mutually_exclusive_group()
@@ -276,7 +272,7 @@ def _add_rest(commands: "argparse._SubParsersAction[_Parser]") -> None:
     add = rest.add_argument
     add("--source", choices=SOURCES, default="engine", help="who simulates (default: %(default)s)")
     _add_disk_and_friction(rest)
-    add("--spin", type=float, default=40.0, help="rate of alpha at the start in rad/s (40)")
+    _add_start(rest)
     _add_dissipation(rest)
     add("--stiffness", type=float, default=1e6, help="of the contact in N/m (1e6)")
     add("--half-thickness", type=float, default=2e-4, help="of the spheroid in m (2e-4)")
@@ -315,6 +311,15 @@ def _add_system(parser: argparse.ArgumentParser) -> None:
         help="centre of gravity above (default) or below the geometric centre",
     )
     _add_disk_and_friction(parser)
+
+
+def _add_start(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--spin", type=float, default=40.0, help="rate of alpha at the start in rad/s (40)")
+    add("--beta", type=float, help="inclination at the start in rad (pi/2)")
+    add("--gamma", type=float, help="rotation angle at the start in rad (-pi/2 + 0.1)")
+    add("--beta-rate", type=float, default=0.0, help="rate of beta at the start in rad/s (0)")
+    add("--gamma-rate", type=float, help="rate of gamma in rad/s (-spin * cos(beta))")
 
 
 def _add_dissipation(parser: argparse.ArgumentParser) -> None:

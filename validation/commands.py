@@ -7,8 +7,9 @@ import numpy as np
 
 import analysis
 from analysis import DISKS, SmoothCoulomb, Trajectory
-from analysis.checks import number, positive
+from analysis.checks import positive
 from analysis.files import whole_file
+from validation.options import PICTURES, chosen_start, output_path
 
 
 def report(options: argparse.Namespace) -> int:
@@ -25,11 +26,7 @@ def report(options: argparse.Namespace) -> int:
 
 def simulate(options: argparse.Namespace) -> int:
     """Simulate one model and store the motion."""
-    out = Path(options.out)
-    if out.suffix != ".npz":
-        raise ValueError(f"--out must end in .npz, got {options.out!r}")
-    if not out.parent.is_dir():
-        raise ValueError(f"--out must lie in an existing folder, got {options.out!r}")
+    out = output_path("--out", options.out, (".npz",))
     if options.samples < 2:
         raise ValueError(f"--samples must be at least 2, got {options.samples}")
     times = np.linspace(0.0, positive("--end", options.end), options.samples)
@@ -44,14 +41,7 @@ def simulate(options: argparse.Namespace) -> int:
 def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
     disk = DISKS[options.disk]
     friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load=options.load)
-    angles = {
-        name: number(f"--{name.replace('_', '-')}", value)
-        for name in ("beta", "gamma", "gamma_rate")
-        if (value := getattr(options, name)) is not None
-    }
-    start = analysis.consistent_start(
-        options.model, disk, spin=options.spin, beta_rate=options.beta_rate, **angles
-    )
+    start = chosen_start(options, options.model, disk)
     if options.source == "in-house":
         if options.step is not None:
             raise ValueError("--step needs --source engine; the in-house solvers choose theirs")
@@ -82,9 +72,7 @@ def show(options: argparse.Namespace) -> int:
     from validation import figures
 
     if options.out is not None:
-        out = Path(options.out)
-        if out.suffix not in {".png", ".svg", ".pdf"}:
-            raise ValueError(f"--out must end in .png, .svg or .pdf, got {options.out!r}")
+        out = output_path("--out", options.out, PICTURES)
         figure, axes = figures.new_figure(4, height=8.5)
         figures.comparison(runs, axes)
         with whole_file(out) as stream:

@@ -6,6 +6,7 @@ from pathlib import Path
 from analysis.checks import number, positive
 from analysis.files import whole_file
 from validation.keyframes import Keyframes, keyframes, load
+from validation.options import output_path
 
 
 def animate(options: argparse.Namespace) -> int:
@@ -26,12 +27,9 @@ def _paths(options: argparse.Namespace) -> tuple[Path, Path]:
     source = Path(options.file)
     if source.suffix != ".npz":
         raise ValueError(f"FILE must end in .npz, got {options.file!r}")
-    out = source.with_suffix(".html") if options.out is None else Path(options.out)
-    if out.suffix not in {".html", ".gif"}:
-        raise ValueError(f"--out must end in .html or .gif, got {options.out!r}")
-    if not out.parent.is_dir():
-        raise ValueError(f"--out must lie in an existing folder, got {options.out!r}")
-    return source, out
+    if options.out is None:
+        return source, source.with_suffix(".html")
+    return source, output_path("--out", options.out, (".html", ".gif"))
 
 
 def _check_numbers(options: argparse.Namespace, out: Path) -> None:

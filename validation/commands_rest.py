@@ -9,27 +9,26 @@ from tqdm import tqdm
 from analysis import (
     CAUSES,
     DISKS,
-    Dissipation,
     PenaltyContact,
     SmoothCoulomb,
     SpatialMotion,
-    consistent_start,
     find_phases,
     simulate_to_rest,
 )
 from analysis.checks import positive
 from analysis.files import whole_file
+from validation.options import PICTURES, chosen_dissipation, chosen_start, output_path
 
 
 def rest(options: argparse.Namespace) -> int:
     """Simulate the disk until it lies still, and print phases and energy budget."""
-    _check_output("--out", options.out, (".npz",))
-    _check_output("--plot", options.plot, (".png", ".svg", ".pdf"))
+    out = None if options.out is None else output_path("--out", options.out, (".npz",))
+    plot = None if options.plot is None else output_path("--plot", options.plot, PICTURES)
     motion = _simulate(options)
-    if options.out is not None:
-        motion.save(options.out)
-    if options.plot is not None:
-        _plot(motion, Path(options.plot))
+    if out is not None:
+        motion.save(out)
+    if plot is not None:
+        _plot(motion, plot)
     phases = find_phases(motion)
     for field in fields(phases):
         begin = getattr(phases, field.name)
@@ -47,16 +46,6 @@ def rest(options: argparse.Namespace) -> int:
     return 0
 
 
-def _check_output(name: str, value: str | None, suffixes: tuple[str, ...]) -> None:
-    if value is None:
-        return
-    path = Path(value)
-    if path.suffix not in suffixes:
-        raise ValueError(f"{name} must end in {' or '.join(suffixes)}, got {value!r}")
-    if not path.parent.is_dir():
-        raise ValueError(f"{name} must lie in an existing folder, got {value!r}")
-
-
 def _simulate(options: argparse.Namespace) -> SpatialMotion:
     disk, end = DISKS[options.disk], positive("--end", options.end)
     friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load="contact")
@@ -64,7 +53,7 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
         disk, stiffness=options.stiffness, half_thickness=options.half_thickness
     )
     dissipation = chosen_dissipation(options)
-    start = contact.lowered(disk, consistent_start(1, disk, spin=options.spin))
+    start = contact.lowered(disk, chosen_start(options, 1, disk))
     with tqdm(total=end, disable=None, leave=False, unit="s", desc="simulated") as bar:
 
         def progress(time: float) -> None:
@@ -87,16 +76,6 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
             disk=disk, friction=friction, contact=contact, dissipation=dissipation, start=start
         )
         return simulate_in_engine(scene, end, step=options.step, progress=progress)
-
-
-def chosen_dissipation(options: argparse.Namespace) -> Dissipation:
-    """Dissipation from the options that `scene` and `rest` share."""
-    return Dissipation(
-        rolling_dry=options.rolling,
-        rolling_viscous=options.rolling_viscous,
-        pivoting=options.pivoting,
-        air_drag=options.air_drag,
-    )
 
 
 def _plot(motion: SpatialMotion, out: Path) -> None:

@@ -5,7 +5,7 @@ import argparse
 from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb
 from mbs_models.inventory import Inventory, inventory
 from mbs_models.scene import Scene
-from validation.commands_rest import chosen_dissipation
+from validation.options import chosen_dissipation
 from validation.tables import Table
 
 

@@ -11,13 +11,14 @@ from analysis.checks import Array, number
 from analysis.critical import critical_speeds
 from analysis.files import whole_file
 from analysis.spectra import Branches
+from validation.options import PICTURES, output_path
 from validation.tables import Table
 
 
 def eigenvalues(options: argparse.Namespace) -> int:
     """Print, store or plot eigenvalues over the spin."""
     spins = parse_spins(options.spin)
-    picture = None if options.plot is None else _picture_path(options.plot)
+    picture = None if options.plot is None else output_path("--plot", options.plot, PICTURES)
     if options.formulation is not None and options.source != "engine":
         raise ValueError("--formulation needs --source engine")
     found = _branches(options, spins)
@@ -126,13 +127,6 @@ def _table(system: str, found: Branches) -> Table:
             for spin, values in zip(found.spins.tolist(), found.values, strict=True)
         ],
     )
-
-
-def _picture_path(text: str) -> Path:
-    path = Path(text)
-    if path.suffix not in {".png", ".svg", ".pdf"}:
-        raise ValueError(f"--plot must end in .png, .svg or .pdf, got {text!r}")
-    return path
 
 
 def _plot(found: Branches, path: Path) -> None:

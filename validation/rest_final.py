@@ -6,7 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from analysis import Disk, Dissipation, PenaltyContact, SpatialMotion, State, simulate_to_rest
+from analysis import CENTRED_DISK as DISK
+from analysis import (
+    Dissipation,
+    PenaltyContact,
+    SpatialMotion,
+    State,
+    simulate_to_rest,
+)
 from analysis.final_stage import fit_power_law, precession
 from analysis.stationary_rolling import euler_disk_precession, time_to_flat
 from validation import figures
@@ -14,9 +21,6 @@ from validation.figures import Picture
 from validation.report import Job
 from validation.tables import Table
 
-DISK = Disk.ring(
-    radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
-)
 START = 0.1
 """Inclination at the start in rad."""
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 import mbs_models
+from analysis import CENTRED_DISK as DISK
 from analysis import (
-    Disk,
     PenaltyContact,
     SmoothCoulomb,
     SpatialMotion,
@@ -26,11 +26,6 @@ from analysis.stationary_rolling import (
 from mbs_models import Scene
 from validation.report import Job
 from validation.tables import Table
-
-DISK = Disk.ring(
-    radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
-)
-"""The study's disk with its hole in the middle."""
 
 STICKY = SmoothCoulomb(coefficient=2.0, smoothing=5e-3, load="contact")
 """Friction in which a rolling disk hardly slips."""
@@ -53,7 +48,10 @@ def starts() -> dict[str, tuple[State, float]]:
             rolling_start(DISK, EULER_BETA, euler_disk_precession(DISK, EULER_BETA), 0.0),
             1.0,
         ),
-        "rolling": (rolling_start(DISK, beta, rate, axial_spin(DISK, beta, rate)), 0.3),
+        "rolling": (
+            rolling_start(DISK, beta, rate, axial_spin(DISK, beta, rate)),
+            0.3,
+        ),
         "upright, faster": (_upright(1.05 * upright), 2.5),
         "upright, slower": (_upright(0.95 * upright), 2.5),
     }

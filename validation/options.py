@@ -1,0 +1,70 @@
+"""From options of the command line, which several subcommands share, to what they mean."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from analysis import Disk, Dissipation, Level, State, consistent_start
+from analysis.checks import number
+
+PICTURES = (".png", ".svg", ".pdf")
+"""Suffixes of pictures that can be written."""
+
+
+def output_path(name: str, value: str, suffixes: Sequence[str]) -> Path:
+    """Path of a file to write.
+
+    Parameters
+    ----------
+    name : str
+        Name of the option.
+    value : str
+        What was given.
+    suffixes : sequence of str
+        Allowed ones, with their dots.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is another, or the folder does not exist.
+    """
+    path = Path(value)
+    if path.suffix not in suffixes:
+        *others, last = suffixes
+        allowed = f"{', '.join(others)} or {last}" if others else last
+        raise ValueError(f"{name} must end in {allowed}, got {value!r}")
+    if not path.parent.is_dir():
+        raise ValueError(f"{name} must lie in an existing folder, got {value!r}")
+    return path
+
+
+def chosen_start(options: argparse.Namespace, level: Level, disk: Disk) -> State:
+    """Start from --spin, --beta, --gamma and the rates of the two.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range or breaks a constraint of the model.
+    """
+    given = {
+        name: number(f"--{name.replace('_', '-')}", value)
+        for name in ("beta", "gamma", "gamma_rate")
+        if (value := getattr(options, name)) is not None
+    }
+    return consistent_start(level, disk, spin=options.spin, beta_rate=options.beta_rate, **given)
+
+
+def chosen_dissipation(options: argparse.Namespace) -> Dissipation:
+    """Dissipation from --rolling, --rolling-viscous, --pivoting and --air-drag.
+
+    Raises
+    ------
+    ValueError
+        If a value is negative or not finite.
+    """
+    return Dissipation(
+        rolling_dry=options.rolling,
+        rolling_viscous=options.rolling_viscous,
+        pivoting=options.pivoting,
+        air_drag=options.air_drag,
+    )
