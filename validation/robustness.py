@@ -164,8 +164,8 @@ def _paragraphs(outcomes: Sequence[Outcome]) -> list[str]:
             "penalty contact against two other runs of the engine. Accurate: the error is "
             "within what was asked for and promised, and the constraint drift over the radius "
             f"and the relative error of the energy are within {SLACK:g} times that. Inaccurate: "
-            "a result came back as right and is not. Diverged: the run said itself that it failed. Refused: it did not start. Too "
-            "slow: the time limit ended it. "
+            "a result came back as right and is not. Diverged: the run said itself that it "
+            "failed. Refused: it did not start. Too slow: the time limit ended it. "
             f"Of {len(outcomes)} cases: {counted}."
         ),
         (
