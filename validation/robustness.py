@@ -123,7 +123,7 @@ def section(results: Mapping[Any, Any], *, quick: bool) -> Section:
             draw.drifts(drifts),
         ],
         tables=[
-            tables.verdicts(outcomes),
+            tables.verdicts(outcomes, results["robustness", "refusals"]),
             tables.failures(outcomes),
             tables.all_cases(outcomes),
             results["robustness", "refusals"],

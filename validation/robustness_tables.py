@@ -12,12 +12,19 @@ from validation.tables import Cell, Table
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 
-def verdicts(outcomes: Sequence[Outcome]) -> Table:
-    """Number of cases of each verdict, by what is extreme about them."""
+def verdicts(outcomes: Sequence[Outcome], refusals: Table) -> Table:
+    """Number of cases of each verdict, by what is extreme about them.
+
+    Parameters
+    ----------
+    outcomes : sequence of Outcome
+    refusals : Table
+        Of `validation.refusals`, for the last row.
+    """
     shown = [
         verdict
         for verdict in VERDICTS
-        if verdict in {"accurate", "inaccurate", "crashed"}
+        if verdict in {"accurate", "inaccurate", "refused", "crashed"}
         or any(each.verdict == verdict for each in outcomes)
     ]
     rows: list[list[Cell]] = []
@@ -36,6 +43,9 @@ def verdicts(outcomes: Sequence[Outcome]) -> Table:
                 not any(each.broken for each in found),
             ]
         )
+    refused = [row[1] is True for row in refusals.rows]
+    counts = [sum(refused) if verdict == "refused" else 0 for verdict in shown]
+    rows.append(["cannot work", len(refused), *counts, None, None, None, None, all(refused)])
     return Table(
         name="robustness",
         title=f"Hard cases at a tolerance of {TOLERANCE:g} rad",
@@ -47,7 +57,7 @@ def verdicts(outcomes: Sequence[Outcome]) -> Table:
             "drift / radius",
             "energy error, relative",
             "same bits when repeated",
-            "none crashed or wrong as right",
+            "none crashed, none wrong as right",
         ),
         rows=rows,
     )
