@@ -18,7 +18,7 @@ from validation.robustness_run import SLACK, Outcome, run_problems
 from validation.robustness_steps import StepLimit
 
 _QUICK_BATCHES = 6
-_LIMIT = 20.0
+_LIMIT = 30.0
 """Time limit of a case in s."""
 
 _STEP_WAYS: dict[steps.Axis, tuple[tuple[Any, Any], ...]] = {
@@ -125,13 +125,13 @@ def section(results: Mapping[Any, Any], *, quick: bool) -> Section:
         tables=[
             tables.verdicts(outcomes, results["robustness", "refusals"]),
             tables.failures(outcomes),
-            tables.all_cases(outcomes),
             results["robustness", "refusals"],
             tables.step_limits(limits),
             tables.conserved(
                 [results["robustness", "conserved", way] for way in long_runs.CONSERVED]
             ),
             tables.drift(drifts),
+            tables.all_cases(outcomes),
         ],
     )
 
