@@ -17,7 +17,7 @@ def robustness(options: argparse.Namespace) -> int:
     results = run_jobs(study.jobs(quick=options.quick), title="robustness")
     section = study.section(results, quick=options.quick)
     page = write([section], Path(options.out), seconds=time.perf_counter() - begin)
-    for table in section.tables:
+    for table in section.tables[:2]:
         print(f"\n{table.title}\n{table.to_text()}")
     wrong = study.wrong(results)
     verdict = "No case is wrong or crashed" if not wrong else f"{wrong} cases FAIL"

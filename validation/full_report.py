@@ -49,18 +49,21 @@ def make(folder: Path) -> tuple[Path, list[Table]]:
         ],
         title="report",
     )
+    precision = work_precision.section(results, quick=True)
+    hard = robustness.section(results, quick=True)
     sections = [
         _inversion(results),
         _crosscheck(results),
         stability.section(results),
         rest.section(results),
-        work_precision.section(results, quick=True),
-        robustness.section(results, quick=True),
+        precision,
+        hard,
         lean.section(results),
         _numbers(),
     ]
     page = write(sections, folder, seconds=time.perf_counter() - begin)
-    return page, [sections[0].tables[0], *sections[1].tables, *sections[2].tables[:3]]
+    shown = [sections[0].tables[0], *sections[1].tables, *sections[2].tables[:3]]
+    return page, [*shown, precision.tables[0], hard.tables[0]]
 
 
 def _inversion_jobs() -> list[Job]:

@@ -179,7 +179,7 @@ def _section(section: Section) -> str:
             f"<figcaption><b>{html.escape(picture.title)}.</b> {html.escape(picture.caption)}"
             "</figcaption></figure>"
         )
-    parts += [table.to_html() for table in section.tables]
+    parts += [table.to_html() for table in section.tables if not table.file_only]
     return "\n".join(parts)
 
 

@@ -17,8 +17,8 @@ from validation.robustness_cases import TOLERANCE, problems, ways
 from validation.robustness_run import SLACK, Outcome, run_problems
 from validation.robustness_steps import StepLimit
 
-_QUICK_BATCHES = 6
-_LIMIT = 20.0
+_QUICK_BATCHES = 4
+_LIMIT = 30.0
 """Time limit of a case in s."""
 
 _STEP_WAYS: dict[steps.Axis, tuple[tuple[Any, Any], ...]] = {
@@ -123,15 +123,15 @@ def section(results: Mapping[Any, Any], *, quick: bool) -> Section:
             draw.drifts(drifts),
         ],
         tables=[
-            tables.verdicts(outcomes),
+            tables.verdicts(outcomes, results["robustness", "refusals"]),
             tables.failures(outcomes),
-            tables.all_cases(outcomes),
             results["robustness", "refusals"],
             tables.step_limits(limits),
             tables.conserved(
                 [results["robustness", "conserved", way] for way in long_runs.CONSERVED]
             ),
             tables.drift(drifts),
+            tables.all_cases(outcomes),
         ],
     )
 
@@ -165,7 +165,7 @@ def _paragraphs(outcomes: Sequence[Outcome]) -> list[str]:
             "within what was asked for and promised, and the constraint drift over the radius "
             f"and the relative error of the energy are within {SLACK:g} times that. Inaccurate: "
             "a result came back as right and is not. Diverged: the run said itself that it "
-            "failed. Refused: it did not start. Too slow: the time limit ended it. "
+            f"failed. Refused: it did not start. Too slow: {_LIMIT:g} s were not enough. "
             f"Of {len(outcomes)} cases: {counted}."
         ),
         (

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import get_args
 
-from validation.robustness_cases import TOLERANCE, Problem
+from validation.robustness_cases import TOLERANCE
 from validation.robustness_drift import Conserved, Drift
 from validation.robustness_run import Outcome, Verdict
 from validation.robustness_steps import ACCURACY, StepLimit
@@ -12,12 +12,19 @@ from validation.tables import Cell, Table
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 
-def verdicts(outcomes: Sequence[Outcome]) -> Table:
-    """Number of cases of each verdict, by what is extreme about them."""
+def verdicts(outcomes: Sequence[Outcome], refusals: Table) -> Table:
+    """Number of cases of each verdict, by what is extreme about them.
+
+    Parameters
+    ----------
+    outcomes : sequence of Outcome
+    refusals : Table
+        Of `validation.refusals`, for the last row.
+    """
     shown = [
         verdict
         for verdict in VERDICTS
-        if verdict in {"accurate", "inaccurate", "crashed"}
+        if verdict in {"accurate", "inaccurate", "refused", "crashed"}
         or any(each.verdict == verdict for each in outcomes)
     ]
     rows: list[list[Cell]] = []
@@ -36,6 +43,9 @@ def verdicts(outcomes: Sequence[Outcome]) -> Table:
                 not any(each.broken for each in found),
             ]
         )
+    refused = [row[1] is True for row in refusals.rows]
+    counts = [sum(refused) if verdict == "refused" else 0 for verdict in shown]
+    rows.append(["cannot work", len(refused), *counts, None, None, None, None, all(refused)])
     return Table(
         name="robustness",
         title=f"Hard cases at a tolerance of {TOLERANCE:g} rad",
@@ -47,9 +57,13 @@ def verdicts(outcomes: Sequence[Outcome]) -> Table:
             "drift / radius",
             "energy error, relative",
             "same bits when repeated",
-            "none crashed or wrong as right",
+            "none crashed, none wrong as right",
         ),
         rows=rows,
+        note="Eccentric disks keep the steel disk's mass and its moments about the COG. Disks of "
+        "another radius are scaled at the same Froude number. A disk tilted close to 0 or π is "
+        "followed until it falls flat, and once beyond. The file robustness-all-cases.csv holds "
+        "each case.",
     )
 
 
@@ -58,34 +72,45 @@ def _largest(values: Sequence[float | None]) -> float | None:
 
 
 def all_cases(outcomes: Sequence[Outcome]) -> Table:
-    """One row per problem, one column per way, with verdict and error."""
-    names = list(dict.fromkeys(outcome.way.name for outcome in outcomes))
-    by_problem: dict[Problem, dict[str, Outcome]] = {}
-    for outcome in outcomes:
-        by_problem.setdefault(outcome.problem, {})[outcome.way.name] = outcome
+    """Everything, for a file."""
     return Table(
-        name="robustness-cases",
-        title=f"Hard cases at a tolerance of {TOLERANCE:g} rad: verdict and error in rad",
-        columns=("model", "what is extreme", "how", *names, "doubt of the reference"),
+        name="robustness-all-cases",
+        title="All hard cases",
+        columns=(
+            "model",
+            "what is extreme",
+            "how",
+            "formulation, integrator",
+            "verdict",
+            "error in rad",
+            "promised in rad",
+            "doubt of the reference in rad",
+            "drift / radius",
+            "energy error, relative",
+            "same bits when repeated",
+            "seconds",
+            "reason",
+        ),
         rows=[
             [
-                problem.level,
-                problem.axis,
-                problem.label,
-                *(_verdict(found.get(name)) for name in names),
-                next((each.doubt for each in found.values() if each.doubt is not None), None),
+                outcome.problem.level,
+                outcome.problem.axis,
+                outcome.problem.label,
+                outcome.way.name,
+                outcome.verdict,
+                outcome.error,
+                outcome.estimate,
+                outcome.doubt,
+                outcome.drift,
+                outcome.energy,
+                outcome.repeatable,
+                outcome.seconds,
+                outcome.reason,
             ]
-            for problem, found in by_problem.items()
+            for outcome in outcomes
         ],
-        note="Eccentric disks keep the steel disk's mass and its moments about the COG. Disks of "
-        "another radius are scaled at the same Froude number.",
+        file_only=True,
     )
-
-
-def _verdict(outcome: Outcome | None) -> Cell:
-    if outcome is None:
-        return None
-    return outcome.verdict if outcome.error is None else f"{outcome.verdict} {outcome.error:.0e}"
 
 
 def failures(outcomes: Sequence[Outcome]) -> Table:

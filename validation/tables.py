@@ -24,6 +24,8 @@ class Table:
         Cells; a float is shown with few digits but stored with all of them.
     note : str
         What to read from it.
+    file_only : bool
+        Whether it is too long for a page, and only goes to its file.
     """
 
     name: str
@@ -31,6 +33,7 @@ class Table:
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     note: str = ""
+    file_only: bool = False
 
     def __post_init__(self) -> None:
         for row in self.rows:

@@ -30,7 +30,6 @@ from validation.work_precision_problems import (
 )
 from validation.work_precision_runs import Run
 from validation.work_precision_section import make_section
-from validation.work_precision_tables import all_runs
 
 WORKERS = 2
 """Runs at the same time, each in one thread of a process of its own."""
@@ -294,8 +293,5 @@ def main(folder: Path, *, quick: bool = False, fresh: bool = False) -> tuple[Pat
             path.unlink()
     results = run_jobs(jobs(quick, store), workers=WORKERS, title="work-precision")
     made = section(results, quick)
-    table = all_runs(collect(results)[0])
-    with whole_file(folder / f"{table.name}.csv") as stream:
-        stream.write(table.to_csv().encode())
     page = write([made], folder, seconds=time.perf_counter() - begin)
-    return page, list(made.tables)
+    return page, [table for table in made.tables if not table.file_only]

@@ -80,6 +80,8 @@ def orders(runs: Sequence[Run], agreements: Mapping[ProblemName, Agreement]) -> 
                 if not group[0].extrapolated:
                     _order(panel, line, observed_order(group, floor), floor)
     axes.flat[-1].set_axis_off()
+    axes[1, 2].tick_params(labelbottom=True)
+    axes[1, 2].set_xlabel("processor time in ms")
     _labels(axes)
     _legend(figure, axes, [name for name in LOOKS if name != "reduced"])
     return render(

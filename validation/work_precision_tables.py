@@ -193,6 +193,7 @@ def all_runs(runs: Sequence[Run]) -> Table:
     return Table(
         name="work-precision-all-runs",
         title="All runs of the work-precision study",
+        file_only=True,
         columns=(
             "problem",
             "method",
