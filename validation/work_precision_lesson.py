@@ -101,7 +101,7 @@ def _extrapolation(runs: Sequence[Run]) -> str:
         if alone:
             parts.append(f"the only way in {alone}")
         if parts:
-            texts.append(f"to {goal:g} " + " and ".join(parts))
+            texts.append(f"to {goal:g}, " + " and ".join(parts))
     if not texts:
         return ""
     return (
