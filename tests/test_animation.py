@@ -27,9 +27,10 @@ from analysis import (
 )
 from analysis.checks import Array
 from tests.helpers import random_trajectory
-from validation import animation_gif, cli, report
-from validation.animation import LEVELS, Animation, encode, player
-from validation.keyframes import Keyframes, Motion, keyframes
+from validation import cli, report
+from validation.animation import gif as animation_gif
+from validation.animation.keyframes import Keyframes, Motion, keyframes
+from validation.animation.player import LEVELS, Animation, encode, player
 
 
 @cache
@@ -247,7 +248,7 @@ def test_report_carries_players_side_by_side_and_as_files(tmp_path: Path) -> Non
 
 def test_installed_package_ships_the_player() -> None:
     project = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text())
-    shipped = project["tool"]["setuptools"]["package-data"]["validation"]
+    shipped = project["tool"]["setuptools"]["package-data"]["validation.animation"]
     assert set(shipped) == {"player.css", "player.js"}
     assert isinstance(player(inversion(), name="a", title="A"), Animation)
 

@@ -7,8 +7,8 @@ import pytest
 
 import mbs_models
 from analysis import STEEL_DISK, SmoothCoulomb, linear_reduced, spectra
-from validation import eigenvalue_check
-from validation.eigenvalue_check import Case
+from validation.stability import eigenvalue_check
+from validation.stability.eigenvalue_check import Case
 
 
 def name(case: Case) -> str:

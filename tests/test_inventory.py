@@ -16,7 +16,7 @@ from mbs_models.integrators import find_integrator, run
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
 from validation import cli, lean
-from validation.commands_scene import scene_table
+from validation.commands.scene import scene_table
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
 SENSOR = ["sensor UserFunction"]

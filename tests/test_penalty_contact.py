@@ -23,7 +23,7 @@ from analysis.frames import poses
 from mbs_models import Formulation, Scene
 from mbs_models.build import build
 from mbs_models.probe import Probe
-from validation.penalty_limit import penalty_error
+from validation.robustness.penalty_limit import penalty_error
 
 FORMULATIONS: tuple[Formulation, ...] = ("euler-tree", "floating", "floating-lie")
 CONTACT = PenaltyContact(stiffness=1e5, damping=10.0)

@@ -7,8 +7,12 @@ import numpy as np
 import pytest
 
 from analysis import SpatialMotion, find_phases
-from validation import rest, rest_contact, rest_final, rest_rolling, rest_starts
 from validation.cli import main
+from validation.rest import contact as rest_contact
+from validation.rest import final_stage as rest_final
+from validation.rest import rolling as rest_rolling
+from validation.rest import section as rest
+from validation.rest import starts as rest_starts
 
 
 @pytest.mark.parametrize("source", ["engine", "in-house"])

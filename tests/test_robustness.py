@@ -14,13 +14,13 @@ import mbs_models
 from analysis import LEVELS, STEEL_DISK, consistent_start
 from mbs_models import Scene
 from mbs_models.linear_stability import STAGES, amplification, largest_step, stability_polynomial
-from validation import robustness
-from validation import robustness_steps as steps
-from validation.isolated import Failure, run_isolated
-from validation.refusals import REQUESTS, refusals
-from validation.robustness_cases import Problem, Way, eccentric_disk, problems, scaled, ways
-from validation.robustness_drift import RUNNERS, conserved, drift
-from validation.robustness_run import reference, run_case
+from validation.robustness import section as robustness
+from validation.robustness import steps
+from validation.robustness.cases import Problem, Way, eccentric_disk, problems, scaled, ways
+from validation.robustness.drift import RUNNERS, conserved, drift
+from validation.robustness.isolated import Failure, run_isolated
+from validation.robustness.refusals import REQUESTS, refusals
+from validation.robustness.run import reference, run_case
 
 TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
 EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")

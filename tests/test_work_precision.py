@@ -12,12 +12,12 @@ import pytest
 import analysis
 from analysis import Trajectory
 from mbs_models import Integrator
-from validation import commands_work_precision
-from validation import work_precision as study
+from validation.commands import work_precision as commands_work_precision
 from validation.report import Job
-from validation.work_precision_lesson import paragraphs
-from validation.work_precision_methods import EngineMethod, InHouseMethod, label, methods
-from validation.work_precision_problems import (
+from validation.work_precision import study
+from validation.work_precision.lesson import paragraphs
+from validation.work_precision.methods import EngineMethod, InHouseMethod, label, methods
+from validation.work_precision.problems import (
     PROBLEMS,
     TIMES,
     Agreement,
@@ -26,10 +26,10 @@ from validation.work_precision_problems import (
     compare,
     reference,
 )
-from validation.work_precision_runs import Run, fastest, front, observed_order
-from validation.work_precision_section import make_section
-from validation.work_precision_tables import all_runs, failures, ways
-from validation.work_precision_tables import options as option_table
+from validation.work_precision.runs import Run, fastest, front, observed_order
+from validation.work_precision.section import make_section
+from validation.work_precision.tables import all_runs, failures, ways
+from validation.work_precision.tables import options as option_table
 
 RK44 = EngineMethod(formulation="contact-tree", integrator=Integrator(name="RK44"))
 

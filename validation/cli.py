@@ -69,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     name = f"tippedisk {options.command.replace('_', '-')}"
     try:
         # Imported late: the commands bring NumPy, SciPy and the engine along.
-        commands = import_module(f"validation.{options.module}")
+        commands = import_module(f"validation.commands.{options.module}")
         return int(getattr(commands, options.command)(options))
     except (ValueError, ArithmeticError, OSError) as error:
         message = " ".join(str(error).split())
@@ -109,7 +109,7 @@ def _add_report(commands: "argparse._SubParsersAction[_Parser]") -> None:
         description="Run engine and in-house equations, compare them, and write one page of HTML "
         "with everything in it, the figures as PNG and SVG and the tables as CSV.",
     )
-    report.set_defaults(module="commands")
+    report.set_defaults(module="basic")
     report.add_argument(
         "--out", default="report", metavar="DIR", help="folder to write to (default: %(default)s)"
     )
@@ -125,7 +125,7 @@ def _add_simulate(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "co-rotating coordinates (m, rad, m/s, rad/s), normal_force (N,) in N, multipliers\n"
         "(N, k), and meta, a JSON string with all parameters, versions and the error estimate.",
     )
-    simulate.set_defaults(module="commands")
+    simulate.set_defaults(module="basic")
     add = simulate.add_argument
     add("--source", choices=SOURCES, default="engine", help="who simulates (default: %(default)s)")
     add("--model", type=int, choices=MODELS, default=1, help="constraint level (default: 1)")
@@ -159,7 +159,7 @@ def _add_show(commands: "argparse._SubParsersAction[_Parser]") -> None:
         help="plot stored motions over each other",
         description="Plot beta, gamma, spinning velocity and normal force of stored motions.",
     )
-    show.set_defaults(module="commands")
+    show.set_defaults(module="basic")
     show.add_argument("files", nargs="+", metavar="FILE", help="files written by simulate")
     show.add_argument(
         "--out", metavar="PICTURE", help="write a .png, .svg or .pdf instead of opening a window"
@@ -177,7 +177,7 @@ def _add_eigenvalues(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "come from the engine's Models 1 (full) and 4 (reduced) or the model named. Columns\n"
         "follow the branches.",
     )
-    eigenvalues.set_defaults(module="commands_stability")
+    eigenvalues.set_defaults(module="stability")
     _add_system(eigenvalues)
     add = eigenvalues.add_argument
     add("--source", choices=SOURCES, default="in-house", help="default: %(default)s")
@@ -204,7 +204,7 @@ def _add_critical(commands: "argparse._SubParsersAction[_Parser]") -> None:
         description="Critical spins with their frequency and the side on which they are stable, "
         "beside the closed form of the reduced system, Eq. (126).",
     )
-    critical.set_defaults(module="commands_stability")
+    critical.set_defaults(module="stability")
     _add_system(critical)
     critical.add_argument(
         "--spin",
@@ -221,7 +221,7 @@ def _add_scene(commands: "argparse._SubParsersAction[_Parser]") -> None:
         description="List the nodes, objects, markers and sensors of a scene with the reason for "
         "each, and count its coordinates, constraints and user functions.",
     )
-    scene.set_defaults(module="commands_scene")
+    scene.set_defaults(module="scene")
     add = scene.add_argument
     add("--model", type=int, choices=MODELS, default=1, help="constraint level (default: 1)")
     add("--formulation", choices=FORMULATIONS[:4], help="how the disk is built")
@@ -240,7 +240,7 @@ def _add_work_precision(commands: "argparse._SubParsersAction[_Parser]") -> None
         "tolerances and write diagrams, tables and the lesson to one page. An interrupted study "
         "goes on where it stopped.",
     )
-    study.set_defaults(module="commands_work_precision", command="work_precision")
+    study.set_defaults(module="work_precision", command="work_precision")
     add = study.add_argument
     add("--quick", action="store_true", help="a selection, about a minute")
     add("--out", default="work-precision", metavar="DIR", help="folder (default: %(default)s)")
@@ -254,7 +254,7 @@ def _add_robustness(commands: "argparse._SubParsersAction[_Parser]") -> None:
         description="Run a grid of hard cases in separate processes, classify each from its "
         "measured error, drift and energy, and write tables and figures to one page.",
     )
-    study.set_defaults(module="commands_robustness")
+    study.set_defaults(module="robustness")
     add = study.add_argument
     add("--quick", action="store_true", help="a selection, about a minute")
     add("--out", default="robustness", metavar="DIR", help="folder (default: %(default)s)")
@@ -268,7 +268,7 @@ def _add_rest(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "print when each phase began and where the energy went. All dissipation besides sliding "
         "friction and the contact's damper is off by default; then the disk does not lie flat.",
     )
-    rest.set_defaults(module="commands_rest")
+    rest.set_defaults(module="rest")
     add = rest.add_argument
     add("--source", choices=SOURCES, default="engine", help="who simulates (default: %(default)s)")
     _add_disk_and_friction(rest)
@@ -289,7 +289,7 @@ def _add_animate(commands: "argparse._SubParsersAction[_Parser]") -> None:
         description="Write a page that plays a motion stored by simulate or rest, and needs no "
         "network; or, with --out FILE.gif, an animated picture.",
     )
-    animate.set_defaults(module="commands_animate")
+    animate.set_defaults(module="animate")
     add = animate.add_argument
     add("file", metavar="FILE", help="motion written by simulate or rest, .npz")
     add("--out", metavar="FILE", help=".html or .gif to write (default: FILE with .html)")

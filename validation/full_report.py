@@ -5,20 +5,14 @@ from pathlib import Path
 from typing import Any
 
 from analysis import LEVELS, LOADS
-from validation import (
-    animation,
-    crosscheck,
-    inversion,
-    lean,
-    paper_numbers,
-    rest,
-    robustness,
-    snapshots,
-    stability,
-    work_precision,
-)
+from validation import crosscheck, inversion, lean, paper_numbers, snapshots
+from validation.animation import player as animation
 from validation.report import Job, Section, run_jobs, write
+from validation.rest import section as rest
+from validation.robustness import section as robustness
+from validation.stability import section as stability
 from validation.tables import Table
+from validation.work_precision import study as work_precision
 
 
 def make(folder: Path) -> tuple[Path, list[Table]]:

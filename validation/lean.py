@@ -25,18 +25,20 @@ Build = Callable[[], Model]
 
 START_UPS: dict[str, str] = {
     "report": "validation.full_report",
-    "simulate --source engine": "validation.commands, mbs_models",
-    "simulate --source in-house": "validation.commands",
-    "show": "validation.commands, validation.figures",
-    "eigenvalues --source engine": "validation.commands_stability, validation.eigenvalue_check",
-    "eigenvalues --source in-house": "validation.commands_stability",
-    "critical": "validation.commands_stability, validation.stability_tables",
-    "scene": "validation.commands_scene",
-    "work-precision": "validation.commands_work_precision, validation.work_precision",
-    "robustness": "validation.commands_robustness, validation.robustness",
-    "animate": "validation.commands_animate, validation.animation",
-    "rest --source engine": "validation.commands_rest, mbs_models",
-    "rest --source in-house": "validation.commands_rest",
+    "simulate --source engine": "validation.commands.basic, mbs_models",
+    "simulate --source in-house": "validation.commands.basic",
+    "show": "validation.commands.basic, validation.figures",
+    "eigenvalues --source engine": (
+        "validation.commands.stability, validation.stability.eigenvalue_check"
+    ),
+    "eigenvalues --source in-house": "validation.commands.stability",
+    "critical": "validation.commands.stability, validation.stability.tables",
+    "scene": "validation.commands.scene",
+    "work-precision": "validation.commands.work_precision, validation.work_precision.study",
+    "robustness": "validation.commands.robustness, validation.robustness.section",
+    "animate": "validation.commands.animate, validation.animation.player",
+    "rest --source engine": "validation.commands.rest, mbs_models",
+    "rest --source in-house": "validation.commands.rest",
 }
 """From each subcommand, with its source if that matters, to what it imports when it runs."""
 

@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from analysis.files import whole_file
 from analysis.trajectory import versions
-from validation.animation import Animation
+from validation.animation.player import Animation
 from validation.figures import Picture
 from validation.tables import Table
 

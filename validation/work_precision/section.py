@@ -2,12 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from validation import work_precision_figures as figures
-from validation import work_precision_lesson as lesson
-from validation import work_precision_tables as tables
 from validation.report import Section
-from validation.work_precision_problems import SPACING, TIMES, Agreement, ProblemName
-from validation.work_precision_runs import Run
+from validation.work_precision import figures, lesson, tables
+from validation.work_precision.problems import SPACING, TIMES, Agreement, ProblemName
+from validation.work_precision.runs import Run
 
 
 def make_section(

@@ -6,16 +6,15 @@ from itertools import product
 from typing import Any
 
 from analysis import LOADS
-from validation import robustness_drift as long_runs
-from validation import robustness_figures as draw
-from validation import robustness_steps as steps
-from validation import robustness_tables as tables
-from validation.penalty_limit import STIFFNESSES, PenaltyError, penalty_error
-from validation.refusals import refusals
 from validation.report import Job, Section
-from validation.robustness_cases import TOLERANCE, problems, ways
-from validation.robustness_run import SLACK, Outcome, run_problems
-from validation.robustness_steps import StepLimit
+from validation.robustness import drift as long_runs
+from validation.robustness import figures as draw
+from validation.robustness import steps, tables
+from validation.robustness.cases import TOLERANCE, problems, ways
+from validation.robustness.penalty_limit import STIFFNESSES, PenaltyError, penalty_error
+from validation.robustness.refusals import refusals
+from validation.robustness.run import SLACK, Outcome, run_problems
+from validation.robustness.steps import StepLimit
 
 _QUICK_BATCHES = 4
 _LIMIT = 30.0

@@ -22,9 +22,13 @@ from analysis import (
 )
 from analysis.phases import INVERTED
 from mbs_models import Scene
-from validation import animation, rest_contact, rest_figures, rest_final, rest_rolling
+from validation.animation import player as animation
 from validation.inversion import cog_rise
 from validation.report import Job, Section
+from validation.rest import contact as rest_contact
+from validation.rest import figures as rest_figures
+from validation.rest import final_stage as rest_final
+from validation.rest import rolling as rest_rolling
 from validation.tables import Cell, Table
 
 SLIDING = "sliding friction only"

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from itertools import product
 from statistics import median
 
-from validation.work_precision_figures import GOALS, NAMES
-from validation.work_precision_problems import PROBLEMS
-from validation.work_precision_runs import USEFUL, Run, curves, fastest
-from validation.work_precision_tables import geometric_mean, option_pairs
+from validation.work_precision.figures import GOALS, NAMES
+from validation.work_precision.problems import PROBLEMS
+from validation.work_precision.runs import USEFUL, Run, curves, fastest
+from validation.work_precision.tables import geometric_mean, option_pairs
 
 CONSTRAINED = ("euler-tree", "floating", "floating-lie")
 """Formulations that keep constraints."""

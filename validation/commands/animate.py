@@ -5,7 +5,7 @@ from pathlib import Path
 
 from analysis.checks import number, positive
 from analysis.files import whole_file
-from validation.keyframes import Keyframes, keyframes, load
+from validation.animation.keyframes import Keyframes, keyframes, load
 from validation.options import output_path
 
 
@@ -48,7 +48,7 @@ def _check_numbers(options: argparse.Namespace, out: Path) -> None:
 
 
 def _write_page(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
-    from validation.animation import player
+    from validation.animation.player import player
 
     title = f"The tippedisk: {Path(options.file).stem}"
     page = player(poses, name="tippedisk", title=title, speed=options.speed).page.encode()
@@ -58,7 +58,7 @@ def _write_page(poses: Keyframes, out: Path, options: argparse.Namespace) -> str
 
 
 def _write_gif(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
-    from validation import animation_gif
+    from validation.animation import gif as animation_gif
 
     given = {
         name: value

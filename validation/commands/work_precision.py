@@ -17,7 +17,7 @@ def work_precision(options: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    from validation import work_precision as study
+    from validation.work_precision import study
 
     page, tables = study.main(Path(options.out), quick=options.quick, fresh=options.fresh)
     for table in tables:

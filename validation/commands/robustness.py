@@ -10,8 +10,8 @@ def robustness(options: argparse.Namespace) -> int:
 
     Returns 1 if a result came back as right and is not, or if a run took the interpreter down.
     """
-    from validation import robustness as study
     from validation.report import run_jobs, write
+    from validation.robustness import section as study
 
     begin = time.perf_counter()
     results = run_jobs(study.jobs(quick=options.quick), title="robustness")

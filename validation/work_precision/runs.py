@@ -7,7 +7,7 @@ from math import log
 from statistics import median
 from typing import Any
 
-from validation.work_precision_problems import Errors, ProblemName
+from validation.work_precision.problems import Errors, ProblemName
 
 USEFUL = 0.1
 """Error from which on a run says nothing about the motion any more."""

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import get_args
 
-from validation.robustness_cases import TOLERANCE
-from validation.robustness_drift import Conserved, Drift
-from validation.robustness_run import Outcome, Verdict
-from validation.robustness_steps import ACCURACY, StepLimit
+from validation.robustness.cases import TOLERANCE
+from validation.robustness.drift import Conserved, Drift
+from validation.robustness.run import Outcome, Verdict
+from validation.robustness.steps import ACCURACY, StepLimit
 from validation.tables import Cell, Table
 
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
@@ -19,7 +19,7 @@ def verdicts(outcomes: Sequence[Outcome], refusals: Table) -> Table:
     ----------
     outcomes : sequence of Outcome
     refusals : Table
-        Of `validation.refusals`, for the last row.
+        Of `validation.robustness.refusals`, for the last row.
     """
     shown = [
         verdict

@@ -80,7 +80,7 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
 
 def _plot(motion: SpatialMotion, out: Path) -> None:
     from validation import figures
-    from validation.rest_figures import draw_story
+    from validation.rest.figures import draw_story
 
     figure, axes = figures.new_figure(5, height=11.0)
     draw_story(motion, axes)

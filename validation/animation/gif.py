@@ -13,7 +13,7 @@ from tqdm import tqdm
 
 from analysis.checks import Array, positive
 from validation import snapshots
-from validation.keyframes import Keyframes
+from validation.animation.keyframes import Keyframes
 
 MOST_FRAMES = 2000
 FASTEST = 50.0

@@ -42,7 +42,7 @@ def eigenvalues(options: argparse.Namespace) -> int:
 
 def critical(options: argparse.Namespace) -> int:
     """Print critical spins, closed form beside computed."""
-    from validation.stability_tables import critical_table
+    from validation.stability.tables import critical_table
 
     disk, friction = _disk_and_friction(options)
     ends = options.spin.split(":")
@@ -102,7 +102,7 @@ def _branches(options: argparse.Namespace, spins: Array) -> Branches:
     disk, friction = _disk_and_friction(options)
     if options.source == "in-house":
         return spectra.branches(options.system, disk, friction, spins, options.motion)
-    from validation.eigenvalue_check import LEVEL_OF_SYSTEM, engine_matrices
+    from validation.stability.eigenvalue_check import LEVEL_OF_SYSTEM, engine_matrices
 
     matrices = engine_matrices(
         LEVEL_OF_SYSTEM[options.system],

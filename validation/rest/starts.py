@@ -1,4 +1,4 @@
-"""Does every start come to rest? `python -m validation.rest_starts [number]` shows it.
+"""Does every start come to rest? `python -m validation.rest.starts [number]` shows it.
 
 Besides so many random starts, it runs Table 3 with spins below the critical one.
 """

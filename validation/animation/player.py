@@ -15,7 +15,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from validation.keyframes import Keyframes, Motion, keyframes
+from validation.animation.keyframes import Keyframes, Motion, keyframes
 
 LEVELS = 65535
 """Largest integer of a column."""
@@ -159,4 +159,4 @@ def _base64(values: np.ndarray) -> str:
 
 
 def _asset(name: str) -> str:
-    return files("validation").joinpath(name).read_text(encoding="utf-8")
+    return files("validation.animation").joinpath(name).read_text(encoding="utf-8")

@@ -14,8 +14,8 @@ from analysis import Method, Trajectory
 from analysis.checks import Array
 from mbs_models import Integrator
 from validation.crosscheck import angle_error
-from validation.isolated import Failure, run_isolated
-from validation.robustness_cases import TOLERANCE, Problem, Way, scene
+from validation.robustness.cases import TOLERANCE, Problem, Way, scene
+from validation.robustness.isolated import Failure, run_isolated
 
 Verdict = Literal[
     "accurate", "inaccurate", "unchecked", "diverged", "refused", "too slow", "crashed"

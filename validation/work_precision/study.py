@@ -19,8 +19,8 @@ from analysis.files import whole_file
 from analysis.trajectory import versions
 from validation.report import Job, Section, machine, run_jobs, write
 from validation.tables import Table
-from validation.work_precision_methods import EngineMethod, Measured, Method, label, methods
-from validation.work_precision_problems import (
+from validation.work_precision.methods import EngineMethod, Measured, Method, label, methods
+from validation.work_precision.problems import (
     PROBLEMS,
     Agreement,
     ProblemName,
@@ -28,8 +28,8 @@ from validation.work_precision_problems import (
     compare,
     reference,
 )
-from validation.work_precision_runs import Run
-from validation.work_precision_section import make_section
+from validation.work_precision.runs import Run
+from validation.work_precision.section import make_section
 
 WORKERS = 2
 """Runs at the same time, each in one thread of a process of its own."""
@@ -202,10 +202,10 @@ def measuring_conditions(quick: bool) -> dict[str, Any]:
     """What stored runs depend on: versions, machine, the code, and how much was measured."""
     code = hashlib.sha256()
     for folder in ("analysis", "mbs_models"):
-        for path in sorted((Path(__file__).parent.parent / folder).glob("*.py")):
+        for path in sorted((Path(__file__).parents[2] / folder).glob("*.py")):
             code.update(path.read_bytes())
-    for path in sorted(Path(__file__).parent.glob("work_precision*.py")):
-        if path.stem.rpartition("_")[2] not in {"figures", "lesson", "section", "tables"}:
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        if path.stem not in {"figures", "lesson", "section", "tables"}:
             code.update(path.read_bytes())
     return {
         "versions": versions("exudyn", "numpy", "scipy"),

@@ -9,12 +9,12 @@ from matplotlib.figure import Figure
 
 from analysis import Level
 from validation.figures import COLOURS, MARKERS, STYLES, Picture, legend_above, new_figure, render
-from validation.penalty_limit import PenaltyError
-from validation.robustness_cases import TOLERANCE
-from validation.robustness_drift import Drift
-from validation.robustness_run import Outcome, Verdict
-from validation.robustness_steps import ACCURACY, Axis, StepLimit
-from validation.work_precision_figures import LOOKS, NAMES
+from validation.robustness.cases import TOLERANCE
+from validation.robustness.drift import Drift
+from validation.robustness.penalty_limit import PenaltyError
+from validation.robustness.run import Outcome, Verdict
+from validation.robustness.steps import ACCURACY, Axis, StepLimit
+from validation.work_precision.figures import LOOKS, NAMES
 
 _BANDS: tuple[Verdict, ...] = ("unchecked", "too slow", "diverged", "refused", "crashed")
 """Verdicts without an error, from the lowest to the highest band above the errors."""

@@ -6,9 +6,9 @@ from math import exp, log
 from statistics import mean
 
 from validation.tables import Cell, Table
-from validation.work_precision_figures import GOALS, NAMES
-from validation.work_precision_problems import PROBLEMS, SAFETY, Agreement, Errors, ProblemName
-from validation.work_precision_runs import Run, curves, fastest, observed_order
+from validation.work_precision.figures import GOALS, NAMES
+from validation.work_precision.problems import PROBLEMS, SAFETY, Agreement, Errors, ProblemName
+from validation.work_precision.runs import Run, curves, fastest, observed_order
 
 
 def ways(runs: Sequence[Run]) -> Table:

@@ -9,10 +9,12 @@ from analysis.hopf_curves import hopf_curves
 from analysis.stability_chart import stability_chart
 from analysis.stability_corners import corners
 from mbs_models import Motion
-from validation import eigenvalue_check, stability_figures, stability_tables
-from validation.eigenvalue_check import ComplexArray
 from validation.figures import Picture
 from validation.report import Job, Section
+from validation.stability import eigenvalue_check
+from validation.stability import figures as stability_figures
+from validation.stability import tables as stability_tables
+from validation.stability.eigenvalue_check import ComplexArray
 from validation.tables import Table
 
 

@@ -16,7 +16,7 @@ from analysis.trajectory import versions
 from mbs_models import Formulation, Integrator, Newton, Scene
 from mbs_models.extrapolation import Ladder
 from mbs_models.simulation import Pass, one_pass, trajectory
-from validation.work_precision_problems import SPACING, TIMES, Problem
+from validation.work_precision.problems import SPACING, TIMES, Problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

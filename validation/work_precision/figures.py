@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from validation.figures import Picture, render
-from validation.work_precision_problems import PROBLEMS, Agreement, ProblemName
-from validation.work_precision_runs import Run, curves, front, observed_order
+from validation.work_precision.problems import PROBLEMS, Agreement, ProblemName
+from validation.work_precision.runs import Run, curves, front, observed_order
 
 GOALS = (1e-3, 1e-6, 1e-9)
 """Errors to be reached."""

@@ -1,0 +1,1 @@
+"""The way to rest: checks, tables and figures of the report."""

@@ -1,0 +1,1 @@
+"""Numerical stability on stiff and extreme cases."""

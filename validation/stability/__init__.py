@@ -1,0 +1,1 @@
+"""Linear stability: checks, tables and figures of the report."""
