@@ -113,7 +113,10 @@ def test_wrong_result_is_called_inaccurate(monkeypatch: pytest.MonkeyPatch) -> N
         return replace(run, coordinates=run.coordinates + 1e-4)
 
     monkeypatch.setattr(mbs_models, "simulate", wrong)
-    assert run_case(EASY, TREE, reference(EASY)).verdict == "inaccurate"
+    outcome = run_case(EASY, TREE, reference(EASY))
+    assert outcome.verdict == "inaccurate"
+    assert outcome.broken
+    assert not replace(outcome, estimate=None).broken
 
 
 def test_drift_and_energy_count_as_well_as_the_angles(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,6 +137,14 @@ def test_drift_and_energy_count_as_well_as_the_angles(monkeypatch: pytest.Monkey
         assert outcome.error is not None
         assert outcome.error < 1e-6
         assert outcome.verdict == "inaccurate"
+        assert not outcome.broken
+
+
+def test_crash_and_other_bits_break_a_promise() -> None:
+    outcome = run_case(EASY, TREE, reference(EASY))
+    assert not outcome.broken
+    assert replace(outcome, verdict="crashed").broken
+    assert replace(outcome, repeatable=False).broken
 
 
 def test_result_without_a_reference_is_not_called_accurate() -> None:

@@ -20,6 +20,6 @@ def robustness(options: argparse.Namespace) -> int:
     for table in section.tables[:2]:
         print(f"\n{table.title}\n{table.to_text()}")
     wrong = study.wrong(results)
-    verdict = "No case is wrong or crashed" if not wrong else f"{wrong} cases FAIL"
+    verdict = "No case crashed or broke its promise" if not wrong else f"{wrong} cases FAIL"
     print(f"\n{verdict}. Open {page}")
     return 1 if wrong else 0

@@ -61,8 +61,8 @@ def _verdicts(level: Level, outcomes: Sequence[Outcome]) -> Picture:
         name=f"robustness-model-{level}",
         title=f"Hard cases, Model {level}",
         caption=f"Each mark is a run with one integrator; dotted: the {TOLERANCE:g} rad asked "
-        "for. Above the line, if there are any: runs without a result. Crosses: results that came "
-        "back as right and are not.",
+        "for. Above the line, if there are any: runs without a result. Crosses: results that are "
+        "inaccurate in an angle or in the energy.",
     )
 
 

@@ -48,7 +48,7 @@ class Outcome:
     way : Way
     verdict : str
         `accurate`: the error is within what was asked for or promised, drift and energy within
-        `SLACK` times that. `inaccurate`: a result came back as right and is not. `unchecked`: a
+        `SLACK` times that. `inaccurate`: a result came back, and is beyond that. `unchecked`: a
         result came back, and there is no reference. `diverged`: the run said itself that it
         failed. `refused`: it did not start. `too slow` and `crashed`: the process had to be ended,
         or ended itself.
@@ -86,13 +86,14 @@ class Outcome:
     def broken(self) -> bool:
         """Whether it crashed, broke its promise or, run again, gave other bits.
 
-        A run without an error estimate, such as one with step control, promises nothing.
+        The promise is about the angles. A run without an error estimate, such as one with step
+        control, promises nothing.
         """
-        return (
-            self.verdict == "crashed"
-            or (self.verdict == "inaccurate" and self.estimate is not None)
-            or self.repeatable is False
-        )
+        if self.verdict == "crashed" or self.repeatable is False:
+            return True
+        if self.error is None or self.estimate is None:
+            return False
+        return self.error > max(TOLERANCE, self.estimate) + (self.doubt or 0.0)
 
 
 def run_problems(batch: Sequence[tuple[Problem, Sequence[Way]]], limit: float) -> list[Outcome]:

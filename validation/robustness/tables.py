@@ -57,7 +57,7 @@ def verdicts(outcomes: Sequence[Outcome], refusals: Table) -> Table:
             "drift / radius",
             "energy error, relative",
             "same bits when repeated",
-            "none crashed, none wrong as right",
+            "none crashed, promises kept",
         ),
         rows=rows,
         note="Eccentric disks keep the steel disk's mass and its moments about the COG. Disks of "
@@ -143,7 +143,8 @@ def failures(outcomes: Sequence[Outcome]) -> Table:
 
 def _error(outcome: Outcome) -> str:
     promised = "nothing" if outcome.estimate is None else f"{outcome.estimate:.1e} rad"
-    return f"error {outcome.error:.1e} rad, promised {promised}"
+    text = f"error {outcome.error:.1e} rad, promised {promised}"
+    return f"{text}; relative energy error {outcome.energy:.1e}"
 
 
 def step_limits(limits: Sequence[StepLimit]) -> Table:
