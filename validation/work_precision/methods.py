@@ -248,7 +248,7 @@ def methods(problem: Problem, quick: bool) -> list[Method]:
         available += plain
         if problem.name in (_VARIED[:1] if quick else _VARIED):
             available += _variants(formulation, quick)
-    schemes = ("RK45", "DOP853", "LSODA", "Radau") if quick else _SCIPY
+    schemes = ("DOP853", "LSODA", "Radau") if quick else _SCIPY
     forms = get_args(Form) if problem.level == 4 else ("index-1",)
     available += [InHouseMethod(form=form, scheme=scheme) for form in forms for scheme in schemes]
     return available
