@@ -3,6 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import log2
 
 import numpy as np
@@ -130,6 +131,7 @@ class TrajectoryCheck:
         return self.angles <= ANGLE_LIMIT
 
 
+@cache
 def reference(level: Level, load: Load) -> Trajectory:
     """In-house run from Table 3 over 2 s, two digits better than what is compared with it."""
     return analysis.simulate(

@@ -276,7 +276,7 @@ def _fastest(command: Sequence[str], repeats: int) -> tuple[float, str]:
 def jobs(*, quick: bool) -> list[Job]:
     """Jobs for `run_jobs`; the keys start with "lean"."""
     return [
-        Job(("lean", "prices"), prices, (3 if quick else 9,)),
+        Job(("lean", "prices"), prices, (2 if quick else 9,)),
         Job(("lean", "start-up"), start_up, (1 if quick else 5,)),
     ]
 

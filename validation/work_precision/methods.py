@@ -243,12 +243,14 @@ def methods(problem: Problem, quick: bool) -> list[Method]:
     for formulation in _formulations(problem):
         plain = [
             EngineMethod(formulation=formulation, integrator=integrator)
-            for integrator in _integrators(formulation, quick)
+            for integrator in _integrators(problem, formulation, quick)
         ]
         available += plain
         if problem.name in (_VARIED[:1] if quick else _VARIED):
             available += _variants(formulation, quick)
-    schemes = ("DOP853", "LSODA", "Radau") if quick else _SCIPY
+    schemes: Sequence[str] = _SCIPY
+    if quick:
+        schemes = ("DOP853", "LSODA", "Radau") if problem.name == "stiff" else ("DOP853", "LSODA")
     forms = get_args(Form) if problem.level == 4 else ("index-1",)
     available += [InHouseMethod(form=form, scheme=scheme) for form in forms for scheme in schemes]
     return available
@@ -269,9 +271,11 @@ def _formulations(problem: Problem) -> Sequence[Formulation]:
     ]
 
 
-def _integrators(formulation: Formulation, quick: bool) -> list[Integrator]:
+def _integrators(problem: Problem, formulation: Formulation, quick: bool) -> list[Integrator]:
     trapezoidal = Integrator(name="TrapezoidalIndex2")
-    radii = (0.9,) if quick else (1.0, 0.9, 0.6)
+    radii: Sequence[float] = (1.0, 0.9, 0.6)
+    if quick:
+        radii = (0.9,) if problem.name in _VARIED else ()
     damped = [Integrator(name="GeneralizedAlpha", spectral_radius=radius) for radius in radii]
     if formulation == "contact-tree":
         explicit = [Integrator(name="RK67"), Integrator(name="RK44"), Integrator(name="DOPRI5")]
