@@ -12,6 +12,9 @@ from validation.work_precision.problems import Errors, ProblemName
 USEFUL = 0.1
 """Error from which on a run says nothing about the motion any more."""
 
+LEAST_RATIO = 1.4
+"""Of steps or evaluations between two rungs from which an order can be told."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
@@ -133,6 +136,6 @@ def observed_order(runs: Sequence[Run], floor: float) -> float | None:
         ratio = coarse.setting / fine.setting
         if not coarse.fixed_step:
             ratio = fine.counts["right_hand_sides"] / coarse.counts["right_hand_sides"]
-        if ratio > 1.1:
+        if ratio > LEAST_RATIO:
             slopes.append(log(coarse.error / fine.error) / log(ratio))
     return median(slopes[-3:]) if slopes else None
