@@ -135,10 +135,12 @@ def largest_step(scene: Scene, leaning: float = 1.0) -> float:
 
 
 def _rounded_contact(scene: Scene) -> PenaltyContact:
-    if scene.contact is None or not scene.contact.is_rounded:
+    if scene.contact is None:
+        raise ValueError("scene must have a penalty contact, got contact None")
+    if not scene.contact.is_rounded:
         raise ValueError(
-            "scene must have a penalty contact with half_thickness above 0, since only then the "
-            f"contact is defined when the disk lies flat, got contact {scene.contact!r}"
+            "half_thickness must be positive, since only then the contact is defined when the "
+            "disk lies flat, got 0"
         )
     if scene.formulation != "floating-lie":
         raise ValueError(

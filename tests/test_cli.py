@@ -157,3 +157,14 @@ def test_bad_output_is_refused_before_computing(
     assert run("simulate", "--out", out) == 2
     assert "--out must" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", ["report", "work-precision", "robustness"])
+def test_folder_that_cannot_be_written_is_refused_before_computing(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "taken").write_text("a file")
+    assert run(command, "--out", str(tmp_path / "taken" / "folder")) == 2
+    shown = capsys.readouterr().err
+    assert "--out must be a folder that can be written to" in shown
+    assert shown.count("\n") == 1

@@ -113,8 +113,11 @@ def test_step_beyond_the_predicted_limit_is_refused_before_the_run() -> None:
 def test_scene_refuses_bad_input() -> None:
     with pytest.raises(ValueError, match="half_thickness must not exceed the radius"):
         Scene.rest(contact=PenaltyContact(stiffness=1e6, half_thickness=0.1))
-    with pytest.raises(ValueError, match="contact with half_thickness above 0"):
+    with pytest.raises(ValueError, match="scene must have a penalty contact, got contact None"):
         mbs_models.simulate_to_rest(Scene(), 1.0)
+    thin = Scene(formulation="floating-lie", contact=PenaltyContact(stiffness=1e6))
+    with pytest.raises(ValueError, match="half_thickness must be positive"):
+        mbs_models.simulate_to_rest(thin, 1.0)
     constrained = Scene(formulation="floating", contact=PenaltyContact.rounded(STEEL_DISK))
     with pytest.raises(ValueError, match="must be of formulation 'floating-lie'"):
         mbs_models.simulate_to_rest(constrained, 1.0)

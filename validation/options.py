@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from analysis import Disk, Dissipation, Level, State, consistent_start
 from analysis.checks import number
@@ -35,6 +36,33 @@ def output_path(name: str, value: str, suffixes: Sequence[str]) -> Path:
         raise ValueError(f"{name} must end in {allowed}, got {value!r}")
     if not path.parent.is_dir():
         raise ValueError(f"{name} must lie in an existing folder, got {value!r}")
+    return path
+
+
+def output_folder(name: str, value: str) -> Path:
+    """Folder to write to, made if it does not exist.
+
+    Parameters
+    ----------
+    name : str
+        Name of the option.
+    value : str
+        What was given.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be made or written to.
+    """
+    path = Path(value)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        raise ValueError(
+            f"{name} must be a folder that can be written to, got {value!r} ({error.strerror})"
+        ) from error
     return path
 
 

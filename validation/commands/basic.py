@@ -9,14 +9,14 @@ import analysis
 from analysis import DISKS, SmoothCoulomb, Trajectory
 from analysis.checks import positive
 from analysis.files import whole_file
-from validation.options import PICTURES, chosen_start, output_path
+from validation.options import PICTURES, chosen_start, output_folder, output_path
 
 
 def report(options: argparse.Namespace) -> int:
     """Write the report and print its checks."""
     from validation import full_report
 
-    page, tables = full_report.make(Path(options.out))
+    page, tables = full_report.make(output_folder("--out", options.out))
     for table in tables:
         print(f"\n{table.title}\n{table.to_text()}")
     failed = sum(cell is False for table in tables for row in table.rows for cell in row)

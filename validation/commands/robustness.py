@@ -2,7 +2,8 @@
 
 import argparse
 import time
-from pathlib import Path
+
+from validation.options import output_folder
 
 
 def robustness(options: argparse.Namespace) -> int:
@@ -13,10 +14,11 @@ def robustness(options: argparse.Namespace) -> int:
     from validation.report import run_jobs, write
     from validation.robustness import section as study
 
+    folder = output_folder("--out", options.out)
     begin = time.perf_counter()
     results = run_jobs(study.jobs(quick=options.quick), title="robustness")
     section = study.section(results, quick=options.quick)
-    page = write([section], Path(options.out), seconds=time.perf_counter() - begin)
+    page = write([section], folder, seconds=time.perf_counter() - begin)
     for table in section.tables[:2]:
         print(f"\n{table.title}\n{table.to_text()}")
     wrong = study.wrong(results)

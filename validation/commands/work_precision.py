@@ -1,7 +1,8 @@
 """What `tippedisk work-precision` does."""
 
 import argparse
-from pathlib import Path
+
+from validation.options import output_folder
 
 
 def work_precision(options: argparse.Namespace) -> int:
@@ -19,7 +20,8 @@ def work_precision(options: argparse.Namespace) -> int:
     """
     from validation.work_precision import study
 
-    page, tables = study.main(Path(options.out), quick=options.quick, fresh=options.fresh)
+    folder = output_folder("--out", options.out)
+    page, tables = study.main(folder, quick=options.quick, fresh=options.fresh)
     for table in tables:
         print(f"\n{table.title}\n{table.to_text()}")
     print(f"\nOpen {page}")
