@@ -8,6 +8,7 @@ import pytest
 
 from analysis import SpatialMotion, find_phases
 from validation.cli import main
+from validation.report import run_jobs
 from validation.rest import contact as rest_contact
 from validation.rest import final_stage as rest_final
 from validation.rest import rolling as rest_rolling
@@ -93,7 +94,7 @@ def test_small_changes_of_the_start_grow_in_proportion_until_rest() -> None:
 
 @pytest.mark.slow
 def test_section_shows_engine_and_in_house_agreeing_until_rest() -> None:
-    results = {job.key: job.function(*job.arguments) for job in rest.jobs()}
+    results = run_jobs(rest.jobs())
     section = rest.section(results)
     differences = [row[-1] for row in section.tables[0].rows if row[-1] is not None]
     assert len(differences) == len(rest.CASES)
