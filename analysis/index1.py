@@ -1,6 +1,6 @@
 """The constrained systems of index 1, Eqs. (79), (80) and (92), for Models 1 to 4."""
 
-from math import hypot
+from math import cos, hypot, sin
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
@@ -10,7 +10,7 @@ from analysis.checks import Array
 from analysis.disk import Disk
 from analysis.equations import Vector
 from analysis.friction import SmoothCoulomb
-from analysis.state import Level, multiplier_names
+from analysis.state import MULTIPLIER_COUNTS, Level
 
 
 def friction_per_load(
@@ -19,15 +19,15 @@ def friction_per_load(
     """Generalised friction force for a load of 1 N, shape (6,); Eq. (3) without its lambda_N.
 
     Models 1 and 2 slide in both directions of the table; Models 3 and 4 roll along e_x and slide
-    along e_y alone.
+    along e_y alone. The products with W_T of Eq. (32) are written out, since most of the time of a
+    simulation would go into them.
     """
-    W = equations.tangential_directions(disk, z)
-    slip_x, slip_y = (W.T @ u).tolist()
-    if level >= 3:
-        slip_x = 0.0
+    x, side, lift = z[0], disk.radius * cos(z[4]) - z[1], disk.radius * sin(z[4])
+    slip_x = 0.0 if level >= 3 else u[0] + side * u[3] + disk.radius * u[5]
+    slip_y = u[1] + x * u[3] + lift * u[4]
     factor = -friction.coefficient / (hypot(slip_x, slip_y) + friction.smoothing)
-    force: Array = W @ np.array((factor * slip_x, factor * slip_y))
-    return force
+    fx, fy = factor * slip_x, factor * slip_y
+    return np.array((fx, fy, 0.0, side * fx + x * fy, lift * fy, disk.radius * fx))
 
 
 def accelerations(
@@ -57,7 +57,7 @@ def accelerations(
     ArithmeticError
         If the matrix is singular: Eq. (79) need not have a solution.
     """
-    n = len(multiplier_names(level))
+    n = MULTIPLIER_COUNTS[level]
     W = constraints.directions(level, disk, z)
     matrix = np.zeros((6 + n, 6 + n), order="F")
     matrix[:6, :6] = equations.mass_matrix(disk, z)

@@ -17,6 +17,7 @@ from analysis import (
     Load,
     SmoothCoulomb,
     consistent_start,
+    equations,
     index1,
     multiplier_names,
 )
@@ -224,3 +225,16 @@ def test_a_flat_disk_is_called_singular() -> None:
     flat = np.zeros(6)
     with pytest.raises(ArithmeticError, match="singular index-1 system of Model 1"):
         index1.accelerations(1, centred, SmoothCoulomb(), flat, np.ones(6))
+
+
+@levels
+@seeds
+def test_friction_acts_along_the_papers_directions(level: Level, seed: int) -> None:
+    disk, z, u = random_sample(level, seed)
+    friction = SmoothCoulomb(coefficient=0.4, smoothing=0.02)
+    W = equations.tangential_directions(disk, z)
+    velocity = W.T @ u
+    if level >= 3:
+        velocity[0] = 0.0
+    expected = -0.4 * W @ velocity / (np.linalg.norm(velocity) + 0.02)
+    assert_close(index1.friction_per_load(level, disk, friction, z, u), expected)
