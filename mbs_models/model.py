@@ -285,7 +285,7 @@ class Model(ABC):
                 offset=self.scene.start.rates[3],
                 velocityLevel=True,
             ),
-            "holds the spin constant",
+            "holds the spin constant; its torque is an output of Model 4",
         )
 
 
