@@ -13,7 +13,7 @@ import numpy as np
 from analysis.checks import Array
 from analysis.disk import Disk
 from analysis.equations import Vector
-from analysis.state import MULTIPLIER_COUNTS, Level, State, multiplier_names
+from analysis.state import Level, State, multiplier_names
 
 LABELS = {
     "normal_force": "contact g_N = z - r sin(beta) = 0",
@@ -52,7 +52,7 @@ def directions(level: Level, disk: Disk, z: Vector) -> Array:
         (1.0, 0.0, 0.0, r * cb - y, 0.0, r),
         (0.0, 0.0, 0.0, 1.0, 0.0, 0.0),
     )
-    return np.array(rows[: MULTIPLIER_COUNTS[level]])
+    return np.array(rows[: len(multiplier_names(level))])
 
 
 def acceleration_terms(level: Level, disk: Disk, z: Vector, u: Vector) -> Array:
@@ -68,7 +68,7 @@ def acceleration_terms(level: Level, disk: Disk, z: Vector, u: Vector) -> Array:
         -(r * sb * bd + yd) * ad,
         0.0,
     )
-    return np.array(rows[: MULTIPLIER_COUNTS[level]])
+    return np.array(rows[: len(multiplier_names(level))])
 
 
 def check_admissible(level: Level, disk: Disk, state: State, tolerance: float = 1e-9) -> None:

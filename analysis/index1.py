@@ -10,7 +10,7 @@ from analysis.checks import Array
 from analysis.disk import Disk
 from analysis.equations import Vector
 from analysis.friction import SmoothCoulomb
-from analysis.state import MULTIPLIER_COUNTS, Level
+from analysis.state import Level, multiplier_names
 
 
 def friction_per_load(
@@ -19,8 +19,8 @@ def friction_per_load(
     """Generalised friction force for a load of 1 N, shape (6,); Eq. (3) without its lambda_N.
 
     Models 1 and 2 slide in both directions of the table; Models 3 and 4 roll along e_x and slide
-    along e_y alone. The products with W_T of Eq. (32) are written out, since most of the time of a
-    simulation would go into them.
+    along e_y alone. The products with W_T of Eq. (32) are written out: as array products
+    they take a sixth of the time of a simulation.
     """
     x, side, lift = z[0], disk.radius * cos(z[4]) - z[1], disk.radius * sin(z[4])
     slip_x = 0.0 if level >= 3 else u[0] + side * u[3] + disk.radius * u[5]
@@ -57,7 +57,7 @@ def accelerations(
     ArithmeticError
         If the matrix is singular: Eq. (79) need not have a solution.
     """
-    n = MULTIPLIER_COUNTS[level]
+    n = len(multiplier_names(level))
     W = constraints.directions(level, disk, z)
     matrix = np.zeros((6 + n, 6 + n), order="F")
     matrix[:6, :6] = equations.mass_matrix(disk, z)

@@ -18,13 +18,12 @@ LEVELS: tuple[Level, ...] = get_args(Level)
 MULTIPLIERS = ("normal_force", "cog_force_x", "cog_force_y", "tangential_force", "spin_torque")
 """Constraint forces in the order in which the levels add them (Table 2), all in R-frame axes."""
 
-MULTIPLIER_COUNTS = {1: 1, 2: 3, 3: 4, 4: 5}
-"""Number of constraint forces of each model."""
+_MULTIPLIER_COUNT = {1: 1, 2: 3, 3: 4, 4: 5}
 
 
 def multiplier_names(level: Level) -> tuple[str, ...]:
     """Names of the constraint forces of Model `level`, in order."""
-    return MULTIPLIERS[: MULTIPLIER_COUNTS[choice("level", level, LEVELS)]]
+    return MULTIPLIERS[: _MULTIPLIER_COUNT[choice("level", level, LEVELS)]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
