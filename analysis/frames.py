@@ -128,3 +128,21 @@ def quaternions(rotations: Array) -> Array:
     chosen[1:][np.cumsum(turned) % 2 == 1] *= -1.0
     result: Array = chosen
     return result
+
+
+def rotations(quaternions: Array) -> Array:
+    """Rotation matrices, shape (n, 3, 3), of unit quaternions, scalar part first, shape (n, 4)."""
+    w, x, y, z = quaternions.T
+    rows = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def tilts(rotations: Array) -> Array:
+    """Inclination beta in rad from 0 to pi, both flat, of rotation matrices, shape (n,)."""
+    axis = rotations[:, :, 2]
+    result: Array = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
+    return result

@@ -116,20 +116,12 @@ class SpatialMotion:
     @property
     def rotations(self) -> Array:
         """Rotation matrices A_IB, shape (n, 3, 3)."""
-        w, x, y, z = self.quaternions.T
-        rows = (
-            (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-            (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-            (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-        )
-        return np.moveaxis(np.array(rows), -1, 0)
+        return frames.rotations(self.quaternions)
 
     @property
     def tilt(self) -> Array:
         """Inclination beta in rad from 0 to pi, both flat, shape (n,)."""
-        axis = self.rotations[:, :, 2]
-        result: Array = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
-        return result
+        return frames.tilts(self.rotations)
 
     @property
     def leaning(self) -> Array:

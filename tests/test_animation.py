@@ -29,7 +29,7 @@ from analysis.checks import Array
 from tests.helpers import random_trajectory
 from validation import cli, report
 from validation.animation import gif as animation_gif
-from validation.animation.keyframes import Keyframes, Motion, keyframes
+from validation.animation.keyframes import Motion, keyframes
 from validation.animation.player import LEVELS, Animation, encode, player
 
 
@@ -108,17 +108,13 @@ def poses(motion: Motion) -> tuple[Array, Array]:
     return frames.poses(motion.coordinates)
 
 
-def rotations(made: Keyframes) -> Array:
-    return np.stack(made.axes, axis=-1)
-
-
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_keyframes_meet_every_sample_of_the_motion(kind: str) -> None:
     motion = MOTIONS[kind]()
     made = keyframes(motion).at(motion.times)
     position, rotation = poses(motion)
     np.testing.assert_allclose(made.positions, position, atol=1e-12)
-    np.testing.assert_allclose(rotations(made), rotation, atol=1e-12)
+    np.testing.assert_allclose(made.rotations, rotation, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", MOTIONS)
@@ -140,7 +136,7 @@ def test_whole_turns_between_coarse_samples_are_kept() -> None:
     position, rotation = poses(fine)
     shown = made.at(fine.times)
     np.testing.assert_allclose(shown.positions, position, atol=2e-4)
-    np.testing.assert_allclose(rotations(shown), rotation, atol=4e-3)
+    np.testing.assert_allclose(shown.rotations, rotation, atol=4e-3)
 
 
 def test_motion_passes_through_the_flat_attitude() -> None:
@@ -160,7 +156,7 @@ def test_interpolation_takes_the_shorter_way_round() -> None:
     times = np.linspace(0.0, 1.0, 333)
     flipped = keyframes(replace(motion, quaternions=signs * motion.quaternions)).at(times)
     np.testing.assert_allclose(
-        rotations(flipped), rotations(keyframes(motion).at(times)), atol=1e-12
+        flipped.rotations, keyframes(motion).at(times).rotations, atol=1e-12
     )
 
 
@@ -168,7 +164,7 @@ def test_contact_point_is_the_lowest_of_the_rim() -> None:
     made = keyframes(inversion())
     angle = np.linspace(0.0, 2 * np.pi, 20001)
     for index in range(0, made.times.size, 40):
-        first, second, _ = (axis[index] for axis in made.axes)
+        first, second, _ = made.rotations[index].T
         rim = np.outer(np.cos(angle), first) + np.outer(np.sin(angle), second)
         lowest = made.positions[index] + made.disk.radius * rim[np.argmin(rim[:, 2])]
         np.testing.assert_allclose(made.contact_points[index], lowest[:2], atol=2e-5)

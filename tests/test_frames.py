@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from analysis import frames
 from analysis.checks import Array
@@ -119,3 +120,12 @@ def test_turning_back_restores_the_vectors(seed: int) -> None:
     expected = [turn_z(angle) @ row for angle, row in zip(angles, vectors, strict=True)]
     assert_close(turned, expected, relative=1e-14)
     assert_close(frames.turn_about_vertical(-angles, turned), vectors, relative=1e-14)
+
+
+def test_quaternions_and_rotations_are_those_of_scipy_and_each_others_inverse() -> None:
+    known = Rotation.random(200, random_state=4)
+    x, y, z, w = known.as_quat().T
+    found = frames.rotations(np.column_stack((w, x, y, z)))
+    np.testing.assert_allclose(found, known.as_matrix(), atol=1e-14)
+    np.testing.assert_allclose(frames.rotations(frames.quaternions(found)), found, atol=1e-14)
+    np.testing.assert_allclose(np.cos(frames.tilts(found)), found[:, 2, 2], atol=1e-14)

@@ -154,7 +154,7 @@ class _Picture:
         radius, scale = pose.disk.radius, self.scale
         place = pose.positions[0]
         target = np.array([*(place[:2] if self.follows else self.middle), 0.75 * radius])
-        first, second, _ = (axis[0] for axis in pose.axes)
+        first, second, _ = pose.rotations[0].T
 
         def project(points: Array) -> Array:
             """Picture coordinates in radii, shape (2, n)."""

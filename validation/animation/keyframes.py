@@ -53,26 +53,19 @@ class Keyframes:
     source: str
 
     @property
-    def axes(self) -> tuple[Array, Array, Array]:
-        """Inertial components of the body axes x, y and z, each shape (n, 3)."""
-        w, x, y, z = self.quaternions.T
-        return (
-            np.column_stack((1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y))),
-            np.column_stack((2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x))),
-            np.column_stack((2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))),
-        )
+    def rotations(self) -> Array:
+        """Rotation matrices, whose columns are the body axes, shape (n, 3, 3)."""
+        return frames.rotations(self.quaternions)
 
     @property
     def tilt(self) -> Array:
         """Inclination beta in rad, shape (n,)."""
-        normal = self.axes[2]
-        result: Array = np.arctan2(np.hypot(normal[:, 0], normal[:, 1]), normal[:, 2])
-        return result
+        return frames.tilts(self.rotations)
 
     @property
     def cog_height(self) -> Array:
         """Height of the centre of gravity in m, shape (n,)."""
-        result: Array = self.positions[:, 2] + self.disk.eccentricity * self.axes[0][:, 2]
+        result: Array = self.positions[:, 2] + self.disk.eccentricity * self.rotations[:, 2, 0]
         return result
 
     def at(self, times: Array) -> "Keyframes":

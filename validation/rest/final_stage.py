@@ -1,7 +1,6 @@
 """The final stage of a centred disk with one dissipation at a time, and its power law."""
 
 from collections.abc import Mapping
-from math import pi, sin
 from typing import Any
 
 import numpy as np
@@ -11,11 +10,14 @@ from analysis import (
     Dissipation,
     PenaltyContact,
     SpatialMotion,
-    State,
     simulate_to_rest,
 )
 from analysis.final_stage import fit_power_law, precession
-from analysis.stationary_rolling import euler_disk_precession, time_to_flat
+from analysis.stationary_rolling import (
+    euler_disk_precession,
+    rolling_start,
+    time_to_flat,
+)
 from validation import figures
 from validation.figures import Picture
 from validation.report import Job
@@ -36,11 +38,7 @@ STAGES = {
 def run_stage(name: str) -> SpatialMotion:
     """Euler's disk until flat with this dissipation."""
     dissipation = STAGES[name][0]
-    rate = euler_disk_precession(DISK, START)
-    start = State(
-        coordinates=(0.0, 0.0, DISK.radius * sin(START), 0.0, START, pi / 2),
-        rates=(0.0, 0.0, 0.0, rate, 0.0, -rate * np.cos(START)),
-    )
+    start = rolling_start(DISK, START, euler_disk_precession(DISK, START), 0.0)
     contact = PenaltyContact.rounded(DISK, half_thickness=2e-5)
     return simulate_to_rest(
         1.1 * time_to_flat(DISK, dissipation, START),

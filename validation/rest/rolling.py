@@ -142,11 +142,12 @@ WINDOWS = ((24.0, 30.0), (45.0, 55.0), (70.0, 80.0))
 """Times in s over which the creep is averaged."""
 
 
-def mean_loss(motion: SpatialMotion, begin: float, end: float) -> float:
-    """Mean loss of energy between two times in W."""
-    energy = motion.energies.sum(axis=1)
-    first, last = np.searchsorted(motion.times, (begin, end))
-    return float((energy[first] - energy[last]) / (motion.times[last] - motion.times[first]))
+def creep_of(motion: SpatialMotion, begin: float, end: float) -> tuple[float, float]:
+    """Mean energy in J and its mean loss in W between two times."""
+    energy, times = motion.energies.sum(axis=1), motion.times
+    first, last = np.searchsorted(times, (begin, end))
+    loss = (energy[first] - energy[last]) / (times[last] - times[first])
+    return float(np.mean(energy[first : last + 1])), float(loss)
 
 
 def creep(motion: SpatialMotion) -> Table:
@@ -156,8 +157,7 @@ def creep(motion: SpatialMotion) -> Table:
     for begin, end in WINDOWS:
         part = (motion.times >= begin) & (motion.times <= end)
         slip, force = motion.slip_speeds[part], motion.normal_force[part]
-        energy = float(np.mean(motion.energies[part].sum(axis=1)))
-        loss = mean_loss(motion, begin, end)
+        energy, loss = creep_of(motion, begin, end)
         rows.append(
             (
                 f"{begin:g} to {end:g}",

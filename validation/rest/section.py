@@ -120,7 +120,7 @@ def section(results: Mapping[Any, Any]) -> Section:
     return Section(
         name="rest",
         title="To rest",
-        paragraphs=_paragraphs(results, creep),
+        paragraphs=_paragraphs(results),
         pictures=[
             *rest_figures.draw(shown),
             rest_figures.draw_dependence(base, variants),
@@ -147,13 +147,15 @@ def section(results: Mapping[Any, Any]) -> Section:
     )
 
 
-def _paragraphs(results: Mapping[Any, Any], creep: Table) -> list[str]:
+def _paragraphs(results: Mapping[Any, Any]) -> list[str]:
     base = results["rest", SHOWN, "in-house"]
     faster = results["rest", SHOWN, "spin 0.001 rad/s faster"]
     count = min(base.times.size, faster.times.size)
     change = np.abs(base.tilt[:count] - faster.tilt[:count])
     before = base.times[:count] < (find_phases(base).inversion_lost or np.inf)
-    late = creep.rows[-1]
+    left, loss = rest_rolling.creep_of(
+        results["rest", SLIDING, "in-house"], *rest_rolling.WINDOWS[-1]
+    )
     return [
         (
             "The disk is a thin spheroid on a stiff, damped, unilateral contact, so that its "
@@ -165,8 +167,8 @@ def _paragraphs(results: Mapping[Any, Any], creep: Table) -> list[str]:
             "The paper concludes that on a slow timescale the disk comes to lie flat on the "
             "table. With the friction that it models this takes far longer than minutes: once "
             "the disk rolls, it slips so slowly that the smoothed friction law is viscous, and "
-            f"what it takes falls to {float(late[4] or 0.0):.1e} W while "
-            f"{float(late[3] or 0.0):.3f} J are left. Lying flat within seconds needs rolling "
+            f"what it takes falls to {loss:.1e} W while "
+            f"{left:.3f} J are left. Lying flat within seconds needs rolling "
             "resistance, and lying still needs pivoting friction."
         ),
         (

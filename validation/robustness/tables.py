@@ -71,17 +71,22 @@ def _largest(values: Sequence[float | None]) -> float | None:
     return max((value for value in values if value is not None), default=None)
 
 
+_CASE = ("model", "what is extreme", "how", "formulation, integrator", "verdict")
+
+
+def _case(outcome: Outcome) -> list[Cell]:
+    """Cells under `_CASE`."""
+    problem = outcome.problem
+    return [problem.level, problem.axis, problem.label, outcome.way.name, outcome.verdict]
+
+
 def all_cases(outcomes: Sequence[Outcome]) -> Table:
     """Everything, for a file."""
     return Table(
         name="robustness-all-cases",
         title="All hard cases",
         columns=(
-            "model",
-            "what is extreme",
-            "how",
-            "formulation, integrator",
-            "verdict",
+            *_CASE,
             "error in rad",
             "promised in rad",
             "doubt of the reference in rad",
@@ -93,11 +98,7 @@ def all_cases(outcomes: Sequence[Outcome]) -> Table:
         ),
         rows=[
             [
-                outcome.problem.level,
-                outcome.problem.axis,
-                outcome.problem.label,
-                outcome.way.name,
-                outcome.verdict,
+                *_case(outcome),
                 outcome.error,
                 outcome.estimate,
                 outcome.doubt,
@@ -118,23 +119,9 @@ def failures(outcomes: Sequence[Outcome]) -> Table:
     return Table(
         name="robustness-failures",
         title="Cases that gave no accurate result",
-        columns=(
-            "model",
-            "what is extreme",
-            "how",
-            "formulation, integrator",
-            "verdict",
-            "reason",
-        ),
+        columns=(*_CASE, "reason"),
         rows=[
-            [
-                outcome.problem.level,
-                outcome.problem.axis,
-                outcome.problem.label,
-                outcome.way.name,
-                outcome.verdict,
-                outcome.reason or _error(outcome),
-            ]
+            [*_case(outcome), outcome.reason or _error(outcome)]
             for outcome in outcomes
             if outcome.verdict != "accurate"
         ],
