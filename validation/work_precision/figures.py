@@ -1,16 +1,16 @@
 """Diagrams of error against run time and against work."""
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from validation.figures import Picture, render
-from validation.work_precision.problems import PROBLEMS
+from validation.work_precision.problems import PROBLEMS, ProblemName
 from validation.work_precision.runs import (
     GOALS,
+    Curve,
     Run,
     by_hindsight,
     front,
@@ -52,8 +52,8 @@ def fronts(study: Study, here: Study | None = None) -> Picture:
     here : Study, optional
         Quick study on the spot, laid over.
     """
-    figure, axes = _grid()
-    for panel, name in zip(axes.flat, PROBLEMS, strict=False):
+    figure, panels, spare = _panels(study)
+    for name, panel in panels.items():
         floor = _floor(study, panel, name)
         runs = [run for curve in study.of(name) for run in curve.runs]
         for formulation, group in grouped(runs, lambda run: run.formulation).items():
@@ -62,8 +62,11 @@ def fronts(study: Study, here: Study | None = None) -> Picture:
             spot = [run for curve in here.of(name) for run in curve.runs]
             for formulation, group in grouped(spot, lambda run: run.formulation).items():
                 _crosses(panel, front(group), formulation, floor)
-    _energy_panel(axes.flat[len(PROBLEMS)], study)
-    _labels(axes, "processor time in ms")
+    if "undamped" in panels:
+        _energy_panel(spare, study)
+    else:
+        spare.set_axis_off()
+    _labels(panels.values(), "processor time in ms")
     handles = _handles(LOOKS)
     if here is not None:
         handles.append(_key("#444444", "x", "measured on the spot"))
@@ -83,9 +86,10 @@ def fronts(study: Study, here: Study | None = None) -> Picture:
 
 def orders(study: Study) -> Picture:
     """Single methods against their work, with observed orders, one panel per problem."""
-    figure, axes = _grid()
-    for panel, name in zip(axes.flat, PROBLEMS, strict=False):
+    figure, panels, spare = _panels(study)
+    for name, panel in panels.items():
         floor = _floor(study, panel, name)
+        told: list[tuple[Curve, float]] = []
         for curve in study.of(name):
             for kind, group in grouped(curve.runs, lambda run: run.kind).items():
                 if not _shown(group[0]):
@@ -102,8 +106,8 @@ def orders(study: Study) -> Picture:
                 )
                 if not extrapolated:
                     order = observed_order(group, floor).value
-                    _order(panel, line, order, floor)
-    spare = axes.flat[len(PROBLEMS)]
+                    told += [] if order is None else [(curve, order)]
+        _tell_orders(panel, told)
     spare.set_axis_off()
     handles = _handles({name: LOOKS[name] for name in LOOKS if name != "reduced"})
     handles += [
@@ -120,28 +124,30 @@ def orders(study: Study) -> Picture:
         ),
     ]
     spare.legend(handles=handles, loc="center", frameon=False, fontsize=9.5)
-    axes[1, 2].tick_params(labelbottom=True)
-    _labels(axes, "evaluations")
-    axes[1, 2].set_xlabel("evaluations")
+    _labels(panels.values(), "evaluations")
     return render(
         figure,
         name="work-precision-orders",
         title="Error against work of single methods",
         caption="The same on every machine. Evaluations of the right-hand side, one per Newton "
         "iteration. Contact tree: RK44, RK67 and DOPRI5; other formulations: trapezoidal rule; "
-        "in-house: DOP853 and Radau. Numbers: observed orders, where four rungs tell one. Rungs "
-        "whose run failed are gaps.",
+        "in-house: DOP853 and Radau. In the corners: observed orders, where four rungs tell one.",
     )
 
 
-def _grid() -> tuple[Figure, Any]:
-    """Three by three panels; all problems and one to spare."""
-    figure = Figure(figsize=(10.5, 10.0), layout="constrained")
-    axes = figure.subplots(3, 3, sharex=True)
-    for panel in axes.flat:
+def _panels(study: Study) -> tuple[Figure, dict[ProblemName, Axes], Axes]:
+    """A panel for each problem of the study, three in a row, and one to spare."""
+    names = [name for name in PROBLEMS if study.of(name)]
+    rows = 1 + len(names) // 3
+    figure = Figure(figsize=(10.5, 0.4 + 3.2 * rows), layout="constrained")
+    axes = list(figure.subplots(rows, 3, squeeze=False).flat)
+    for panel in axes:
         panel.spines[["right", "top"]].set_visible(False)
         panel.grid(alpha=0.3)
-    return figure, axes
+    panels = dict(zip(names, axes, strict=False))
+    for panel in axes[len(names) + 1 :]:
+        panel.set_axis_off()
+    return figure, panels, axes[len(names)]
 
 
 def _milliseconds(run: Run) -> float:
@@ -160,16 +166,13 @@ def _shown(run: Run) -> bool:
     return run.scheme in _SHOWN - ({"trapezoidal"} if explicit else set())
 
 
-def _floor(study: Study, axes: Axes, name: Any) -> float:
+def _floor(study: Study, axes: Axes, name: ProblemName) -> float:
     """Prepare a panel; smallest error that can be told in it."""
     axes.set_title(PROBLEMS[name].title, fontsize=10, loc="left")
     axes.set(xscale="log", yscale="log", ylim=(_LOWEST, _HIGHEST))
     axes.set_yticks([10.0**-digits for digits in range(0, 12, 3)])
     for goal in GOALS:
         axes.axhline(goal, color="#777777", linewidth=0.8, linestyle=":")
-    if name not in study.agreements:
-        axes.text(0.5, 0.5, "not in this selection", ha="center", transform=axes.transAxes)
-        return _LOWEST
     floor = study.agreements[name].floor
     axes.axhspan(_LOWEST, floor, color="#e6e6e6", zorder=0)
     return floor
@@ -209,28 +212,27 @@ def _crosses(axes: Axes, runs: Sequence[Run], formulation: str, floor: float) ->
     )
 
 
-def _order(axes: Axes, runs: Sequence[Run], order: float | None, floor: float) -> None:
-    shown = [run for run in runs if run.error > floor]
-    if order is None or not shown:
-        return
-    last = min(shown, key=lambda run: run.error)
-    axes.annotate(
-        f"{order:.1f}",
-        (last.work, last.error),
-        xytext=(5, -2),
-        textcoords="offset points",
-        fontsize=8,
-        color=LOOKS[last.formulation][0],
-    )
+def _tell_orders(axes: Axes, told: Sequence[tuple[Curve, float]]) -> None:
+    """Write orders into the corner that the curves leave free."""
+    for line, (curve, order) in enumerate(reversed(told)):
+        name = curve.scheme
+        if name == "trapezoidal":
+            name = NAMES[curve.formulation].removeprefix("floating, ")
+        axes.text(
+            0.03,
+            0.13 + 0.06 * line,
+            f"{name} {order:.1f}",
+            transform=axes.transAxes,
+            fontsize=8,
+            color=LOOKS[curve.formulation][0],
+        )
 
 
 def _energy_panel(axes: Axes, study: Study) -> None:
     """Error in the energy of the undamped problem, which ought to stay constant."""
     axes.set_title("Undamped: error in the energy", fontsize=10, loc="left")
-    axes.set(xscale="log", yscale="log", ylabel="energy error in J")
+    axes.set(xscale="log", yscale="log", xlabel="processor time in ms", ylabel="energy error in J")
     runs = by_hindsight(run for curve in study.of("undamped") for run in curve.runs)
-    if not runs:
-        axes.text(0.5, 0.5, "not in this selection", ha="center", transform=axes.transAxes)
     for formulation, group in grouped(runs, lambda run: run.formulation).items():
         colour, marker = LOOKS[formulation]
         points: list[tuple[float, float]] = []
@@ -244,11 +246,11 @@ def _energy_panel(axes: Axes, study: Study) -> None:
             axes.plot(*zip(*points, strict=True), color=colour, marker=marker, markersize=4.5)
 
 
-def _labels(axes: Any, horizontal: str) -> None:
-    for panel in axes[-1]:
+def _labels(panels: Iterable[Axes], horizontal: str) -> None:
+    for number, panel in enumerate(panels):
         panel.set_xlabel(horizontal)
-    for panel in axes[:, 0]:
-        panel.set_ylabel("largest error in rad")
+        if number % 3 == 0:
+            panel.set_ylabel("largest error in rad")
 
 
 def _handles(looks: dict[str, tuple[str, str]]) -> list[Line2D]:

@@ -7,7 +7,7 @@ from validation.work_precision.problems import PROBLEMS, SPACING, TIMES
 from validation.work_precision.stored import Study, shipped
 
 
-def make_section(measured: Study, full: Study | None = None) -> Section:
+def make_section(measured: Study) -> Section:
     """Section with the lesson, the diagrams and the tables.
 
     Parameters
@@ -15,10 +15,8 @@ def make_section(measured: Study, full: Study | None = None) -> Section:
     measured : Study
         What was measured on the spot. A full study speaks for itself; a quick one confirms by
         sample what the shipped full study says.
-    full : Study, optional
-        Full study to be confirmed, by default the shipped one.
     """
-    full = shipped() if full is None else full
+    full = shipped()
     here = measured if measured.quick and full is not None else None
     shown = full if here is not None and full is not None else measured
     # A selection has too few cases for a lesson.
