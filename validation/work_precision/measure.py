@@ -183,8 +183,8 @@ def _extrapolation(method: Method) -> Extrapolation | None:
 
 def _errors(problem: Problem, run: Trajectory) -> Errors:
     truth = reference(problem.name)
-    if run.times.size < truth.times.size:
-        raise ArithmeticError(f"the run ended early, at t = {run.times[-1]:g} s")
+    if run.ending is not None:
+        raise ArithmeticError(f"{run.ending.reason} at t = {run.ending.time:.6g} s")
     errors = compare(run, truth)
     if not np.all(np.isfinite(errors.row())):
         raise ArithmeticError("the result is not finite")

@@ -15,7 +15,8 @@ from analysis.simulation import longest_step
 from analysis.trajectory import versions
 from mbs_models import Formulation, Integrator, Scene
 from mbs_models.extrapolation import Ladder
-from mbs_models.simulation import Pass, one_pass, trajectory
+from mbs_models.passes import one_pass
+from mbs_models.simulation import trajectory
 from validation.work_precision.problems import SPACING, TIMES, Problem, ProblemName
 
 HALVINGS = 8
@@ -90,6 +91,8 @@ class EngineMethod:
         if integrator.controls_step:
             integrator, step = Integrator(name=integrator.name, local_tolerance=setting), np.inf
         result = one_pass(self._scene(problem), TIMES, integrator, step, symbolic=self.symbolic)
+        if result.ended is not None:
+            raise ArithmeticError(f"{result.ended} at t = {result.times[-1]:.6g} s")
         return Measured(result, result.seconds, dict(result.counts))
 
     def run_to(self, problem: Problem, tolerance: float) -> tuple[Trajectory, Measured]:
@@ -108,8 +111,8 @@ class EngineMethod:
         return run, Measured(None, seconds, dict(run.counts))
 
     def trajectory(self, problem: Problem, run: Measured) -> Trajectory:
-        """Trajectory of a run; adds the normal force of the contact tree, outside of its time."""
-        return trajectory(self._scene(problem), TIMES, self.integrator, run.values)
+        """Trajectory of a run."""
+        return trajectory(self._scene(problem), self.integrator, run.values)
 
     def extrapolation(self) -> "Extrapolation":
         """Richardson's extrapolation of its runs, with their work added up."""
@@ -146,7 +149,7 @@ class Extrapolation:
         self._ladder.add(run.values.values)
         if not np.isfinite(self._ladder.estimate):
             return None
-        values = Pass(self._ladder.best, run.values.step, run.values.counts)
+        values = replace(run.values, values=self._ladder.best)
         return Measured(values, self._seconds, dict(self._counts))
 
 
