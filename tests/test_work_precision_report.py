@@ -190,7 +190,21 @@ def test_tolerance_table_counts_refusals_and_margins() -> None:
     row = tables.tolerances(made_study(measured())).rows[0]
     assert row[:3] == ["contact-tree, RK44", 2, 0]
     assert 0.0 < float(str(row[3])) < 1.0
-    assert float(str(row[5])) >= 1.0
+    assert float(str(row[6])) >= 1.0
+
+
+def test_tolerance_table_tells_the_promised_angles_from_the_position() -> None:
+    astray = [
+        dataclasses.replace(run, errors=dataclasses.replace(run.errors, error=1.0))
+        for run in measured().runs
+        if run.kind == "tolerance" and run.errors is not None
+    ]
+    plain = [run for run in measured().runs if run.kind != "tolerance"]
+    curve = dataclasses.replace(measured(), runs=(*plain, *astray))
+    row = tables.tolerances(made_study(curve)).rows[0]
+    assert row[1:3] == [2, 0]
+    assert float(str(row[3])) < 1.0
+    assert row[5] == 2
 
 
 def test_price_within_scatter_is_called_so() -> None:

@@ -29,8 +29,11 @@ from validation.work_precision.problems import (
 )
 from validation.work_precision.runs import GOALS, USEFUL, Curve, End, Run, evaluations
 
-LONG = 30_000
-"""Evaluations or iterations from which on a run is long enough to be repeated less often."""
+LONG, VERY_LONG = 30_000, 100_000
+"""Evaluations or iterations from which on a run is repeated less often, and not at all.
+
+It then takes so long that a disturbance of the machine matters little.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +54,8 @@ class Effort:
 
     def runs(self, work: int) -> int:
         """Timed runs of a rung of so many evaluations."""
+        if work > VERY_LONG:
+            return 1
         return self.long_repeats if work > LONG else self.repeats
 
 

@@ -89,6 +89,11 @@ class Run:
         return inf if self.errors is None else self.errors.error
 
     @property
+    def angle_error(self) -> float:
+        """Error of beta and gamma alone, infinite for a failed run."""
+        return inf if self.errors is None else max(self.errors.beta, self.errors.gamma)
+
+    @property
     def work(self) -> int:
         """See `evaluations`."""
         return evaluations(self.counts)
