@@ -63,7 +63,6 @@ def made_study(*curves: Curve, quick: bool = False) -> Study:
     return Study(
         provenance=Provenance(
             machine="a machine",
-            python="3.11",
             packages={"exudyn": "1.13.6"},
             date="2026-01-31",
             commit="abc1234567",
@@ -157,7 +156,7 @@ def test_tables_say_what_the_runs_say() -> None:
         (run for run in measured().runs if run.error <= 1e-3 and run.kind != "tolerance"),
         key=lambda run: run.seconds,
     )
-    assert rows[0][:4] == ["Model 1", 1e-3, best.method, best.work]
+    assert rows[0][:4] == ["Model 1", "1e-3", best.method, best.work]
     assert str(rows[0][5]).startswith("index-1, DOP853")
     assert rows[2][2] != "not reached"
     assert rows[3][2] == "not in this selection"

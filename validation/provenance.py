@@ -23,10 +23,8 @@ class Provenance:
     ----------
     machine : str
         Processor, cores and system.
-    python : str
-        Version.
     packages : dict
-        Version of each of `PACKAGES`.
+        Versions of Python and of each of `PACKAGES`.
     date : str
         Day in UTC, as 2026-01-31.
     commit : str
@@ -34,7 +32,6 @@ class Provenance:
     """
 
     machine: str
-    python: str
     packages: dict[str, str]
     date: str
     commit: str
@@ -44,7 +41,6 @@ class Provenance:
         """That of the running program."""
         return cls(
             machine=machine(),
-            python=platform.python_version(),
             packages=versions(*PACKAGES),
             date=time.strftime("%Y-%m-%d", time.gmtime()),
             commit=commit(),
@@ -58,7 +54,7 @@ class Provenance:
         """All of it in a line."""
         packages = ", ".join(f"{name} {version}" for name, version in self.packages.items())
         source = f", commit {self.commit}" if self.commit else ""
-        return f"{self.date}, {self.machine}, Python {self.python}, {packages}{source}"
+        return f"{self.date}, {self.machine}, {packages}{source}"
 
 
 def machine() -> str:

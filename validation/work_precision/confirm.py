@@ -58,6 +58,10 @@ def speed(found: list[Pair]) -> float | None:
     return median(ratios) if ratios else None
 
 
+def _short(value: float | None) -> float | None:
+    return None if value is None else float(f"{value:.3g}")
+
+
 def sentence(here: Study, there: Study) -> str:
     """What the runs on the spot say about the shipped ones."""
     found = pairs(here, there)
@@ -90,7 +94,7 @@ def table(here: Study, there: Study) -> Table:
                 len(group),
                 sum(pair.same_work for pair in group),
                 sum(pair.same_error for pair in group),
-                speed(group),
+                _short(speed(group)),
             ]
             for (problem, method), group in groups.items()
         ],

@@ -57,11 +57,12 @@ def fronts(study: Study, here: Study | None = None) -> Picture:
         floor = _floor(study, panel, name)
         runs = [run for curve in study.of(name) for run in curve.runs]
         for formulation, group in grouped(runs, lambda run: run.formulation).items():
-            _line(panel, front(group), formulation, cost=_milliseconds, floor=floor)
+            told = _measurable(front(group), floor)
+            _line(panel, told, formulation, cost=_milliseconds, floor=floor)
         if here is not None:
             spot = [run for curve in here.of(name) for run in curve.runs]
             for formulation, group in grouped(spot, lambda run: run.formulation).items():
-                _crosses(panel, front(group), formulation, floor)
+                _crosses(panel, _measurable(front(group), floor), formulation, floor)
     if "undamped" in panels:
         _energy_panel(spare, study)
     else:
@@ -140,8 +141,9 @@ def _panels(study: Study) -> tuple[Figure, dict[ProblemName, Axes], Axes]:
     names = [name for name in PROBLEMS if study.of(name)]
     rows = 1 + len(names) // 3
     figure = Figure(figsize=(10.5, 0.4 + 3.2 * rows), layout="constrained")
-    axes = list(figure.subplots(rows, 3, squeeze=False).flat)
+    axes = list(figure.subplots(rows, 3, squeeze=False, sharex=True).flat)
     for panel in axes:
+        panel.tick_params(labelbottom=True)
         panel.spines[["right", "top"]].set_visible(False)
         panel.grid(alpha=0.3)
     panels = dict(zip(names, axes, strict=False))
@@ -152,6 +154,12 @@ def _panels(study: Study) -> tuple[Figure, dict[ProblemName, Axes], Axes]:
 
 def _milliseconds(run: Run) -> float:
     return 1e3 * run.seconds
+
+
+def _measurable(runs: Sequence[Run], floor: float) -> list[Run]:
+    """Runs up to the first that is too good to be measured: no later one is told from it."""
+    above = [run for run in runs if run.error > floor]
+    return [*above, *runs[len(above) : len(above) + 1]]
 
 
 _SHOWN = {"RK44", "RK67", "DOPRI5", "trapezoidal", "DOP853", "Radau"}
@@ -214,14 +222,15 @@ def _crosses(axes: Axes, runs: Sequence[Run], formulation: str, floor: float) ->
 
 def _tell_orders(axes: Axes, told: Sequence[tuple[Curve, float]]) -> None:
     """Write orders into the corner that the curves leave free."""
-    for line, (curve, order) in enumerate(reversed(told)):
+    for line, (curve, order) in enumerate(told):
         name = curve.scheme
         if name == "trapezoidal":
             name = NAMES[curve.formulation].removeprefix("floating, ")
         axes.text(
-            0.03,
-            0.13 + 0.06 * line,
+            0.99,
+            0.95 - 0.06 * line,
             f"{name} {order:.1f}",
+            ha="right",
             transform=axes.transAxes,
             fontsize=8,
             color=LOOKS[curve.formulation][0],

@@ -6,7 +6,7 @@ from statistics import geometric_mean, median
 from validation.work_precision.figures import NAMES
 from validation.work_precision.prices import CONSTRAINED, Price
 from validation.work_precision.problems import PROBLEMS
-from validation.work_precision.runs import GOALS, Run, by_hindsight, fastest, grouped
+from validation.work_precision.runs import GOALS, Run, by_hindsight, fastest, grouped, words
 from validation.work_precision.stored import Study
 
 
@@ -63,7 +63,7 @@ def _constrained(runs: Sequence[Run]) -> str:
         ranked = sorted(wins.items(), key=lambda item: (-item[1], item[0]))
         if ranked:
             counts = ", ".join(f"{NAMES[name]} {count}" for name, count in ranked)
-            parts.append(f"to {goal:g}: {counts}")
+            parts.append(f"to {words(goal)}: {counts}")
     if not parts:
         return ""
     return (
@@ -87,11 +87,11 @@ def _extrapolation(runs: Sequence[Run]) -> str:
             alone += plain is None and better is not None
         parts = []
         if gains:
-            parts.append(f"{geometric_mean(gains):.2g} times in {len(gains)} cases")
+            parts.append(f"{geometric_mean(gains):.2g} times in {_cases(len(gains))}")
         if alone:
             parts.append(f"on none of its ladders in {alone} where extrapolation gets there")
         if parts:
-            texts.append(f"to {goal:g}, {' and '.join(parts)}")
+            texts.append(f"to {words(goal)}, {' and '.join(parts)}")
     if not texts:
         return ""
     return (
@@ -123,7 +123,9 @@ def _prices(prices: Sequence[Price]) -> str:
     texts = []
     for what, group in sorted(groups.items()):
         ratios = [price.ratio for price in group]
-        text = f"{what} {median(ratios):.2g} times the time ({_span(ratios)} in {len(group)} cases"
+        text = (
+            f"{what} {median(ratios):.2g} times the time ({_span(ratios)} in {_cases(len(group))}"
+        )
         doubtful = sum(not price.told for price in group)
         texts.append(text + (f", {doubtful} within scatter)" if doubtful else ")"))
     return f"Prices, each the median of pairs of runs in turns: {_list(texts)}" if texts else ""
@@ -172,7 +174,7 @@ def _drift(runs: Sequence[Run]) -> str:
         return ""
     return (
         f"Largest drift off the position constraints among the runs with an error of at most "
-        f"{GOALS[0]:g}, extrapolated ones left out: {_list(texts)}"
+        f"{words(GOALS[0])}, extrapolated ones left out: {_list(texts)}"
     )
 
 
@@ -192,6 +194,10 @@ def _in_house(runs: Sequence[Run]) -> str:
     return (
         f"The in-house index-1 equations get to a goal fastest with (number of cases): {counts}."
     )
+
+
+def _cases(number: int) -> str:
+    return "1 case" if number == 1 else f"{number} cases"
 
 
 def _span(values: Sequence[float]) -> str:

@@ -14,7 +14,7 @@ from validation.work_precision.problems import (
     compare,
     reference,
 )
-from validation.work_precision.runs import evaluations
+from validation.work_precision.runs import evaluations, words
 
 CONSTRAINED: tuple[Formulation, ...] = ("euler-tree", "floating", "floating-lie")
 """Formulations that keep constraints."""
@@ -173,7 +173,7 @@ def _to_goal(side: Side, goal: float) -> tuple[Side, Side]:
         if _error(side.problem, side.method, run) <= goal:
             alone = replace(side, steps=(step,))
             return joined or alone, alone
-    raise ArithmeticError(f"{side.method.formulation} does not meet {goal:g} on its ladder")
+    raise ArithmeticError(f"{side.method.formulation} does not meet {words(goal)} on its ladder")
 
 
 def _error(problem: Problem, method: EngineMethod, run: Measured | None) -> float:
@@ -220,7 +220,7 @@ def _options(problem: Problem) -> list[Case]:
         ]
         if not free:
             side = Side(problem=problem, method=plain)
-            what = f"extrapolated for a single run, to {GOAL:g}"
+            what = f"extrapolated for a single run, to {words(GOAL)}"
             result.append(Case(what=what, one=side, other=side, goal=GOAL))
     return result + _attitudes(problem)
 

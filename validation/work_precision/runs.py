@@ -41,6 +41,11 @@ ENDS: dict[End, str] = {
 }
 
 
+def words(goal: float) -> str:
+    """Short text of a power of ten, as 1e-3."""
+    return f"{goal:.0e}".replace("e-0", "e-")
+
+
 def evaluations(counts: Mapping[str, int]) -> int:
     """Evaluations of the right-hand side; of implicit rules in the engine, iterations.
 

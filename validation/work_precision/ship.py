@@ -12,7 +12,7 @@ from pathlib import Path
 
 from validation.work_precision import study as studies
 from validation.work_precision.problems import PROBLEMS
-from validation.work_precision.runs import GOALS, fastest, shortfall
+from validation.work_precision.runs import GOALS, fastest, shortfall, words
 from validation.work_precision.stored import FULL_STUDY, SHIPPED, Study, read_study, write_study
 
 BEGIN = "<!-- fastest ways: printed by python -m validation.work_precision.ship -->"
@@ -46,7 +46,7 @@ def check_complete(study: Study) -> None:
 
 def readme_block(study: Study) -> str:
     """Table of the engine's fastest ways for the README, between its markers."""
-    head = " | ".join(f"to {goal:g} rad" for goal in GOALS)
+    head = " | ".join(f"to {words(goal)} rad" for goal in GOALS)
     lines = [BEGIN, f"| | {head} |", "| --- " * (1 + len(GOALS)) + "|"]
     for name, problem in PROBLEMS.items():
         cells = [_cell(study, name, goal) for goal in GOALS]

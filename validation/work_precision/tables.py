@@ -23,8 +23,12 @@ from validation.work_precision.runs import (
     grouped,
     observed_order,
     shortfall,
+    words,
 )
 from validation.work_precision.stored import Study
+
+
+_COSTS = ("evaluations", "time in ms")
 
 
 def ways(study: Study) -> Table:
@@ -35,7 +39,7 @@ def ways(study: Study) -> Table:
             cells.append([problem.title, None, "not in this selection", *(None,) * 5])
             continue
         for goal in GOALS:
-            row: list[Cell] = [problem.title, goal]
+            row: list[Cell] = [problem.title, words(goal)]
             for side in (_engine(name), ("index-1", "reduced")):
                 row += _way(study, name, side, goal)
             cells.append(row)
@@ -85,7 +89,7 @@ def formulation_ways(study: Study) -> Table:
             cells.append([problem.title, None, *("not in this selection",) * len(names)])
             continue
         for goal in GOALS:
-            row: list[Cell] = [problem.title, goal]
+            row: list[Cell] = [problem.title, words(goal)]
             for formulation in names:
                 if formulation not in _engine(name):
                     row.append(None)
@@ -135,7 +139,7 @@ def every_way(study: Study) -> Table:
             "formulation",
             "integrator",
             "asked for",
-            *(f"{what} to {goal:g}" for goal in GOALS for what in ("evaluations", "time in ms")),
+            *(f"{what} to {words(goal)}" for goal in GOALS for what in _COSTS),
             "smallest error",
             "why the ladder ended",
         ),
