@@ -27,7 +27,6 @@ from validation.work_precision.runs import (
 )
 from validation.work_precision.stored import Study
 
-
 _COSTS = ("evaluations", "time in ms")
 
 
