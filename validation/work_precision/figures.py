@@ -105,6 +105,8 @@ def orders(study: Study) -> Picture:
                     floor=floor,
                     extrapolated=extrapolated,
                 )
+                if line and curve.scheme != "trapezoidal":
+                    _tell_scheme(panel, line[0], floor)
                 if not extrapolated:
                     order = observed_order(group, floor).value
                     told += [] if order is None else [(curve, order)]
@@ -178,6 +180,7 @@ def _floor(study: Study, axes: Axes, name: ProblemName) -> float:
     """Prepare a panel; smallest error that can be told in it."""
     axes.set_title(PROBLEMS[name].title, fontsize=10, loc="left")
     axes.set(xscale="log", yscale="log", ylim=(_LOWEST, _HIGHEST))
+    axes.margins(x=0.12)
     axes.set_yticks([10.0**-digits for digits in range(0, 12, 3)])
     for goal in GOALS:
         axes.axhline(goal, color="#777777", linewidth=0.8, linestyle=":")
@@ -217,6 +220,20 @@ def _crosses(axes: Axes, runs: Sequence[Run], formulation: str, floor: float) ->
         marker="x",
         markersize=7,
         linestyle="",
+    )
+
+
+def _tell_scheme(axes: Axes, first: Run, floor: float) -> None:
+    """Write the name of an integrator to the left of its first run."""
+    axes.annotate(
+        first.scheme,
+        (first.work, max(first.error, floor)),
+        xytext=(-5, 0),
+        textcoords="offset points",
+        ha="right",
+        va="center",
+        fontsize=8,
+        color=LOOKS[first.formulation][0],
     )
 
 
