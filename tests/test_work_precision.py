@@ -371,6 +371,8 @@ def test_not_reached_is_said_only_of_ladders_that_went_to_their_end() -> None:
     assert shortfall([made_curve(run, end="failure")]) == "not reached, best 2e-05"
     assert shortfall([made_curve(run, end="finest")]) == "not reached, best 2e-05"
     ended_early = [made_curve(run, end="rounding"), made_curve(run, end="work")]
+    gap = made_run(0.005, inf, errors=None, failure="stopped")
+    assert shortfall([made_curve(gap, end="work")]) == "fails up to 400 steps"
     assert shortfall(ended_early) == "not tried beyond 100 steps, best 2e-05"
     assert shortfall([made_curve(run, end="goal")]) == "not in this selection"
 

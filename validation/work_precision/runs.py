@@ -7,7 +7,7 @@ from math import inf, log, nan
 from statistics import median
 from typing import Any, Literal
 
-from validation.work_precision.problems import Errors, ProblemName
+from validation.work_precision.problems import TIMES, Errors, ProblemName
 
 GOALS = (1e-3, 1e-6, 1e-9)
 """Errors to be reached."""
@@ -191,13 +191,11 @@ def shortfall(curves: Sequence[Curve]) -> str:
         return f"not reached{found}"
     if all(curve.end == "goal" for curve in open_ended):
         return "not in this selection"
-    finest = max(
-        run.counts.get("steps", 0)
-        for curve in open_ended
-        for run in curve.runs
-        if run.kind != "extrapolated"
-    )
-    return f"not tried beyond {finest} steps{found}"
+    finest = min(run.setting for curve in open_ended for run in curve.runs if run.kind == "step")
+    steps = round(TIMES[-1] / finest)
+    if best == inf:
+        return f"fails up to {steps} steps"
+    return f"not tried beyond {steps} steps{found}"
 
 
 def front(

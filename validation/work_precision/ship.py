@@ -9,8 +9,10 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 
 from validation.work_precision import study as studies
+from validation.work_precision.lesson import summary
 from validation.work_precision.problems import PROBLEMS
 from validation.work_precision.runs import GOALS, fastest, shortfall, words
 from validation.work_precision.stored import FULL_STUDY, SHIPPED, Study, read_study, write_study
@@ -45,13 +47,14 @@ def check_complete(study: Study) -> None:
 
 
 def readme_block(study: Study) -> str:
-    """Table of the engine's fastest ways for the README, between its markers."""
+    """Table of the engine's fastest ways and the lesson for the README, between its markers."""
     head = " | ".join(f"to {words(goal)} rad" for goal in GOALS)
     lines = [BEGIN, f"| | {head} |", "| --- " * (1 + len(GOALS)) + "|"]
     for name, problem in PROBLEMS.items():
         cells = [_cell(study, name, goal) for goal in GOALS]
         lines.append(f"| {problem.title} | {' | '.join(cells)} |")
-    lines += ["", f"Measured {study.provenance.text()}.", END]
+    lines += ["", *wrap(summary(study), 99), "", *wrap(f"Measured {study.provenance.text()}.", 99)]
+    lines.append(END)
     return "\n".join(lines)
 
 
