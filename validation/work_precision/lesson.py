@@ -34,7 +34,7 @@ def summary(study: Study) -> str:
     runs = by_hindsight(study.runs)
     ratios, _reached = _topology_ratios(runs)
     sentences = [
-        "Formulations with constraints take "
+        "On Model 1, the fastest formulation with constraints takes "
         f"{_span(ratios)} times as long as the contact tree to the same error."
         if ratios
         else "",
@@ -145,7 +145,7 @@ def _prices(prices: Sequence[Price]) -> str:
     for what, group in sorted(groups.items()):
         ratios = [price.ratio for price in group]
         text = (
-            f"{what} {median(ratios):.2g} times the time ({_span(ratios)} in {_cases(len(group))}"
+            f"{what}: {median(ratios):.2g} times the time ({_span(ratios)} in {_cases(len(group))}"
         )
         doubtful = sum(not price.told for price in group)
         texts.append(text + (f", {doubtful} within scatter)" if doubtful else ")"))

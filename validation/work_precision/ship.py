@@ -53,7 +53,8 @@ def readme_block(study: Study) -> str:
     for name, problem in PROBLEMS.items():
         cells = [_cell(study, name, goal) for goal in GOALS]
         lines.append(f"| {problem.title} | {' | '.join(cells)} |")
-    lines += ["", *wrap(summary(study), 99), "", *wrap(f"Measured {study.provenance.text()}.", 99)]
+    for text in (summary(study), f"Measured {study.provenance.text()}."):
+        lines += ["", *wrap(text, 99, break_on_hyphens=False)]
     lines.append(END)
     return "\n".join(lines)
 
