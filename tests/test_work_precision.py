@@ -313,6 +313,23 @@ def test_price_of_extrapolation_compares_equal_errors(monkeypatch: pytest.Monkey
     assert price.error < 1.0
 
 
+def test_price_of_extrapolation_passes_over_steps_that_fail(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run = EngineMethod.run
+
+    def failing(method: EngineMethod, problem: Any, setting: float) -> Any:
+        if setting == 0.02:
+            raise ArithmeticError("stopped")
+        return run(method, problem, setting)
+
+    monkeypatch.setattr(EngineMethod, "run", failing)
+    monkeypatch.setattr(prices, "QUICK_PAIRS", 1)
+    side = prices.Side(problem=PROBLEMS["model-1"], method=RK44)
+    case = prices.Case(what="x", one=side, other=side, goal=1e-4)
+    assert prices.measure_price(case, True).work == 1.5
+
+
 def test_kept_results_are_not_measured_again(tmp_path: Path) -> None:
     conditions = {"quick": True, "code": "1"}
     first = study.curve_job(tmp_path, conditions, "model-1", RK44)

@@ -164,7 +164,12 @@ def _to_goal(side: Side, goal: float) -> tuple[Side, Side]:
     steps: list[float] = []
     joined: Side | None = None
     for step in side.method.ladder(side.problem):
-        run = side.method.run(side.problem, step)
+        try:
+            run = side.method.run(side.problem, step)
+        except ArithmeticError:
+            # Too long a step; extrapolation needs unbroken halving.
+            extrapolation, steps = side.method.extrapolation(), []
+            continue
         steps.append(step)
         better = extrapolation.add(run)
         met = better is not None and _error(side.problem, side.method, better) <= goal
