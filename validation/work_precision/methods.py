@@ -22,7 +22,7 @@ from validation.work_precision.problems import SPACING, TIMES, Problem, ProblemN
 HALVINGS = 8
 """Of the longest step, the sampling interval; ladders of steps end after so many: 25600 steps.
 
-One more where the disk spins three times as fast.
+One more where the disk spins fast.
 """
 
 DAMPED_HALVINGS = 7

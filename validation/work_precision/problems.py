@@ -21,7 +21,7 @@ SPACING = 0.02
 REFERENCE_TOLERANCE = 3e-14
 """Local tolerance of the reference, the tightest there is."""
 
-_SUBSTEPS = {"stiff": 256, "fast": 128}
+_SUBSTEPS = {"stiff": 256, "fast": 256}
 _USUAL_SUBSTEPS = 64
 """Steps of RK67 between two samples: fewer truncate, more round."""
 
@@ -77,7 +77,7 @@ _ALL = (
         title="Model 1, undamped: μ = 0",
         friction=SmoothCoulomb(coefficient=0.0),
     ),
-    Problem(name="fast", title="Model 1, fast: spin 120 rad/s", spin=120.0),
+    Problem(name="fast", title="Model 1, fast: spin 100 rad/s", spin=100.0),
 )
 
 PROBLEMS: dict[ProblemName, Problem] = {problem.name: problem for problem in _ALL}
