@@ -9,6 +9,7 @@ import hashlib
 import json
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -205,8 +206,10 @@ def main(folder: Path, *, quick: bool = False, fresh: bool = False) -> tuple[Pat
     if fresh:
         for path in store.glob("*.json"):
             path.unlink()
+    # The commit may move on while the study runs.
+    provenance = Provenance.here()
     results = run_jobs(jobs(quick, store), workers=WORKERS, title="work-precision")
-    study = collect(results, quick)
+    study = replace(collect(results, quick), provenance=provenance)
     if not quick:
         write_study(study, folder / FULL_STUDY)
     made = make_section(study)
