@@ -243,7 +243,7 @@ def test_quick_study_draws_no_lesson_and_says_what_it_left_out(
     monkeypatch.setattr(section, "shipped", lambda: None)
     made = make_section(made_study(quick=True))
     assert "from which no lesson is drawn" in made.paragraphs[1]
-    assert len(made.paragraphs) == 2
+    assert len(made.paragraphs) == 3
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -254,7 +254,8 @@ def test_quick_study_shows_the_shipped_one_and_confirms_it(
     monkeypatch.setattr(section, "shipped", lambda: full)
     made = make_section(made_study(measured(), quick=True))
     assert "a machine" in made.paragraphs[1]
-    assert made.paragraphs[2].startswith("Confirmed on the spot: yes.")
+    assert "contact tree: RK44; floating, Euler parameters: trapezoidal." in made.paragraphs[2]
+    assert made.paragraphs[3].startswith("Confirmed on the spot: yes.")
     assert "work-precision-confirmed" in {table.name for table in made.tables}
     assert "Prices, each the median" in " ".join(made.paragraphs)
     assert len(made.tables[-1].rows) == len(full.runs)

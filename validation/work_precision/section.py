@@ -25,7 +25,7 @@ def make_section(measured: Study) -> Section:
     return Section(
         name="work-precision",
         title="Error against run time",
-        paragraphs=[_how(shown), _origin(shown, here), *confirmed, *said],
+        paragraphs=[_how(shown), _origin(shown, here), _ways(shown), *confirmed, *said],
         pictures=[figures.fronts(shown, here), figures.orders(shown)],
         tables=[
             tables.ways(shown),
@@ -58,6 +58,25 @@ def _how(study: Study) -> str:
         "problems would it have to pull, and friction in the engine reads the contact force of "
         "the same iteration. So these are errors of integration alone. Each run has one thread "
         "of one process, and two run side by side."
+    )
+
+
+def _ways(study: Study) -> str:
+    """Formulations, integrators and what is asked of them, by name."""
+    schemes: dict[str, dict[str, None]] = {name: {} for name in figures.NAMES}
+    for curve in study.curves:
+        schemes[curve.formulation][curve.scheme] = None
+    named = "; ".join(
+        f"{figures.NAMES[formulation]}: {', '.join(found)}"
+        for formulation, found in schemes.items()
+        if found
+    )
+    return (
+        f"The ways, {len(study.runs)} runs in all: {named}. In the engine, rules with a fixed "
+        "step are run with a step, extrapolated from halved steps, and to a tolerance of the "
+        "whole run, for which the library chooses the steps; DOPRI5 and the methods of SciPy to a "
+        "tolerance of each step. What every one of them takes to each goal is in the file "
+        "work-precision-every-way.csv, all runs in work-precision-all-runs.csv."
     )
 
 

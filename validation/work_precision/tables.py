@@ -76,7 +76,12 @@ def _way(study: Study, name: ProblemName, side: Sequence[str], goal: float) -> l
 
 
 def _milliseconds(run: Run) -> float:
-    return float(f"{1e3 * run.seconds:.3g}")
+    return _short(1e3 * run.seconds)
+
+
+def _short(value: float) -> float:
+    """The same to three digits."""
+    return float(f"{value:.3g}")
 
 
 def formulation_ways(study: Study) -> Table:
@@ -163,10 +168,10 @@ def tolerances(study: Study) -> Table:
                 method,
                 len(runs),
                 len(runs) - len(met),
-                max(margins, default=None),
-                median(margins) if margins else None,
+                _short(max(margins)) if margins else None,
+                _short(median(margins)) if margins else None,
                 sum(run.error > run.setting for run in met),
-                median(extra) if extra else None,
+                _short(median(extra)) if extra else None,
             ]
         )
     return Table(
@@ -259,11 +264,11 @@ def price_table(prices: Sequence[Price]) -> Table:
                 price.what,
                 price.formulation,
                 PROBLEMS[price.problem].title,
-                float(f"{price.ratio:.3g}"),
+                _short(price.ratio),
                 f"{low:.3g} to {high:.3g}",
                 "more" if low > 1.0 else "less" if high < 1.0 else "within scatter",
-                float(f"{price.work:.3g}"),
-                float(f"{price.error:.3g}"),
+                _short(price.work),
+                _short(price.error),
             ]
         )
     pairs = min((len(price.ratios) for price in prices), default=0)
