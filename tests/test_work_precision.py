@@ -17,7 +17,7 @@ from mbs_models import Integrator, Scene
 from validation.commands import work_precision as commands_work_precision
 from validation.report import Job
 from validation.tables import Table
-from validation.work_precision import measure, prices, study
+from validation.work_precision import measure, study
 from validation.work_precision.measure import ladder_end
 from validation.work_precision.methods import EngineMethod, InHouseMethod, label, methods
 from validation.work_precision.problems import (
@@ -269,65 +269,6 @@ def test_full_study_holds_every_integrator_of_the_engine() -> None:
         "index-1, BDF",
     ):
         assert part in labels
-
-
-def test_price_is_the_median_of_pairs_and_says_when_it_is_noise() -> None:
-    price = prices.Price(
-        what="x",
-        problem="model-1",
-        formulation="floating",
-        ratios=(1.1, 0.5, 1.2, 1.3, 9.0, 1.15, 1.1, 1.12, 1.2, 1.3, 1.2),
-        work=1.0,
-        error=1.0,
-    )
-    assert price.ratio == 1.2
-    assert price.interval == (1.1, 1.3)
-    assert price.told
-    noise = dataclasses.replace(price, ratios=(0.98, 1.3, 1.01, 1.02, 1.1))
-    assert not noise.told
-
-
-def test_price_takes_both_sides_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
-    order: list[bool] = []
-    run = EngineMethod.run
-
-    def watched(method: EngineMethod, problem: Any, setting: float) -> Any:
-        order.append(method.symbolic)
-        return run(method, problem, setting)
-
-    monkeypatch.setattr(EngineMethod, "run", watched)
-    case = next(case for case in prices.cases(True) if "symbolic" in case.what)
-    price = prices.measure_price(case, True)
-    assert order == [True, False] * (1 + prices.QUICK_PAIRS)
-    assert price.work == 1.0
-    assert price.error == pytest.approx(1.0)
-
-
-def test_price_of_extrapolation_compares_equal_errors(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(prices, "QUICK_PAIRS", 1)
-    side = prices.Side(problem=PROBLEMS["model-1"], method=RK44)
-    case = prices.Case(what="x", one=side, other=side, goal=1e-4)
-    price = prices.measure_price(case, True)
-    # 100, 200 and 400 steps together against 400.
-    assert price.work == 1.75
-    assert price.error < 1.0
-
-
-def test_price_of_extrapolation_passes_over_steps_that_fail(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    run = EngineMethod.run
-
-    def failing(method: EngineMethod, problem: Any, setting: float) -> Any:
-        if setting == 0.02:
-            raise ArithmeticError("stopped")
-        return run(method, problem, setting)
-
-    monkeypatch.setattr(EngineMethod, "run", failing)
-    monkeypatch.setattr(prices, "QUICK_PAIRS", 1)
-    side = prices.Side(problem=PROBLEMS["model-1"], method=RK44)
-    case = prices.Case(what="x", one=side, other=side, goal=1e-4)
-    assert prices.measure_price(case, True).work == 1.5
 
 
 def test_kept_results_are_not_measured_again(tmp_path: Path) -> None:

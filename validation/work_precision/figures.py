@@ -90,7 +90,7 @@ def orders(study: Study) -> Picture:
     figure, panels, spare = _panels(study)
     for name, panel in panels.items():
         floor = _floor(study, panel, name)
-        told: list[tuple[Curve, float]] = []
+        told: list[tuple[Curve, float | None]] = []
         for curve in study.of(name):
             for kind, group in grouped(curve.runs, lambda run: run.kind).items():
                 if not _shown(group[0]):
@@ -108,8 +108,7 @@ def orders(study: Study) -> Picture:
                 if line and curve.scheme != "trapezoidal":
                     _tell_scheme(panel, line[0], floor)
                 if not extrapolated:
-                    order = observed_order(group, floor).value
-                    told += [] if order is None else [(curve, order)]
+                    told.append((curve, observed_order(group, floor).value))
         _tell_orders(panel, told)
     spare.set_axis_off()
     handles = _handles({name: LOOKS[name] for name in LOOKS if name != "reduced"})
@@ -237,9 +236,10 @@ def _tell_scheme(axes: Axes, first: Run, floor: float) -> None:
     )
 
 
-def _tell_orders(axes: Axes, told: Sequence[tuple[Curve, float]]) -> None:
-    """Write orders into the corner that the curves leave free."""
-    for line, (curve, order) in enumerate(told):
+def _tell_orders(axes: Axes, told: Sequence[tuple[Curve, float | None]]) -> None:
+    """Write orders, where there are any, into the corner that the curves leave free."""
+    known = [(curve, order) for curve, order in told if order is not None]
+    for line, (curve, order) in enumerate(known):
         name = curve.scheme
         if name == "trapezoidal":
             name = NAMES[curve.formulation].removeprefix("floating, ")
