@@ -10,6 +10,7 @@ from analysis.contact import PenaltyContact
 from analysis.disk import CENTRED_DISK, DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.friction import LOADS, Load, SmoothCoulomb
+from analysis.inversion import Inversion, find_inversion, judge_inversion
 from analysis.phases import Phases, find_phases
 from analysis.rest import REST_METHODS, RestMethod, simulate_to_rest
 from analysis.simulation import FORMS, METHODS, Form, Method, simulate
@@ -42,6 +43,7 @@ __all__ = [
     "Disk",
     "Dissipation",
     "Form",
+    "Inversion",
     "Level",
     "Load",
     "Method",
@@ -58,7 +60,9 @@ __all__ = [
     "constraint_drift",
     "energies",
     "energy_residual",
+    "find_inversion",
     "find_phases",
+    "judge_inversion",
     "multiplier_names",
     "power",
     "simulate",
