@@ -15,6 +15,11 @@ COORDINATES = ("x", "y", "z", "alpha", "beta", "gamma")
 Level = Literal[1, 2, 3, 4]
 LEVELS: tuple[Level, ...] = get_args(Level)
 
+
+class FlatError(ArithmeticError):
+    """The disk comes to lie flat, where the Euler angles of a motion end."""
+
+
 MULTIPLIERS = ("normal_force", "cog_force_x", "cog_force_y", "tangential_force", "spin_torque")
 """Constraint forces in the order in which the levels add them (Table 2), all in R-frame axes."""
 
@@ -87,7 +92,7 @@ def check_upright(times: Array, coordinates: Array) -> None:
 
     Raises
     ------
-    ArithmeticError
+    FlatError
         If beta leaves the open interval (0, pi).
     """
     beta = coordinates[:, 4]
@@ -98,7 +103,7 @@ def check_upright(times: Array, coordinates: Array) -> None:
 
 def raise_flat(time: float) -> NoReturn:
     """Raise that the disk lies flat from `time` in s, or from shortly before."""
-    raise ArithmeticError(
+    raise FlatError(
         f"beta leaves the open interval (0, pi) at t = {time:.6g} s: the disk lies flat, and the "
         "Euler angles of the motion end there"
     )
