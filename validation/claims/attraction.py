@@ -298,7 +298,7 @@ def draw(results: Results) -> Picture:
         )
     critical = linear_reduced.critical_speed(STEEL_DISK).spin
     axes.axvline(critical, color="#999999", linewidth=0.8)
-    axes.annotate(" Ω_crit", (critical, 2.0), fontsize=9)
+    axes.annotate("$Ω_{crit}$ ", (critical, 70.0), ha="right", fontsize=9)
     axes.set(xlabel="spin at the start in rad/s", ylabel="inverted in %", ylim=(-3.0, 103.0))
     figures.legend_above(axes, columns=2)
     return figures.render(
