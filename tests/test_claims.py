@@ -9,6 +9,8 @@ import pytest
 
 from analysis import (
     STEEL_DISK,
+    Inversion,
+    Level,
     Load,
     SmoothCoulomb,
     Trajectory,
@@ -27,6 +29,7 @@ from validation.claims import (
 )
 from validation.claims.attraction import Results, Start
 from validation.claims.claim import Claim, falls, grade, table
+from validation.claims.start_spins import LeastSpin
 
 
 @cache
@@ -78,6 +81,35 @@ def test_gamma_does_not_converge_within_half_a_second() -> None:
     assert "0.28 rad short at 0.5 s (m g: 0.29)" in claims[0].measured
     assert "overshoot 0.66 rad (m g: 0.69)" in claims[0].measured
     assert "2.4e-02 rad" in claims[3].measured
+
+
+def test_convergence_holds_from_half_a_second_on_or_is_no_convergence() -> None:
+    def verdict(gamma: np.ndarray) -> str:
+        run = upright(gamma, times)
+        claims = motion.figure_7({"weight": (run, run), "contact": (run, run)})
+        return claims[0].verdict
+
+    times = np.linspace(0.0, 2.0, 201)
+    early, late = np.where(times < 0.4, -1.0, 1.6), np.where(times < 0.6, -1.0, 1.6)
+    assert verdict(early) == "yes"
+    assert verdict(np.where((times > 1.0) & (times < 1.1), 1.4, early)) == "partly"
+    assert verdict(late) == "no"
+
+
+def test_spin_is_constant_only_if_it_is_in_all_three_models() -> None:
+    run = model_1()
+    rates = run.rates.copy()
+    rates[:, 3] = 35.0
+    kept = replace(run, times=2.0 * run.times, rates=rates)
+    rates[-1, 3] = 33.9
+    left = replace(kept, rates=rates)
+    for longs, verdict in (
+        ((kept, kept, kept), "yes"),
+        ((left, kept, kept), "partly"),
+        ((left, left, left), "no"),
+    ):
+        claims = motion.spinning([run] * 3, longs)
+        assert [claim.verdict for claim in claims] == ["yes", verdict, "partly"]
 
 
 def test_half_of_the_kinetic_energy_lost_went_into_height() -> None:
@@ -175,6 +207,58 @@ def test_disk_that_rolls_without_slip_swings_up_and_falls_back(
     assert pure_rolling.claim([rolled]).verdict == "yes"
 
 
+def test_one_start_that_rolls_over_would_do_against_pure_rolling() -> None:
+    rolled = pure_rolling.roll(40.0)
+    over = replace(rolled, inversion=Inversion(outcome="inverted", time=1.0))
+    assert pure_rolling.claim([rolled, over]).verdict == "partly"
+    assert pure_rolling.claim([over]).verdict == "no"
+
+
+def test_bisection_ends_around_the_least_spin(monkeypatch: pytest.MonkeyPatch) -> None:
+    def outcome(level: int, spin: float, source: str = "in-house") -> str:
+        assert level == 4
+        return "lost" if spin > 30.3 + 0.1 * (source == "engine") else "not inverted"
+
+    monkeypatch.setattr(start_spins, "outcome", outcome)
+    found = start_spins.find_least_spin(4)
+    assert found.below < 30.3 <= found.above
+    assert found.above - found.below <= start_spins.WIDTH
+    assert found.outcomes == ("not inverted", "lost")
+    assert found.engine == ("not inverted", "not inverted")
+    assert not found.confirmed
+    assert found.monotone
+    assert found.critical == pytest.approx((30.917,), abs=1e-3)
+    assert not replace(found, scan=("lost", *found.scan[1:])).monotone
+    assert not replace(found, scan=(*found.scan[:2], "flat")).monotone
+    assert replace(found, engine=found.outcomes).confirmed
+    (row,) = start_spins.table([found]).rows
+    assert row[-1] is False
+
+
+def test_bracket_without_a_change_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(start_spins, "outcome", lambda *_: "lost")
+    with pytest.raises(ArithmeticError, match="Model 4: no change between 29 and 33 rad/s"):
+        start_spins.find_least_spin(4)
+
+
+def test_supercritical_means_above_both_critical_speeds() -> None:
+    high = LeastSpin(
+        level=1,
+        below=31.0,
+        above=31.1,
+        outcomes=("flat", "lost"),
+        engine=("flat", "lost"),
+        scan=("flat", "lost", "lost"),
+        critical=(30.1,),
+    )
+    low = replace(high, above=30.5)
+    assert start_spins.claim([high, high]).verdict == "yes"
+    assert start_spins.claim([high, low]).verdict == "partly"
+    assert start_spins.claim([low, low]).verdict == "no"
+    assert start_spins.claim([high, replace(high, critical=(31.5,))]).verdict == "partly"
+    assert start_spins.claim([replace(high, scan=("lost",) * 3)]).verdict == "no"
+
+
 def test_subcritical_start_does_not_invert_and_supercritical_does() -> None:
     assert start_spins.outcome(4, 29.0) == "flat"
     assert start_spins.outcome(4, 40.0) == "inverted"
@@ -190,9 +274,10 @@ def test_random_starts_are_the_same_every_time_and_differ_by_number() -> None:
     assert max(abs(state.coordinates[4] - np.pi / 2) for state in near) <= 0.2
 
 
-def test_start_that_needs_a_pulling_contact_is_told_apart() -> None:
-    fast = [Start(level=1, tilt="any tilt", spin=300.0, number=n) for n in range(3)]
-    assert {attraction.outcome(start) for start in fast} == {"contact would pull"}
+@pytest.mark.parametrize("level", attraction.MODELS)
+def test_motion_that_comes_to_need_a_pulling_contact_is_told_apart(level: Level) -> None:
+    start = Start(level=level, tilt="any tilt", spin=100.0, number=0)
+    assert attraction.outcome(start) == "contact would pull"
 
 
 def test_disk_that_falls_is_flat() -> None:

@@ -23,10 +23,8 @@ from analysis import (
     STEEL_DISK,
     FlatError,
     Level,
-    SmoothCoulomb,
     State,
     consistent_start,
-    index1,
     judge_inversion,
     linear_reduced,
 )
@@ -98,12 +96,7 @@ class Start:
 
 def outcome(start: Start, source: Source = "in-house") -> Outcome:
     """What becomes of a start until `END`."""
-    state, friction = start.state(), SmoothCoulomb()
-    forces = index1.accelerations(
-        start.level, STEEL_DISK, friction, state.coordinates, state.rates
-    )[1]
-    if forces[0] < 0.0:
-        return "contact would pull"
+    state = start.state()
     times = np.linspace(0.0, END, round(100 * END) + 1)
     try:
         if source == "engine":
