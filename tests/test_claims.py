@@ -225,6 +225,7 @@ def test_bisection_ends_around_the_least_spin(monkeypatch: pytest.MonkeyPatch) -
     assert found.above - found.below <= start_spins.WIDTH
     assert found.outcomes == ("not inverted", "lost")
     assert found.engine == ("not inverted", "not inverted")
+    assert found.lost == ()
     assert not found.confirmed
     assert found.monotone
     assert found.critical == pytest.approx((30.917,), abs=1e-3)
@@ -250,6 +251,7 @@ def test_supercritical_means_above_both_critical_speeds() -> None:
         engine=("flat", "lost"),
         scan=("flat", "lost", "lost"),
         critical=(30.1,),
+        lost=(),
     )
     low = replace(high, above=30.5)
     assert start_spins.claim([high, high]).verdict == "yes"

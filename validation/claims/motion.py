@@ -127,7 +127,6 @@ def spinning(levels: Sequence[Trajectory], longs: Sequence[Trajectory]) -> list[
     """Claims about Figure 9, from engine runs over 4 s and in-house runs over `LONG`."""
     spins = [value_at(run, run.rate("alpha"), 2.0) for run in levels[:3]]
     until = [leaves(run) for run in longs[:3]]
-    kept = [f"{time:.1f} s" if np.isfinite(time) else f"all {LONG:g} s" for time in until]
     free = longs[0]
     last = judge_inversion(free).lost or LONG
     lowest = float(np.min(free.rate("alpha")[free.times <= last]))
@@ -148,9 +147,9 @@ def spinning(levels: Sequence[Trajectory], longs: Sequence[Trajectory]) -> list[
             statement="for t > 2 s the spin of Models 1 to 3 is almost constant",
             criterion=f"within {CONSTANT:g} rad/s of its value at 2 s until {LONG:g} s in all "
             "three; partly: in some",
-            measured=f"Models 1 to 3 for {', '.join(kept)}; Model 1 has fallen to "
-            f"{value_at(free, free.rate('alpha'), 4.0):.1f} rad/s at 4 s and to {lowest:.1f} "
-            f"rad/s at {last:.1f} s",
+            measured=f"Models 1 to 3 until {listed(np.minimum(until, LONG), '.1f')} s; Model 1 has "
+            f"fallen to {value_at(free, free.rate('alpha'), 4.0):.1f} rad/s at 4 s and to "
+            f"{lowest:.1f} rad/s at {last:.1f} s",
             verdict=grade(yes=min(until) == np.inf, partly=max(until) == np.inf),
         ),
         Claim(

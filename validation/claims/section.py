@@ -49,13 +49,15 @@ def claims(results: Mapping[Any, Any]) -> list[Claim]:
     loads = {load: results["run", 1, load, 2.0] for load in LOADS}
     levels = [results["run", level, "weight", 4.0][0] for level in LEVELS]
     longs = [results["long run", level] for level in LEVELS]
+    oscillation, *compared = motion.constraints(levels, longs)
     return [
         attraction.claim(attraction.load()),
         contact_matrix.claim(results["contact run"], contact_matrix.bound()),
         *motion.figure_7(loads),
         *drift.claims(longs[0]),
+        oscillation,
         pure_rolling.claim([results["pure rolling", spin] for spin in pure_rolling.SPINS]),
-        *motion.constraints(levels, longs),
+        *compared,
         *motion.spinning(levels, longs),
         orders.claim(orders.slopes()),
         start_spins.claim([results["least spin", level] for level in LEVELS]),
