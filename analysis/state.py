@@ -15,11 +15,6 @@ COORDINATES = ("x", "y", "z", "alpha", "beta", "gamma")
 Level = Literal[1, 2, 3, 4]
 LEVELS: tuple[Level, ...] = get_args(Level)
 
-
-class FlatError(ArithmeticError):
-    """The disk comes to lie flat, where the Euler angles of a motion end."""
-
-
 MULTIPLIERS = ("normal_force", "cog_force_x", "cog_force_y", "tangential_force", "spin_torque")
 """Constraint forces in the order in which the levels add them (Table 2), all in R-frame axes."""
 
