@@ -147,8 +147,8 @@ def spinning(levels: Sequence[Trajectory], longs: Sequence[Trajectory]) -> list[
             statement="for t > 2 s the spin of Models 1 to 3 is almost constant",
             criterion=f"within {CONSTANT:g} rad/s of its value at 2 s until {LONG:g} s in all "
             "three; partly: in some",
-            measured=f"Models 1 to 3 until {listed(np.minimum(until, LONG), '.1f')} s; Model 1 has "
-            f"fallen to {value_at(free, free.rate('alpha'), 4.0):.1f} rad/s at 4 s and to "
+            measured=f"Models 1 to 3 until {listed(np.minimum(until, LONG), '.1f')} s; Model 1 "
+            f"falls to {value_at(free, free.rate('alpha'), 4.0):.1f} rad/s at 4 s and to "
             f"{lowest:.1f} rad/s at {last:.1f} s",
             verdict=grade(yes=min(until) == np.inf, partly=max(until) == np.inf),
         ),
