@@ -73,7 +73,7 @@ def simulate_pure_rolling(
         If the integration fails.
     """
     times, spin = increasing_times(times), number("spin", spin)
-    start = np.array((0.0, 0.0, disk.radius, 0.0, pi / 2, number("gamma", gamma)))
+    place = (0.0, 0.0, disk.radius, 0.0, pi / 2, number("gamma", gamma))
 
     def right_hand_side(_: float, state: Array) -> Array:
         values = state.tolist()
@@ -82,7 +82,7 @@ def simulate_pure_rolling(
     result = solve_ivp(
         right_hand_side,
         (times[0], times[-1]),
-        np.concatenate((start, (0.0, 0.0, 0.0, spin, 0.0, 0.0))),
+        (*place, 0.0, 0.0, 0.0, spin, 0.0, 0.0),
         method="DOP853",
         t_eval=times,
         rtol=positive("local_tolerance", local_tolerance),

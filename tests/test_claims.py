@@ -14,9 +14,12 @@ from analysis import (
     Load,
     SmoothCoulomb,
     Trajectory,
+    energies,
+    equations,
     index1,
     simulate,
 )
+from analysis.pure_rolling import simulate_pure_rolling
 from tests.helpers import random_trajectory
 from validation.claims import (
     attraction,
@@ -357,3 +360,33 @@ def test_study_writes_one_line_for_every_start(
     assert attraction.main(["--starts", "20", "--out", str(out)]) == 0
     assert attraction.load(out) == stored()
     assert str(out) in capsys.readouterr().out
+
+
+def test_pure_rolling_keeps_its_constraints_and_its_energy() -> None:
+    times = np.linspace(0.0, 1.0, 101)
+    coordinates, rates = simulate_pure_rolling(times, 40.0)
+    slips = [
+        equations.tangential_directions(STEEL_DISK, z).T @ u
+        for z, u in zip(coordinates, rates, strict=True)
+    ]
+    assert np.max(np.abs(slips)) < 1e-7
+    height = STEEL_DISK.radius * np.sin(coordinates[:, 4])
+    np.testing.assert_allclose(coordinates[:, 2], height, atol=1e-9)
+    energy = np.add(*energies(STEEL_DISK, coordinates, rates))
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
+
+
+def test_friction_tends_to_pure_rolling() -> None:
+    times = np.linspace(0.0, 0.5, 51)
+    rolled = simulate_pure_rolling(times, 40.0)[0][:, 5]
+    errors = []
+    for coefficient in (3e3, 3e4):
+        friction = SmoothCoulomb(coefficient=coefficient)
+        slipping = simulate(1, times, friction=friction, method="LSODA", local_tolerance=1e-8)
+        errors.append(np.max(np.abs(slipping.coordinate("gamma") - rolled)))
+    assert errors[1] < 0.15 * errors[0] < 0.01
+
+
+def test_pure_rolling_names_what_is_out_of_range() -> None:
+    with pytest.raises(ValueError, match="spin must be a finite number, got nan"):
+        simulate_pure_rolling([0.0, 1.0], float("nan"))

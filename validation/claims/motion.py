@@ -182,7 +182,7 @@ def constraints(levels: Sequence[Trajectory], longs: Sequence[Trajectory]) -> li
             verdict=grade(yes=counts[1] <= counts[0] / 2),
         ),
         Claim(
-            place="Sect. 4, 5",
+            place="Sect. 4.2, as a sequence",
             statement="each further constraint leaves fewer oscillations",
             criterion="the number of turning points of β falls from model to model",
             measured=f"Models 1 to 4: {', '.join(map(str, counts))}",
