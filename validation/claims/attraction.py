@@ -290,10 +290,9 @@ def draw(results: Results) -> Picture:
             label=f"Model {level}, {tilt}",
         )
     critical = linear_reduced.critical_speed(STEEL_DISK).spin
-    axes.axvline(critical, color="#999999", linewidth=0.8)
-    axes.annotate("$Ω_{crit}$ ", (critical, 70.0), ha="right", fontsize=9)
+    axes.axvline(critical, color="#999999", linewidth=0.8, label="$Ω_{crit}$")
     axes.set(xlabel="spin at the start in rad/s", ylabel="inverted in %", ylim=(-3.0, 103.0))
-    figures.legend_above(axes, columns=2)
+    figures.legend_above(axes, columns=3)
     return figures.render(
         figure,
         name="attraction",
