@@ -254,7 +254,7 @@ def _add_work_precision(commands: "argparse._SubParsersAction[_Parser]") -> None
     )
     study.set_defaults(module="work_precision", command="work_precision")
     add = study.add_argument
-    add("--quick", action="store_true", help="a selection, about a minute")
+    add("--quick", action="store_true", help="a selection, less than a minute")
     add("--out", default="work-precision", metavar="DIR", help="folder (default: %(default)s)")
     add("--fresh", action="store_true", help="measure again what is kept")
 

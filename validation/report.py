@@ -3,7 +3,6 @@
 import base64
 import html
 import os
-import platform
 import time
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -18,6 +17,7 @@ from analysis.files import whole_file
 from analysis.trajectory import versions
 from validation.animation.player import Animation
 from validation.figures import Picture
+from validation.provenance import machine
 from validation.tables import Table
 
 _STYLE = """
@@ -181,16 +181,3 @@ def _section(section: Section) -> str:
         )
     parts += [table.to_html() for table in section.tables if not table.file_only]
     return "\n".join(parts)
-
-
-def machine() -> str:
-    """Processor, cores and system in a few words."""
-    model = platform.processor() or platform.machine()
-    try:
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                model = line.split(":", 1)[1].strip()
-                break
-    except OSError:
-        pass
-    return f"{model}, {os.cpu_count()} cores, {platform.system()}"
