@@ -36,6 +36,10 @@ It then takes so long that a disturbance of the machine matters little.
 """
 
 
+NEAR = 30.0
+"""Estimated error over a tolerance from which the library takes a rung or two to get there."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effort:
     """How thoroughly to measure.
@@ -99,7 +103,7 @@ def measure(name: ProblemName, method: Method, quick: bool) -> Curve:
     # The timed run of the same rung tells of a failure.
     with suppress(ArithmeticError):
         method.run(problem, method.ladder(problem)[0])
-    rungs, joined, end = _first_sweep(problem, method, effort.goal)
+    rungs, joined, end, estimate = _first_sweep(problem, method, effort.goal)
     for sweep in range(1, effort.repeats):
         for rung in rungs:
             if rung.errors is not None and sweep < effort.runs(evaluations(rung.counts)):
@@ -107,9 +111,10 @@ def measure(name: ProblemName, method: Method, quick: bool) -> Curve:
     runs = [_run(problem, method, rung) for rung in rungs]
     runs += [replace(_run(problem, method, rung), kind="extrapolated") for rung in joined]
     if isinstance(method, EngineMethod) and method.fixed_step:
-        # Where the ladder met a goal, the library will, too: nothing runs on without end.
-        best = min((rung.errors.error for rung in rungs + joined if rung.errors), default=inf)
-        goals = [goal for goal in GOALS if max(effort.goal, best) <= goal]
+        best = min(run.error for run in runs)
+        # Nothing is to run on without end: the library needs an estimate that is small, too.
+        known = estimate / NEAR if method.judged_extrapolated else best
+        goals = [goal for goal in GOALS if max(effort.goal, best, known) <= goal]
         runs += [_to_tolerance(problem, method, goal, effort) for goal in goals]
     return Curve(
         problem=name,
@@ -122,11 +127,12 @@ def measure(name: ProblemName, method: Method, quick: bool) -> Curve:
 
 def _first_sweep(
     problem: Problem, method: Method, goal: float
-) -> tuple[list[_Rung], list[_Rung], End]:
-    """Rungs, extrapolated runs, and why there are no more."""
+) -> tuple[list[_Rung], list[_Rung], End, float]:
+    """Rungs, extrapolated runs, why there are no more, and the smallest estimated error."""
     rungs: list[_Rung] = []
     joined: list[_Rung] = []
     judged: list[float] = []
+    estimate = inf
     extrapolation, parts = _extrapolation(method), list[_Rung]()
     for setting in method.ladder(problem):
         rung = _Rung(setting)
@@ -145,15 +151,16 @@ def _first_sweep(
             judged.append(rung.errors.error)
             parts.append(rung)
             better = None if extrapolation is None else extrapolation.add(result)
-            if better is not None:
+            if better is not None and extrapolation is not None:
+                estimate = extrapolation.estimate
                 errors = _errors(problem, method.trajectory(problem, better))
                 joined.append(_Rung(setting, errors, better.counts, parts=list(parts)))
                 if method.judged_extrapolated:
                     judged[-1] = min(judged[-1], errors.error)
         end = ladder_end(judged, goal, fixed_step=method.fixed_step)
         if end is not None:
-            return rungs, joined, end
-    return rungs, joined, "work" if method.fixed_step else "finest"
+            return rungs, joined, end, estimate
+    return rungs, joined, "work" if method.fixed_step else "finest", estimate
 
 
 def ladder_end(errors: Sequence[float], goal: float, *, fixed_step: bool) -> End | None:

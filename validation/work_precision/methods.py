@@ -145,6 +145,11 @@ class Extrapolation:
         self._seconds = 0.0
         self._counts: dict[str, int] = {}
 
+    @property
+    def estimate(self) -> float:
+        """Smallest error that it has estimated for itself so far, in rad."""
+        return self._ladder.best_estimate
+
     def add(self, run: Measured) -> Measured | None:
         """Extrapolated run up to this one, with all their work; None after the first."""
         self._seconds += run.seconds
