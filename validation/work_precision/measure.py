@@ -36,8 +36,8 @@ It then takes so long that a disturbance of the machine matters little.
 """
 
 
-NEAR = 30.0
-"""Estimated error over a tolerance from which the library takes a rung or two to get there."""
+NEAR = 1e3
+"""Estimated error over a tolerance from which the library takes two rungs or so to get there."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
