@@ -198,7 +198,8 @@ class SpatialMotion:
             disk=self.disk,
             friction=self.friction,
             source=self.source,
-            method=self.method,
+            # With them the trajectory knows what it does not hold; see `energy_residual` of one.
+            method={**self.method, **asdict(self.contact), **asdict(self.dissipation)},
             counts=self.counts,
             versions=self.versions,
         )
