@@ -168,7 +168,8 @@ def _integrate(
             progress(float(span[-1]))
         recent = np.concatenate(blocks[-2:])
         kinetic = np.array([model.energies(state)[0] for state in recent.tolist()])
-        rest = criterion.first(kinetic, recent[:, 2], spacing)
+        rise = recent[:, 2] - model.contact.resting_height(model.disk)
+        rest = criterion.first(kinetic, rise, spacing)
         if rest is not None:
             whole = np.concatenate(blocks)
             still = len(whole) - len(recent) + rest

@@ -237,11 +237,10 @@ class _Run:
             if number >= needed + len(self.records[-1]):
                 break
         records = np.concatenate(recent)
-        found = criterion.first(
-            kinetic_energy(self.scene, records),
-            records[:, 2] + self.scene.disk.eccentricity * records[:, 9],
-            self.spacing,
-        )
+        disk = self.scene.disk
+        height = records[:, 2] + disk.eccentricity * records[:, 9]
+        rise = height - _rounded_contact(self.scene).resting_height(disk)
+        found = criterion.first(kinetic_energy(self.scene, records), rise, self.spacing)
         return None if found is None else self.done + 1 - number + found
 
 

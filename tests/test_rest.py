@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from analysis import (
+    CENTRED_DISK,
     STEEL_DISK,
+    Disk,
     PenaltyContact,
     SmoothCoulomb,
     State,
@@ -182,6 +184,38 @@ def test_flat_motion_has_no_trajectory_but_its_beginning_has(settled: SpatialMot
         settled.to_trajectory()
     begin = settled.to_trajectory(1.0)
     np.testing.assert_allclose(begin.coordinate("beta"), settled.tilt[: begin.times.size])
+
+
+@pytest.mark.parametrize("disk", [STEEL_DISK, CENTRED_DISK])
+@pytest.mark.parametrize("tilt", [0.0, 1e-12, 1e-5])
+@pytest.mark.parametrize("gamma", [-pi / 2, pi / 2])
+def test_disk_balanced_on_its_rim_is_not_at_rest(disk: Disk, tilt: float, gamma: float) -> None:
+    start = consistent_start(1, disk, beta=pi / 2 - tilt, gamma=gamma, spin=0.0)
+    start = PenaltyContact.rounded(disk).lowered(disk, start)
+    assert simulate_to_rest(0.5, disk=disk, start=start, spacing=1e-2).rest_time is None
+
+
+@pytest.mark.parametrize("half_thickness", [1e-4, 5e-3, 0.02, 0.044, 0.045])
+def test_resting_height_is_the_lowest_of_all_attitudes(half_thickness: float) -> None:
+    disk = replace(STEEL_DISK, eccentricity=0.01)
+    contact = PenaltyContact.rounded(disk, half_thickness=half_thickness)
+    # Close together where the disk is all but flat.
+    sine, theta = np.meshgrid(np.linspace(0.0, 1.0, 2001) ** 4, np.linspace(0.0, pi, 21))
+    height = np.sqrt(disk.radius**2 * sine**2 + half_thickness**2 * (1.0 - sine**2))
+    lowest = np.min(
+        height - disk.eccentricity * np.cos(theta) * sine
+    ) - contact.resting_penetration(disk)
+    assert contact.resting_height(disk) == pytest.approx(lowest, abs=1e-8)
+
+
+def test_disk_laid_into_its_stable_place_is_at_rest_at_once() -> None:
+    disk, contact = STEEL_DISK, PenaltyContact.rounded(STEEL_DISK, half_thickness=2e-3)
+    lean = disk.eccentricity * contact.half_thickness / disk.radius**2
+    start = consistent_start(1, disk, beta=lean, gamma=-pi / 2, spin=0.0)
+    motion = simulate_to_rest(
+        0.5, start=contact.lowered(disk, start), contact=contact, spacing=1e-2
+    )
+    assert motion.rest_time == 0.0
 
 
 @pytest.mark.parametrize(
