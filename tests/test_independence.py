@@ -19,6 +19,7 @@ DATA_TYPES = {
     "spatial_motion",
     "state",
     "trajectory",
+    "watch",
 }
 
 
