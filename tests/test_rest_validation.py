@@ -29,7 +29,29 @@ def test_command_simulates_stores_and_draws(
     assert plot.read_bytes().startswith(b"\x89PNG")
     printed = capsys.readouterr().out
     assert "inversion        0.4" in printed
+    assert "estimated error  " in printed
     assert "not at rest after 1 s" in printed
+
+
+def test_command_drops_the_disk_from_a_height(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "drop.npz"
+    arguments = ["rest", "--source", "in-house", "--height", "5e-3", "--end", "0.1"]
+    assert main([*arguments, "--out", str(out)]) == 0
+    motion = SpatialMotion.load(out)
+    assert motion.positions[0, 2] - motion.disk.radius == pytest.approx(5e-3)
+    assert motion.normal_force[0] == 0.0
+    assert motion.energy_taken("damping")[-1] > 0.01
+    assert "estimated error" in capsys.readouterr().out
+
+
+def test_command_says_that_a_time_limit_ended_it(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["rest", "--step", "1e-4", "--end", "0.5", "--time-limit", "1e-9"]
+    assert main(arguments) == 0
+    printed = capsys.readouterr().out
+    assert "ended at t = 0.1 s: time limit" in printed
+    assert "not at rest" not in printed
 
 
 @pytest.mark.parametrize(
@@ -39,6 +61,10 @@ def test_command_simulates_stores_and_draws(
         (["--stiffness", "nan"], "stiffness must be a finite number, got nan"),
         (["--half-thickness", "1"], "half_thickness must not exceed the radius"),
         (["--step", "1"], "step must not exceed"),
+        (["--step", "1e-4", "--tolerance", "1"], "give either step or tolerance, not both"),
+        (["--step", "1e-4", "--source", "in-house"], "--step must be left out with --source"),
+        (["--height", "-1"], "--height must not be negative, got -1"),
+        (["--tolerance", "0"], "tolerance must be positive, got 0"),
         (["--out", "rest.txt"], "--out must end in .npz, got 'rest.txt'"),
         (["--plot", "nowhere/rest.png"], "--plot must lie in an existing folder"),
     ],

@@ -11,7 +11,7 @@ import analysis
 import mbs_models
 from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb, Trajectory
 from mbs_models import Scene
-from mbs_models.rest import largest_step
+from mbs_models.rest_run import largest_step
 from validation import figures
 from validation.figures import Picture
 from validation.report import Job

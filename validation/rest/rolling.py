@@ -24,6 +24,7 @@ from analysis.stationary_rolling import (
     upright_rolling_spin,
 )
 from mbs_models import Scene
+from mbs_models.rest_run import largest_step
 from validation.report import Job
 from validation.tables import Table
 
@@ -72,10 +73,16 @@ def run(name: str, source: str) -> SpatialMotion:
     lowered = contact.lowered(DISK, start)
     if source == "in-house":
         return simulate_to_rest(
-            end, disk=DISK, friction=STICKY, contact=contact, start=lowered, spacing=1e-2
+            end,
+            disk=DISK,
+            friction=STICKY,
+            contact=contact,
+            start=lowered,
+            spacing=1e-2,
+            local_tolerance=1e-10,
         )
     scene = Scene.rest(disk=DISK, friction=STICKY, contact=contact, start=lowered)
-    return mbs_models.simulate_to_rest(scene, end, spacing=1e-2)
+    return mbs_models.simulate_to_rest(scene, end, step=0.6 * largest_step(scene), spacing=1e-2)
 
 
 def jobs() -> list[Job]:
