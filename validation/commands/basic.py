@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 
 import analysis
-from analysis import DISKS, SmoothCoulomb, Trajectory
-from analysis.checks import positive
+from analysis import DISKS, Progress, SmoothCoulomb, Trajectory
+from analysis.checks import Array, positive
 from analysis.files import whole_file
 from validation.options import PICTURES, chosen_start, output_folder, output_path
+from validation.progress import progress_bar
 
 
 def report(options: argparse.Namespace) -> int:
@@ -30,15 +31,20 @@ def simulate(options: argparse.Namespace) -> int:
     if options.samples < 2:
         raise ValueError(f"--samples must be at least 2, got {options.samples}")
     times = np.linspace(0.0, positive("--end", options.end), options.samples)
-    trajectory = _simulate(options, times)
+    with progress_bar() as progress:
+        trajectory = _simulate(options, times, progress)
     trajectory.save(out)
     estimate = trajectory.error_estimate
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
     print(f"{out}: {trajectory.times.size} samples of Model {trajectory.level}{accuracy}")
+    if trajectory.ending is not None:
+        print(f"{trajectory.ending}")
+    for first, last in trajectory.pulling:
+        print(f"the contact pulls from t = {first:.6g} s to {last:.6g} s")
     return 0
 
 
-def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
+def _simulate(options: argparse.Namespace, times: Array, progress: Progress) -> Trajectory:
     disk = DISKS[options.disk]
     friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load=options.load)
     start = chosen_start(options, options.model, disk)
@@ -53,6 +59,9 @@ def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
             start=start,
             form=options.formulation or "index-1",
             tolerance=options.tolerance,
+            allow_pulling=options.allow_pulling,
+            time_limit=options.time_limit,
+            progress=progress,
         )
     import mbs_models
 
@@ -63,7 +72,15 @@ def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
         friction=friction,
         start=start,
     )
-    return mbs_models.simulate(scene, times, step=options.step, tolerance=options.tolerance)
+    return mbs_models.simulate(
+        scene,
+        times,
+        step=options.step,
+        tolerance=options.tolerance,
+        allow_pulling=options.allow_pulling,
+        time_limit=options.time_limit,
+        progress=progress,
+    )
 
 
 def show(options: argparse.Namespace) -> int:
