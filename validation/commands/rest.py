@@ -4,8 +4,6 @@ import argparse
 from dataclasses import fields, replace
 from pathlib import Path
 
-from tqdm import tqdm
-
 from analysis import (
     CAUSES,
     DISKS,
@@ -19,6 +17,7 @@ from analysis import (
 from analysis.checks import not_negative, positive
 from analysis.files import whole_file
 from validation.options import PICTURES, chosen_dissipation, chosen_start, output_path
+from validation.progress import progress_bar
 
 
 def rest(options: argparse.Namespace) -> int:
@@ -69,12 +68,7 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
     start = contact.lowered(disk, chosen_start(options, 1, disk))
     if not_negative("--height", options.height):
         start = _lifted(start, options.height + contact.resting_penetration(disk))
-    with tqdm(total=end, disable=None, leave=False, unit="s", desc="simulated") as bar:
-
-        def progress(time: float, _end: float) -> None:
-            # It begins anew with each run of a tolerance.
-            bar.update(time - bar.n)
-
+    with progress_bar() as progress:
         if options.source == "in-house":
             return simulate_to_rest(
                 end,
