@@ -2,7 +2,7 @@
 
 from dataclasses import fields, replace
 from itertools import pairwise
-from math import log2
+from math import log2, pi
 
 import numpy as np
 import pytest
@@ -111,6 +111,14 @@ def test_impacts_meet_the_tolerance_and_its_estimate(
     assert found.error_estimate is not None
     assert found.deviation(impacts) <= found.error_estimate <= (tolerance or 1e-3)
     assert found.energy_taken("damping")[-1] == pytest.approx(0.0213610, rel=tolerance or 1e-3)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1e-5])
+def test_disk_balanced_on_its_rim_is_not_at_rest(tilt: float) -> None:
+    start = consistent_start(1, STEEL_DISK, beta=pi / 2 - tilt, gamma=pi / 2, spin=0.0)
+    start = PenaltyContact.rounded(STEEL_DISK).lowered(STEEL_DISK, start)
+    found = mbs_models.simulate_to_rest(Scene.rest(start=start), 0.2, step=1e-4, spacing=1e-2)
+    assert found.rest_time is None
 
 
 def test_a_run_of_fixed_steps_claims_no_error() -> None:
