@@ -341,7 +341,7 @@ def mean_loss(motion: SpatialMotion, begin: float, end: float) -> tuple[float, f
 
 @pytest.fixture(scope="module")
 def slid() -> SpatialMotion:
-    return simulate_to_rest(80.0)
+    return simulate_to_rest(80.0, local_tolerance=1e-10)
 
 
 @pytest.mark.slow
@@ -365,7 +365,7 @@ def test_creeping_loss_is_that_of_the_viscous_slip_and_vanishes_with_it(
     losses = []
     for coefficient, smoothing in ((0.3, 0.1), (0.6, 0.2), (0.6, 0.05), (0.6, 0.0125)):
         friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing, load="contact")
-        motion = simulate_to_rest(20.0, start=start, friction=friction)
+        motion = simulate_to_rest(20.0, start=start, friction=friction, local_tolerance=1e-10)
         losses.append(mean_loss(motion, 10.0, 20.0)[1])
     # At such small slip the law is viscous: only smoothing / coefficient matters.
     assert losses[1] == pytest.approx(losses[0], rel=0.03)
