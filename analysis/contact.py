@@ -93,6 +93,28 @@ class PenaltyContact:
         """Penetration in m at which the contact carries the weight of the disk."""
         return disk.weight / self.stiffness
 
+    def resting_height(self, disk: Disk) -> float:
+        """Height in m of the centre of gravity of the disk where it lies stable.
+
+        That is the lowest there is, at the least potential energy; the weight presses the contact
+        together. The disk then lies all but flat, with the centre of gravity over the contact
+        point. One too thick for that stands on its rim, the centre of gravity below the centre.
+
+        Parameters
+        ----------
+        disk : Disk
+        """
+        eccentricity, square = disk.eccentricity, self.half_thickness**2
+        flattening = disk.radius**2 - square
+        # The height sqrt(c^2 + k s^2) - e s over 0 <= s <= 1, the part of the way from flat to
+        # upright, is stationary at one s. A disk of thickness zero lies flat.
+        lean = 1.0
+        if flattening > eccentricity**2:
+            lean = eccentricity * sqrt(square / (flattening * (flattening - eccentricity**2)))
+            lean = min(lean, 1.0)
+        height = sqrt(square + flattening * lean**2) - eccentricity * lean
+        return height - self.resting_penetration(disk)
+
     def lowered(self, disk: Disk, start: State) -> State:
         """The start, at the height at which the contact carries the weight.
 

@@ -18,7 +18,7 @@ from analysis.disk import Disk
 from analysis.dissipation import CAUSES, Dissipation
 from analysis.files import whole_file
 from analysis.friction import SmoothCoulomb
-from analysis.trajectory import Setting, Source, Trajectory
+from analysis.trajectory import Ending, Setting, Source, Trajectory
 
 _COLUMNS = {
     "positions": 3,
@@ -68,6 +68,10 @@ class SpatialMotion:
     source : {"engine", "in-house"}
     rest_time : float, optional
         Time in s from which on the disk was at rest; None if it never was.
+    error_estimate : float, optional
+        Largest `deviation` from the true motion expected; None if it was not estimated.
+    ending : Ending, optional
+        Why it ends before the disk is at rest and before the end asked for, if it does.
     method, counts, versions : mapping
         As in `Trajectory`.
 
@@ -94,6 +98,8 @@ class SpatialMotion:
     dissipation: Dissipation
     source: Source
     rest_time: float | None = None
+    error_estimate: float | None = None
+    ending: Ending | None = None
     method: Mapping[str, Setting] = field(default_factory=dict)
     counts: Mapping[str, int] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -157,6 +163,34 @@ class SpatialMotion:
         result: Array = total - total[0]
         return result
 
+    def deviation(self, other: "SpatialMotion") -> float:
+        """Largest difference from another motion over the samples that both have.
+
+        It is that of the vertical's direction seen from the disk in rad, which beta and gamma
+        make up, or that of an energy as a part of the energy at the start, whichever is larger:
+        of all the energy left, and of that taken by any cause.
+
+        Parameters
+        ----------
+        other : SpatialMotion
+            Sampled at the same times.
+        """
+        count = min(self.times.size, other.times.size)
+        one, two = (
+            np.column_stack(
+                (
+                    motion.rotations[:count, 2] * motion.energies[0].sum(),
+                    motion.energies[:count].sum(axis=1),
+                    motion.dissipated[:count],
+                )
+            )
+            for motion in (self, other)
+        )
+        difference = np.abs(one - two)
+        turned = np.linalg.norm(difference[:, :3], axis=1)
+        largest = max(float(np.max(turned)), float(np.max(difference[:, 3:])))
+        return largest / float(self.energies[0].sum())
+
     def to_trajectory(
         self, end: float | None = None, *, least_leaning: float = 1e-3
     ) -> Trajectory:
@@ -198,7 +232,8 @@ class SpatialMotion:
             disk=self.disk,
             friction=self.friction,
             source=self.source,
-            method=self.method,
+            # With them the trajectory knows what it does not hold; see `energy_residual` of one.
+            method={**self.method, **asdict(self.contact), **asdict(self.dissipation)},
             counts=self.counts,
             versions=self.versions,
         )
@@ -218,6 +253,8 @@ class SpatialMotion:
             "dissipation": asdict(self.dissipation),
             "source": self.source,
             "rest_time": self.rest_time,
+            "error_estimate": self.error_estimate,
+            "ending": None if self.ending is None else asdict(self.ending),
             "method": dict(self.method),
             "counts": dict(self.counts),
             "versions": dict(self.versions),
@@ -255,5 +292,6 @@ class SpatialMotion:
             friction=SmoothCoulomb(**meta.pop("friction")),
             contact=PenaltyContact(**meta.pop("contact")),
             dissipation=Dissipation(**meta.pop("dissipation")),
+            ending=None if (ending := meta.pop("ending")) is None else Ending(**ending),
             **meta,
         )

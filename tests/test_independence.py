@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 DATA_TYPES = {
+    "agreement",
     "checks",
     "contact",
     "disk",

@@ -1,10 +1,8 @@
 """What `tippedisk rest` does."""
 
 import argparse
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
-
-from tqdm import tqdm
 
 from analysis import (
     CAUSES,
@@ -12,13 +10,15 @@ from analysis import (
     PenaltyContact,
     SmoothCoulomb,
     SpatialMotion,
+    State,
     find_phases,
     judge_inversion,
     simulate_to_rest,
 )
-from analysis.checks import positive
+from analysis.checks import not_negative, positive
 from analysis.files import whole_file
 from validation.options import PICTURES, chosen_dissipation, chosen_start, output_path
+from validation.progress import progress_bar
 
 
 def rest(options: argparse.Namespace) -> int:
@@ -40,8 +40,15 @@ def rest(options: argparse.Namespace) -> int:
     print(f"energy           {energies[0]:.6f} J at first, {energies[-1]:.6f} J left")
     for cause, taken in zip(CAUSES, motion.dissipated[-1], strict=True):
         if taken:
-            print(f"  {cause.replace('_', ' '):14s} {taken:.6f} J")
-    if phases.rest is None:
+            # Below the error it may come out negative; no -0.000000.
+            print(f"  {cause.replace('_', ' '):14s} {round(taken, 6) + 0.0:.6f} J")
+    if motion.error_estimate is None:
+        print("error            not estimated; --tolerance does")
+    else:
+        print(f"estimated error  {motion.error_estimate:.1e} in rad and in parts of the energy")
+    if motion.ending is not None:
+        print(motion.ending)
+    elif phases.rest is None:
         print(
             f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad; "
             "lying flat needs --rolling or --rolling-viscous, lying still --pivoting"
@@ -51,17 +58,20 @@ def rest(options: argparse.Namespace) -> int:
 
 def _simulate(options: argparse.Namespace) -> SpatialMotion:
     disk, end = DISKS[options.disk], positive("--end", options.end)
+    if options.source == "in-house" and options.step is not None:
+        raise ValueError(
+            "--step must be left out with --source in-house, which controls its steps by "
+            f"--tolerance, got {options.step:g}"
+        )
     friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load="contact")
     contact = PenaltyContact.rounded(
         disk, stiffness=options.stiffness, half_thickness=options.half_thickness
     )
     dissipation = chosen_dissipation(options)
     start = contact.lowered(disk, chosen_start(options, 1, disk))
-    with tqdm(total=end, disable=None, leave=False, unit="s", desc="simulated") as bar:
-
-        def progress(time: float) -> None:
-            bar.update(time - bar.n)
-
+    if not_negative("--height", options.height):
+        start = _lifted(start, options.height + contact.resting_penetration(disk))
+    with progress_bar() as progress:
         if options.source == "in-house":
             return simulate_to_rest(
                 end,
@@ -70,6 +80,8 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
                 contact=contact,
                 dissipation=dissipation,
                 start=start,
+                tolerance=options.tolerance,
+                time_limit=options.time_limit,
                 progress=progress,
             )
         from mbs_models import Scene
@@ -78,7 +90,19 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
         scene = Scene.rest(
             disk=disk, friction=friction, contact=contact, dissipation=dissipation, start=start
         )
-        return simulate_in_engine(scene, end, step=options.step, progress=progress)
+        return simulate_in_engine(
+            scene,
+            end,
+            step=options.step,
+            tolerance=options.tolerance,
+            time_limit=options.time_limit,
+            progress=progress,
+        )
+
+
+def _lifted(start: State, height: float) -> State:
+    x, y, z, *angles = start.coordinates
+    return replace(start, coordinates=(x, y, z + height, *angles))
 
 
 def _plot(motion: SpatialMotion, out: Path) -> None:
