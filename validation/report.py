@@ -6,9 +6,8 @@ import os
 import platform
 import time
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass, field
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from analysis.trajectory import versions
 from validation.animation.player import Animation
 from validation.figures import Picture
 from validation.tables import Table
+from validation.workers import process_pool
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;
@@ -88,9 +88,7 @@ def run_jobs(
     """
     jobs = list(jobs)
     results: dict[Any, Any] = {}
-    with ProcessPoolExecutor(
-        max_workers=workers or os.cpu_count(), mp_context=get_context("spawn")
-    ) as pool:
+    with process_pool(workers) as pool:
         futures = {pool.submit(job.function, *job.arguments): job.key for job in jobs}
         bar = tqdm(total=len(jobs), desc=title, disable=None, leave=False)
         try:
