@@ -5,10 +5,13 @@ and wrong calls answer at once; each subcommand imports what it needs when it ru
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
+from contextlib import redirect_stdout, suppress
 from importlib import import_module
 from importlib.metadata import version
+from io import StringIO
 from typing import NoReturn
 
 SOURCES = ("engine", "in-house")
@@ -40,8 +43,17 @@ examples:
   tippedisk rest --rolling 1e-3 --pivoting 5e-5 --plot rest.png
   tippedisk animate engine.npz                       a page that plays the motion
 
-A wrong call prints one line that says what is allowed, and exits with code 2.
+exit codes:
+  0  done
+  1  done, and a check fails
+  2  wrong call or failed run; one line says what is allowed or what happened
+  3  done, all files are written, but standard output could not be written to
+
+`python -m validation` is the same command.
 """
+
+_OUTPUT_LOST = 3
+"""Exit code of a command that did its work and could not say so."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -62,22 +74,57 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0, or 2 after an error, which is printed in one line.
+        Exit code, as `--help` lists them.
     """
-    parser = _parser()
-    options = parser.parse_args(arguments)
-    name = f"tippedisk {options.command.replace('_', '-')}"
+    # What is printed is kept until the work is done: a full disk or a closed pipe then cannot be
+    # taken for a failure of the work itself.
+    output = StringIO()
+    with redirect_stdout(output):
+        code = _run(arguments)
+    return code if _deliver(output.getvalue()) else code or _OUTPUT_LOST
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    name = "tippedisk"
     try:
+        options = _parser().parse_args(arguments)
+        name = f"tippedisk {options.command.replace('_', '-')}"
         # Imported late: the commands bring NumPy, SciPy and the engine along.
         commands = import_module(f"validation.commands.{options.module}")
         return int(getattr(commands, options.command)(options))
-    except (ValueError, ArithmeticError, OSError) as error:
-        message = " ".join(str(error).split())
-        print(f"{name}: error: {message}", file=sys.stderr)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    except (ValueError, ArithmeticError, OSError, MemoryError) as error:
+        message = " ".join(str(error).split()) or "not enough memory"
+        _complain(f"{name}: error: {message}")
         return 2
     except KeyboardInterrupt:
-        print(f"{name}: interrupted", file=sys.stderr)
+        _complain(f"{name}: interrupted")
         return 130
+
+
+def _deliver(text: str) -> bool:
+    """Write to standard output; whether that worked."""
+    if not text:
+        return True
+    if sys.stdout is None:
+        _complain("tippedisk: standard output is closed; what was to be printed is lost")
+        return False
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except (OSError, ValueError) as error:
+        _complain(f"tippedisk: standard output could not be written to: {error}")
+        # Or the interpreter would try again at its end, fail, and exit with a code of its own.
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return False
+    return True
+
+
+def _complain(message: str) -> None:
+    with suppress(OSError, ValueError):
+        print(message, file=sys.stderr, flush=True)
 
 
 def _parser() -> argparse.ArgumentParser:
