@@ -47,6 +47,8 @@ class PenaltyContact:
         object.__setattr__(self, "damping", not_negative("damping", self.damping))
         thickness = not_negative("half_thickness", self.half_thickness)
         object.__setattr__(self, "half_thickness", thickness)
+        if not isinstance(self.bilateral, bool):
+            raise ValueError(f"bilateral must be True or False, got {self.bilateral!r}")
 
     @classmethod
     def damped(

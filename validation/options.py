@@ -66,6 +66,21 @@ def output_folder(name: str, value: str) -> Path:
     return path
 
 
+def written_number(name: str, text: str) -> float:
+    """Finite number from the text of an option.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"{name} must be a finite number, got {text!r}") from None
+    return number(name, value)
+
+
 def chosen_start(options: argparse.Namespace, level: Level, disk: Disk) -> State:
     """Start from --spin, --beta, --gamma and the rates of the two.
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from analysis import DISKS, Disk, SmoothCoulomb, linear_reduced, spectra
-from analysis.checks import Array, number
+from analysis.checks import Array
 from analysis.critical import critical_speeds
 from analysis.files import whole_file
 from analysis.spectra import Branches
-from validation.options import PICTURES, output_path
+from validation.options import PICTURES, output_path, written_number
 from validation.tables import Table
 
 
@@ -48,7 +48,7 @@ def critical(options: argparse.Namespace) -> int:
     ends = options.spin.split(":")
     if len(ends) != 2:
         raise ValueError(f"--spin must be FIRST:LAST, got {options.spin!r}")
-    low, high = (number("--spin", end) for end in ends)
+    low, high = (written_number("--spin", end) for end in ends)
     found = critical_speeds(options.system, disk, friction, (low, high), options.motion)
     table = critical_table(found)
     print(f"{table.title}\n{table.to_text() if table.rows else 'none'}")
@@ -79,13 +79,13 @@ def parse_spins(texts: list[str]) -> Array:
     for text in texts:
         parts = text.split(":")
         if len(parts) == 1:
-            spins.append(number("--spin", text))
+            spins.append(written_number("--spin", text))
             continue
         if len(parts) != 3 or not parts[2].isdigit() or int(parts[2]) < 2:
             raise ValueError(
                 f"--spin must be a value or FIRST:LAST:NUMBER with at least 2, got {text!r}"
             )
-        first, last = number("--spin", parts[0]), number("--spin", parts[1])
+        first, last = written_number("--spin", parts[0]), written_number("--spin", parts[1])
         if first >= last:
             raise ValueError(f"--spin must have FIRST < LAST, got {text!r}")
         spins += np.linspace(first, last, int(parts[2])).tolist()
