@@ -5,14 +5,15 @@ path to the full analysis", Nonlinear Dynamics 105 (2021).
 """
 
 from analysis.balance import constraint_drift, energies, energy_residual, power
-from analysis.checks import ToleranceError
+from analysis.checks import TimeLimitError, ToleranceError
 from analysis.contact import PenaltyContact
 from analysis.disk import CENTRED_DISK, DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.friction import LOADS, Load, SmoothCoulomb
+from analysis.integration import METHODS, Method, Progress
 from analysis.phases import Phases, find_phases
 from analysis.rest import REST_METHODS, RestMethod, simulate_to_rest
-from analysis.simulation import FORMS, METHODS, Form, Method, simulate
+from analysis.simulation import FORMS, Form, simulate
 from analysis.spatial_motion import SpatialMotion
 from analysis.state import (
     COORDINATES,
@@ -23,7 +24,7 @@ from analysis.state import (
     consistent_start,
     multiplier_names,
 )
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Ending, Trajectory
 
 __all__ = [
     "CAUSES",
@@ -41,17 +42,20 @@ __all__ = [
     "STEEL_DISK",
     "Disk",
     "Dissipation",
+    "Ending",
     "Form",
     "Level",
     "Load",
     "Method",
     "PenaltyContact",
     "Phases",
+    "Progress",
     "RestCriterion",
     "RestMethod",
     "SmoothCoulomb",
     "SpatialMotion",
     "State",
+    "TimeLimitError",
     "ToleranceError",
     "Trajectory",
     "consistent_start",

@@ -59,7 +59,7 @@ def power(trajectory: Trajectory) -> Array:
         load = (
             trajectory.disk.weight
             if trajectory.friction.load == "weight"
-            else trajectory.normal_force[row]
+            else max(0.0, trajectory.normal_force[row])
         )
         result[row] = load * (
             friction_per_load(trajectory.level, trajectory.disk, trajectory.friction, z, u) @ u

@@ -18,6 +18,10 @@ class ToleranceError(ArithmeticError):
     """A requested accuracy could not be met."""
 
 
+class TimeLimitError(ArithmeticError):
+    """A run met its time limit before it had a result to return."""
+
+
 def number(name: str, value: Any) -> float:
     """Return `value` as a finite float.
 

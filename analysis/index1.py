@@ -36,7 +36,8 @@ def accelerations(
     """Accelerations and multipliers of Model `level` with its constraints on acceleration level.
 
     Solves the second and third block row of Eq. (80), of Eq. (79) if the friction law takes the
-    contact force as its load, and of Eq. (92) for the further constraints.
+    contact force as its load, and of Eq. (92) for the further constraints. A contact that pulls
+    (negative normal force) rubs with no load: friction never gives energy.
 
     Parameters
     ----------
@@ -55,7 +56,8 @@ def accelerations(
     Raises
     ------
     ArithmeticError
-        If the matrix is singular: Eq. (79) need not have a solution.
+        If the matrix is singular, or if the friction of each newton of normal force calls for a
+        newton more of it: Eq. (79) then has no solution, or two.
     """
     n = len(multiplier_names(level))
     W = constraints.directions(level, disk, z)
@@ -63,16 +65,25 @@ def accelerations(
     matrix[:6, :6] = equations.mass_matrix(disk, z)
     matrix[:6, 6:] = -W.T
     matrix[6:, :6] = W
-    right = np.empty(6 + n)
-    right[:6] = equations.gyroscopic_forces(disk, z, u) + equations.gravity_forces(disk, z)
-    right[6:] = -constraints.acceleration_terms(level, disk, z, u)
-    if friction.coefficient:
-        force = friction_per_load(level, disk, friction, z, u)
-        if friction.load == "weight":
-            right[:6] += disk.weight * force
-        else:
-            matrix[:6, 6] -= force
+    by_contact = friction.coefficient > 0.0 and friction.load == "contact"
+    right = np.zeros((6 + n, 2 if by_contact else 1), order="F")
+    right[:6, 0] = equations.gyroscopic_forces(disk, z, u) + equations.gravity_forces(disk, z)
+    right[6:, 0] = -constraints.acceleration_terms(level, disk, z, u)
+    if by_contact:
+        right[:6, 1] = friction_per_load(level, disk, friction, z, u)
+    elif friction.coefficient:
+        right[:6, 0] += disk.weight * friction_per_load(level, disk, friction, z, u)
     _, _, solution, info = dgesv(matrix, right, overwrite_a=True, overwrite_b=True)
     if info != 0:
         raise ArithmeticError(f"singular index-1 system of Model {level} at coordinates {list(z)}")
-    return solution[:6], solution[6:]
+    result = solution[:, 0]
+    if by_contact:
+        frictionless, feedback = solution[6]
+        if feedback >= 1.0:
+            raise ArithmeticError(
+                f"singular index-1 system (79) of Model {level}: at coordinates {list(z)} each "
+                f"newton of normal force calls for {feedback:.3g} N of it through friction"
+            )
+        if frictionless > 0.0:
+            result = result + frictionless / (1.0 - feedback) * solution[:, 1]
+    return result[:6], result[6:]

@@ -43,6 +43,21 @@ def acceleration(disk: Disk, friction: SmoothCoulomb, spin: float, x: Sequence[f
     return (h + f + height * sb * force) / M
 
 
+def normal_force(disk: Disk, friction: SmoothCoulomb, spin: float, x: Sequence[float]) -> float:
+    """Normal contact force in N: the mass times gravity and the centre of gravity's rise.
+
+    Parameters are those of `acceleration`; the centre of gravity is (r + e sin(gamma)) sin(beta)
+    above the table, and gamma' = -Omega cos(beta).
+    """
+    e, Omega = disk.eccentricity, spin
+    beta, gamma, bd = x
+    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    gd, gdd, bdd = -Omega * cb, Omega * sb * bd, acceleration(disk, friction, spin, x)
+    rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
+    rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
+    return disk.mass * (GRAVITY + rise)
+
+
 def right_hand_side(
     disk: Disk, friction: SmoothCoulomb, spin: float, x: Sequence[float]
 ) -> tuple[float, float, float]:

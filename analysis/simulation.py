@@ -1,41 +1,43 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from math import sin, sqrt
+from dataclasses import dataclass, replace
+from math import inf, sin, sqrt
 from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import solve_ivp
 
 from analysis import index1, reduced
-from analysis.checks import Array, ToleranceError, choice, increasing_times, positive
+from analysis.checks import (
+    Array,
+    TimeLimitError,
+    ToleranceError,
+    choice,
+    increasing_times,
+    positive,
+)
 from analysis.constraints import check_admissible
 from analysis.disk import GRAVITY, STEEL_DISK, Disk
 from analysis.friction import SmoothCoulomb
-from analysis.state import Level, State, consistent_start, multiplier_names, raise_flat
-from analysis.trajectory import Setting, Trajectory, versions
+from analysis.integration import METHODS, Method, Problem, Progress, Run, Watch, integrate
+from analysis.state import Level, State, consistent_start, multiplier_names
+from analysis.trajectory import Ending, Setting, Trajectory, versions
 
 Form = Literal["index-1", "reduced"]
 FORMS: tuple[Form, ...] = get_args(Form)
-
-Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA"]
-METHODS: tuple[Method, ...] = get_args(Method)
 
 TIGHTEST_LOCAL_TOLERANCE = 3e-14
 """SciPy's solvers do not go below 100 machine precisions."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Problem:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Form:
     """An initial value problem and the way back from its states to a trajectory."""
 
-    right_hand_side: Callable[[float, Array], npt.ArrayLike]
-    start: Array
+    problem: Problem
     expand: Callable[[Array, Array], tuple[Array, Array]]
     angles: tuple[int, int]
-    longest_step: float
 
 
 def simulate(
@@ -49,12 +51,18 @@ def simulate(
     method: Method = "DOP853",
     tolerance: float | None = None,
     local_tolerance: float | None = None,
+    allow_pulling: bool = False,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
 ) -> Trajectory:
     """Simulate Model `level` with the in-house equations.
 
     Accuracy is asked for in one of two ways. With `tolerance`, the run is repeated with tighter
     local tolerances until two runs agree; the difference is returned as `error_estimate`. With
     `local_tolerance`, there is a single run without an estimate.
+
+    A run ends where the ideal contact would have to pull, or at its time limit: the trajectory
+    then holds fewer samples than asked for, the last one at the ending, and says why.
 
     Parameters
     ----------
@@ -75,6 +83,12 @@ def simulate(
         Largest error in beta and gamma in rad; 1e-8 if neither tolerance is given.
     local_tolerance : float, optional
         Relative tolerance of a single step; the absolute one is the same number in m and rad.
+    allow_pulling : bool
+        Go on where the contact pulls; friction then has no load.
+    time_limit : float, optional
+        Processor time in s after which the run ends with what it has reached.
+    progress : callable, optional
+        Called after each step with the time reached and the end of the run in s.
 
     Returns
     -------
@@ -83,9 +97,12 @@ def simulate(
     Raises
     ------
     ValueError
-        If an argument is out of range, or the start breaks a constraint.
+        If an argument is out of range, or the start breaks a constraint or needs a contact that
+        pulls.
     ToleranceError
         If `tolerance` cannot be met.
+    TimeLimitError
+        If the limit is met before two runs agree to `tolerance` anywhere.
     ArithmeticError
         If the integration fails on the way.
     """
@@ -94,19 +111,27 @@ def simulate(
     start = start if start is not None else consistent_start(level, disk)
     choice("method", method, METHODS)
     check_admissible(level, disk, start)
-    problem = _problem(level, disk, friction, start, choice("form", form, FORMS))
+    posed = _pose(level, disk, friction, start, choice("form", form, FORMS))
+    watch = Watch(None if time_limit is None else positive("time_limit", time_limit), progress)
+
+    def run(local: float) -> Run:
+        return integrate(
+            posed.problem, times, method, local, allow_pulling=allow_pulling, watch=watch
+        )
+
     if local_tolerance is not None:
         if tolerance is not None:
             raise ValueError("give either tolerance or local_tolerance, not both")
         local_tolerance = _check_local_tolerance("local_tolerance", local_tolerance)
-        states, evaluations = _integrate(problem, times, method, local_tolerance)
-        estimate = None
+        result, estimate = run(local_tolerance), None
+        evaluations = result.evaluations
     else:
         tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
-        states, evaluations, local_tolerance, estimate = _integrate_to(
-            problem, times, method, tolerance
+        result, evaluations, local_tolerance, estimate = _integrate_to(
+            run, posed.angles, tolerance, method
         )
-    coordinates, rates = problem.expand(times, states)
+    coordinates, rates = posed.expand(result.times, result.states)
+    multipliers = _multipliers(level, disk, friction, coordinates, rates)
     settings: dict[str, Setting] = {
         "form": form,
         "method": method,
@@ -114,10 +139,10 @@ def simulate(
         "local_tolerance": local_tolerance,
     }
     return Trajectory(
-        times=times,
+        times=result.times,
         coordinates=coordinates,
         rates=rates,
-        multipliers=_multipliers(level, disk, friction, coordinates, rates),
+        multipliers=multipliers,
         level=level,
         disk=disk,
         friction=friction,
@@ -126,12 +151,19 @@ def simulate(
         error_estimate=estimate,
         counts={"right_hand_sides": evaluations},
         versions=versions("numpy", "scipy"),
+        ending=_ending(result, multipliers, watch),
+        pulling=result.pulling,
     )
 
 
-def _problem(
-    level: Level, disk: Disk, friction: SmoothCoulomb, start: State, form: Form
-) -> _Problem:
+def _ending(run: Run, multipliers: Array, watch: Watch) -> Ending | None:
+    if run.ended is None:
+        return None
+    value = watch.seconds if run.ended == "time limit" else float(multipliers[-1, 0])
+    return Ending(reason=run.ended, time=float(run.times[-1]), value=value)
+
+
+def _pose(level: Level, disk: Disk, friction: SmoothCoulomb, start: State, form: Form) -> _Form:
     if form == "index-1":
 
         def full(_: float, state: Array) -> Array:
@@ -140,10 +172,21 @@ def _problem(
             acceleration, _multiplier = index1.accelerations(level, disk, friction, z, u)
             return np.concatenate((u, acceleration))
 
+        def full_normal_force(state: Array) -> float:
+            values = state.tolist()
+            return float(index1.accelerations(level, disk, friction, values[:6], values[6:])[1][0])
+
         def split(_: Array, states: Array) -> tuple[Array, Array]:
             return states[:, :6], states[:, 6:]
 
-        return _Problem(full, start.vector, split, (4, 5), longest_step(disk, start))
+        problem = Problem(
+            full,
+            start.vector,
+            lambda state: sin(state[4]),
+            full_normal_force,
+            longest_step(disk, start),
+        )
+        return _Form(problem, split, (4, 5))
     if level != 4:
         raise ValueError(f"form 'reduced' exists for Model 4 alone, got level {level}")
     if friction.load != "weight":
@@ -156,8 +199,14 @@ def _problem(
     def expand(times: Array, states: Array) -> tuple[Array, Array]:
         return reduced.expand(disk, spin, alpha + spin * (times - times[0]), states)
 
-    minimal_start = np.array((*start.coordinates[4:6], start.rates[4]))
-    return _Problem(minimal, minimal_start, expand, (0, 1), longest_step(disk, start))
+    problem = Problem(
+        minimal,
+        np.array((*start.coordinates[4:6], start.rates[4])),
+        lambda state: sin(state[0]),
+        lambda state: reduced.normal_force(disk, friction, spin, state.tolist()),
+        longest_step(disk, start),
+    )
+    return _Form(problem, expand, (0, 1))
 
 
 def longest_step(disk: Disk, start: State) -> float:
@@ -170,56 +219,47 @@ def longest_step(disk: Disk, start: State) -> float:
     return min(fall, 2.0 / max(abs(start.rates[3]), 1e-3))
 
 
-def _integrate(
-    problem: _Problem, times: Array, method: Method, local_tolerance: float
-) -> tuple[Array, int]:
-    tilt = problem.angles[0]
-
-    def flat(_: float, state: Array) -> float:
-        return sin(state[tilt])
-
-    # Beyond a flat disk the equations go on without meaning, and get stuck at the next one.
-    flat.terminal = True  # type: ignore[attr-defined]
-    result = solve_ivp(
-        problem.right_hand_side,
-        (times[0], times[-1]),
-        problem.start,
-        method=method,
-        t_eval=times,
-        rtol=local_tolerance,
-        atol=local_tolerance,
-        max_step=problem.longest_step,
-        events=flat,
-    )
-    if result.status == 1:
-        raise_flat(float(result.t_events[0][0]))
-    if not result.success:
-        reached = f"after t = {result.t[-1]:g} s" if result.t.size else "at the start"
-        raise ArithmeticError(f"{method} stopped {reached}: {result.message}")
-    return result.y.T, int(result.nfev)
-
-
 def _integrate_to(
-    problem: _Problem, times: Array, method: Method, tolerance: float
-) -> tuple[Array, int, float, float]:
+    run: Callable[[float], Run], angles: tuple[int, int], tolerance: float, method: Method
+) -> tuple[Run, int, float, float]:
     """Tighten the local tolerance until two runs agree to `tolerance` in beta and gamma."""
-    angles = list(problem.angles)
     # Two runs of nearly the same local tolerance would agree without being right.
     local = max(min(tolerance / 3.0, 1e-3), 10.0 * TIGHTEST_LOCAL_TOLERANCE)
-    coarse, evaluations = _integrate(problem, times, method, _floor(local))
-    difference = np.inf
-    while local >= 3.0 * TIGHTEST_LOCAL_TOLERANCE:
+    coarse = run(_floor(local))
+    evaluations, difference = coarse.evaluations, inf
+    while local >= 3.0 * TIGHTEST_LOCAL_TOLERANCE and coarse.ended != "time limit":
         local /= 10.0
-        fine, count = _integrate(problem, times, method, _floor(local))
-        evaluations += count
-        difference = float(np.max(np.abs(fine - coarse)[:, angles]))
+        fine = run(_floor(local))
+        evaluations += fine.evaluations
+        fine, difference = _compare(fine, coarse, list(angles))
         if difference <= tolerance:
             return fine, evaluations, _floor(local), difference
         coarse = fine
+    if coarse.ended == "time limit":
+        raise TimeLimitError(
+            f"time limit met at t = {coarse.times[-1]:.6g} s of a run before two runs agreed to "
+            f"{tolerance:g} rad"
+        )
     raise ToleranceError(
         f"tolerance {tolerance:g} rad cannot be reached with {method}: the two tightest runs "
         f"differ by {difference:.1e} rad"
     )
+
+
+def _compare(fine: Run, coarse: Run, angles: list[int]) -> tuple[Run, float]:
+    """The finer run as far as it can be judged, and its difference from the coarser one.
+
+    The difference in beta and gamma is infinite if the two do not end alike. Where the contact
+    would pull, the last states are those of two endings.
+    """
+    if fine.ended == "time limit" and fine.times.size > 2:
+        fine = replace(fine, times=fine.times[:-1], states=fine.states[:-1])
+    elif fine.ended != coarse.ended or fine.times.size != coarse.times.size:
+        return fine, inf
+    common = fine.times.size
+    if coarse.times.size < common:
+        return fine, inf
+    return fine, float(np.max(np.abs(fine.states - coarse.states[:common])[:, angles]))
 
 
 def _floor(local_tolerance: float) -> float:

@@ -15,6 +15,7 @@ from analysis.checks import (
     choice,
     increasing_times,
     not_negative,
+    number,
     real_array,
     settings,
 )
@@ -26,6 +27,43 @@ from analysis.state import COORDINATES, LEVELS, Level, State, multiplier_names
 Source = Literal["engine", "in-house"]
 SOURCES: tuple[Source, ...] = get_args(Source)
 Setting = str | float | int | None
+
+
+EndingReason = Literal["contact would pull", "time limit"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ending:
+    """Why a motion ends before the last time asked for.
+
+    Parameters
+    ----------
+    reason : {"contact would pull", "time limit"}
+        An ideal contact would have to hold the disk down; or the run met its time limit.
+    time : float
+        Where the motion ends, in s.
+    value : float
+        Normal force there in N; or processor time taken, in s.
+
+    Raises
+    ------
+    ValueError
+        If the reason is unknown or a number is not finite.
+    """
+
+    reason: EndingReason
+    time: float
+    value: float
+
+    def __post_init__(self) -> None:
+        choice("reason", self.reason, get_args(EndingReason))
+        for name in ("time", "value"):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+
+    def __str__(self) -> str:
+        if self.reason == "time limit":
+            return f"ended at t = {self.time:.6g} s: time limit, after {self.value:.3g} s"
+        return f"ended at t = {self.time:.9g} s: beyond, the contact would have to pull"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,6 +92,10 @@ class Trajectory:
         Work done, such as right-hand-side evaluations or steps.
     versions : mapping
         Versions of the software that made it.
+    ending : Ending, optional
+        Why it ends before the last time asked for, if it does.
+    pulling : tuple of pairs of floats
+        Times in s between which an ideal contact pulls, if it was let.
 
     Raises
     ------
@@ -73,6 +115,8 @@ class Trajectory:
     error_estimate: float | None = None
     counts: Mapping[str, int] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
+    ending: Ending | None = None
+    pulling: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         choice("level", self.level, LEVELS)
@@ -95,6 +139,10 @@ class Trajectory:
         if self.error_estimate is not None:
             estimate = not_negative("error_estimate", self.error_estimate)
             object.__setattr__(self, "error_estimate", estimate)
+        for interval in self.pulling:
+            first, last = (number("pulling", time) for time in interval)
+            if first > last:
+                raise ValueError(f"pulling must hold rising times, got {first:g} before {last:g}")
 
     def coordinate(self, name: str) -> Array:
         """Coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
@@ -147,6 +195,8 @@ class Trajectory:
             "error_estimate": self.error_estimate,
             "counts": dict(self.counts),
             "versions": dict(self.versions),
+            "ending": None if self.ending is None else asdict(self.ending),
+            "pulling": self.pulling,
         }
         with whole_file(path) as stream:
             np.savez(
@@ -189,6 +239,8 @@ class Trajectory:
             error_estimate=meta["error_estimate"],
             counts=meta["counts"],
             versions=meta["versions"],
+            ending=None if meta["ending"] is None else Ending(**meta["ending"]),
+            pulling=tuple((first, last) for first, last in meta["pulling"]),
         )
 
 

@@ -126,6 +126,13 @@ TRAJECTORIES = {
     "radius as text": (described("meta", disk__radius="0.045"), f"radius {NUMBER} '0.045'"),
     "huge mass": (described("meta", disk__mass=10**400), "mass must be a finite number"),
     "mass is true": (described("meta", disk__mass=True), f"mass {NUMBER} True"),
+    "pulling as text": (described("meta", pulling=["ab"]), f"pulling {NUMBER} 'a'"),
+    "pulling backwards": (described("meta", pulling=[[2, 1]]), "pulling must hold rising times"),
+    "ending is text": (described("meta", ending="soon"), "."),
+    "unknown ending": (
+        described("meta", ending={"reason": "bored", "time": 1.0, "value": 0.0}),
+        "reason must be one of",
+    ),
     "unknown load": (described("meta", friction__load="none"), "load must be one of"),
     "foreign piece": (described("meta", friction__colour="red"), ".*colour"),
     "description is a number": (lambda arrays: arrays | {"meta": np.array(3.0)}, "."),
