@@ -57,6 +57,14 @@ def not_negative(name: str, value: Any) -> float:
     return result
 
 
+def within(name: str, value: Any, least: float, most: float) -> float:
+    """Return `value` as a float from `least` to `most`; `ValueError` otherwise."""
+    result = number(name, value)
+    if not least <= result <= most:
+        raise ValueError(f"{name} must lie from {least:g} to {most:g}, got {result:g}")
+    return result
+
+
 def choice(name: str, value: T, allowed: Iterable[T]) -> T:
     """Return `value` if it is one of `allowed`; `ValueError` listing them otherwise."""
     options = list(allowed)

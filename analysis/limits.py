@@ -3,6 +3,12 @@
 LARGEST_STORAGE = 2_000_000_000
 """Bytes that the samples of a motion may take, in memory or in a file."""
 
+PLAYBACK_SPEEDS = (1e-6, 1e6)
+"""Of an animation; 1 is real time."""
+
+SLOWEST_FRAMES = 0.01
+"""Frames per second of an animated picture; the format cannot hold much slower ones."""
+
 MOST_SPINS = 100_000
 """Spins for which eigenvalues may be asked for at once."""
 
@@ -14,3 +20,58 @@ MOST_KEYFRAMES = 1_000_000
 
 LARGEST_VALUE = 1e100
 """Size of any sampled number; the squares of larger ones overflow."""
+
+LARGEST_FRICTION = 1e9
+"""Friction coefficient; so large only for a viscous law, with a smoothing as large."""
+
+SMOOTHING_RANGE = (1e-12, 1e9)
+"""Smoothing of the friction law in m/s; slower slip passes less than an atom in a minute."""
+
+FASTEST_TURN = 1e5
+"""Rate of an angle at the start in rad/s; long before, the rim of a steel disk bursts."""
+
+LARGEST_ANGLE = 1e6
+"""Angle at the start in rad; the last digits of larger ones are too coarse for a motion."""
+
+LEAST_TILT = 1e-6
+"""Angle in rad by which a start must differ from flat, where the Euler angles are singular."""
+
+STIFFEST_CONTACT = 1e12
+"""Contact stiffness in N/m; solid steel of the disk's size has some 1e10."""
+
+LARGEST_DAMPING = 1e9
+"""Contact damping in N s/m."""
+
+THINNEST_RIM = 1e-9
+"""Half thickness of a rounded rim in m: some atoms."""
+
+LARGEST_RESISTANCE = {
+    "rolling_dry": 1.0,
+    "rolling_viscous": 1e3,
+    "pivoting": 1.0,
+    "air_drag": 1e4,
+}
+"""Of `Dissipation`: a part of the contact force, in s/m, in m, and in kg/m³ (water: 1e3)."""
+
+
+def check_storage(name: str, samples: float, columns: int) -> None:
+    """Check that samples of so many numbers each can be held.
+
+    Parameters
+    ----------
+    name : str
+        Of what asks for them, for the message.
+    samples : float
+    columns : int
+
+    Raises
+    ------
+    ValueError
+        If they take more than `LARGEST_STORAGE`.
+    """
+    if 8 * columns * samples > LARGEST_STORAGE:
+        most = LARGEST_STORAGE // (8 * columns)
+        raise ValueError(
+            f"{name} asks for {float(samples):.3g} samples of {columns} numbers each; at most "
+            f"{most} are held"
+        )

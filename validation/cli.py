@@ -52,6 +52,15 @@ exit codes:
 `python -m validation` is the same command.
 """
 
+_OPTION_OF = {
+    "coefficient": "mu",
+    "smoothing": "eps",
+    "rolling_dry": "rolling",
+    "interval": "spin",
+    "spins": "spin",
+}
+"""Options that are called otherwise than the arguments they are handed on as."""
+
 _OUTPUT_LOST = 3
 """Exit code of a command that did its work and could not say so."""
 
@@ -85,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    name = "tippedisk"
+    name, options = "tippedisk", argparse.Namespace()
     try:
         options = _parser().parse_args(arguments)
         name = f"tippedisk {options.command.replace('_', '-')}"
@@ -96,11 +105,18 @@ def _run(arguments: Sequence[str] | None) -> int:
         return int(stop.code or 0)
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         message = " ".join(str(error).split()) or "not enough memory"
-        _complain(f"{name}: error: {message}")
+        _complain(f"{name}: error: {_blamed_option(options, message)}{message}")
         return 2
     except KeyboardInterrupt:
         _complain(f"{name}: interrupted")
         return 130
+
+
+def _blamed_option(options: argparse.Namespace, message: str) -> str:
+    """The option whose argument a message begins with, if there is one."""
+    argument = message.partition(" ")[0]
+    option = _OPTION_OF.get(argument, argument)
+    return f"--{option.replace('_', '-')}: " if hasattr(options, option) else ""
 
 
 def _deliver(text: str) -> bool:

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 
 import analysis
-from analysis import DISKS, SmoothCoulomb, Trajectory
+from analysis import DISKS, SmoothCoulomb, Trajectory, multiplier_names
 from analysis.checks import positive
 from analysis.files import whole_file
+from analysis.limits import check_storage
 from validation.options import PICTURES, chosen_start, output_folder, output_path
 
 
@@ -29,6 +30,8 @@ def simulate(options: argparse.Namespace) -> int:
     out = output_path("--out", options.out, (".npz",))
     if options.samples < 2:
         raise ValueError(f"--samples must be at least 2, got {options.samples}")
+    # Time, six coordinates, their rates and the constraint forces.
+    check_storage("--samples", options.samples, 13 + len(multiplier_names(options.model)))
     times = np.linspace(0.0, positive("--end", options.end), options.samples)
     trajectory = _simulate(options, times)
     trajectory.save(out)

@@ -10,6 +10,7 @@ from analysis import DISKS, Disk, SmoothCoulomb, linear_reduced, spectra
 from analysis.checks import Array
 from analysis.critical import critical_speeds
 from analysis.files import whole_file
+from analysis.limits import MOST_SPINS
 from analysis.spectra import Branches
 from validation.options import PICTURES, output_path, written_number
 from validation.tables import Table
@@ -73,7 +74,8 @@ def parse_spins(texts: list[str]) -> Array:
     Raises
     ------
     ValueError
-        If a text is neither, a range is empty or descending, or the spins do not increase.
+        If a text is neither, a range is empty, descending or longer than `MOST_SPINS`, or the
+        spins do not increase.
     """
     spins: list[float] = []
     for text in texts:
@@ -88,6 +90,8 @@ def parse_spins(texts: list[str]) -> Array:
         first, last = written_number("--spin", parts[0]), written_number("--spin", parts[1])
         if first >= last:
             raise ValueError(f"--spin must have FIRST < LAST, got {text!r}")
+        if int(parts[2]) > MOST_SPINS:
+            raise ValueError(f"--spin must name at most {MOST_SPINS} spins, got {text!r}")
         spins += np.linspace(first, last, int(parts[2])).tolist()
     if np.any(np.diff(spins) <= 0.0):
         raise ValueError("--spin must increase strictly")
