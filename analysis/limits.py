@@ -1,5 +1,10 @@
 """How much may be asked for: beyond these limits a call is refused before it computes anything."""
 
+from dataclasses import dataclass
+
+MOST_STEPS = 100_000_000
+"""Steps of a run, of all its repetitions together; each takes 30 µs or more."""
+
 LARGEST_STORAGE = 2_000_000_000
 """Bytes that the samples of a motion may take, in memory or in a file."""
 
@@ -75,3 +80,43 @@ def check_storage(name: str, samples: float, columns: int) -> None:
             f"{name} asks for {float(samples):.3g} samples of {columns} numbers each; at most "
             f"{most} are held"
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effort:
+    """What a run will take, told from its arguments to within a factor of some three.
+
+    Parameters
+    ----------
+    steps : float
+        Number of steps, of all repetitions together.
+    seconds : float
+        Processor time in s on a machine of today.
+    cause : str
+        The argument that asks for so many, with its value.
+    doubt : str
+        Why the run will probably fail in the end; empty if it need not.
+    """
+
+    steps: float
+    seconds: float
+    cause: str
+    doubt: str = ""
+
+    def check(self) -> None:
+        """Raise `ValueError` if the run takes more than `MOST_STEPS`."""
+        if self.steps > MOST_STEPS:
+            raise ValueError(
+                f"{self.cause} would take about {self.steps:.1e} steps; at most {MOST_STEPS:.0e} "
+                "are made"
+            )
+
+    def __str__(self) -> str:
+        if self.seconds < 120.0:
+            time = f"{self.seconds:.0f} s"
+        elif self.seconds < 7200.0:
+            time = f"{self.seconds / 60.0:.0f} minutes"
+        else:
+            time = f"{self.seconds / 3600.0:.0f} hours"
+        doubt = f"; {self.doubt}" if self.doubt else ""
+        return f"about {self.steps:.1e} steps, roughly {time}, for {self.cause}{doubt}"

@@ -1,0 +1,116 @@
+"""How many steps an in-house run will take, told from its arguments before it starts.
+
+The numbers come from measured runs. A step resolves the fastest of what happens: the turning of
+the disk, as finely as the tolerance asks; friction at no slip, for explicit methods; and the
+Euler angles, which turn the faster the flatter the disk leans.
+"""
+
+from math import inf, sin, sqrt
+from typing import Literal, NamedTuple
+
+from analysis.checks import Array
+from analysis.contact import PenaltyContact
+from analysis.disk import GRAVITY, Disk
+from analysis.friction import SmoothCoulomb
+from analysis.limits import Effort
+from analysis.state import State
+
+Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA"]
+
+
+class _Method(NamedTuple):
+    """Order, largest stable product of step and decay rate, evaluations in a step."""
+
+    order: int
+    stable: float
+    evaluations: int
+
+
+_METHODS: dict[Method, _Method] = {
+    "DOP853": _Method(8, 6.0, 12),
+    "RK45": _Method(5, 3.3, 6),
+    "RK23": _Method(3, 2.5, 3),
+    "Radau": _Method(5, inf, 10),
+    "BDF": _Method(4, inf, 2),
+    "LSODA": _Method(5, inf, 2),
+}
+
+_SECONDS = 4e-5
+"""Processor time of one evaluation of the index-1 system in s."""
+
+_REST_SECONDS = 1.2e-5
+"""The same of the free disk."""
+
+
+def longest_step(disk: Disk, start: State) -> float:
+    """Longest step in s: a part of a turn and of the time of a fall.
+
+    On an unstable equilibrium nothing but rounding moves, and steps without a bound would grow
+    past the time in which a deviation does.
+    """
+    fall = 0.5 * sqrt(disk.radius / GRAVITY)
+    return min(fall, 2.0 / max(abs(start.rates[3]), 1e-3))
+
+
+def simulation_effort(
+    times: Array,
+    disk: Disk,
+    friction: SmoothCoulomb,
+    start: State,
+    *,
+    method: Method = "DOP853",
+    tolerance: float | None = None,
+    local_tolerance: float | None = None,
+) -> Effort:
+    """Effort of `analysis.simulate` with these arguments.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        In s.
+    disk : Disk
+    friction : SmoothCoulomb
+    start : State
+    method : str
+        SciPy method.
+    tolerance, local_tolerance : float, optional
+        As in `analysis.simulate`; a tolerance takes two runs or more.
+    """
+    used = _METHODS[method]
+    wanted = tolerance if tolerance is not None else local_tolerance or 1e-8
+    spin = abs(start.rates[3])
+    turning = sum(abs(rate) for rate in start.rates[3:])
+    sharpness = wanted ** (-1.0 / (used.order + 2))
+    rates = {
+        f"times up to {times[-1]:g} s": 1.0 / longest_step(disk, start),
+        f"tolerance {wanted:g}": 0.4 * spin * sharpness,
+        f"smoothing {friction.smoothing:g} m/s at coefficient {friction.coefficient:g}": (
+            _friction_rate(disk, friction) / used.stable
+        ),
+        f"beta {start.coordinates[4]:g} rad": turning / abs(sin(start.coordinates[4])),
+    }
+    cause, fastest = max(rates.items(), key=lambda item: item[1])
+    steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
+    return Effort(steps=steps, seconds=steps * used.evaluations * _SECONDS, cause=cause)
+
+
+def rest_effort(end: float, disk: Disk, contact: PenaltyContact) -> Effort:
+    """Effort of `analysis.simulate_to_rest` with LSODA, up to the time `end` in s."""
+    # The method changes to implicit steps where friction is stiff, and follows the contact.
+    evaluations = 3.0 * end * sqrt(contact.stiffness * _mobility(disk))
+    return Effort(
+        steps=evaluations / 2.0,
+        seconds=evaluations * _REST_SECONDS,
+        cause=f"stiffness {contact.stiffness:g} N/m until end = {end:g} s",
+    )
+
+
+def _mobility(disk: Disk) -> float:
+    """Acceleration of the contact point by a force on it, at most, in 1/kg."""
+    inertia = min(disk.inertia_about_cog[:2])
+    return 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
+
+
+def _friction_rate(disk: Disk, friction: SmoothCoulomb) -> float:
+    """Decay rate of slip in 1/s where friction is steepest, at no slip."""
+    return friction.coefficient * disk.weight / friction.smoothing * _mobility(disk)
