@@ -10,7 +10,7 @@ from analysis.contact import PenaltyContact
 from analysis.disk import CENTRED_DISK, DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.friction import LOADS, Load, SmoothCoulomb
-from analysis.integration import METHODS, Method, Progress
+from analysis.integration import METHODS, Method
 from analysis.phases import Phases, find_phases
 from analysis.rest import REST_METHODS, RestMethod, simulate_to_rest
 from analysis.simulation import FORMS, Form, simulate
@@ -25,6 +25,7 @@ from analysis.state import (
     multiplier_names,
 )
 from analysis.trajectory import Ending, Trajectory
+from analysis.watch import Progress
 
 __all__ = [
     "CAUSES",

@@ -109,7 +109,7 @@ class FreeDisk:
     ) -> tuple[Vector3, Vector3, list[float]]:
         """Force, torque about S, and the power taken by each of `CAUSES`."""
         upward, normal = contact.upward, contact.force
-        load = normal
+        load = max(0.0, normal)
         if self.friction.load == "weight" and (normal > 0.0 or self.contact.bilateral):
             load = self.disk.weight
         speed = norm(contact.slip)

@@ -4,10 +4,8 @@
 its solvers are stepped here.
 """
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import inf
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -18,6 +16,7 @@ from scipy.optimize import brentq
 from analysis.checks import Array
 from analysis.state import raise_flat
 from analysis.trajectory import EndingReason
+from analysis.watch import Watch
 
 Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -30,9 +29,6 @@ _SOLVERS: dict[Method, Any] = {
     "BDF": BDF,
     "LSODA": LSODA,
 }
-
-Progress = Callable[[float, float], None]
-"""Called now and then with the time reached in a run and with its end, both in s."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,33 +53,6 @@ class Problem:
     upright: Callable[[Array], float]
     normal_force: Callable[[Array], float]
     longest_step: float
-
-
-class Watch:
-    """Processor time of one call, however many runs it makes.
-
-    Parameters
-    ----------
-    time_limit : float, optional
-        In s of processor time of this process.
-    progress : callable, optional
-    """
-
-    def __init__(self, time_limit: float | None, progress: Progress | None) -> None:
-        self._limit = inf if time_limit is None else time_limit
-        self._progress = progress
-        self._begin = time.process_time()
-
-    @property
-    def seconds(self) -> float:
-        """Processor time taken so far in s."""
-        return time.process_time() - self._begin
-
-    def is_over(self, reached: float, end: float) -> bool:
-        """Tell how far a run is; returns whether it has to stop."""
-        if self._progress is not None:
-            self._progress(reached, end)
-        return self._limit < inf and self.seconds > self._limit
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -20,9 +20,10 @@ from analysis.checks import (
 from analysis.constraints import check_admissible
 from analysis.disk import GRAVITY, STEEL_DISK, Disk
 from analysis.friction import SmoothCoulomb
-from analysis.integration import METHODS, Method, Problem, Progress, Run, Watch, integrate
+from analysis.integration import METHODS, Method, Problem, Run, integrate
 from analysis.state import Level, State, consistent_start, multiplier_names
 from analysis.trajectory import Ending, Setting, Trajectory, versions
+from analysis.watch import Progress, Watch
 
 Form = Literal["index-1", "reduced"]
 FORMS: tuple[Form, ...] = get_args(Form)
@@ -112,7 +113,7 @@ def simulate(
     choice("method", method, METHODS)
     check_admissible(level, disk, start)
     posed = _pose(level, disk, friction, start, choice("form", form, FORMS))
-    watch = Watch(None if time_limit is None else positive("time_limit", time_limit), progress)
+    watch = Watch(time_limit, progress)
 
     def run(local: float) -> Run:
         return integrate(

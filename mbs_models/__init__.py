@@ -2,7 +2,6 @@
 
 from mbs_models.integrators import (
     INTEGRATORS,
-    EngineError,
     Integrator,
     IntegratorName,
     Newton,
@@ -18,6 +17,7 @@ from mbs_models.linearization import (
 )
 from mbs_models.probe import acceleration
 from mbs_models.rest import simulate_to_rest
+from mbs_models.runs import EngineError
 from mbs_models.scene import FORMULATIONS, Formulation, Scene, formulations
 from mbs_models.simulation import simulate
 

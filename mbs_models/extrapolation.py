@@ -68,7 +68,13 @@ class Ladder:
         the error of the coarser one, and no less than that of the finer one for any order of
         convergence from one on, so that an order lost somewhere (to the kink in the friction law,
         say) shows up as a slow run and not as a false estimate.
+
+        Parameters
+        ----------
+        values : ndarray, shape (n, k)
+            No longer than those of the run before, which is cut to them.
         """
+        self._row = [coarse[: len(values)] for coarse in self._row]
         row = [values]
         for exponent, coarse in zip(self._exponents, self._row, strict=False):
             row.append(row[-1] + (row[-1] - coarse) / (2.0**exponent - 1.0))

@@ -72,8 +72,9 @@ def friction_limit(scene: Scene, contact: list[int]) -> Limit:
     force = exu.OutputVariableType.ForceLocal
 
     def from_contact(system: Any) -> float:
-        # The multiplier of the present Newton iterate: the converged step has no lag.
-        return float(coefficient * system.GetObjectOutput(contact[0], force)[2])
+        # The multiplier of the present Newton iterate: the converged step has no lag. A contact
+        # that pulls rubs with no load.
+        return coefficient * max(0.0, float(system.GetObjectOutput(contact[0], force)[2]))
 
     return from_contact
 

@@ -101,7 +101,7 @@ class Loads:
         if self._friction.load == "weight":
             touches = normal > 0.0 or self._contact.bilateral
             return self._friction.coefficient * self._weight if touches else 0.0
-        return self._friction.coefficient * normal
+        return self._friction.coefficient * max(0.0, normal)
 
     def contour(self, n: Triple, w: Triple, point: Triple) -> tuple[float, float]:
         """Velocity p' - w x p in m/s of the contact point over the rim; it is horizontal.

@@ -51,6 +51,9 @@ class Model(ABC):
     continuous_angles = False
     """Whether alpha and gamma are coordinates of the engine, and not taken from a rotation."""
 
+    records_accelerations = False
+    """Whether records need accelerations at the end of every step."""
+
     def __init__(self, scene: Scene, *, symbolic: bool = False) -> None:
         if symbolic and scene.contact is None and scene.friction.load == "contact":
             raise ValueError("symbolic friction takes the load 'weight' alone, got 'contact'")
@@ -97,15 +100,23 @@ class Model(ABC):
         """Time derivatives of the engine's coordinates in its current state, shape (n,)."""
         return np.array(self.system.systemData.GetODE2Coordinates_t())
 
-    def multipliers(self, algebraic: Array, coordinates: Array, rates: Array) -> Array:
+    def multipliers(
+        self,
+        records: Array,  # noqa: ARG002 - for models without multipliers
+        algebraic: Array,
+        coordinates: Array,
+        rates: Array,
+    ) -> Array:
         """Constraint forces on the disk in R-frame axes, shape (n, k).
 
         Parameters
         ----------
+        records : ndarray, shape (n, i)
+            See `record`.
         algebraic : ndarray, shape (n, m)
             The engine's algebraic coordinates.
         coordinates, rates : ndarray, shape (n, 6)
-            Co-rotating coordinates and their rates.
+            Co-rotating coordinates and their rates, as `decode` makes them.
         """
         if self.scene.contact is not None:
             disk = self.scene.disk
@@ -182,6 +193,17 @@ class Model(ABC):
     def contact_equation(self) -> int | None:
         """Number of the algebraic equation of the normal contact, if there is one."""
         return self._equations(self._contact[0])[2] if self._contact else None
+
+    @property
+    def may_pull(self) -> bool:
+        """Whether the contact holds the disk down as well as up."""
+        return self.scene.contact is None or self.scene.contact.bilateral
+
+    def pulls(self) -> bool:
+        """Whether the contact's constraint pulls in the engine's current state."""
+        equation = self.contact_equation
+        # The engine's constraint forces act with a minus sign on the second body.
+        return equation is not None and self.system.systemData.GetAECoordinates()[equation] > 0.0
 
     @property
     def force_rounding(self) -> float:

@@ -33,17 +33,19 @@ def _normal_force(contact: PenaltyContact, functions: Functions) -> Normal:
 def _friction_factor(scene: Scene, contact: PenaltyContact, functions: Functions) -> Normal:
     """From normal force and squared slip speed to friction force per slip speed, positive.
 
-    With the load "weight" the full weight presses wherever there is contact at all.
+    With the load "weight" the full weight presses wherever there is contact at all. A contact
+    that pulls rubs with no load of its own.
     """
     coefficient, smoothing = scene.friction.coefficient, scene.friction.smoothing
     limit, by_weight = coefficient * scene.disk.weight, scene.friction.load == "weight"
-    sqrt, where_positive = functions.sqrt, functions.where_positive
+    sqrt, absolute, where_positive = functions.sqrt, functions.absolute, functions.where_positive
     always = contact.bilateral
 
     def factor(normal: Any, squared_slip: Any) -> Any:
-        load = coefficient * normal
         if by_weight:
             load = limit if always else where_positive(normal, limit)
+        else:
+            load = coefficient * 0.5 * (normal + absolute(normal))
         return load / (sqrt(squared_slip) + smoothing)
 
     return factor

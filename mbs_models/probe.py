@@ -10,7 +10,6 @@ from analysis.state import State
 from mbs_models.build import build
 from mbs_models.model import Model
 from mbs_models.scene import Scene
-from mbs_models.trees import ContactTree
 
 
 def acceleration(scene: Scene, state: State | None = None) -> tuple[Array, Array]:
@@ -43,11 +42,9 @@ def acceleration(scene: Scene, state: State | None = None) -> tuple[Array, Array
     probe = Probe(model)
     probe.check_start()
     second_derivatives, algebraic = probe.solve()
-    accelerations = model.decode_accelerations(second_derivatives)
-    if isinstance(model, ContactTree):
-        return accelerations, np.array([model.normal_force(second_derivatives)])
-    coordinates, rates = model.decode(model.record()[None])
-    return accelerations, model.multipliers(algebraic[None], coordinates, rates)[0]
+    return model.decode_accelerations(second_derivatives), probe.multipliers(
+        second_derivatives, algebraic
+    )
 
 
 class Probe:
@@ -114,25 +111,56 @@ class Probe:
             right[n:] = -self._residual_rate()
         contact = self._model.contact_equation
         friction = self._model.scene.friction
-        if contact is not None and friction.load == "contact" and friction.coefficient:
-            matrix[:n, n + contact] -= self._force_per_multiplier(contact)
-        solution = np.linalg.solve(matrix, right)
-        return solution[:n], solution[n:]
+        if contact is None or friction.load != "contact" or not friction.coefficient:
+            solution = np.linalg.solve(matrix, right)
+            return solution[:n], solution[n:]
+        per_newton = np.zeros(n + m)
+        per_newton[:n] = self._forces_under(contact, -1.0) - self._forces_under(contact, 0.0)
+        right[:n] = self._forces()
+        without, change = np.linalg.solve(matrix, np.column_stack((right, per_newton))).T
+        return self._under_load(without, change, n + contact)
+
+    def multipliers(self, second_derivatives: Array, algebraic: Array) -> Array:
+        """Constraint forces in the current state, shape (k,), from what `solve` returns."""
+        model = self._model
+        self._system.systemData.SetODE2Coordinates_tt(second_derivatives.tolist())
+        record = model.record()[None]
+        coordinates, rates = model.decode(record)
+        result: Array = model.multipliers(record, algebraic[None], coordinates, rates)[0]
+        return result
+
+    def _under_load(self, without: Array, change: Array, row: int) -> tuple[Array, Array]:
+        """Solution with friction under the contact force that itself depends on it.
+
+        Parameters
+        ----------
+        without, change : ndarray, shape (n + m,)
+            Solution without friction, and its change for each newton of load.
+        row : int
+            Where they hold the contact's multiplier, which is minus the force.
+        """
+        frictionless, feedback = -without[row], -change[row]
+        if feedback >= 1.0:
+            raise ArithmeticError(
+                f"the engine's equations of motion are singular: each newton of normal force "
+                f"calls for {feedback:.3g} N of it through friction"
+            )
+        # A contact that pulls rubs with no load.
+        load = max(0.0, frictionless) / (1.0 - feedback)
+        solution = without + load * change
+        return solution[: self._size], solution[self._size :]
 
     def _forces(self) -> Array:
         self._solver.ComputeODE2RHS(self._system)
         return np.array(self._solver.GetSystemResidual())[: self._size]
 
-    def _force_per_multiplier(self, equation: int) -> Array:
-        """Change of the forces with a contact multiplier, in which the friction is linear."""
+    def _forces_under(self, equation: int, value: float) -> Array:
+        """Forces at this value of one multiplier, which keeps it."""
         data = self._system.systemData
         algebraic = np.array(data.GetAECoordinates())
-        forces = []
-        for value in (-1.0, 0.0):
-            algebraic[equation] = value
-            data.SetAECoordinates(algebraic.tolist())
-            forces.append(self._forces())
-        return forces[1] - forces[0]
+        algebraic[equation] = value
+        data.SetAECoordinates(algebraic.tolist())
+        return self._forces()
 
     def _velocity_residuals(self) -> Array:
         if not self._equations:

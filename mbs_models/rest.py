@@ -14,9 +14,9 @@ from analysis.dissipation import CAUSES, RestCriterion
 from analysis.spatial_motion import SpatialMotion
 from analysis.trajectory import versions
 from mbs_models.floating import FloatingLie
-from mbs_models.integrators import EngineError
 from mbs_models.loads import Loads
 from mbs_models.quiet import quiet
+from mbs_models.runs import EngineError
 from mbs_models.scene import Scene
 
 STRETCH = 0.1

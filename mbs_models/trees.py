@@ -143,6 +143,8 @@ class ContactTree(_Tree):
     coordinates, which the engine's explicit integrators can take.
     """
 
+    records_accelerations = True
+
     _law = staticmethod(contact_tree_force)
 
     def _build(self) -> None:
@@ -162,9 +164,14 @@ class ContactTree(_Tree):
             np.array((ad, xd, yd + r * sin(beta) * bd, bd, gd)),
         )
 
+    def record(self) -> Array:
+        # No constraint carries the contact force, so it is taken from the accelerations.
+        accelerations = self.system.systemData.GetODE2Coordinates_tt()
+        return np.concatenate((super().record(), accelerations))
+
     def decode(self, records: Array) -> tuple[Array, Array]:
         r = self.scene.disk.radius
-        alpha, x, y, beta, gamma, ad, xd, yd, bd, gd = records.T
+        alpha, x, y, beta, gamma, ad, xd, yd, bd, gd = records.T[:10]
         sb, cb = np.sin(beta), np.cos(beta)
         coordinates = np.column_stack((x, y + r * cb, r * sb, alpha, beta, gamma))
         rates = np.column_stack((xd, yd - r * sb * bd, r * cb * bd, ad, bd, gd))
@@ -173,7 +180,7 @@ class ContactTree(_Tree):
     def decode_accelerations(self, second_derivatives: Array) -> Array:
         r = self.scene.disk.radius
         add, xdd, ydd, bdd, gdd = second_derivatives
-        _, _, _, beta, _, _, _, _, bd, _ = self.record()
+        beta, bd = self.record()[[3, 8]]
         sb, cb = np.sin(beta), np.cos(beta)
         return np.array(
             (
@@ -186,21 +193,17 @@ class ContactTree(_Tree):
             )
         )
 
-    def normal_force(self, second_derivatives: Array) -> float:
-        """Normal force in N in the engine's current state: mass times (g + COG acceleration).
-
-        Parameters
-        ----------
-        second_derivatives : ndarray, shape (5,)
-            Those of the joint coordinates.
-        """
+    def multipliers(
+        self, records: Array, algebraic: Array, coordinates: Array, rates: Array
+    ) -> Array:
+        """Normal force: the mass times gravity and the centre of gravity's rise, shape (n, 1)."""
         r, e = self.scene.disk.radius, self.scene.disk.eccentricity
-        _, _, _, beta, gamma, _, _, _, bd, gd = self.record()
-        bdd, gdd = second_derivatives[3:]
+        beta, gamma, bd, gd = coordinates[:, 4], coordinates[:, 5], rates[:, 4], rates[:, 5]
+        bdd, gdd = records[:, 13], records[:, 14]
         sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
-        lift = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
-        lift += (r + e * sg) * (cb * bdd - sb * bd * bd)
-        return float(self.scene.disk.mass * (GRAVITY + lift))
+        rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
+        rise += (r + e * sg) * (cb * bdd - sb * bd * bd)
+        return (self.scene.disk.mass * (GRAVITY + rise))[:, None]
 
     def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
         coordinates, rates = self.decode(self.record()[None])

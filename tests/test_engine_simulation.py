@@ -12,8 +12,8 @@ from analysis import STEEL_DISK, SmoothCoulomb, ToleranceError, Trajectory, cons
 from mbs_models import EngineError, Scene
 from mbs_models.build import build
 from mbs_models.extrapolation import Ladder
+from mbs_models.passes import _even_stretches
 from mbs_models.probe import Probe
-from mbs_models.simulation import _even_stretches
 
 TIMES = np.linspace(0.0, 0.5, 51)
 

@@ -20,6 +20,7 @@ DATA_TYPES = {
     "spatial_motion",
     "state",
     "trajectory",
+    "watch",
 }
 
 

@@ -10,7 +10,7 @@ import mbs_models
 from analysis import SmoothCoulomb, Trajectory
 from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.build import build
-from mbs_models.integrators import run
+from mbs_models.runs import run
 
 TIMES = np.linspace(0.0, 0.5, 26)
 

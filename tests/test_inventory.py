@@ -12,9 +12,10 @@ from analysis import LEVELS, Dissipation, Level, PenaltyContact, SmoothCoulomb
 from mbs_models import Formulation, Scene
 from mbs_models.ballast import BALLAST, six_axes
 from mbs_models.build import build
-from mbs_models.integrators import find_integrator, run
+from mbs_models.integrators import find_integrator
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
+from mbs_models.runs import run
 from validation import cli, lean
 from validation.commands.scene import scene_table
 

@@ -31,7 +31,8 @@ from analysis import (
 from analysis.stability_chart import stability_chart
 from mbs_models import Formulation, Scene
 from mbs_models.build import build
-from mbs_models.integrators import find_integrator, run
+from mbs_models.integrators import find_integrator
+from mbs_models.runs import run
 from validation.crosscheck import TABLE_3_TIMES, angle_error
 from validation.report import machine
 from validation.stability.eigenvalue_check import engine_matrices

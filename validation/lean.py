@@ -12,8 +12,9 @@ from analysis import SmoothCoulomb
 from mbs_models import Scene
 from mbs_models.ballast import BALLAST, Ballast, six_axes
 from mbs_models.build import build
-from mbs_models.integrators import IntegratorName, find_integrator, run
+from mbs_models.integrators import IntegratorName, find_integrator
 from mbs_models.model import Model
+from mbs_models.runs import run
 from validation.report import Job, Section
 from validation.tables import Table
 

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, get_args
 
 import numpy as np
@@ -15,7 +15,8 @@ from analysis.simulation import longest_step
 from analysis.trajectory import versions
 from mbs_models import Formulation, Integrator, Newton, Scene
 from mbs_models.extrapolation import Ladder
-from mbs_models.simulation import Pass, one_pass, trajectory
+from mbs_models.passes import one_pass
+from mbs_models.simulation import trajectory
 from validation.work_precision.problems import SPACING, TIMES, Problem
 
 
@@ -83,7 +84,7 @@ class EngineMethod:
 
     def trajectory(self, problem: Problem, run: Measured) -> Trajectory:
         """Trajectory of a run; adds the normal force of the contact tree, outside of its time."""
-        return trajectory(self._scene(problem), TIMES, self.integrator, run.values)
+        return trajectory(self._scene(problem), self.integrator, run.values)
 
     def extrapolation(self) -> "Extrapolation":
         """Richardson's extrapolation of its runs, with their times added up."""
@@ -121,7 +122,7 @@ class Extrapolation:
         self._ladder.add(run.values.values)
         if not np.isfinite(self._ladder.estimate):
             return None
-        values = Pass(self._ladder.best, run.values.step, run.values.counts)
+        values = replace(run.values, values=self._ladder.best)
         return Measured(values, self._seconds, self._setup, dict(self._counts))
 
 

@@ -1,0 +1,275 @@
+"""Single runs of the engine's solver."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import ceil, floor
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+
+from analysis.checks import Array
+from mbs_models.integrators import Integrator
+from mbs_models.model import Model
+from mbs_models.probe import Probe
+from mbs_models.quiet import quiet
+
+MINIMUM_STEP = 1e-9
+"""Step in s at which step control gives up."""
+
+Stop = Callable[[float], bool]
+"""Called after each step with the time in the run in s; whether the run ends there."""
+
+
+class EngineError(ArithmeticError):
+    """The engine ended a run early, or gave up on the way.
+
+    Attributes
+    ----------
+    samples : Samples or None
+        What the run had recorded until then.
+    """
+
+    def __init__(self, message: str, samples: "Samples | None" = None) -> None:
+        super().__init__(message)
+        self.samples = samples
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Samples:
+    """What one run has recorded.
+
+    Parameters
+    ----------
+    records : ndarray, shape (n, k)
+        See `Model.record`.
+    algebraic : ndarray, shape (n, m)
+        Algebraic coordinates.
+    counts : dict
+        Steps, and what they took: evaluations of the right-hand side and rejected steps of
+        explicit integrators, Newton iterations and Jacobians of implicit ones.
+    seconds : float
+        Processor time that the engine's solver took.
+    stopped : float, optional
+        Time in s at which the run was stopped, if it was.
+    """
+
+    records: Array
+    algebraic: Array
+    counts: dict[str, int]
+    seconds: float = 0.0
+    stopped: float | None = None
+
+
+def run(
+    model: Model,
+    integrator: Integrator,
+    *,
+    spacing: float,
+    intervals: int,
+    substeps: int,
+    stop: Stop | None = None,
+) -> Samples:
+    """Run a model from its initial state and sample it evenly; samples fall on steps.
+
+    Parameters
+    ----------
+    model : Model
+        A newly built one; it cannot be run twice.
+    integrator : Integrator
+    spacing : float
+        Time between samples in s.
+    intervals : int
+        Number of such intervals.
+    substeps : int
+        Steps per interval; the least number of them if the integrator controls its step.
+    stop : callable, optional
+        Ends the run early.
+
+    Returns
+    -------
+    Samples
+        With `intervals + 1` rows, the first of them at the start, or with those up to where
+        `stop` has ended it.
+
+    Raises
+    ------
+    EngineError
+        If the run did not reach its end with finite results, or step control gave up.
+    """
+    system = model.system
+    sensor = model.add_sensor()
+    accelerates = integrator.implicit or model.records_accelerations
+    start = _set_initial_accelerations(model) if accelerates else np.zeros(0)
+    settings = _settings(model, integrator, spacing * intervals, intervals * substeps)
+    settings.solution.sensors.writePeriod = spacing
+    limiter = _StepLimiter(spacing)
+    if integrator.controls_step:
+        system.SetPreStepUserFunction(limiter.limit)
+    stopped: list[float] = []
+    if stop is not None:
+
+        def after_step(_system: Any, moment: float) -> bool:
+            if stop(moment):
+                stopped.append(moment)
+            return not stopped
+
+        system.SetPostStepUserFunction(after_step)
+    begin = time.process_time()
+    failure = None
+    try:
+        with quiet():
+            system.SolveDynamic(
+                settings, solverType=getattr(exu.DynamicSolverType, integrator.name)
+            )
+    except exu.ExudynError as error:
+        failure = error
+    samples = _samples(model, integrator, sensor, start, spacing)
+    complete = len(samples.records) == intervals + 1 or bool(stopped)
+    samples = replace(
+        samples, seconds=time.process_time() - begin, stopped=stopped[0] if stopped else None
+    )
+    if failure is not None or not complete:
+        raise _early_end(model, spacing * intervals, failure, limiter, samples) from failure
+    return samples
+
+
+def _samples(
+    model: Model, integrator: Integrator, sensor: int, start: Array, spacing: float
+) -> Samples:
+    """What the sensor has stored at multiples of `spacing`, as far as it is finite."""
+    stored = np.atleast_2d(np.array(model.system.GetSensorStoredData(sensor)))
+    places = spacing * np.arange(len(stored))
+    good = np.all(np.isfinite(stored), axis=1) & (np.abs(stored[:, 0] - places) < 0.5 * spacing)
+    stored = stored[: len(good) if np.all(good) else int(np.argmin(good))]
+    unknowns = len(model.record())
+    stored[:1, 1 + unknowns :] = start
+    return Samples(
+        records=stored[:, 1 : 1 + unknowns],
+        algebraic=stored[:, 1 + unknowns :],
+        counts=_counts(model.system.sys["dynamicSolver"], integrator),
+    )
+
+
+class _StepLimiter:
+    """Shortens the steps of step control so that every sample falls on a step.
+
+    Left to itself the engine writes a sample at the first step past its time.
+
+    Parameters
+    ----------
+    spacing : float
+        Time between samples in s.
+
+    Attributes
+    ----------
+    stalled : bool
+        Whether step control has come down to its minimum step, where the engine would go on
+        with a larger error.
+    """
+
+    def __init__(self, spacing: float) -> None:
+        self._spacing = spacing
+        self.stalled = False
+
+    def limit(self, system: Any, _t: float) -> bool:
+        """Replace the step that the engine has just proposed; its function before each step."""
+        iteration = system.sys["dynamicSolver"].it
+        step = iteration.currentStepSize
+        start = iteration.currentTime - step
+        sample = (floor(start / self._spacing + 1e-9) + 1) * self._spacing
+        rest = sample - start
+        if step <= 1.001 * MINIMUM_STEP < rest:
+            self.stalled = True
+            raise EngineError("minimum step")
+        # Equal steps to the next sample: a short last one would hold up the step control.
+        steps = ceil(rest / step - 1e-9)
+        iteration.currentStepSize = rest / steps
+        iteration.currentTime = sample if steps == 1 else start + rest / steps
+        return True
+
+
+def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
+    iteration = solver.it
+    # The engine's index is that of the step to come.
+    steps = int(iteration.currentStepIndex) - 1
+    if integrator.implicit:
+        return {
+            "steps": steps,
+            "newton_iterations": int(iteration.newtonStepsCount),
+            "jacobians": int(iteration.newtonJacobiCount),
+        }
+    rejected = int(iteration.rejectedAutomaticStepSizeSteps)
+    return {
+        "steps": steps,
+        "rejected_steps": rejected,
+        "right_hand_sides": int(solver.GetNumberOfStages()) * (steps + rejected),
+    }
+
+
+def _set_initial_accelerations(model: Model) -> Array:
+    """Give the engine its own accurate initial accelerations; return the multipliers, (m,).
+
+    Left to itself the engine starts from a contact force of zero, which a friction law may want
+    to know, and leaves out terms of velocity-level joints. Either makes every later result
+    first-order accurate.
+    """
+    second_derivatives, algebraic = Probe(model).solve()
+    model.system.systemData.SetODE2Coordinates_tt(
+        second_derivatives.tolist(), exu.ConfigurationType.Initial
+    )
+    return algebraic
+
+
+def _settings(model: Model, integrator: Integrator, duration: float, steps: int) -> Any:
+    settings = exu.SimulationSettings()
+    stepping = settings.timeIntegration
+    stepping.endTime = duration
+    stepping.numberOfSteps = steps
+    stepping.verboseMode = 0
+    # A failing step must end the run instead of going on with another size.
+    stepping.adaptiveStep = False
+    stepping.automaticStepSize = integrator.controls_step
+    if integrator.newton is not None:
+        stepping.newton.useModifiedNewton = integrator.newton.modified
+        stepping.newton.relativeTolerance = integrator.newton.relative
+        absolute = integrator.newton.absolute * model.scene.disk.weight
+        stepping.newton.absoluteTolerance = max(absolute, model.force_rounding)
+    if integrator.spectral_radius is not None:
+        stepping.generalizedAlpha.spectralRadius = integrator.spectral_radius
+    if integrator.local_tolerance is not None:
+        stepping.absoluteTolerance = integrator.local_tolerance
+        # The engine scales it with signed coordinates, so that it cancels the other below zero.
+        stepping.relativeTolerance = 0.0
+        stepping.minimumStepSize = MINIMUM_STEP
+        stepping.initialStepSize = min(1e-3, duration / steps)
+    stepping.generalizedAlpha.computeInitialAccelerations = False
+    stepping.generalizedAlpha.resetAccelerations = False
+    # Without a multiplier, the contact force is taken from them.
+    stepping.explicit.computeEndOfStepAccelerations = model.records_accelerations
+    settings.solution.file.write = False
+    return settings
+
+
+def _early_end(
+    model: Model,
+    end: float,
+    error: Exception | None,
+    limiter: _StepLimiter,
+    samples: Samples,
+) -> EngineError:
+    solver = model.system.sys["dynamicSolver"]
+    cause = "the result is not finite"
+    if limiter.stalled:
+        cause = f"step control came down to its minimum step of {MINIMUM_STEP:g} s"
+    elif error is not None:
+        cause = str(error).split(" [Python file")[0].strip().splitlines()[0]
+        if solver.conv.newtonSolutionDiverged or solver.conv.stepReductionFailed:
+            cause = f"Newton's iteration did not converge (residual {solver.conv.residual:.1e})"
+        elif solver.conv.linearSolverFailed:
+            cause = "the system matrix is singular"
+    return EngineError(
+        f"engine run stopped at t = {solver.it.currentTime:.6g} s of {end:.6g} s: {cause}",
+        samples,
+    )
