@@ -31,6 +31,9 @@ _COLUMNS = {
 }
 """Sampled arrays and how many columns each has; none for 0."""
 
+MOTION_COLUMNS = 1 + sum(max(1, columns) for columns in _COLUMNS.values())
+"""Numbers in each sample, the time included."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpatialMotion:

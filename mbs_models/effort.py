@@ -11,8 +11,8 @@ import numpy as np
 
 from analysis.checks import Array
 from analysis.limits import Effort
-from mbs_models.integrators import MINIMUM_STEP, Integrator
-from mbs_models.rest import SAFETY, largest_step
+from mbs_models.integrators import Integrator
+from mbs_models.runs import MINIMUM_STEP
 from mbs_models.scene import Scene
 
 HALVINGS = 13
@@ -64,14 +64,14 @@ def simulation_effort(
     if halvings >= HALVINGS:
         halvings = HALVINGS - 1
         tried = shortest / 2.0**halvings
-        doubt = f"it needs steps of {needed:.0e} s, the shortest is {tried:.0e} s: it will fail"
+        doubt = f"it needs steps of {needed:.0e} s, the shortest tried is {tried:.0e} s"
     steps = first * (2.0 ** (halvings + 1) - 1.0)
     if first >= steps / 8.0:
         cause = f"times {until}"
     return Effort(steps=steps, seconds=steps * cost, cause=cause, doubt=doubt)
 
 
-def rest_effort(scene: Scene, end: float, step: float | None = None) -> Effort:
+def rest_effort(scene: Scene, end: float, step: float) -> Effort:
     """Effort of `mbs_models.simulate_to_rest` with these arguments.
 
     Parameters
@@ -80,18 +80,17 @@ def rest_effort(scene: Scene, end: float, step: float | None = None) -> Effort:
         With a rounded rim.
     end : float
         In s.
-    step : float, optional
-        In s; by default a part of the stability limit.
+    step : float
+        As it starts, in s.
     """
-    stable = SAFETY * largest_step(scene)
-    steps = end / min(stable, step or inf)
-    stiffness = 0.0 if scene.contact is None else scene.contact.stiffness
-    cause = (
-        f"step {step:g} s" if step is not None else f"step of {stable:.1e} s at stiffness "
-        f"{stiffness:g} N/m and friction gradient "
-        f"{scene.friction.coefficient / scene.friction.smoothing:g} s/m"
+    friction, contact = scene.friction, scene.contact
+    stiffness = 0.0 if contact is None else contact.stiffness
+    return Effort(
+        steps=end / step,
+        seconds=end / step * _REST_SECONDS,
+        cause=f"end = {end:g} s with steps of {step:.1e} s, at stiffness {stiffness:g} N/m and "
+        f"friction gradient {friction.coefficient / friction.smoothing:g} s/m,",
     )
-    return Effort(steps=steps, seconds=steps * _REST_SECONDS, cause=f"{cause} up to {end:g} s")
 
 
 def _count(spacings: Array, step: float) -> float:

@@ -11,8 +11,10 @@ from analysis import frames
 from analysis.checks import Array, positive
 from analysis.contact import PenaltyContact
 from analysis.dissipation import CAUSES, RestCriterion
-from analysis.spatial_motion import SpatialMotion
+from analysis.limits import check_storage
+from analysis.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.trajectory import versions
+from mbs_models.effort import rest_effort
 from mbs_models.floating import FloatingLie
 from mbs_models.loads import Loads
 from mbs_models.quiet import quiet
@@ -65,8 +67,9 @@ def simulate_to_rest(
     Raises
     ------
     ValueError
-        If an argument is out of range, the scene does not last until the disk lies flat, or the
-        step is too large for the contact's stiffness.
+        If an argument is out of range, the scene does not last until the disk lies flat, the
+        step is too large for the contact's stiffness, or the run would take more than
+        `MOST_STEPS` or samples than can be held.
     EngineError
         If the engine does not reach the end.
     """
@@ -82,6 +85,8 @@ def simulate_to_rest(
             f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
             f"{scene.friction.coefficient / scene.friction.smoothing:g}, got {step:g}"
         )
+    check_storage("end", end / spacing, MOTION_COLUMNS)
+    rest_effort(scene, end, step).check()
     criterion = criterion if criterion is not None else RestCriterion()
     run = _Run(scene, spacing)
     count = int(np.floor(end / spacing + 1e-9))
