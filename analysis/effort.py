@@ -8,7 +8,7 @@ Euler angles, which turn the faster the flatter the disk leans.
 from math import inf, sin, sqrt
 from typing import NamedTuple
 
-from analysis.checks import Array
+from analysis.checks import Array, positive
 from analysis.contact import PenaltyContact
 from analysis.disk import GRAVITY, Disk
 from analysis.friction import SmoothCoulomb
@@ -29,7 +29,7 @@ class _Method(NamedTuple):
     evaluations: int
 
 
-_METHODS: dict[Method, _Method] = {
+METHODS: dict[Method, _Method] = {
     "DOP853": _Method(10, 6.0, 12),
     "RK45": _Method(7, 3.3, 6),
     "RK23": _Method(5, 2.5, 3),
@@ -37,6 +37,7 @@ _METHODS: dict[Method, _Method] = {
     "BDF": _Method(4, inf, 2),
     "LSODA": _Method(5, inf, 2),
 }
+"""Of SciPy, from measured runs."""
 
 _SECONDS = 4e-5
 """Processor time of one evaluation of the index-1 system in s."""
@@ -78,15 +79,23 @@ def simulation_effort(
         SciPy method.
     tolerance, local_tolerance : float, optional
         As in `analysis.simulate`; a tolerance takes two runs or more.
+
+    Raises
+    ------
+    ValueError
+        If a tolerance is not positive.
     """
-    used = _METHODS[method]
-    wanted = tolerance if tolerance is not None else local_tolerance or 1e-8
+    used = METHODS[method]
+    name, wanted = "tolerance", 1e-8 if tolerance is None else tolerance
+    if local_tolerance is not None:
+        name, wanted = "local_tolerance", local_tolerance
+    wanted = positive(name, wanted)
     spin = abs(start.rates[3])
     turning = sum(abs(rate) for rate in start.rates[3:])
     sharpness = wanted ** (-1.0 / (used.order))
     rates = {
-        f"times up to {times[-1]:g} s": 1.0 / longest_step(disk, start),
-        f"tolerance {wanted:g}": 0.4 * spin * sharpness,
+        "times": 1.0 / longest_step(disk, start),
+        f"{name} {wanted:g}": 0.4 * spin * sharpness,
         f"smoothing {friction.smoothing:g} m/s at coefficient {friction.coefficient:g}": (
             _friction_rate(disk, friction) / used.stable
         ),
@@ -94,7 +103,11 @@ def simulation_effort(
     }
     cause, fastest = max(rates.items(), key=lambda item: item[1])
     steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
-    return Effort(steps=steps, seconds=steps * used.evaluations * _SECONDS, cause=cause)
+    return Effort(
+        steps=steps,
+        seconds=steps * used.evaluations * _SECONDS,
+        cause=f"{cause} up to t = {times[-1]:g} s",
+    )
 
 
 def rest_effort(end: float, disk: Disk, contact: PenaltyContact) -> Effort:

@@ -8,6 +8,12 @@ MOST_STEPS = 100_000_000
 LARGEST_STORAGE = 2_000_000_000
 """Bytes that the samples of a motion may take, in memory or in a file."""
 
+LONGEST_MOTION = 1e9
+"""End of a motion in s: thirty years."""
+
+SHORTEST_STEP = 1e-15
+"""Step in s; a light wave takes longer to swing once."""
+
 PLAYBACK_SPEEDS = (1e-6, 1e6)
 """Of an animation; 1 is real time."""
 

@@ -9,9 +9,9 @@ from math import ceil, inf, log2, sqrt
 
 import numpy as np
 
-from analysis.checks import Array
-from analysis.limits import Effort
-from mbs_models.integrators import Integrator
+from analysis.checks import Array, positive, within
+from analysis.limits import SHORTEST_STEP, Effort
+from mbs_models.integrators import Integrator, find_integrator
 from mbs_models.runs import MINIMUM_STEP
 from mbs_models.scene import Scene
 
@@ -27,7 +27,7 @@ _REST_SECONDS = 4.5e-5
 def simulation_effort(
     scene: Scene,
     times: Array,
-    integrator: Integrator,
+    integrator: Integrator | None = None,
     *,
     step: float | None = None,
     tolerance: float | None = None,
@@ -39,15 +39,26 @@ def simulation_effort(
     scene : Scene
     times : ndarray, shape (n,)
         In s.
-    integrator : Integrator
+    integrator : Integrator, optional
+        By default that of `mbs_models.simulate`.
     step : float, optional
         In s.
     tolerance : float, optional
         In rad; 1e-8 if neither is given.
+
+    Raises
+    ------
+    ValueError
+        If step or tolerance is not positive, or the step shorter than `SHORTEST_STEP`.
     """
+    if step is not None:
+        step = within("step", positive("step", step), SHORTEST_STEP, inf)
+    tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    if integrator is None:
+        integrator = find_integrator(scene.formulation, None, constrained=scene.has_constraints)
     spacings = np.diff(times)
     cost = _SECONDS["implicit" if integrator.implicit else "explicit"]
-    until = f"up to {times[-1]:g} s"
+    until = f"up to t = {times[-1]:g} s"
     if integrator.controls_step:
         cause, needed = _needed_step(scene, integrator, integrator.local_tolerance or 1e-8)
         longest = min(max(needed, MINIMUM_STEP), step or inf)
@@ -56,7 +67,7 @@ def simulation_effort(
     if step is not None:
         steps = _count(spacings, step)
         return Effort(steps=steps, seconds=steps * cost, cause=f"step {step:g} s {until}")
-    cause, needed = _needed_step(scene, integrator, tolerance or 1e-8)
+    cause, needed = _needed_step(scene, integrator, tolerance)
     first = _count(spacings, integrator.first_step)
     shortest = min(integrator.first_step, float(np.min(spacings)))
     halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
@@ -67,8 +78,8 @@ def simulation_effort(
         doubt = f"it needs steps of {needed:.0e} s, the shortest tried is {tried:.0e} s"
     steps = first * (2.0 ** (halvings + 1) - 1.0)
     if first >= steps / 8.0:
-        cause = f"times {until}"
-    return Effort(steps=steps, seconds=steps * cost, cause=cause, doubt=doubt)
+        cause = "times"
+    return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}", doubt=doubt)
 
 
 def rest_effort(scene: Scene, end: float, step: float) -> Effort:

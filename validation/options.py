@@ -1,15 +1,42 @@
 """From options of the command line, which several subcommands share, to what they mean."""
 
 import argparse
+import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
 from analysis import Disk, Dissipation, Level, State, consistent_start
-from analysis.checks import number
+from analysis.checks import number, positive, within
+from analysis.limits import LONGEST_MOTION, Effort
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of pictures that can be written."""
+
+
+PATIENCE = 60.0
+"""Processor time in s from which on a run is announced before it starts."""
+
+
+def announce(command: str, effort: Effort) -> None:
+    """Say on standard error what a run will take, if that is long or in vain.
+
+    Parameters
+    ----------
+    command : str
+        Name of the subcommand.
+    effort : Effort
+
+    Raises
+    ------
+    ValueError
+        If the run would take more steps than are made.
+    """
+    effort.check()
+    if effort.seconds > PATIENCE or effort.doubt:
+        with suppress(OSError, ValueError):
+            print(f"tippedisk {command}: {effort}", file=sys.stderr, flush=True)
 
 
 def output_path(name: str, value: str, suffixes: Sequence[str]) -> Path:
@@ -79,6 +106,17 @@ def written_number(name: str, text: str) -> float:
     except ValueError:
         raise ValueError(f"{name} must be a finite number, got {text!r}") from None
     return number(name, value)
+
+
+def chosen_end(options: argparse.Namespace) -> float:
+    """Time in s from --end.
+
+    Raises
+    ------
+    ValueError
+        If it is not positive or beyond `LONGEST_MOTION`.
+    """
+    return within("--end", positive("--end", options.end), 0.0, LONGEST_MOTION)
 
 
 def chosen_start(options: argparse.Namespace, level: Level, disk: Disk) -> State:

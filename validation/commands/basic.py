@@ -7,10 +7,17 @@ import numpy as np
 
 import analysis
 from analysis import DISKS, SmoothCoulomb, Trajectory, multiplier_names
-from analysis.checks import positive
+from analysis.effort import simulation_effort
 from analysis.files import whole_file
 from analysis.limits import check_storage
-from validation.options import PICTURES, chosen_start, output_folder, output_path
+from validation.options import (
+    PICTURES,
+    announce,
+    chosen_end,
+    chosen_start,
+    output_folder,
+    output_path,
+)
 
 
 def report(options: argparse.Namespace) -> int:
@@ -32,7 +39,7 @@ def simulate(options: argparse.Namespace) -> int:
         raise ValueError(f"--samples must be at least 2, got {options.samples}")
     # Time, six coordinates, their rates and the constraint forces.
     check_storage("--samples", options.samples, 13 + len(multiplier_names(options.model)))
-    times = np.linspace(0.0, positive("--end", options.end), options.samples)
+    times = np.linspace(0.0, chosen_end(options), options.samples)
     trajectory = _simulate(options, times)
     trajectory.save(out)
     estimate = trajectory.error_estimate
@@ -48,6 +55,8 @@ def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
     if options.source == "in-house":
         if options.step is not None:
             raise ValueError("--step needs --source engine; the in-house solvers choose theirs")
+        effort = simulation_effort(times, disk, friction, start, tolerance=options.tolerance)
+        announce("simulate", effort)
         return analysis.simulate(
             options.model,
             times,
@@ -58,6 +67,7 @@ def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
             tolerance=options.tolerance,
         )
     import mbs_models
+    from mbs_models.effort import simulation_effort as engine_effort
 
     scene = mbs_models.Scene(
         level=options.model,
@@ -66,6 +76,8 @@ def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
         friction=friction,
         start=start,
     )
+    effort = engine_effort(scene, times, step=options.step, tolerance=options.tolerance)
+    announce("simulate", effort)
     return mbs_models.simulate(scene, times, step=options.step, tolerance=options.tolerance)
 
 

@@ -16,8 +16,16 @@ from analysis import (
     simulate_to_rest,
 )
 from analysis.checks import positive
+from analysis.effort import rest_effort
 from analysis.files import whole_file
-from validation.options import PICTURES, chosen_dissipation, chosen_start, output_path
+from validation.options import (
+    PICTURES,
+    announce,
+    chosen_dissipation,
+    chosen_end,
+    chosen_start,
+    output_path,
+)
 
 
 def rest(options: argparse.Namespace) -> int:
@@ -47,13 +55,15 @@ def rest(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> SpatialMotion:
-    disk, end = DISKS[options.disk], positive("--end", options.end)
+    disk, end = DISKS[options.disk], chosen_end(options)
     friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load="contact")
     contact = PenaltyContact.rounded(
         disk, stiffness=options.stiffness, half_thickness=options.half_thickness
     )
     dissipation = chosen_dissipation(options)
     start = contact.lowered(disk, chosen_start(options, 1, disk))
+    if options.source == "in-house":
+        announce("rest", rest_effort(end, disk, contact))
     with tqdm(total=end, disable=None, leave=False, unit="s", desc="simulated") as bar:
 
         def progress(time: float) -> None:
@@ -71,10 +81,14 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
             )
         from mbs_models import Scene
         from mbs_models import simulate_to_rest as simulate_in_engine
+        from mbs_models.effort import rest_effort as engine_effort
+        from mbs_models.rest import SAFETY, largest_step
 
         scene = Scene.rest(
             disk=disk, friction=friction, contact=contact, dissipation=dissipation, start=start
         )
+        step = SAFETY * largest_step(scene) if options.step is None else options.step
+        announce("rest", engine_effort(scene, end, positive("--step", step)))
         return simulate_in_engine(scene, end, step=options.step, progress=progress)
 
 
