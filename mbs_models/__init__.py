@@ -4,7 +4,6 @@ from mbs_models.integrators import (
     INTEGRATORS,
     Integrator,
     IntegratorName,
-    Newton,
     integrators,
 )
 from mbs_models.linearization import (
@@ -15,6 +14,7 @@ from mbs_models.linearization import (
     stationary_scene,
     stock_eigenvalues,
 )
+from mbs_models.newton import Newton
 from mbs_models.probe import acceleration
 from mbs_models.rest import simulate_to_rest
 from mbs_models.runs import EngineError

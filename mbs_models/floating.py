@@ -8,7 +8,7 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 from exudyn.lieGroupBasics import TExpSO3Inv
-from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
+from exudyn.rigidBodyUtilities import EulerParameters2GLocal, RigidBodyInertia, RotationMatrixZ
 
 from analysis import frames
 from analysis.checks import Array
@@ -111,7 +111,7 @@ class Floating(Model):
             side = self._add(
                 items.MarkerBodyRigid(
                     bodyNumber=table,
-                    localHT=exu.HT(rotation=np.array(UPWARD), translation=[0.0] * 3),
+                    localHT=exu.HT(rotation=UPWARD, translation=[0.0] * 3),
                 ),
                 f"the table's side of {self.force_name}, turned to where its angles are regular",
             )
@@ -120,7 +120,7 @@ class Floating(Model):
         if self._symbolic:
             force = symbolic_connector(self.system, force)
             self._kept.append(force)
-        self._add(
+        self._friction = self._add(
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[side, centre],
                 useIntrinsicFormulation=False,
@@ -150,6 +150,30 @@ class Floating(Model):
             return [-value for value in (*load.force, *load.torque)]
 
         return force
+
+    def friction_per_newton(self) -> list[float]:
+        number, system = self._friction, self.system
+        present = system.systemData.GetAECoordinates()
+        under_one = present.copy()
+        # The engine's constraint forces act with a minus sign on the second body.
+        under_one[self.contact_equation] = -1.0
+        system.systemData.SetAECoordinates(under_one)
+        # What the connector does to the table, in its turned frame.
+        force, torque = (
+            UPWARD @ system.GetObjectOutput(number, output)
+            for output in (_OUTPUT.ForceLocal, _OUTPUT.TorqueLocal)
+        )
+        system.systemData.SetAECoordinates(present)
+        rotation = system.GetNodeOutput(self._node, _OUTPUT.RotationMatrix).reshape(3, 3)
+        forces = -np.concatenate((force, self._turning(torque @ rotation)))
+        others = system.systemData.ODE2Size() - forces.size
+        return [*forces.tolist(), *[0.0] * others]
+
+    def _turning(self, torque: Array) -> Array:
+        """Generalised force of a torque in the body frame."""
+        parameters = self.system.systemData.GetODE2CoordinatesTotal()[3:7]
+        result: Array = EulerParameters2GLocal(parameters).T @ torque
+        return result
 
     def _add_carrier(self, centre: int) -> None:
         """Add a carrier that turns at the prescribed spin and takes the disk's axis along."""
@@ -227,6 +251,9 @@ class FloatingLie(Floating):
         vector = np.array(self.system.systemData.GetODE2CoordinatesTotal())[3:6]
         rates[3:6] = TExpSO3Inv(vector) @ rates[3:6]
         return rates
+
+    def _turning(self, torque: Array) -> Array:
+        return torque
 
     def _angular_acceleration(self, second_derivatives: Array) -> Array:
         # The engine offers no such output for this node; its coordinates are the local components.

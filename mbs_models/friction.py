@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
+import numpy as np
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
 
 from mbs_models.scene import Scene
@@ -52,7 +53,7 @@ ON_SYMBOLS = Functions(
     _where_positive_symbol,
 )
 
-UPWARD = [[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]
+UPWARD = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 """Rotation matrix of a frame whose x axis points up."""
 
 

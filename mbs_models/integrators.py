@@ -4,40 +4,13 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from analysis.checks import choice, number, positive
+from mbs_models.newton import Newton
 from mbs_models.scene import Formulation
 
 IntegratorName = Literal["RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"]
 INTEGRATORS: tuple[IntegratorName, ...] = get_args(IntegratorName)
 
 _IMPLICIT = ("TrapezoidalIndex2", "GeneralizedAlpha")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Newton:
-    """How the nonlinear equations of an implicit step are solved.
-
-    Parameters
-    ----------
-    modified : bool
-        Keep the Jacobian for several iterations and steps instead of renewing it every time.
-    relative : float
-        Iterations end when the residual has fallen by this factor, positive.
-    absolute : float
-        Or when it is below this part of the disk's weight, positive.
-
-    Raises
-    ------
-    ValueError
-        If a tolerance is not positive.
-    """
-
-    modified: bool = True
-    relative: float = 1e-12
-    absolute: float = 2e-14
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "relative", positive("relative", self.relative))
-        object.__setattr__(self, "absolute", positive("absolute", self.absolute))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

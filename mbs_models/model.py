@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from math import sqrt
 from typing import Any, Literal, NamedTuple, get_args
 
 import exudyn as exu
@@ -205,30 +206,39 @@ class Model(ABC):
         # The engine's constraint forces act with a minus sign on the second body.
         return equation is not None and self.system.systemData.GetAECoordinates()[equation] > 0.0
 
+    def friction_per_newton(self) -> list[float]:
+        """Friction on the engine's coordinates for each newton of contact force, n floats.
+
+        In the engine's current state, with the contact force as its load.
+        """
+        raise NotImplementedError
+
     @property
     def force_rounding(self) -> float:
         """Residual in N that rounding leaves, below which Newton's iteration cannot get.
 
-        A stiff contact turns the last digit of a height into a force, and steep friction that of
-        a slip speed. The engine adds the residuals of the algebraic equations, whatever their
-        unit: speeds, that of the spin, and the norm of the Euler parameters, which is one. On a
-        light disk their last digits are larger than those of the forces.
+        The last digits of the forces: the weight, and what turns a disk as fast as the start, or
+        a fall from upright, makes it turn. A stiff contact turns the last digit of a height into
+        a force, and steep friction that of a slip speed. The engine adds the residuals of the
+        algebraic equations, whatever their unit: speeds, that of the spin, and the norm of the
+        Euler parameters, which is one. On a light disk their last digits are larger than those
+        of the forces.
         """
         disk, friction, contact = self.scene.disk, self.scene.friction, self.scene.contact
         rates = self.scene.start.rates[3:]
-        rim_speed = disk.radius * max(abs(rate) for rate in rates)
-        equations = [0.0]
+        fastest = sqrt(sum(rate * rate for rate in rates) + GRAVITY / disk.radius)
+        rim_speed = disk.radius * fastest
+        largest = [disk.weight + disk.mass * rim_speed * fastest]
         if self.scene.has_constraints:
-            equations.append(rim_speed)
+            largest.append(rim_speed)
             if self.scene.level == 4:
-                equations.append(abs(rates[0]))
+                largest.append(abs(rates[0]))
             if self.scene.formulation == "floating":
-                equations.append(1.0)
-        slope = friction.coefficient * disk.weight / friction.smoothing
-        lost = slope * rim_speed
+                largest.append(1.0)
+        lost = friction.coefficient * disk.weight / friction.smoothing * rim_speed
         if contact is not None:
             lost += contact.stiffness * disk.radius
-        return max(2e-14 * disk.weight, 4.0 * float(np.finfo(float).eps) * max(lost, *equations))
+        return 4.0 * float(np.finfo(float).eps) * max(lost, *largest)
 
     @property
     def has_force(self) -> bool:

@@ -96,11 +96,42 @@ class Probe:
     def solve(self) -> tuple[Array, Array]:
         """Second derivatives of the engine's coordinates, shape (n,), and multipliers, (m,)."""
         n, m = self._size, self._equations
-        matrix = np.zeros((n + m, n + m))
+        matrix = self._saddle_matrix()
         right = np.zeros(n + m)
+        right[:n] = self._forces()
+        if m:
+            right[n:] = -self._residual_rate()
+        contact = self._model.contact_equation
+        friction = self._model.scene.friction
+        if contact is None or friction.load != "contact" or not friction.coefficient:
+            solution = np.asarray(np.linalg.solve(matrix, right), dtype=float)
+            return solution[:n], solution[n:]
+        per_newton = np.zeros(n + m)
+        per_newton[:n] = self._forces_under(contact, -1.0) - self._forces_under(contact, 0.0)
+        right[:n] = self._forces()
+        columns = np.column_stack((right, per_newton))
+        without, change = np.asarray(np.linalg.solve(matrix, columns), dtype=float).T
+        return self._under_load(without, change, n + contact)
+
+    def admissible_velocities(self) -> Array:
+        """Velocities nearest to the present ones that meet the constraints, shape (n,).
+
+        Nearest in kinetic energy. Without that, a run that goes on from samples of another, which
+        meet the constraints to its accuracy alone, would begin with an impulse: the contact force
+        of the trapezoidal rule keeps that as an oscillation of first order in the step.
+        """
+        n = self._size
+        right = np.concatenate((np.zeros(n), -self._velocity_residuals()))
+        velocities = np.array(self._system.systemData.GetODE2Coordinates_t())
+        result: Array = velocities + np.linalg.solve(self._saddle_matrix(), right)[:n]
+        return result
+
+    def _saddle_matrix(self) -> Array:
+        """Mass matrix with the velocity-level constraint Jacobian, shape (n + m, n + m)."""
+        n, m = self._size, self._equations
+        matrix = np.zeros((n + m, n + m))
         self._solver.ComputeMassMatrix(self._system)
         matrix[:n, :n] = self._solver.GetSystemMassMatrix()
-        right[:n] = self._forces()
         if m:
             # The engine adds to whatever the matrix holds.
             self._solver.SetSystemJacobian(np.zeros((n + m, n + m)))
@@ -108,17 +139,7 @@ class Probe:
             jacobian = np.array(self._solver.GetSystemJacobian())
             matrix[n:] = jacobian[n:]
             matrix[:n, n:] = jacobian[:n, n:]
-            right[n:] = -self._residual_rate()
-        contact = self._model.contact_equation
-        friction = self._model.scene.friction
-        if contact is None or friction.load != "contact" or not friction.coefficient:
-            solution = np.linalg.solve(matrix, right)
-            return solution[:n], solution[n:]
-        per_newton = np.zeros(n + m)
-        per_newton[:n] = self._forces_under(contact, -1.0) - self._forces_under(contact, 0.0)
-        right[:n] = self._forces()
-        without, change = np.linalg.solve(matrix, np.column_stack((right, per_newton))).T
-        return self._under_load(without, change, n + contact)
+        return matrix
 
     def multipliers(self, second_derivatives: Array, algebraic: Array) -> Array:
         """Constraint forces in the current state, shape (k,), from what `solve` returns."""

@@ -12,6 +12,7 @@ import numpy as np
 from analysis.checks import Array
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
+from mbs_models.newton import complete_jacobian
 from mbs_models.probe import Probe
 from mbs_models.quiet import quiet
 
@@ -102,6 +103,8 @@ def run(
     sensor = model.add_sensor()
     accelerates = integrator.implicit or model.records_accelerations
     start = _set_initial_accelerations(model) if accelerates else np.zeros(0)
+    if integrator.implicit:
+        complete_jacobian(model)
     settings = _settings(model, integrator, spacing * intervals, intervals * substeps)
     settings.solution.sensors.writePeriod = spacing
     limiter = _StepLimiter(spacing)
@@ -215,10 +218,13 @@ def _set_initial_accelerations(model: Model) -> Array:
     to know, and leaves out terms of velocity-level joints. Either makes every later result
     first-order accurate.
     """
-    second_derivatives, algebraic = Probe(model).solve()
-    model.system.systemData.SetODE2Coordinates_tt(
-        second_derivatives.tolist(), exu.ConfigurationType.Initial
-    )
+    probe, data = Probe(model), model.system.systemData
+    if model.scene.has_constraints:
+        velocities = probe.admissible_velocities().tolist()
+        data.SetODE2Coordinates_t(velocities, exu.ConfigurationType.Initial)
+        data.SetODE2Coordinates_t(velocities)
+    second_derivatives, algebraic = probe.solve()
+    data.SetODE2Coordinates_tt(second_derivatives.tolist(), exu.ConfigurationType.Initial)
     return algebraic
 
 
@@ -232,10 +238,7 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
     stepping.adaptiveStep = False
     stepping.automaticStepSize = integrator.controls_step
     if integrator.newton is not None:
-        stepping.newton.useModifiedNewton = integrator.newton.modified
-        stepping.newton.relativeTolerance = integrator.newton.relative
-        absolute = integrator.newton.absolute * model.scene.disk.weight
-        stepping.newton.absoluteTolerance = max(absolute, model.force_rounding)
+        integrator.newton.apply(stepping, model)
     if integrator.spectral_radius is not None:
         stepping.generalizedAlpha.spectralRadius = integrator.spectral_radius
     if integrator.local_tolerance is not None:

@@ -11,6 +11,7 @@ import numpy as np
 from analysis.checks import Array
 from analysis.disk import GRAVITY
 from mbs_models.friction import (
+    ON_FLOATS,
     Force,
     Functions,
     Limit,
@@ -83,6 +84,17 @@ class _Tree(Model):
         function, symbols = symbolic_tree(self.system, law, size)
         self._kept += [function, symbols]
         return function
+
+    def friction_per_newton(self) -> list[float]:
+        coefficient, data = self.scene.friction.coefficient, self.system.systemData
+        law = self._law(self.scene, lambda _: coefficient, ON_FLOATS)
+        return law(
+            self.system,
+            0.0,
+            self._tree,
+            data.GetODE2CoordinatesTotal().tolist(),
+            data.GetODE2Coordinates_t().tolist(),
+        )
 
     def record(self) -> Array:
         data = self.system.systemData
