@@ -39,7 +39,7 @@ examples:
   tippedisk simulate --model 1 --source in-house --out equations.npz
   tippedisk show engine.npz equations.npz --out compare.png
   tippedisk eigenvalues --system full --spin 0:50:501 --plot figure-6.png
-  tippedisk critical --system full                   where inverted spinning changes its stability
+  tippedisk critical --system full                   where eigenvalues cross, where it is stable
   tippedisk rest --rolling 1e-3 --pivoting 5e-5 --plot rest.png
   tippedisk animate engine.npz                       a page that plays the motion
 
@@ -263,9 +263,10 @@ def _add_eigenvalues(commands: "argparse._SubParsersAction[_Parser]") -> None:
 def _add_critical(commands: "argparse._SubParsersAction[_Parser]") -> None:
     critical = commands.add_parser(
         "critical",
-        help="spins at which the spinning changes its stability",
-        description="Critical spins with their frequency and the side on which they are stable, "
-        "beside the closed form of the reduced system, Eq. (126).",
+        help="spins at which eigenvalues cross, and at which the spinning is stable",
+        description="Critical spins with their frequency and the side on which the eigenvalue or "
+        "pair that crosses decays, beside the closed form of the reduced system, Eq. (126); and "
+        "for each model the spins at which all of its eigenvalues do.",
     )
     critical.set_defaults(module="stability")
     _add_system(critical)

@@ -43,7 +43,7 @@ def eigenvalues(options: argparse.Namespace) -> int:
 
 def critical(options: argparse.Namespace) -> int:
     """Print critical spins, closed form beside computed."""
-    from validation.stability.tables import critical_table
+    from validation.stability.tables import critical_table, stable_table
 
     disk, friction = _disk_and_friction(options)
     ends = options.spin.split(":")
@@ -57,7 +57,7 @@ def critical(options: argparse.Namespace) -> int:
         print(table.note)
     closed = linear_reduced.critical_speed(disk, options.motion)
     meaning = {
-        "hopf": f"a complex pair crosses at {closed.frequency:.6g} rad/s, stable above",
+        "hopf": f"a complex pair crosses at {closed.frequency:.6g} rad/s and decays above",
         "static": "without eccentricity, a real eigenvalue crosses",
         "saddle": "two real eigenvalues of opposite sign cancel; no stability changes",
     }[closed.kind]
@@ -65,6 +65,8 @@ def critical(options: argparse.Namespace) -> int:
         f"\nClosed form of the reduced system with any friction, Eq. (126): {closed.spin:.6g} "
         f"rad/s; {meaning}."
     )
+    table = stable_table(disk, friction, (low, high), options.motion)
+    print(f"\n{table.title}\n{table.to_text()}")
     return 0
 
 
