@@ -38,6 +38,9 @@ LARGEST_FRICTION = 1e9
 SMOOTHING_RANGE = (1e-12, 1e9)
 """Smoothing of the friction law in m/s; slower slip passes less than an atom in a minute."""
 
+STEEPEST_FRICTION = 1e12
+"""Coefficient over smoothing in s/m; beyond, the decay of slip hides all else behind rounding."""
+
 FASTEST_TURN = 1e5
 """Rate of an angle at the start in rad/s; long before, the rim of a steel disk bursts."""
 

@@ -5,7 +5,7 @@ turning of the disk as finely as the tolerance asks, friction at no slip, and th
 a tree; the numbers come from measured runs.
 """
 
-from math import ceil, inf, log2, sqrt
+from math import ceil, inf, log2, sin, sqrt
 
 import numpy as np
 
@@ -113,7 +113,7 @@ def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tupl
     """Step in s that gives the tolerance in rad, and what makes it so short."""
     disk, friction, start = scene.disk, scene.friction, scene.start
     turning = sum(abs(rate) for rate in start.rates[3:])
-    sine = abs(np.sin(start.coordinates[4]))
+    sine = abs(sin(start.coordinates[4]))
     attitude = turning / sine if scene.formulation.endswith("tree") else turning
     inertia = min(disk.inertia_about_cog[:2])
     mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
