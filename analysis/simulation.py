@@ -105,6 +105,8 @@ def simulate(
         If `tolerance` cannot be met.
     TimeLimitError
         If the limit is met before two runs agree to `tolerance` anywhere.
+    FlatError
+        If the disk comes to lie flat.
     ArithmeticError
         If the integration fails on the way.
     """

@@ -88,7 +88,7 @@ def check_upright(times: Array, coordinates: Array) -> None:
 
     Raises
     ------
-    ArithmeticError
+    FlatError
         If beta leaves the open interval (0, pi).
     """
     beta = coordinates[:, 4]
@@ -97,11 +97,26 @@ def check_upright(times: Array, coordinates: Array) -> None:
         raise_flat(float(times[np.argmax(flat)]))
 
 
+class FlatError(ArithmeticError):
+    """The disk comes to lie flat, where the Euler angles of a motion end.
+
+    Attributes
+    ----------
+    time : float
+        In s, or shortly after.
+    """
+
+    def __init__(self, message: str, time: float) -> None:
+        super().__init__(message)
+        self.time = time
+
+
 def raise_flat(time: float) -> NoReturn:
     """Raise that the disk lies flat from `time` in s, or from shortly before."""
-    raise ArithmeticError(
+    raise FlatError(
         f"beta leaves the open interval (0, pi) at t = {time:.6g} s: the disk lies flat, and the "
-        "Euler angles of the motion end there"
+        "Euler angles of the motion end there",
+        time,
     )
 
 

@@ -71,7 +71,7 @@ def one_pass(
     ------
     EngineError
         If the engine does not reach the end.
-    ArithmeticError
+    FlatError
         If the disk comes to lie flat.
     TimeLimitError
         If the watch calls time before the second sample.
@@ -285,7 +285,7 @@ class _Runner:
         fastest = 2.0 * (sum(abs(rate) for rate in scene.start.rates[3:]) + fall)
         needed = int(np.ceil(fastest * spacing))
         if self._integrator.controls_step:
-            return needed, 1
+            return needed, int(np.ceil(substeps / needed))
         divisors = (k for k in range(1, substeps) if k >= needed and substeps % k == 0)
         finer = next(divisors, substeps)
         return finer, substeps // finer

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil, floor
-from typing import Any
+from typing import Any, NamedTuple
 
 import exudyn as exu
 import numpy as np
@@ -102,7 +102,7 @@ def run(
     system = model.system
     sensor = model.add_sensor()
     accelerates = integrator.implicit or model.records_accelerations
-    start = _set_initial_accelerations(model) if accelerates else np.zeros(0)
+    start = _set_initial_accelerations(model) if accelerates else _Start()
     if integrator.implicit:
         complete_jacobian(model)
     settings = _settings(model, integrator, spacing * intervals, intervals * substeps)
@@ -138,8 +138,15 @@ def run(
     return samples
 
 
+class _Start(NamedTuple):
+    """Second derivatives of the engine's coordinates and multipliers at the start."""
+
+    accelerations: Array = np.zeros(0)
+    algebraic: Array = np.zeros(0)
+
+
 def _samples(
-    model: Model, integrator: Integrator, sensor: int, start: Array, spacing: float
+    model: Model, integrator: Integrator, sensor: int, start: _Start, spacing: float
 ) -> Samples:
     """What the sensor has stored at multiples of `spacing`, as far as it is finite."""
     stored = np.atleast_2d(np.array(model.system.GetSensorStoredData(sensor)))
@@ -147,7 +154,10 @@ def _samples(
     good = np.all(np.isfinite(stored), axis=1) & (np.abs(stored[:, 0] - places) < 0.5 * spacing)
     stored = stored[: len(good) if np.all(good) else int(np.argmin(good))]
     unknowns = len(model.record())
-    stored[:1, 1 + unknowns :] = start
+    # The engine's own first sample holds neither.
+    stored[:1, 1 + unknowns :] = start.algebraic
+    if model.records_accelerations:
+        stored[:1, 1 + unknowns - start.accelerations.size : 1 + unknowns] = start.accelerations
     return Samples(
         records=stored[:, 1 : 1 + unknowns],
         algebraic=stored[:, 1 + unknowns :],
@@ -211,8 +221,8 @@ def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
     }
 
 
-def _set_initial_accelerations(model: Model) -> Array:
-    """Give the engine its own accurate initial accelerations; return the multipliers, (m,).
+def _set_initial_accelerations(model: Model) -> _Start:
+    """Give the engine its own accurate initial accelerations, and return them.
 
     Left to itself the engine starts from a contact force of zero, which a friction law may want
     to know, and leaves out terms of velocity-level joints. Either makes every later result
@@ -225,7 +235,7 @@ def _set_initial_accelerations(model: Model) -> Array:
         data.SetODE2Coordinates_t(velocities)
     second_derivatives, algebraic = probe.solve()
     data.SetODE2Coordinates_tt(second_derivatives.tolist(), exu.ConfigurationType.Initial)
-    return algebraic
+    return _Start(second_derivatives, algebraic)
 
 
 def _settings(model: Model, integrator: Integrator, duration: float, steps: int) -> Any:

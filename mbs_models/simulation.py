@@ -3,11 +3,13 @@
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict, replace
+from math import isclose
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.checks import TimeLimitError, ToleranceError, increasing_times, positive
+from analysis.state import FlatError
 from analysis.trajectory import Ending, EndingReason, Trajectory, versions
 from analysis.watch import Progress, Watch
 from mbs_models.build import build
@@ -76,6 +78,8 @@ def simulate(
         breaks a constraint or needs a contact that pulls.
     EngineError
         If the engine does not reach the end.
+    FlatError
+        If the disk comes to lie flat.
     ToleranceError
         If `tolerance` cannot be met.
     TimeLimitError
@@ -177,13 +181,15 @@ def _to_tolerance(
     """Halve the step and extrapolate until the estimated error is small enough."""
     ladder = Ladder(scene.formulation, integrator.name)
     counts: Counter[str] = Counter()
-    failure: EngineError | None = None
+    failure: EngineError | FlatError | None = None
     kind: tuple[EndingReason | None, int] = (None, 0)
     for halvings in range(HALVINGS):
         try:
             result = run(integrator.first_step, halvings)
-        except EngineError as error:
+        except (EngineError, FlatError) as error:
             # A step too long for the iteration is no failure of the tolerance: halve it.
+            if _lies_flat(failure, error):
+                raise
             failure, ladder = error, Ladder(scene.formulation, integrator.name)
             continue
         failure = None
@@ -212,3 +218,10 @@ def _to_tolerance(
         f"tolerance {tolerance:g} rad cannot be reached with {integrator.name} on formulation "
         f"{scene.formulation!r}: the best estimated error is {ladder.best_estimate:.1e} rad"
     )
+
+
+def _lies_flat(before: Exception | None, error: Exception) -> bool:
+    """Whether two runs in a row say that the disk comes to lie flat, and when."""
+    if not isinstance(before, FlatError) or not isinstance(error, FlatError):
+        return False
+    return isclose(before.time, error.time, rel_tol=1e-2)

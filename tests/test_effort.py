@@ -248,6 +248,16 @@ def test_long_runs_alone_are_announced(
     assert shown.err.count("\n") == bool(said)
 
 
+def test_time_limit_silences_what_it_ends(capsys: pytest.CaptureFixture[str]) -> None:
+    long = replace(SHORT, seconds=600.0)
+    options.announce("simulate", long)
+    assert capsys.readouterr().err.endswith("; --time-limit ends it early\n")
+    options.announce("simulate", long, 5.0)
+    assert capsys.readouterr().err == ""
+    options.announce("simulate", replace(long, doubt="in vain"), 5.0)
+    assert capsys.readouterr().err.endswith("; in vain\n")
+
+
 def test_limit_itself_is_allowed() -> None:
     replace(SHORT, steps=float(MOST_STEPS)).check()
     with pytest.raises(ValueError, match=r"^tolerance 1 would take about 1\.1e\+08 steps"):

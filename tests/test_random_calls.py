@@ -26,7 +26,7 @@ NUMBERS = st.one_of(
 
 START = ("--spin", "--beta", "--gamma", "--beta-rate", "--gamma-rate", "--mu", "--eps")
 LOSSES = ("--rolling", "--rolling-viscous", "--pivoting", "--air-drag")
-SIMULATE = (*START, "--end", "--samples", "--tolerance", "--step", "--model")
+SIMULATE = (*START, "--end", "--samples", "--tolerance", "--step", "--model", "--time-limit")
 REST = (*START, *LOSSES, "--stiffness", "--half-thickness", "--step", "--end")
 SOURCES = st.sampled_from(cli.SOURCES)
 
@@ -70,8 +70,8 @@ def nothing_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mbs_models, "simulate", accept)
     monkeypatch.setattr(rest, "simulate_to_rest", accept)
     monkeypatch.setattr(mbs_models, "simulate_to_rest", accept)
-    monkeypatch.setattr(basic, "announce", lambda _, effort: effort.check())
-    monkeypatch.setattr(rest, "announce", lambda _, effort: effort.check())
+    monkeypatch.setattr(basic, "announce", lambda _, effort, __=None: effort.check())
+    monkeypatch.setattr(rest, "announce", lambda _, effort, __=None: effort.check())
 
 
 @pytest.mark.usefixtures("nothing_is_computed")

@@ -99,3 +99,10 @@ def test_text_of_a_terminal_without_greek_letters_is_lost_in_one_line() -> None:
     assert done.returncode == 3
     assert done.stderr.startswith(LOST)
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("redirection", ["2>/dev/full", "2>&-"])
+def test_run_does_not_need_a_standard_error(redirection: str, simulated: str) -> None:
+    done = process(simulated, streams=redirection)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "3 samples of Model 1" in done.stdout

@@ -213,6 +213,12 @@ def _add_simulate(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "--tolerance", type=float, help="largest error of beta and gamma in rad (1e-8)"
     )
     accuracy.add_argument("--step", type=float, help="engine only: fixed step in s instead")
+    add(
+        "--allow-pulling",
+        action="store_true",
+        help="go on where the ideal contact would have to pull, instead of ending there",
+    )
+    add("--time-limit", type=float, help="processor time in s after which the run ends")
     add("--out", required=True, metavar="FILE", help="file to write, .npz")
 
 

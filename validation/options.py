@@ -19,14 +19,16 @@ PATIENCE = 60.0
 """Processor time in s from which on a run is announced before it starts."""
 
 
-def announce(command: str, effort: Effort) -> None:
-    """Say on standard error what a run will take, if that is long or in vain.
+def announce(command: str, effort: Effort, time_limit: float | None = None) -> None:
+    """Say on standard error what a run will take, if that is long and nothing ends it, or in vain.
 
     Parameters
     ----------
     command : str
         Name of the subcommand.
     effort : Effort
+    time_limit : float, optional
+        Processor time in s that the run may take.
 
     Raises
     ------
@@ -34,9 +36,11 @@ def announce(command: str, effort: Effort) -> None:
         If the run would take more steps than are made.
     """
     effort.check()
-    if effort.seconds > PATIENCE or effort.doubt:
+    endless = effort.seconds > PATIENCE and time_limit is None
+    if endless or effort.doubt:
+        hint = "; --time-limit ends it early" if endless else ""
         with suppress(OSError, ValueError):
-            print(f"tippedisk {command}: {effort}", file=sys.stderr, flush=True)
+            print(f"tippedisk {command}: {effort}{hint}", file=sys.stderr, flush=True)
 
 
 def output_path(name: str, value: str, suffixes: Sequence[str]) -> Path:

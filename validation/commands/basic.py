@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 import analysis
-from analysis import DISKS, SmoothCoulomb, Trajectory, multiplier_names
+from analysis import DISKS, Progress, SmoothCoulomb, Trajectory, multiplier_names
+from analysis.checks import Array
 from analysis.effort import simulation_effort
 from analysis.files import whole_file
 from analysis.limits import check_storage
@@ -18,6 +19,7 @@ from validation.options import (
     output_folder,
     output_path,
 )
+from validation.progress import progress_bar
 
 
 def report(options: argparse.Namespace) -> int:
@@ -40,15 +42,20 @@ def simulate(options: argparse.Namespace) -> int:
     # Time, six coordinates, their rates and the constraint forces.
     check_storage("--samples", options.samples, 13 + len(multiplier_names(options.model)))
     times = np.linspace(0.0, chosen_end(options), options.samples)
-    trajectory = _simulate(options, times)
+    with progress_bar() as progress:
+        trajectory = _simulate(options, times, progress)
     trajectory.save(out)
     estimate = trajectory.error_estimate
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
     print(f"{out}: {trajectory.times.size} samples of Model {trajectory.level}{accuracy}")
+    if trajectory.ending is not None:
+        print(f"{trajectory.ending}")
+    for first, last in trajectory.pulling:
+        print(f"the contact pulls from t = {first:.6g} s to {last:.6g} s")
     return 0
 
 
-def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
+def _simulate(options: argparse.Namespace, times: Array, progress: Progress) -> Trajectory:
     disk = DISKS[options.disk]
     friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load=options.load)
     start = chosen_start(options, options.model, disk)
@@ -56,7 +63,7 @@ def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
         if options.step is not None:
             raise ValueError("--step needs --source engine; the in-house solvers choose theirs")
         effort = simulation_effort(times, disk, friction, start, tolerance=options.tolerance)
-        announce("simulate", effort)
+        announce("simulate", effort, options.time_limit)
         return analysis.simulate(
             options.model,
             times,
@@ -65,6 +72,9 @@ def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
             start=start,
             form=options.formulation or "index-1",
             tolerance=options.tolerance,
+            allow_pulling=options.allow_pulling,
+            time_limit=options.time_limit,
+            progress=progress,
         )
     import mbs_models
     from mbs_models.effort import simulation_effort as engine_effort
@@ -77,8 +87,16 @@ def _simulate(options: argparse.Namespace, times: np.ndarray) -> Trajectory:
         start=start,
     )
     effort = engine_effort(scene, times, step=options.step, tolerance=options.tolerance)
-    announce("simulate", effort)
-    return mbs_models.simulate(scene, times, step=options.step, tolerance=options.tolerance)
+    announce("simulate", effort, options.time_limit)
+    return mbs_models.simulate(
+        scene,
+        times,
+        step=options.step,
+        tolerance=options.tolerance,
+        allow_pulling=options.allow_pulling,
+        time_limit=options.time_limit,
+        progress=progress,
+    )
 
 
 def show(options: argparse.Namespace) -> int:

@@ -1,0 +1,36 @@
+"""A bar on standard error that shows how far a run is."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from tqdm import tqdm
+
+from analysis import Progress
+
+DELAY = 2.0
+"""Time in s before it appears, so that short runs stay silent."""
+
+
+@contextmanager
+def progress_bar() -> Iterator[Progress]:
+    """Progress of a run of simulated time, to be handed to a `simulate`.
+
+    A run that begins anew, as tolerance-controlled runs do, takes the bar back. Nothing is shown
+    where standard error is not a terminal.
+    """
+    bar = tqdm(
+        total=0.0,
+        delay=DELAY,
+        disable=sys.stderr is None or not sys.stderr.isatty(),
+        leave=False,
+        bar_format="{l_bar}{bar}| t = {n:.4g} of {total:.4g} s [{elapsed}]",
+    )
+
+    def show(reached: float, end: float) -> None:
+        bar.total = end
+        bar.n = min(bar.n, reached)
+        bar.update(reached - bar.n)
+
+    with bar:
+        yield show
