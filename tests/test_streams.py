@@ -106,3 +106,4 @@ def test_run_does_not_need_a_standard_error(redirection: str, simulated: str) ->
     done = process(simulated, streams=redirection)
     assert (done.returncode, done.stderr) == (0, "")
     assert "3 samples of Model 1" in done.stdout
+    assert process("rest --end 0.01", streams=redirection).returncode == 0

@@ -12,6 +12,7 @@ from contextlib import redirect_stdout, suppress
 from importlib import import_module
 from importlib.metadata import version
 from io import StringIO
+from pathlib import Path
 from typing import NoReturn
 
 SOURCES = ("engine", "in-house")
@@ -85,6 +86,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         Exit code, as `--help` lists them.
     """
+    if sys.stderr is None:
+        # Closed before the start. Progress bars and warnings take for granted that there is one.
+        sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115
     # What is printed is kept until the work is done: a full disk or a closed pipe then cannot be
     # taken for a failure of the work itself.
     output = StringIO()

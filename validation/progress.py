@@ -22,7 +22,7 @@ def progress_bar() -> Iterator[Progress]:
     bar = tqdm(
         total=0.0,
         delay=DELAY,
-        disable=sys.stderr is None or not sys.stderr.isatty(),
+        disable=not sys.stderr.isatty(),
         leave=False,
         bar_format="{l_bar}{bar}| t = {n:.4g} of {total:.4g} s [{elapsed}]",
     )
