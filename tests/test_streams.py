@@ -18,6 +18,12 @@ LOST = "tippedisk: standard output "
 needs_full = pytest.mark.skipif(not FULL.exists(), reason="needs /dev/full")
 
 
+def environment(encoding: str) -> dict[str, str]:
+    """Environment of a process whose output is buffered, as it is by default."""
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    return kept | {"PYTHONIOENCODING": encoding}
+
+
 def process(call: str, *, streams: str = "") -> subprocess.CompletedProcess[str]:
     """Run a command line in a shell, which may redirect its streams."""
     return subprocess.run(
@@ -26,7 +32,7 @@ def process(call: str, *, streams: str = "") -> subprocess.CompletedProcess[str]
         text=True,
         check=False,
         cwd=ROOT,
-        env=os.environ | {"PYTHONIOENCODING": "utf-8"},
+        env=environment("utf-8"),
     )
 
 
@@ -94,7 +100,7 @@ def test_text_of_a_terminal_without_greek_letters_is_lost_in_one_line() -> None:
         text=True,
         check=False,
         cwd=ROOT,
-        env=os.environ | {"PYTHONIOENCODING": "ascii"},
+        env=environment("ascii"),
     )
     assert done.returncode == 3
     assert done.stderr.startswith(LOST)

@@ -13,7 +13,7 @@ from importlib import import_module
 from importlib.metadata import version
 from io import StringIO
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, TextIO
 
 SOURCES = ("engine", "in-house")
 MODELS = (1, 2, 3, 4)
@@ -94,7 +94,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     output = StringIO()
     with redirect_stdout(output):
         code = _run(arguments)
-    return code if _deliver(output.getvalue()) else code or _OUTPUT_LOST
+    if not _deliver(output.getvalue()):
+        code = code or _OUTPUT_LOST
+    try:
+        sys.stderr.flush()
+    except (OSError, ValueError):
+        _give_up(sys.stderr)
+    return code
 
 
 def _run(arguments: Sequence[str] | None) -> int:
@@ -135,11 +141,18 @@ def _deliver(text: str) -> bool:
         sys.stdout.flush()
     except (OSError, ValueError) as error:
         _complain(f"tippedisk: standard output could not be written to: {error}")
-        # Or the interpreter would try again at its end, fail, and exit with a code of its own.
-        with suppress(OSError, ValueError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _give_up(sys.stdout)
         return False
     return True
+
+
+def _give_up(stream: TextIO) -> None:
+    """Let a stream that cannot be written to lead nowhere.
+
+    Or the interpreter would try again at its end, fail, and exit with a code of its own.
+    """
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _complain(message: str) -> None:
