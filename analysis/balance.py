@@ -6,8 +6,12 @@ from scipy.integrate import cumulative_simpson
 from analysis import constraints, equations
 from analysis.checks import Array
 from analysis.disk import Disk
+from analysis.dissipation import CAUSES
 from analysis.index1 import friction_per_load
 from analysis.trajectory import Trajectory
+
+_UNTOLD = ("stiffness", *(cause for cause in CAUSES if cause != "sliding"))
+"""Settings whose energy no trajectory holds."""
 
 
 def energies(disk: Disk, coordinates: Array, rates: Array) -> tuple[Array, Array]:
@@ -74,7 +78,19 @@ def energy_residual(trajectory: Trajectory) -> Array:
 
     The work is the integral of `power` by Simpson's rule over the samples, so the residual also
     holds that rule's error, which falls with the fourth power of the sample spacing.
+
+    Raises
+    ------
+    ValueError
+        If something stored or took energy that the trajectory does not hold: the spring and the
+        damper of a penalty contact, or one of the `Dissipation`.
     """
+    missing = [name for name in _UNTOLD if trajectory.method.get(name)]
+    if missing:
+        raise ValueError(
+            "trajectory must hold all that stores and takes energy, but holds nothing of its "
+            f"{', '.join(missing)}; SpatialMotion.energy_residual does"
+        )
     kinetic, potential = energies(trajectory.disk, trajectory.coordinates, trajectory.rates)
     total = kinetic + potential
     work = cumulative_simpson(power(trajectory), x=trajectory.times, initial=0.0)

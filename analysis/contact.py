@@ -3,8 +3,9 @@
 from dataclasses import dataclass, replace
 from math import cos, hypot, sin, sqrt
 
-from analysis.checks import not_negative, positive
+from analysis.checks import not_negative, positive, within
 from analysis.disk import Disk
+from analysis.limits import LARGEST_DAMPING, STIFFEST_CONTACT, THINNEST_RIM
 from analysis.state import State
 
 LARGEST_PART = 0.01
@@ -43,10 +44,19 @@ class PenaltyContact:
     bilateral: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness))
-        object.__setattr__(self, "damping", not_negative("damping", self.damping))
+        stiffness = positive("stiffness", self.stiffness)
+        within("stiffness", stiffness, 0.0, STIFFEST_CONTACT)
+        object.__setattr__(self, "stiffness", stiffness)
+        damping = not_negative("damping", self.damping)
+        object.__setattr__(self, "damping", within("damping", damping, 0.0, LARGEST_DAMPING))
         thickness = not_negative("half_thickness", self.half_thickness)
+        if 0.0 < thickness < THINNEST_RIM:
+            raise ValueError(
+                f"half_thickness must be 0 or at least {THINNEST_RIM:g} m, got {thickness:g}"
+            )
         object.__setattr__(self, "half_thickness", thickness)
+        if not isinstance(self.bilateral, bool):
+            raise ValueError(f"bilateral must be True or False, got {self.bilateral!r}")
 
     @classmethod
     def damped(
@@ -92,6 +102,28 @@ class PenaltyContact:
     def resting_penetration(self, disk: Disk) -> float:
         """Penetration in m at which the contact carries the weight of the disk."""
         return disk.weight / self.stiffness
+
+    def resting_height(self, disk: Disk) -> float:
+        """Height in m of the centre of gravity of the disk where it lies stable.
+
+        That is the lowest there is, at the least potential energy; the weight presses the contact
+        together. The disk then lies all but flat, with the centre of gravity over the contact
+        point. One too thick for that stands on its rim, the centre of gravity below the centre.
+
+        Parameters
+        ----------
+        disk : Disk
+        """
+        eccentricity, square = disk.eccentricity, self.half_thickness**2
+        flattening = disk.radius**2 - square
+        # The height sqrt(c^2 + k s^2) - e s over 0 <= s <= 1, the part of the way from flat to
+        # upright, is stationary at one s. A disk of thickness zero lies flat.
+        lean = 1.0
+        if flattening > eccentricity**2:
+            lean = eccentricity * sqrt(square / (flattening * (flattening - eccentricity**2)))
+            lean = min(lean, 1.0)
+        height = sqrt(square + flattening * lean**2) - eccentricity * lean
+        return height - self.resting_penetration(disk)
 
     def lowered(self, disk: Disk, start: State) -> State:
         """The start, at the height at which the contact carries the weight.

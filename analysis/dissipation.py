@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.checks import Array, not_negative, positive
+from analysis.checks import Array, not_negative, positive, within
+from analysis.limits import LARGEST_RESISTANCE
 
 CAUSES = ("damping", "sliding", "rolling_dry", "rolling_viscous", "pivoting", "air_drag")
 """What takes energy from the disk: the contact's damper, sliding friction, and the options."""
@@ -50,8 +51,9 @@ class Dissipation:
     pivoting_smoothing: float = 0.1
 
     def __post_init__(self) -> None:
-        for name in ("rolling_dry", "rolling_viscous", "pivoting", "air_drag"):
-            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
+        for name, most in LARGEST_RESISTANCE.items():
+            value = not_negative(name, getattr(self, name))
+            object.__setattr__(self, name, within(name, value, 0.0, most))
         for name in ("rolling_smoothing", "pivoting_smoothing"):
             object.__setattr__(self, name, positive(name, getattr(self, name)))
 
@@ -63,14 +65,16 @@ class Dissipation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RestCriterion:
-    """When a disk counts as at rest: still, and no longer sinking, for some time.
+    """When a disk counts as at rest: still, and in a stable place, for some time.
+
+    Stable is where the potential energy is least. A disk balanced on its rim is still, too.
 
     Parameters
     ----------
     energy : float
         Largest kinetic energy in J.
     height : float
-        Largest change in m of the height of the centre of gravity.
+        Largest distance in m of the centre of gravity from its height in the stable place.
     duration : float
         For how long both must hold, in s.
 
@@ -81,7 +85,7 @@ class RestCriterion:
     """
 
     energy: float = 1e-9
-    height: float = 1e-7
+    height: float = 1e-6
     duration: float = 0.1
 
     def __post_init__(self) -> None:
@@ -92,20 +96,20 @@ class RestCriterion:
         """Number of samples this far apart (in s) that span the duration."""
         return max(2, 1 + int(np.ceil(self.duration / spacing - 1e-9)))
 
-    def first(self, kinetic: Array, heights: Array, spacing: float) -> int | None:
+    def first(self, kinetic: Array, rise: Array, spacing: float) -> int | None:
         """Index of the first sample from which on the disk is at rest for long enough.
 
         Parameters
         ----------
-        kinetic, heights : ndarray, shape (n,)
-            Kinetic energy in J and height of the centre of gravity in m.
+        kinetic, rise : ndarray, shape (n,)
+            Kinetic energy in J, and height in m of the centre of gravity over that in the stable
+            place, `PenaltyContact.resting_height`.
         spacing : float
             Time between samples in s.
         """
         length = self.samples(spacing)
-        still = kinetic <= self.energy
+        still = (kinetic <= self.energy) & (np.abs(rise) <= self.height)
         for begin in range(still.size - length + 1):
-            window = slice(begin, begin + length)
-            if np.all(still[window]) and np.ptp(heights[window]) <= self.height:
+            if np.all(still[begin : begin + length]):
                 return begin
         return None

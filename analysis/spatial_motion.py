@@ -2,23 +2,20 @@
 
 import json
 import os
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from analysis import frames
-from analysis.checks import Array, choice, increasing_times
+from analysis.checks import Array, choice, increasing_times, number, real_array, settings
 from analysis.contact import PenaltyContact
 from analysis.disk import Disk
 from analysis.dissipation import CAUSES, Dissipation
-from analysis.files import whole_file
+from analysis.files import read_archive, whole_file
 from analysis.friction import SmoothCoulomb
-from analysis.trajectory import Setting, Source, Trajectory
+from analysis.trajectory import SOURCES, Ending, Setting, Source, Trajectory
 
 _COLUMNS = {
     "positions": 3,
@@ -34,7 +31,8 @@ _COLUMNS = {
 }
 """Sampled arrays and how many columns each has; none for 0."""
 
-_UNREADABLE = (OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError)
+MOTION_COLUMNS = 1 + sum(max(1, columns) for columns in _COLUMNS.values())
+"""Numbers in each sample, the time included."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,13 +66,18 @@ class SpatialMotion:
     source : {"engine", "in-house"}
     rest_time : float, optional
         Time in s from which on the disk was at rest; None if it never was.
+    error_estimate : float, optional
+        Largest `deviation` from the true motion expected; None if it was not estimated.
+    ending : Ending, optional
+        Why it ends before the disk is at rest and before the end asked for, if it does.
     method, counts, versions : mapping
         As in `Trajectory`.
 
     Raises
     ------
     ValueError
-        If shapes do not fit, a number is not finite or a quaternion is not of unit length.
+        If shapes do not fit, a number is not finite, a quaternion is not of unit length or the
+        rest time lies outside the samples.
     """
 
     times: Array
@@ -94,6 +97,8 @@ class SpatialMotion:
     dissipation: Dissipation
     source: Source
     rest_time: float | None = None
+    error_estimate: float | None = None
+    ending: Ending | None = None
     method: Mapping[str, Setting] = field(default_factory=dict)
     counts: Mapping[str, int] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -101,17 +106,26 @@ class SpatialMotion:
     def __post_init__(self) -> None:
         times = increasing_times(self.times)
         for name, columns in {"times": 0, **_COLUMNS}.items():
-            values = np.array(getattr(self, name), dtype=float)
+            values = real_array(name, getattr(self, name))
             shape = (times.size, columns) if columns else (times.size,)
             if values.shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {values.shape}")
-            if not np.all(np.isfinite(values)):
-                raise ValueError(f"{name} must be finite")
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         excess = float(np.max(np.abs(np.linalg.norm(self.quaternions, axis=1) - 1.0)))
         if excess > 1e-9:
             raise ValueError(f"quaternions must have unit length, got one off by {excess:.1e}")
+        choice("source", self.source, SOURCES)
+        for name in ("method", "counts", "versions"):
+            object.__setattr__(self, name, settings(name, getattr(self, name)))
+        if self.rest_time is not None:
+            rest = number("rest_time", self.rest_time)
+            if not times[0] <= rest <= times[-1]:
+                raise ValueError(
+                    f"rest_time must lie within the samples, from {times[0]:g} to {times[-1]:g} "
+                    f"s, got {rest:g}"
+                )
+            object.__setattr__(self, "rest_time", rest)
 
     @property
     def rotations(self) -> Array:
@@ -157,6 +171,34 @@ class SpatialMotion:
         result: Array = total - total[0]
         return result
 
+    def deviation(self, other: "SpatialMotion") -> float:
+        """Largest difference from another motion over the samples that both have.
+
+        It is that of the vertical's direction seen from the disk in rad, which beta and gamma
+        make up, or that of an energy as a part of the energy at the start, whichever is larger:
+        of all the energy left, and of that taken by any cause.
+
+        Parameters
+        ----------
+        other : SpatialMotion
+            Sampled at the same times.
+        """
+        count = min(self.times.size, other.times.size)
+        one, two = (
+            np.column_stack(
+                (
+                    motion.rotations[:count, 2] * motion.energies[0].sum(),
+                    motion.energies[:count].sum(axis=1),
+                    motion.dissipated[:count],
+                )
+            )
+            for motion in (self, other)
+        )
+        difference = np.abs(one - two)
+        turned = np.linalg.norm(difference[:, :3], axis=1)
+        largest = max(float(np.max(turned)), float(np.max(difference[:, 3:])))
+        return largest / float(self.energies[0].sum())
+
     def to_trajectory(
         self, end: float | None = None, *, least_leaning: float = 1e-3
     ) -> Trajectory:
@@ -198,7 +240,8 @@ class SpatialMotion:
             disk=self.disk,
             friction=self.friction,
             source=self.source,
-            method=self.method,
+            # With them the trajectory knows what it does not hold; see `energy_residual` of one.
+            method={**self.method, **asdict(self.contact), **asdict(self.dissipation)},
             counts=self.counts,
             versions=self.versions,
         )
@@ -218,6 +261,8 @@ class SpatialMotion:
             "dissipation": asdict(self.dissipation),
             "source": self.source,
             "rest_time": self.rest_time,
+            "error_estimate": self.error_estimate,
+            "ending": None if self.ending is None else asdict(self.ending),
             "method": dict(self.method),
             "counts": dict(self.counts),
             "versions": dict(self.versions),
@@ -237,14 +282,8 @@ class SpatialMotion:
         ValueError
             If the file is damaged, or is not a motion in inertial coordinates.
         """
-        try:
-            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-                return cls._from_arrays(stored)
-        except FileNotFoundError:
-            raise
-        except (*_UNREADABLE, zipfile.BadZipFile, zlib.error) as error:
-            cause = f"lacks {error}" if isinstance(error, KeyError) else str(error)
-            raise ValueError(f"{path} is not a readable spatial motion: {cause}") from error
+        names = ("times", *_COLUMNS, "spatial_meta")
+        return read_archive(path, "spatial motion", names, cls._from_arrays)
 
     @classmethod
     def _from_arrays(cls, stored: Mapping[str, Any]) -> "SpatialMotion":
@@ -255,5 +294,6 @@ class SpatialMotion:
             friction=SmoothCoulomb(**meta.pop("friction")),
             contact=PenaltyContact(**meta.pop("contact")),
             dissipation=Dissipation(**meta.pop("dissipation")),
+            ending=None if (ending := meta.pop("ending")) is None else Ending(**ending),
             **meta,
         )

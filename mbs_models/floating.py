@@ -1,6 +1,5 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
-from collections.abc import Callable
 from math import pi
 from typing import Any
 
@@ -33,15 +32,12 @@ class Floating(Model):
     ----------
     loads : Loads or None
         What acts on the disk at its centre on a penalty contact.
-    count_work : callable or None
-        Called with the power in W taken by each of `CAUSES` whenever the engine asks for `loads`.
     """
 
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
     def __init__(self, scene: Scene, *, symbolic: bool = False) -> None:
         self.loads: Loads | None = None
-        self.count_work: Callable[[list[float]], None] | None = None
         if scene.contact is not None:
             if symbolic:
                 raise ValueError(
@@ -145,8 +141,6 @@ class Floating(Model):
                 tuple(velocity),
                 tuple(angular),
             )
-            if self.count_work is not None:
-                self.count_work(load.taken)
             return [-value for value in (*load.force, *load.torque)]
 
         return force

@@ -44,6 +44,7 @@ class Loads:
         half_air = 0.5 * dissipation.air_drag
         self._push = half_air * pi * disk.radius**2
         self._brake = half_air * 8.0 / 15.0 * disk.radius**5
+        self._last: tuple[tuple[float, Triple, Triple, Triple], Loading] | None = None
 
     def height(self, axis_up: float) -> float:
         """Height in m of the centre over the lowest point, from the axis' vertical component."""
@@ -52,6 +53,8 @@ class Loads:
     def at(self, centre_height: float, n: Triple, v: Triple, w: Triple) -> "Loading":
         """Force and torque on the disk, and what they tell about the contact.
 
+        The last answer is kept: an engine that integrates the powers too asks twice.
+
         Parameters
         ----------
         centre_height : float
@@ -59,6 +62,12 @@ class Loads:
         n, v, w : tuple of 3 floats
             Axis of the disk, velocity of G in m/s and angular velocity in rad/s.
         """
+        state = (centre_height, n, v, w)
+        if self._last is None or self._last[0] != state:
+            self._last = (state, self._new(*state))
+        return self._last[1]
+
+    def _new(self, centre_height: float, n: Triple, v: Triple, w: Triple) -> "Loading":
         load = Loading()
         height = self.height(n[2])
         lean = self._flattening * n[2] / height

@@ -107,7 +107,7 @@ def run(
         complete_jacobian(model)
     settings = _settings(model, integrator, spacing * intervals, intervals * substeps)
     settings.solution.sensors.writePeriod = spacing
-    limiter = _StepLimiter(spacing)
+    limiter = StepLimiter(spacing)
     if integrator.controls_step:
         system.SetPreStepUserFunction(limiter.limit)
     stopped: list[float] = []
@@ -165,7 +165,7 @@ def _samples(
     )
 
 
-class _StepLimiter:
+class StepLimiter:
     """Shortens the steps of step control so that every sample falls on a step.
 
     Left to itself the engine writes a sample at the first step past its time.
@@ -174,6 +174,8 @@ class _StepLimiter:
     ----------
     spacing : float
         Time between samples in s.
+    minimum : float
+        The minimum step in s that step control is set to.
 
     Attributes
     ----------
@@ -182,8 +184,8 @@ class _StepLimiter:
         with a larger error.
     """
 
-    def __init__(self, spacing: float) -> None:
-        self._spacing = spacing
+    def __init__(self, spacing: float, minimum: float = MINIMUM_STEP) -> None:
+        self._spacing, self._minimum = spacing, minimum
         self.stalled = False
 
     def limit(self, system: Any, _t: float) -> bool:
@@ -193,7 +195,7 @@ class _StepLimiter:
         start = iteration.currentTime - step
         sample = (floor(start / self._spacing + 1e-9) + 1) * self._spacing
         rest = sample - start
-        if step <= 1.001 * MINIMUM_STEP < rest:
+        if step <= 1.001 * self._minimum < rest:
             self.stalled = True
             raise EngineError("minimum step")
         # Equal steps to the next sample: a short last one would hold up the step control.
@@ -269,7 +271,7 @@ def _early_end(
     model: Model,
     end: float,
     error: Exception | None,
-    limiter: _StepLimiter,
+    limiter: StepLimiter,
     samples: Samples,
 ) -> EngineError:
     solver = model.system.sys["dynamicSolver"]

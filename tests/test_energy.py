@@ -1,15 +1,21 @@
 """Energy, power and the work of the constraints."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import mbs_models
 from analysis import (
     GRAVITY,
     LEVELS,
     LOADS,
+    STEEL_DISK,
     Disk,
+    Dissipation,
     Level,
     Load,
+    PenaltyContact,
     SmoothCoulomb,
     State,
     Trajectory,
@@ -17,6 +23,7 @@ from analysis import (
     consistent_start,
     equations,
     index1,
+    simulate_to_rest,
 )
 from analysis.checks import Array
 from tests.helpers import (
@@ -118,3 +125,19 @@ def test_power_is_the_rate_of_the_energy(level: Level, load: Load, seed: int) ->
 def test_friction_takes_energy(level: Level, seed: int) -> None:
     disk, z, u = random_sample(level, seed)
     assert index1.friction_per_load(level, disk, SmoothCoulomb(), z, u) @ u < 0.0
+
+
+def test_balance_refuses_a_motion_whose_losses_it_does_not_know(tmp_path: Path) -> None:
+    rolling = Dissipation(rolling_viscous=1e-3, pivoting=5e-5)
+    run = simulate_to_rest(0.1, dissipation=rolling).to_trajectory()
+    run.save(tmp_path / "run.npz")
+    for known in (run, Trajectory.load(tmp_path / "run.npz")):
+        with pytest.raises(ValueError, match="stiffness, damping, rolling_viscous, pivoting;"):
+            balance.energy_residual(known)
+
+
+def test_balance_refuses_a_penalty_contact_whose_spring_it_does_not_know() -> None:
+    scene = mbs_models.Scene(contact=PenaltyContact(stiffness=1e5), disk=STEEL_DISK)
+    run = mbs_models.simulate(scene, [0.0, 0.01], step=1e-3)
+    with pytest.raises(ValueError, match="holds nothing of its stiffness;"):
+        balance.energy_residual(run)

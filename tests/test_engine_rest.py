@@ -2,7 +2,7 @@
 
 from dataclasses import fields, replace
 from itertools import pairwise
-from math import log2
+from math import log2, pi
 
 import numpy as np
 import pytest
@@ -13,6 +13,10 @@ from analysis import (
     STEEL_DISK,
     PenaltyContact,
     SmoothCoulomb,
+    State,
+    TimeLimitError,
+    ToleranceError,
+    consistent_start,
     find_phases,
     simulate_to_rest,
 )
@@ -65,17 +69,105 @@ def test_loads_and_powers_are_those_of_the_in_house_equations(bilateral: bool) -
 def test_engine_converges_to_the_in_house_motion_with_order_4() -> None:
     scene = Scene.rest(dissipation=EVERYTHING)
     other = simulate_to_rest(
-        0.5, contact=scene.contact, dissipation=EVERYTHING, spacing=1e-2, method="DOP853"
+        0.5,
+        contact=scene.contact,
+        dissipation=EVERYTHING,
+        spacing=1e-2,
+        method="DOP853",
+        local_tolerance=1e-12,
     )
-    errors = []
+    errors, unexplained, damping = [], [], []
     for step in (2e-4, 1e-4, 5e-5):
         found = mbs_models.simulate_to_rest(scene, 0.5, step=step, spacing=1e-2)
         errors.append(float(np.max(np.abs(found.rotations - other.rotations))))
+        unexplained.append(float(np.max(np.abs(found.energy_residual))))
+        taken = [motion.energy_taken("damping")[-1] for motion in (found, other)]
+        damping.append(abs(taken[0] - taken[1]))
         np.testing.assert_allclose(found.positions, other.positions, atol=1e-9)
     assert errors[-1] < 1e-8
     np.testing.assert_allclose(found.dissipated, other.dissipated, atol=1e-9)
-    for coarse, fine in pairwise(errors):
-        assert log2(coarse / fine) > 3.5
+    assert taken[0] == pytest.approx(taken[1], rel=0.01)
+    for measured in (errors, unexplained, damping):
+        for coarse, fine in pairwise(measured):
+            assert log2(coarse / fine) > 3.5
+
+
+def dropped(height: float) -> State:
+    x, y, z, *angles = (start := consistent_start(1, STEEL_DISK)).coordinates
+    return replace(start, coordinates=(x, y, z + height, *angles))
+
+
+@pytest.fixture(scope="module")
+def impacts() -> SpatialMotion:
+    return simulate_to_rest(0.5, start=dropped(5e-3), spacing=5e-3, local_tolerance=1e-12)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, None, 1e-5])
+def test_impacts_meet_the_tolerance_and_its_estimate(
+    tolerance: float | None, impacts: SpatialMotion
+) -> None:
+    scene = Scene.rest(start=dropped(5e-3))
+    found = mbs_models.simulate_to_rest(scene, 0.5, tolerance=tolerance, spacing=5e-3)
+    assert found.error_estimate is not None
+    assert found.deviation(impacts) <= found.error_estimate <= (tolerance or 1e-3)
+    assert found.energy_taken("damping")[-1] == pytest.approx(0.0213610, rel=tolerance or 1e-3)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1e-5])
+def test_disk_balanced_on_its_rim_is_not_at_rest(tilt: float) -> None:
+    start = consistent_start(1, STEEL_DISK, beta=pi / 2 - tilt, gamma=pi / 2, spin=0.0)
+    start = PenaltyContact.rounded(STEEL_DISK).lowered(STEEL_DISK, start)
+    found = mbs_models.simulate_to_rest(Scene.rest(start=start), 0.2, step=1e-4, spacing=1e-2)
+    assert found.rest_time is None
+
+
+def test_a_run_of_fixed_steps_claims_no_error() -> None:
+    found = mbs_models.simulate_to_rest(Scene.rest(), 0.01, step=1e-4)
+    assert found.error_estimate is None
+    assert found.method == {"integrator": "RK44", "step": 1e-4}
+
+
+def test_unexplained_energy_falls_with_the_tolerance() -> None:
+    scene = Scene.rest(dissipation=EVERYTHING)
+    unexplained = []
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        found = mbs_models.simulate_to_rest(scene, 0.3, tolerance=tolerance, spacing=1e-2)
+        unexplained.append(float(np.max(np.abs(found.energy_residual))))
+    assert unexplained[-1] < 1e-8
+    for coarse, fine in pairwise(unexplained):
+        assert coarse > 3.0 * fine
+
+
+def test_engine_says_when_no_two_runs_agree() -> None:
+    scene = Scene.rest(start=dropped(1e-3))
+    with pytest.raises(ToleranceError, match="tolerance 1e-15 cannot be reached"):
+        mbs_models.simulate_to_rest(scene, 0.04, tolerance=1e-15, spacing=1e-2)
+
+
+def test_time_limit_ends_engine_runs_with_what_they_reached(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = iter(range(10**9))
+    monkeypatch.setattr("analysis.watch.time.process_time", lambda: 0.1 * next(clock))
+    told: list[tuple[float, float]] = []
+    for settings in ({"step": 1e-4}, {"tolerance": 1e-3}):
+        found = mbs_models.simulate_to_rest(
+            Scene.rest(),
+            1.0,
+            time_limit=0.45,
+            progress=lambda reached, end: told.append((reached, end)),
+            **settings,  # type: ignore[arg-type]
+        )
+        assert found.ending is not None
+        assert found.ending.reason == "time limit"
+        assert found.ending.time == found.times[-1] < 1.0
+        assert found.ending.value > 0.45
+        assert found.rest_time is None
+        assert found.error_estimate is None
+    assert {end for _, end in told} == {1.0}
+    assert max(reached for reached, _ in told) > 0.1
+    with pytest.raises(TimeLimitError, match="before the first sample"):
+        mbs_models.simulate_to_rest(Scene.rest(), 1.0, time_limit=1e-3)
 
 
 def test_scene_runs_like_any_other_before_the_disk_lies_flat() -> None:
@@ -88,7 +180,9 @@ def test_scene_runs_like_any_other_before_the_disk_lies_flat() -> None:
 
 
 def test_engine_comes_to_rest_as_the_in_house_motion_does(settled: SpatialMotion) -> None:
-    other = simulate_to_rest(30.0, contact=settled.contact, dissipation=SETTLING)
+    other = simulate_to_rest(
+        30.0, contact=settled.contact, dissipation=SETTLING, local_tolerance=1e-10
+    )
     count = min(settled.times.size, other.times.size)
     np.testing.assert_allclose(settled.tilt[:count], other.tilt[:count], atol=1e-4)
     one, two = find_phases(settled), find_phases(other)
@@ -108,6 +202,8 @@ def test_engine_energy_budget_closes_and_contact_never_pulls(settled: SpatialMot
 def test_step_beyond_the_predicted_limit_is_refused_before_the_run() -> None:
     with pytest.raises(ValueError, match="the predicted stability limit"):
         mbs_models.simulate_to_rest(Scene.rest(), 1.0, step=1e-3)
+    with pytest.raises(ValueError, match="give either step or tolerance, not both"):
+        mbs_models.simulate_to_rest(Scene.rest(), 1.0, step=1e-4, tolerance=1e-3)
 
 
 def test_scene_refuses_bad_input() -> None:

@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 DATA_TYPES = {
+    "agreement",
     "checks",
     "contact",
     "disk",
@@ -16,6 +17,7 @@ DATA_TYPES = {
     "files",
     "frames",
     "friction",
+    "limits",
     "spatial_motion",
     "state",
     "trajectory",

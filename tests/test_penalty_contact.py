@@ -113,6 +113,23 @@ def test_undamped_frictionless_bounce_keeps_the_energy() -> None:
     np.testing.assert_allclose(total, total[0], rtol=2e-5)
 
 
+@pytest.mark.parametrize("ratio", [0.05, 0.5])
+def test_damping_ratio_is_that_of_the_upright_disk_on_its_spring(ratio: float) -> None:
+    damped = PenaltyContact.damped(1e5, STEEL_DISK, ratio=ratio)
+    # The centre of gravity above the contact point: the disk moves up and down alone.
+    still = consistent_start(1, STEEL_DISK, spin=0.0, gamma=np.pi / 2)
+    start = raised(damped.lowered(STEEL_DISK, still), 1e-5)
+    times = np.linspace(0.0, 0.02, 41)
+    contact = replace(damped, bilateral=True)
+    run = mbs_models.simulate(Scene(contact=contact, start=start), times, step=1e-5)
+    frequency = np.sqrt(1e5 / STEEL_DISK.mass)
+    ringing = frequency * np.sqrt(1.0 - ratio**2)
+    decay = np.exp(-ratio * frequency * times)
+    shape = np.cos(ringing * times) + ratio * frequency / ringing * np.sin(ringing * times)
+    resting = start.coordinates[2] - 1e-5
+    np.testing.assert_allclose(run.coordinate("z") - resting, 1e-5 * decay * shape, atol=1e-9)
+
+
 def test_default_start_rests_in_the_table() -> None:
     disk, start = STEEL_DISK, Scene(contact=CONTACT).start
     depth = disk.radius * np.sin(start.coordinates[4]) - start.coordinates[2]

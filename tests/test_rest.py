@@ -1,5 +1,6 @@
 """The disk until rest: agreement before the fall, energy, either face, phases, refusals."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import log2, pi
@@ -7,16 +8,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from analysis import (
+    CENTRED_DISK,
     STEEL_DISK,
+    Disk,
+    Ending,
     PenaltyContact,
     SmoothCoulomb,
     State,
+    TimeLimitError,
+    ToleranceError,
     Trajectory,
     consistent_start,
     simulate,
 )
+from analysis.agreement import until_agreement
 from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.phases import find_phases
 from analysis.rest import simulate_to_rest
@@ -29,7 +37,7 @@ THIN = 1e-6
 
 @pytest.fixture(scope="module")
 def settled() -> SpatialMotion:
-    return simulate_to_rest(60.0, dissipation=SETTLING)
+    return simulate_to_rest(60.0, dissipation=SETTLING, local_tolerance=1e-10)
 
 
 @pytest.fixture(scope="module")
@@ -73,8 +81,10 @@ def test_contact_force_is_that_of_model_1(model_1: Trajectory) -> None:
 
 def test_bilateral_contact_is_the_same_while_the_disk_presses() -> None:
     contact = PenaltyContact.rounded(STEEL_DISK, stiffness=2e5)
-    one = simulate_to_rest(0.5, contact=contact, spacing=1e-2)
-    other = simulate_to_rest(0.5, contact=replace(contact, bilateral=True), spacing=1e-2)
+    one = simulate_to_rest(0.5, contact=contact, spacing=1e-2, tolerance=1e-3)
+    other = simulate_to_rest(
+        0.5, contact=replace(contact, bilateral=True), spacing=1e-2, tolerance=1e-3
+    )
     np.testing.assert_array_equal(one.positions, other.positions)
 
 
@@ -120,7 +130,9 @@ def test_phases_follow_each_other_until_rest(settled: SpatialMotion) -> None:
 
 def test_start_turned_to_the_other_face_moves_the_same_way() -> None:
     start = consistent_start(1, STEEL_DISK, beta=1.2, gamma=0.4, spin=10.0, gamma_rate=-2.0)
-    one = simulate_to_rest(4.0, start=start, dissipation=SETTLING, spacing=1e-2)
+    one = simulate_to_rest(
+        4.0, start=start, dissipation=SETTLING, spacing=1e-2, local_tolerance=1e-10
+    )
     # A half turn of the body about x maps the disk onto itself and swaps its faces.
     x, y, z, alpha, beta, gamma = start.coordinates
     rates = start.rates
@@ -128,7 +140,9 @@ def test_start_turned_to_the_other_face_moves_the_same_way() -> None:
         coordinates=(-x, -y, z, alpha + pi, pi - beta, pi - gamma),
         rates=(-rates[0], -rates[1], rates[2], rates[3], -rates[4], -rates[5]),
     )
-    other = simulate_to_rest(4.0, start=swapped, dissipation=SETTLING, spacing=1e-2)
+    other = simulate_to_rest(
+        4.0, start=swapped, dissipation=SETTLING, spacing=1e-2, local_tolerance=1e-10
+    )
     np.testing.assert_allclose(one.tilt, pi - other.tilt, atol=1e-7)
     np.testing.assert_allclose(one.cog_height, other.cog_height, atol=1e-8)
     np.testing.assert_allclose(one.positions, other.positions, atol=1e-7)
@@ -144,12 +158,72 @@ def test_dropped_disk_bounces_without_pull_and_with_a_closed_budget(height: floa
     assert np.max(np.abs(motion.energy_residual)) < 1e-6 * motion.energies[0].sum()
 
 
-def dropped(height: float) -> SpatialMotion:
+@pytest.mark.parametrize("tolerance", [1e-2, None, 1e-6])
+def test_bounces_meet_the_tolerance_and_its_estimate(tolerance: float | None) -> None:
+    found, best = (dropped(0.05, tolerance=value) for value in (tolerance, 1e-8))
+    assert found.error_estimate is not None
+    assert found.deviation(best) <= found.error_estimate <= (tolerance or 1e-3)
+
+
+def test_simulation_says_when_no_two_runs_agree() -> None:
+    with pytest.raises(ToleranceError, match="tolerance 1e-15 cannot be reached"):
+        dropped(0.05, tolerance=1e-15)
+
+
+def test_runs_that_disagree_are_no_result_and_their_whole_difference_is_the_estimate(
+    settled: SpatialMotion,
+) -> None:
+    def off_by(part: float) -> Callable[[float], SpatialMotion]:
+        numbers = iter(range(9))
+        energy = settled.energies[0].sum()
+        return lambda _: replace(
+            settled, dissipated=settled.dissipated + part * energy * 0.5 ** next(numbers)
+        )
+
+    with pytest.raises(ToleranceError, match=r"differ by 4\.0e-01, 2\.0e-01, 1\.0e-01, 5\.0e-02;"):
+        until_agreement(off_by(0.8), 1e-8, 1e-3)
+    found = until_agreement(off_by(3e-3), 1e-8, 1e-3)
+    assert found.error_estimate == pytest.approx(7.5e-4)
+
+
+def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotion) -> None:
+    about_vertical = quaternions_about((0.0, 0.0, 1.0), 0.3)
+    tilted = quaternions_about((1.0, 0.0, 0.0), 2e-3)
+    for turn, expected in ((about_vertical, 0.0), (tilted, 2e-3)):
+        turned = (turn * Rotation.from_matrix(settled.rotations)).as_quat(scalar_first=True)
+        other = replace(settled, quaternions=turned)
+        assert settled.deviation(other) == pytest.approx(expected, rel=1e-5, abs=1e-12)
+    energies = settled.energies.copy()
+    energies[-1, 1] += 0.01 * energies[0].sum()
+    assert settled.deviation(replace(settled, energies=energies)) == pytest.approx(0.01)
+
+
+def quaternions_about(axis: tuple[float, float, float], angle: float) -> Rotation:
+    return Rotation.from_rotvec(np.array(axis) * angle)
+
+
+def test_time_limit_ends_runs_with_what_they_reached(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter(range(10**9))
+    monkeypatch.setattr("analysis.watch.time.process_time", lambda: 0.1 * next(clock))
+    told: list[float] = []
+    found = simulate_to_rest(
+        5.0, time_limit=4.0, progress=lambda reached, _end: told.append(reached)
+    )
+    assert found.ending is not None
+    assert found.ending.reason == "time limit"
+    assert found.ending.time == found.times[-1] < 5.0
+    assert found.rest_time is None
+    assert max(told) > 1.0
+    with pytest.raises(TimeLimitError, match="in the first stretch"):
+        simulate_to_rest(5.0, time_limit=1e-3)
+
+
+def dropped(height: float, **settings: float | None) -> SpatialMotion:
     """Tilted disk thrown upwards, so that it lifts off and comes down again."""
     start = consistent_start(1, STEEL_DISK, beta=0.7, gamma=0.3, spin=1.0)
     up = float(np.sqrt(2 * 9.81 * height))
     thrown = State(coordinates=start.coordinates, rates=(0.0, 0.0, up, *start.rates[3:]))
-    return simulate_to_rest(0.5, start=thrown, spacing=1e-3)
+    return simulate_to_rest(0.5, start=thrown, spacing=1e-3, **settings)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("option", CAUSES[2:])
@@ -165,13 +239,17 @@ def test_each_dissipation_takes_energy_alone_when_it_is_on(option: str) -> None:
 
 
 def test_file_gives_back_the_motion(tmp_path: Path) -> None:
-    motion = simulate_to_rest(0.1, dissipation=SETTLING)
+    ending = Ending(reason="time limit", time=0.1, value=2.0)
+    motion = replace(simulate_to_rest(0.1, dissipation=SETTLING), ending=ending)
+    assert motion.error_estimate is not None
     motion.save(tmp_path / "rest.npz")
     found = SpatialMotion.load(tmp_path / "rest.npz")
     np.testing.assert_array_equal(found.quaternions, motion.quaternions)
     assert found.dissipation == motion.dissipation
     assert found.contact == motion.contact
     assert found.method == motion.method
+    assert found.error_estimate == motion.error_estimate
+    assert found.ending == ending
     (tmp_path / "rest.npz").write_bytes(b"no archive")
     with pytest.raises(ValueError, match="is not a readable spatial motion"):
         SpatialMotion.load(tmp_path / "rest.npz")
@@ -182,6 +260,38 @@ def test_flat_motion_has_no_trajectory_but_its_beginning_has(settled: SpatialMot
         settled.to_trajectory()
     begin = settled.to_trajectory(1.0)
     np.testing.assert_allclose(begin.coordinate("beta"), settled.tilt[: begin.times.size])
+
+
+@pytest.mark.parametrize("disk", [STEEL_DISK, CENTRED_DISK])
+@pytest.mark.parametrize("tilt", [0.0, 1e-12, 1e-5])
+@pytest.mark.parametrize("gamma", [-pi / 2, pi / 2])
+def test_disk_balanced_on_its_rim_is_not_at_rest(disk: Disk, tilt: float, gamma: float) -> None:
+    start = consistent_start(1, disk, beta=pi / 2 - tilt, gamma=gamma, spin=0.0)
+    start = PenaltyContact.rounded(disk).lowered(disk, start)
+    assert simulate_to_rest(0.5, disk=disk, start=start, spacing=1e-2).rest_time is None
+
+
+@pytest.mark.parametrize("half_thickness", [1e-4, 5e-3, 0.02, 0.044, 0.045])
+def test_resting_height_is_the_lowest_of_all_attitudes(half_thickness: float) -> None:
+    disk = replace(STEEL_DISK, eccentricity=0.01)
+    contact = PenaltyContact.rounded(disk, half_thickness=half_thickness)
+    # Close together where the disk is all but flat.
+    sine, theta = np.meshgrid(np.linspace(0.0, 1.0, 2001) ** 4, np.linspace(0.0, pi, 21))
+    height = np.sqrt(disk.radius**2 * sine**2 + half_thickness**2 * (1.0 - sine**2))
+    lowest = np.min(
+        height - disk.eccentricity * np.cos(theta) * sine
+    ) - contact.resting_penetration(disk)
+    assert contact.resting_height(disk) == pytest.approx(lowest, abs=1e-8)
+
+
+def test_disk_laid_into_its_stable_place_is_at_rest_at_once() -> None:
+    disk, contact = STEEL_DISK, PenaltyContact.rounded(STEEL_DISK, half_thickness=2e-3)
+    lean = disk.eccentricity * contact.half_thickness / disk.radius**2
+    start = consistent_start(1, disk, beta=lean, gamma=-pi / 2, spin=0.0)
+    motion = simulate_to_rest(
+        0.5, start=contact.lowered(disk, start), contact=contact, spacing=1e-2
+    )
+    assert motion.rest_time == 0.0
 
 
 @pytest.mark.parametrize(
@@ -212,6 +322,10 @@ def test_simulation_refuses_bad_arguments() -> None:
         simulate_to_rest(1.0, contact=PenaltyContact(stiffness=1e6))
     with pytest.raises(ValueError, match="spacing must not exceed end = 1"):
         simulate_to_rest(1.0, spacing=2.0)
+    with pytest.raises(ValueError, match="give either tolerance or local_tolerance, not both"):
+        simulate_to_rest(1.0, tolerance=1e-3, local_tolerance=1e-8)
+    with pytest.raises(ValueError, match="local_tolerance must not be below 1e-13"):
+        simulate_to_rest(1.0, local_tolerance=1e-15)
     with pytest.raises(ValueError, match="method must be one of"):
         simulate_to_rest(1.0, method="Radau")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="energy must be positive"):
@@ -227,7 +341,7 @@ def mean_loss(motion: SpatialMotion, begin: float, end: float) -> tuple[float, f
 
 @pytest.fixture(scope="module")
 def slid() -> SpatialMotion:
-    return simulate_to_rest(80.0)
+    return simulate_to_rest(80.0, local_tolerance=1e-10)
 
 
 @pytest.mark.slow
@@ -251,7 +365,7 @@ def test_creeping_loss_is_that_of_the_viscous_slip_and_vanishes_with_it(
     losses = []
     for coefficient, smoothing in ((0.3, 0.1), (0.6, 0.2), (0.6, 0.05), (0.6, 0.0125)):
         friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing, load="contact")
-        motion = simulate_to_rest(20.0, start=start, friction=friction)
+        motion = simulate_to_rest(20.0, start=start, friction=friction, local_tolerance=1e-10)
         losses.append(mean_loss(motion, 10.0, 20.0)[1])
     # At such small slip the law is viscous: only smoothing / coefficient matters.
     assert losses[1] == pytest.approx(losses[0], rel=0.03)

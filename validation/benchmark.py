@@ -32,6 +32,7 @@ from analysis.stability_chart import stability_chart
 from mbs_models import Formulation, Scene
 from mbs_models.build import build
 from mbs_models.integrators import find_integrator
+from mbs_models.rest_run import largest_step
 from mbs_models.runs import run
 from validation.crosscheck import TABLE_3_TIMES, angle_error
 from validation.provenance import machine
@@ -232,8 +233,9 @@ def stability(repeats: int) -> Table:
 def to_rest() -> Table:
     """A long run from Table 3 to rest, and how right its phase times before the fall are."""
     dissipation = Dissipation(rolling_dry=2.5e-4, pivoting=8e-6)
+    scene = Scene.rest(dissipation=dissipation)
     begin = time.perf_counter()
-    motion = mbs_models.simulate_to_rest(Scene.rest(dissipation=dissipation), 120.0)
+    motion = mbs_models.simulate_to_rest(scene, 120.0, step=0.6 * largest_step(scene))
     taken = time.perf_counter() - begin
     converged = analysis.find_phases(
         analysis.simulate_to_rest(

@@ -2,12 +2,10 @@
 
 import base64
 import html
-import os
 import time
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass, field
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +17,7 @@ from validation.animation.player import Animation
 from validation.figures import Picture
 from validation.provenance import machine
 from validation.tables import Table
+from validation.workers import process_pool
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;
@@ -88,9 +87,7 @@ def run_jobs(
     """
     jobs = list(jobs)
     results: dict[Any, Any] = {}
-    with ProcessPoolExecutor(
-        max_workers=workers or os.cpu_count(), mp_context=get_context("spawn")
-    ) as pool:
+    with process_pool(workers) as pool:
         futures = {pool.submit(job.function, *job.arguments): job.key for job in jobs}
         bar = tqdm(total=len(jobs), desc=title, disable=None, leave=False)
         try:

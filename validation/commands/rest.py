@@ -1,10 +1,8 @@
 """What `tippedisk rest` does."""
 
 import argparse
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
-
-from tqdm import tqdm
 
 from analysis import (
     CAUSES,
@@ -12,13 +10,23 @@ from analysis import (
     PenaltyContact,
     SmoothCoulomb,
     SpatialMotion,
+    State,
     find_phases,
     judge_inversion,
     simulate_to_rest,
 )
-from analysis.checks import positive
+from analysis.checks import not_negative, positive
+from analysis.effort import rest_effort
 from analysis.files import whole_file
-from validation.options import PICTURES, chosen_dissipation, chosen_start, output_path
+from validation.options import (
+    PICTURES,
+    announce,
+    chosen_dissipation,
+    chosen_end,
+    chosen_start,
+    output_path,
+)
+from validation.progress import progress_bar
 
 
 def rest(options: argparse.Namespace) -> int:
@@ -40,8 +48,15 @@ def rest(options: argparse.Namespace) -> int:
     print(f"energy           {energies[0]:.6f} J at first, {energies[-1]:.6f} J left")
     for cause, taken in zip(CAUSES, motion.dissipated[-1], strict=True):
         if taken:
-            print(f"  {cause.replace('_', ' '):14s} {taken:.6f} J")
-    if phases.rest is None:
+            # Below the error it may come out negative; no -0.000000.
+            print(f"  {cause.replace('_', ' '):14s} {round(taken, 6) + 0.0:.6f} J")
+    if motion.error_estimate is None:
+        print("error            not estimated; --tolerance does")
+    else:
+        print(f"estimated error  {motion.error_estimate:.1e} in rad and in parts of the energy")
+    if motion.ending is not None:
+        print(motion.ending)
+    elif phases.rest is None:
         print(
             f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad; "
             "lying flat needs --rolling or --rolling-viscous, lying still --pivoting"
@@ -50,18 +65,23 @@ def rest(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> SpatialMotion:
-    disk, end = DISKS[options.disk], positive("--end", options.end)
+    disk, end = DISKS[options.disk], chosen_end(options)
+    if options.source == "in-house" and options.step is not None:
+        raise ValueError(
+            "--step must be left out with --source in-house, which controls its steps by "
+            f"--tolerance, got {options.step:g}"
+        )
     friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load="contact")
     contact = PenaltyContact.rounded(
         disk, stiffness=options.stiffness, half_thickness=options.half_thickness
     )
     dissipation = chosen_dissipation(options)
     start = contact.lowered(disk, chosen_start(options, 1, disk))
-    with tqdm(total=end, disable=None, leave=False, unit="s", desc="simulated") as bar:
-
-        def progress(time: float) -> None:
-            bar.update(time - bar.n)
-
+    if not_negative("--height", options.height):
+        start = _lifted(start, options.height + contact.resting_penetration(disk))
+    if options.source == "in-house":
+        announce("rest", rest_effort(end, disk, contact), options.time_limit)
+    with progress_bar() as progress:
         if options.source == "in-house":
             return simulate_to_rest(
                 end,
@@ -70,15 +90,34 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
                 contact=contact,
                 dissipation=dissipation,
                 start=start,
+                tolerance=options.tolerance,
+                time_limit=options.time_limit,
                 progress=progress,
             )
         from mbs_models import Scene
         from mbs_models import simulate_to_rest as simulate_in_engine
+        from mbs_models.effort import rest_effort as engine_effort
+        from mbs_models.rest_run import largest_step
 
         scene = Scene.rest(
             disk=disk, friction=friction, contact=contact, dissipation=dissipation, start=start
         )
-        return simulate_in_engine(scene, end, step=options.step, progress=progress)
+        step = largest_step(scene) if options.step is None else options.step
+        effort = engine_effort(scene, end, positive("--step", step))
+        announce("rest", effort, options.time_limit)
+        return simulate_in_engine(
+            scene,
+            end,
+            step=options.step,
+            tolerance=options.tolerance,
+            time_limit=options.time_limit,
+            progress=progress,
+        )
+
+
+def _lifted(start: State, height: float) -> State:
+    x, y, z, *angles = start.coordinates
+    return replace(start, coordinates=(x, y, z + height, *angles))
 
 
 def _plot(motion: SpatialMotion, out: Path) -> None:

@@ -46,6 +46,7 @@ def run_stage(name: str) -> SpatialMotion:
         contact=contact,
         dissipation=dissipation,
         start=contact.lowered(DISK, start),
+        local_tolerance=1e-10,
     )
 
 

@@ -24,6 +24,7 @@ from analysis.stationary_rolling import (
     upright_rolling_spin,
 )
 from mbs_models import Scene
+from mbs_models.rest_run import largest_step
 from validation.report import Job
 from validation.tables import Table
 
@@ -72,10 +73,16 @@ def run(name: str, source: str) -> SpatialMotion:
     lowered = contact.lowered(DISK, start)
     if source == "in-house":
         return simulate_to_rest(
-            end, disk=DISK, friction=STICKY, contact=contact, start=lowered, spacing=1e-2
+            end,
+            disk=DISK,
+            friction=STICKY,
+            contact=contact,
+            start=lowered,
+            spacing=1e-2,
+            local_tolerance=1e-10,
         )
     scene = Scene.rest(disk=DISK, friction=STICKY, contact=contact, start=lowered)
-    return mbs_models.simulate_to_rest(scene, end, spacing=1e-2)
+    return mbs_models.simulate_to_rest(scene, end, step=0.6 * largest_step(scene), spacing=1e-2)
 
 
 def jobs() -> list[Job]:
@@ -135,53 +142,4 @@ def textbook(results: Mapping[Any, Any]) -> Table:
         "A Ω² sin β cos β − (C + m r²) Ω ω₃ sin β = m g r cos β gives the spin ω₃ for "
         f"β = {ROLLING[0]:g} rad and Ω = {ROLLING[1]:g} rad/s. Upright: stable above "
         f"{upright_rolling_spin(DISK):.2f} rad/s, pushed with 1e-3 rad/s over 2.5 s.",
-    )
-
-
-WINDOWS = ((24.0, 30.0), (45.0, 55.0), (70.0, 80.0))
-"""Times in s over which the creep is averaged."""
-
-
-def creep_of(motion: SpatialMotion, begin: float, end: float) -> tuple[float, float]:
-    """Mean energy in J and its mean loss in W between two times."""
-    energy, times = motion.energies.sum(axis=1), motion.times
-    first, last = np.searchsorted(times, (begin, end))
-    loss = (energy[first] - energy[last]) / (times[last] - times[first])
-    return float(np.mean(energy[first : last + 1])), float(loss)
-
-
-def creep(motion: SpatialMotion) -> Table:
-    """How slowly the disk loses energy by sliding alone."""
-    viscosity = motion.friction.coefficient / motion.friction.smoothing
-    rows = []
-    for begin, end in WINDOWS:
-        part = (motion.times >= begin) & (motion.times <= end)
-        slip, force = motion.slip_speeds[part], motion.normal_force[part]
-        energy, loss = creep_of(motion, begin, end)
-        rows.append(
-            (
-                f"{begin:g} to {end:g}",
-                float(np.mean(motion.leaning[part])),
-                float(np.mean(slip)),
-                energy,
-                loss,
-                float(np.mean(viscosity * force * slip**2)),
-                energy / loss,
-            )
-        )
-    return Table(
-        name="rest-creep",
-        title="With sliding friction alone the disk creeps",
-        columns=(
-            "time in s",
-            "mean lean in rad",
-            "mean slip speed in m/s",
-            "energy in J",
-            "loss in W",
-            "loss by μ λ_N s² / ε in W",
-            "energy over loss in s",
-        ),
-        rows=rows,
-        note="In-house run from Table 3. The slip is far below ε, so that the friction law is "
-        "viscous with μ/ε and its loss grows with the square of the slip.",
     )

@@ -89,7 +89,12 @@ def run(name: str, start: State) -> Outcome:
     contact = PenaltyContact.rounded(STEEL_DISK)
     start = contact.lowered(STEEL_DISK, start)
     motion = simulate_to_rest(
-        120.0, start=start, contact=contact, dissipation=DISSIPATION, spacing=5e-3
+        120.0,
+        start=start,
+        contact=contact,
+        dissipation=DISSIPATION,
+        spacing=5e-3,
+        local_tolerance=1e-10,
     )
     phases = find_phases(motion)
     lowest = float(np.min(motion.normal_force))

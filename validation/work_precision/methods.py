@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 import mbs_models
 from analysis import STEEL_DISK, Form, Trajectory, index1, reduced
 from analysis.checks import Array
-from analysis.simulation import longest_step
+from analysis.effort import longest_step
 from analysis.trajectory import versions
 from mbs_models import Formulation, Integrator, Scene
 from mbs_models.extrapolation import Ladder

@@ -1,0 +1,273 @@
+"""Engine runs of a disk with a rounded rim, in stretches, until it is at rest."""
+
+from math import hypot, sqrt
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+
+from analysis.checks import Array, TimeLimitError
+from analysis.contact import PenaltyContact
+from analysis.dissipation import RestCriterion
+from analysis.trajectory import Ending, Setting
+from analysis.watch import Watch
+from mbs_models.quiet import quiet
+from mbs_models.runs import EngineError, StepLimiter
+from mbs_models.scene import Scene
+from mbs_models.tally import Tally
+
+STRETCH = 0.1
+"""Longest time in s after which a fixed step is chosen anew and rest is looked for."""
+
+SAFETY = 0.6
+"""Part of the predicted stability limit that a fixed step may use."""
+
+FIRST_STEP = 1e-5
+"""Step in s with which step control begins a stretch."""
+
+MINIMUM_STEP = 1e-13
+"""Step in s at which step control gives up; it needs short ones where a damper's force sets in."""
+
+LOOK = 100
+"""Steps after which step control looks at the time."""
+
+
+def largest_step(scene: Scene, leaning: float = 1.0) -> float:
+    """Step in s above which explicit Runge-Kutta runs of order 4 are predicted to diverge.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a rounded rim.
+    leaning : float
+        Sine of the smallest inclination, 0 flat. The lower the disk leans, the more a rolling
+        resistance on the fast contour brakes its turning.
+
+    Returns
+    -------
+    float
+        The least of three limits: of the contact's spring and damper, of sliding friction at no
+        slip, and of the rolling resistance.
+
+    Raises
+    ------
+    ValueError
+        If the scene has no rounded rim.
+    """
+    disk, contact, loss = scene.disk, rounded_contact(scene), scene.dissipation
+    inertia = min(disk.inertia_about_cog[:2])
+    # The contact point of a disk leaning low carries the least mass.
+    mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
+    frequency = sqrt(contact.stiffness * mobility)
+    slope = loss.rolling_viscous + loss.rolling_dry / loss.rolling_smoothing
+    reach = disk.radius**2 / hypot(disk.radius * leaning, contact.half_thickness)
+    decay = max(
+        contact.damping * mobility,
+        scene.friction.coefficient * disk.weight / scene.friction.smoothing * mobility,
+        slope * disk.weight * reach**2 / inertia,
+    )
+    # Stability limits of the method along the imaginary and the negative real axis.
+    return min(2.8 / frequency, 2.7 / decay) if decay else 2.8 / frequency
+
+
+def rounded_contact(scene: Scene) -> PenaltyContact:
+    """Contact of a scene that lasts until the disk lies flat; `ValueError` for another scene."""
+    if scene.contact is None:
+        raise ValueError("scene must have a penalty contact, got contact None")
+    if not scene.contact.is_rounded:
+        raise ValueError(
+            "half_thickness must be positive, since only then the contact is defined when the "
+            "disk lies flat, got 0"
+        )
+    if scene.formulation != "floating-lie":
+        raise ValueError(
+            "scene must be of formulation 'floating-lie', which the explicit integrator of this "
+            f"run can take, got {scene.formulation!r}"
+        )
+    return scene.contact
+
+
+class RestRun:
+    """A run in stretches, with a fixed step or under step control.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a rounded rim.
+    spacing : float
+        Time between samples in s.
+    watch : Watch
+        Ends the run, within a stretch only under step control.
+    step : float, optional
+        Largest step in s of the Runge-Kutta method of order 4. It is cut where rolling
+        resistance makes a nearly flat disk stiff.
+    local_tolerance : float, optional
+        Error that step control of Dormand and Prince's method of order 5 allows in a step, in m,
+        rad, m/s, rad/s and parts of weight times radius. One of the two is given.
+
+    Attributes
+    ----------
+    done : int
+        Sampling intervals behind it.
+    is_over : bool
+        Whether the watch has ended it.
+    counts : dict
+        Work done.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        spacing: float,
+        watch: Watch,
+        *,
+        step: float | None = None,
+        local_tolerance: float | None = None,
+    ) -> None:
+        self.scene, self.spacing, self.done, self.is_over = scene, spacing, 0, False
+        self.counts = {"steps": 0, "rejected_steps": 0}
+        self._watch, self._step, self._local_tolerance = watch, step, local_tolerance
+        self._end, self._calls = 0.0, 0
+        self._model = Tally(scene)
+        self._sensor = self._model.add_sensor(self._record)
+        self._limiter = StepLimiter(spacing, MINIMUM_STEP)
+        if step is None:
+            self._model.system.SetPreStepUserFunction(self._before_step)
+        self._records: list[Array] = [self._record()[None]]
+
+    def until_rest(self, count: int, criterion: RestCriterion) -> int | None:
+        """Run over so many sampling intervals; number of the sample at which rest began."""
+        self._end = count * self.spacing
+        stretch = max(1, round(STRETCH / self.spacing))
+        still = None
+        while still is None and self.done < count and not self.is_over:
+            self._advance(min(stretch, count - self.done))
+            self.is_over |= self._watch.is_over(self._time, self._end) and self.done < count
+            still = self._rest(criterion)
+        return still
+
+    @property
+    def method(self) -> dict[str, Setting]:
+        """How it was made."""
+        if self._step is not None:
+            return {"integrator": "RK44", "step": self._step}
+        return {"integrator": "DOPRI5", "local_tolerance": self._local_tolerance}
+
+    @property
+    def ending(self) -> Ending | None:
+        """Why it ended early, if it did."""
+        if not self.is_over:
+            return None
+        if self.done == 0:
+            raise TimeLimitError(
+                f"time limit met after {self._watch.seconds:.3g} s of processor time, before "
+                "the first sample"
+            )
+        return Ending(reason="time limit", time=self._time, value=self._watch.seconds)
+
+    @property
+    def records(self) -> Array:
+        """Position of G, rotation, velocity, angular velocity and energy taken, shape (n, 24)."""
+        return np.concatenate(self._records)
+
+    def _record(self) -> Array:
+        return np.concatenate((self._model.record(), self._model.taken))
+
+    def _before_step(self, system: Any, moment: float) -> bool:
+        """Limit the step, and end the run where its time is over."""
+        self._calls += 1
+        if self._calls % LOOK == 0 and self._watch.is_over(moment, self._end):
+            self.is_over = True
+            raise EngineError("time limit")
+        return self._limiter.limit(system, moment)
+
+    def _advance(self, intervals: int) -> None:
+        """Run over so many sampling intervals, unless the watch ends the run on the way."""
+        system: Any = self._model.system
+        solver = exu.DynamicSolverType
+        try:
+            with quiet():
+                system.SolveDynamic(
+                    self._settings(intervals),
+                    solverType=solver.DOPRI5 if self._step is None else solver.RK44,
+                )
+        except exu.ExudynError as error:
+            if self.is_over:
+                return
+            cause = str(error).strip().splitlines()[0]
+            if self._limiter.stalled:
+                cause = f"step control came down to its minimum step of {MINIMUM_STEP:g} s"
+            raise EngineError(
+                f"engine run stopped after t = {self._time:.6g} s: {cause}"
+            ) from error
+        stored = np.array(system.GetSensorStoredData(self._sensor))[:, 1:]
+        if len(stored) != intervals + 1 or not np.all(np.isfinite(stored)):
+            raise EngineError(f"engine run stopped after t = {self._time:.6g} s")
+        data, iteration = system.systemData, system.sys["dynamicSolver"].it
+        data.SetSystemState(
+            data.GetSystemState(exu.ConfigurationType.Current), exu.ConfigurationType.Initial
+        )
+        self._records.append(stored[1:])
+        self.done += intervals
+        # The engine's index is that of the step to come.
+        self.counts["steps"] += int(iteration.currentStepIndex) - 1
+        self.counts["rejected_steps"] += int(iteration.rejectedAutomaticStepSizeSteps)
+
+    def _settings(self, intervals: int) -> Any:
+        settings = exu.SimulationSettings()
+        time = settings.timeIntegration
+        time.startTime = self._time
+        time.endTime = self._time + intervals * self.spacing
+        time.numberOfSteps = intervals
+        time.verboseMode = 0
+        time.adaptiveStep = False
+        time.automaticStepSize = self._step is None
+        if self._step is not None:
+            leaning = float(np.hypot(*self._records[-1][-1, [5, 8]]))
+            step = min(self._step, SAFETY * largest_step(self.scene, 0.5 * leaning))
+            time.numberOfSteps *= int(np.ceil(self.spacing / step - 1e-9))
+        else:
+            time.absoluteTolerance = self._local_tolerance
+            # The engine scales it with signed coordinates, so that it may cancel the other.
+            time.relativeTolerance = 0.0
+            time.minimumStepSize = MINIMUM_STEP
+            time.initialStepSize = min(FIRST_STEP, self.spacing)
+        # Nothing reads them, and the next step's first stage computes them anyway.
+        time.explicit.computeEndOfStepAccelerations = False
+        settings.solution.file.write = False
+        settings.solution.sensors.writePeriod = self.spacing
+        return settings
+
+    @property
+    def _time(self) -> float:
+        return self.done * self.spacing
+
+    def _rest(self, criterion: RestCriterion) -> int | None:
+        """Number of the first sample at rest, seen from the last stretches."""
+        needed = criterion.samples(self.spacing)
+        recent: list[Array] = []
+        number = 0
+        for block in reversed(self._records):
+            recent.insert(0, block)
+            number += len(block)
+            if number >= needed + len(self._records[-1]):
+                break
+        records = np.concatenate(recent)
+        disk = self.scene.disk
+        height = records[:, 2] + disk.eccentricity * records[:, 9]
+        rise = height - rounded_contact(self.scene).resting_height(disk)
+        found = criterion.first(kinetic_energy(self.scene, records), rise, self.spacing)
+        return None if found is None else self.done + 1 - number + found
+
+
+def kinetic_energy(scene: Scene, records: Array) -> Array:
+    """Kinetic energy in J, shape (n,), from records of `RestRun`, shape (n, 24)."""
+    disk = scene.disk
+    rotation = records[:, 3:12].reshape(-1, 3, 3)
+    v, w = records[:, 12:15], records[:, 15:18]
+    local = np.einsum("nij,ni->nj", rotation, w)
+    about_centre = local**2 @ (disk.inertia_x, disk.inertia_y, disk.inertia_z)
+    arm = disk.eccentricity * rotation[:, :, 0]
+    coupling = 2.0 * np.sum(v * np.cross(w, arm), axis=1)
+    result: Array = 0.5 * (about_centre + disk.mass * (np.sum(v * v, axis=1) + coupling))
+    return result
