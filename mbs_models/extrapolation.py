@@ -19,6 +19,9 @@ ROUNDING = 1e-13
 CAUTION = 2.0
 """Estimated error over the difference that it is taken from."""
 
+FINEST = CAUTION * ROUNDING
+"""Smallest estimate in rad."""
+
 
 def error_exponents(formulation: Formulation, integrator: IntegratorName) -> tuple[int, ...]:
     """Exponents of the step in the error expansion.

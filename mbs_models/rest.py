@@ -14,7 +14,7 @@ from analysis.trajectory import versions
 from analysis.watch import Progress, Watch
 from mbs_models.effort import rest_effort
 from mbs_models.loads import Loads
-from mbs_models.rest_run import RestRun, kinetic_energy, largest_step, rounded_contact
+from mbs_models.rest_run import SAFETY, RestRun, kinetic_energy, largest_step, rounded_contact
 from mbs_models.scene import Scene
 
 LOCAL_PART = 1e-4
@@ -85,7 +85,7 @@ def simulate_to_rest(
         raise ValueError("give either step or tolerance, not both")
     rounded_contact(scene)
     check_storage("end", end / spacing, MOTION_COLUMNS)
-    rest_effort(scene, end, largest_step(scene) if step is None else step).check()
+    rest_effort(scene, end, SAFETY * largest_step(scene) if step is None else step).check()
     watch = Watch(time_limit, progress)
     wanted = criterion if criterion is not None else RestCriterion()
     count = int(np.floor(end / spacing + 1e-9))

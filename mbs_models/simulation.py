@@ -15,7 +15,7 @@ from analysis.watch import Progress, Watch
 from mbs_models.advice import advice
 from mbs_models.build import build
 from mbs_models.effort import HALVINGS, simulation_effort
-from mbs_models.extrapolation import Ladder
+from mbs_models.extrapolation import FINEST, Ladder
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.passes import Pass, one_pass
 from mbs_models.probe import Probe
@@ -99,6 +99,10 @@ def simulate(
         step = positive("step", step)
     elif not chosen.controls_step:
         tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    if tolerance is not None and tolerance < FINEST:
+        raise ToleranceError(
+            f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
+        )
     simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
     watch = Watch(time_limit, progress)
     _check_start(scene, allow_pulling=allow_pulling)

@@ -48,7 +48,13 @@ def test_estimate_is_honest_for_samples_closer_than_the_first_step() -> None:
 
 
 def test_unreachable_tolerance_raises_with_the_best_estimate() -> None:
-    with pytest.raises(ToleranceError, match=r"tolerance 1e-16 rad cannot be reached .* is \d"):
+    times = np.linspace(0.0, 0.1, 11)
+    with pytest.raises(ToleranceError, match=r"tolerance 4e-13 rad cannot be reached .* is \d"):
+        mbs_models.simulate(Scene(level=1, formulation="floating"), times, tolerance=4e-13)
+
+
+def test_tolerance_below_rounding_is_refused_at_once() -> None:
+    with pytest.raises(ToleranceError, match="cannot be reached: rounding leaves 2e-13 rad"):
         mbs_models.simulate(Scene(level=1), TIMES, tolerance=1e-16)
 
 

@@ -105,7 +105,7 @@ def test_start_that_breaks_a_constraint_is_refused() -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_unreachable_tolerance_is_refused(method: Method) -> None:
-    message = rf"^tolerance 1e-16 rad cannot be reached with {method}: .* by \d\.\de-\d\d rad$"
+    message = rf"^tolerance 1e-16 rad cannot be reached with {method}: .* is \d\.\de-\d\d rad$"
     with pytest.raises(ToleranceError, match=message):
         simulate(1, [0.0, 0.01], method=method, tolerance=1e-16)
 

@@ -97,12 +97,12 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
         from mbs_models import Scene
         from mbs_models import simulate_to_rest as simulate_in_engine
         from mbs_models.effort import rest_effort as engine_effort
-        from mbs_models.rest_run import largest_step
+        from mbs_models.rest_run import SAFETY, largest_step
 
         scene = Scene.rest(
             disk=disk, friction=friction, contact=contact, dissipation=dissipation, start=start
         )
-        step = largest_step(scene) if options.step is None else options.step
+        step = SAFETY * largest_step(scene) if options.step is None else options.step
         effort = engine_effort(scene, end, positive("--step", step))
         announce("rest", effort, options.time_limit)
         return simulate_in_engine(
