@@ -11,6 +11,7 @@ from analysis.disk import CENTRED_DISK, DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEE
 from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.friction import LOADS, Load, SmoothCoulomb
 from analysis.integration import METHODS, Method
+from analysis.inversion import Inversion, find_inversion, judge_inversion
 from analysis.phases import Phases, find_phases
 from analysis.rest import REST_METHODS, RestMethod, simulate_to_rest
 from analysis.simulation import FORMS, Form, simulate
@@ -19,6 +20,7 @@ from analysis.state import (
     COORDINATES,
     LEVELS,
     MULTIPLIERS,
+    FlatError,
     Level,
     State,
     consistent_start,
@@ -44,7 +46,9 @@ __all__ = [
     "Disk",
     "Dissipation",
     "Ending",
+    "FlatError",
     "Form",
+    "Inversion",
     "Level",
     "Load",
     "Method",
@@ -63,7 +67,9 @@ __all__ = [
     "constraint_drift",
     "energies",
     "energy_residual",
+    "find_inversion",
     "find_phases",
+    "judge_inversion",
     "multiplier_names",
     "power",
     "simulate",

@@ -119,32 +119,62 @@ def integrate(
         rtol=local_tolerance,
         atol=local_tolerance,
         max_step=problem.longest_step,
+        **_jacobian(problem, method),
     )
     ended: EndingReason | None = None
     states, row = [problem.start], 1
-    with np.errstate(over="raise"):
-        while row < times.size and ended is None:
-            message = solver.step()
-            if solver.status == "failed":
-                raise ArithmeticError(f"{method} stopped after t = {solver.t:g} s: {message}")
-            within = times[row : np.searchsorted(times, solver.t, side="right")]
-            for moment, state in _states(solver, within):
-                if lookout.passes(moment, state, solver):
-                    ended = "contact would pull"
-                    break
-                if row < times.size and moment == times[row]:
-                    states.append(state)
-                    row += 1
-            else:
-                if watch.is_over(solver.t, times[-1]) and row < times.size:
-                    ended = "time limit"
+    while row < times.size and ended is None:
+        message = solver.step()
+        if solver.status == "failed":
+            raise ArithmeticError(f"{method} stopped after t = {solver.t:g} s: {message}")
+        within = times[row : np.searchsorted(times, solver.t, side="right")]
+        for moment, state in _states(solver, within):
+            if lookout.passes(moment, state, solver):
+                ended = "contact would pull"
+                break
+            if row < times.size and moment == times[row]:
+                states.append(state)
+                row += 1
+        else:
+            if watch.is_over(solver.t, times[-1]) and row < times.size:
+                ended = "time limit"
     reached = times[:row]
     if ended is not None:
         last, state = lookout.end or (solver.t, solver.y)
         if last > reached[-1]:
             reached = np.append(reached, last)
             states.append(state)
-    return Run(reached, np.array(states), int(solver.nfev), ended, lookout.pulling(reached[-1]))
+    return Run(
+        reached, np.array(states), _evaluations(solver), ended, lookout.pulling(reached[-1])
+    )
+
+
+def _evaluations(solver: Any) -> int:
+    """Evaluations of the right-hand side, those for `_jacobian` among them."""
+    jacobians = solver.njev if isinstance(solver, (BDF, Radau)) else 0
+    return int(solver.nfev + jacobians * (1 + solver.n))
+
+
+def _jacobian(problem: Problem, method: Method) -> dict[str, Any]:
+    """Jacobian of the right-hand side by forward differences, for the methods that take one.
+
+    SciPy's own widens its steps for ever along coordinates that the right-hand side does not
+    depend on, such as alpha, until they overflow.
+    """
+    if method not in {"Radau", "BDF"}:
+        return {}
+
+    def jacobian(moment: float, state: Array) -> Array:
+        base = np.asarray(problem.right_hand_side(moment, state))
+        columns = []
+        for index, value in enumerate(state):
+            moved = state.copy()
+            moved[index] += 1e-8 * max(1.0, abs(value))
+            step = moved[index] - value
+            columns.append((np.asarray(problem.right_hand_side(moment, moved)) - base) / step)
+        return np.column_stack(columns)
+
+    return {"jac": jacobian}
 
 
 def _states(solver: Any, within: Array) -> Iterator[tuple[float, Array]]:

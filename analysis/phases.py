@@ -6,12 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.checks import Array
+from analysis.inversion import judge_inversion
 from analysis.spatial_motion import SpatialMotion
 
 Flags = npt.NDArray[np.bool_]
-
-INVERTED = 0.9
-"""Upside down: the centre of gravity has this part of its largest height over the centre."""
 
 ROLLING = 0.1
 """Rolling: the slip speed stays below this part of the contour speed."""
@@ -30,9 +28,9 @@ class Phases:
     Parameters
     ----------
     inversion : float, optional
-        The centre of gravity first reaches 0.9 of its largest height over the centre.
+        The disk is inverted; see `analysis.inversion.DEFINITION`.
     inversion_lost : float, optional
-        It first comes below the centre again.
+        Its centre of gravity first comes below the geometric centre again.
     rolling : float, optional
         From here until flat, the mean slip speed over half a second is below a tenth of the mean
         contour speed.
@@ -51,12 +49,7 @@ class Phases:
 
 def find_phases(motion: SpatialMotion) -> Phases:
     """Find when the phases of a motion begin."""
-    times, rise = motion.times, motion.cog_direction
-    inversion = lost = None
-    if motion.disk.eccentricity:
-        inversion = _first(times, rise >= INVERTED)
-    if inversion is not None:
-        lost = _first(times, (rise < 0.0) & (times > inversion))
+    times, inversion = motion.times, judge_inversion(motion)
     limit = FLAT * motion.contact.half_thickness / motion.disk.radius
     flat = _from_here_on(times, motion.leaning < limit)
     upto = times <= (np.inf if flat is None else flat)
@@ -64,12 +57,12 @@ def find_phases(motion: SpatialMotion) -> Phases:
     contour = _running_mean(times, motion.contour_speeds)
     rolling = _from_here_on(times[upto], (slip < ROLLING * contour)[upto])
     return Phases(
-        inversion=inversion, inversion_lost=lost, rolling=rolling, flat=flat, rest=motion.rest_time
+        inversion=inversion.time,
+        inversion_lost=inversion.lost,
+        rolling=rolling,
+        flat=flat,
+        rest=motion.rest_time,
     )
-
-
-def _first(times: Array, condition: Flags) -> float | None:
-    return float(times[np.argmax(condition)]) if np.any(condition) else None
 
 
 def _from_here_on(times: Array, condition: Flags) -> float | None:

@@ -31,6 +31,9 @@ FORMS: tuple[Form, ...] = get_args(Form)
 TIGHTEST_LOCAL_TOLERANCE = 3e-14
 """SciPy's solvers do not go below 100 machine precisions."""
 
+CAUTION = 2.0
+"""Estimated error over the difference of two runs that it is taken from."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Form:
@@ -225,18 +228,18 @@ def longest_step(disk: Disk, start: State) -> float:
 def _integrate_to(
     run: Callable[[float], Run], angles: tuple[int, int], tolerance: float, method: Method
 ) -> tuple[Run, int, float, float]:
-    """Tighten the local tolerance until two runs agree to `tolerance` in beta and gamma."""
+    """Tighten the local tolerance until the estimated error of beta and gamma is small enough."""
     # Two runs of nearly the same local tolerance would agree without being right.
     local = max(min(tolerance / 3.0, 1e-3), 10.0 * TIGHTEST_LOCAL_TOLERANCE)
     coarse = run(_floor(local))
-    evaluations, difference = coarse.evaluations, inf
+    evaluations, estimate = coarse.evaluations, inf
     while local >= 3.0 * TIGHTEST_LOCAL_TOLERANCE and coarse.ended != "time limit":
         local /= 10.0
         fine = run(_floor(local))
         evaluations += fine.evaluations
-        fine, difference = _compare(fine, coarse, list(angles))
-        if difference <= tolerance:
-            return fine, evaluations, _floor(local), difference
+        fine, estimate = _compare(fine, coarse, list(angles))
+        if estimate <= tolerance:
+            return fine, evaluations, _floor(local), estimate
         coarse = fine
     if coarse.ended == "time limit":
         raise TimeLimitError(
@@ -244,15 +247,15 @@ def _integrate_to(
             f"{tolerance:g} rad"
         )
     raise ToleranceError(
-        f"tolerance {tolerance:g} rad cannot be reached with {method}: the two tightest runs "
-        f"differ by {difference:.1e} rad"
+        f"tolerance {tolerance:g} rad cannot be reached with {method}: the estimated error of "
+        f"the tightest run is {estimate:.1e} rad"
     )
 
 
 def _compare(fine: Run, coarse: Run, angles: list[int]) -> tuple[Run, float]:
-    """The finer run as far as it can be judged, and its difference from the coarser one.
+    """The finer run as far as it can be judged, and its estimated error.
 
-    The difference in beta and gamma is infinite if the two do not end alike. Where the contact
+    The error in beta and gamma is infinite if the two do not end alike. Where the contact
     would pull, the last states are those of two endings.
     """
     if fine.ended == "time limit" and fine.times.size > 2:
@@ -262,7 +265,8 @@ def _compare(fine: Run, coarse: Run, angles: list[int]) -> tuple[Run, float]:
     common = fine.times.size
     if coarse.times.size < common:
         return fine, inf
-    return fine, float(np.max(np.abs(fine.states - coarse.states[:common])[:, angles]))
+    apart = np.abs(fine.states - coarse.states[:common])[:, angles]
+    return fine, CAUTION * float(np.max(apart))
 
 
 def _floor(local_tolerance: float) -> float:

@@ -159,6 +159,12 @@ class Trajectory:
         """Normal contact force lambda_N over time in N, shape (n,)."""
         return self.multipliers[:, 0]
 
+    @property
+    def cog_direction(self) -> Array:
+        """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
+        result: Array = np.sin(self.coordinate("beta")) * np.sin(self.coordinate("gamma"))
+        return result
+
     def state(self, index: int) -> State:
         """State at one sample."""
         return State(

@@ -16,6 +16,9 @@ _EXPONENTS: dict[IntegratorName, tuple[int, ...]] = {
 ROUNDING = 1e-13
 """Error in rad that no estimate goes below."""
 
+CAUTION = 2.0
+"""Estimated error over the difference that it is taken from."""
+
 
 def error_exponents(formulation: Formulation, integrator: IntegratorName) -> tuple[int, ...]:
     """Exponents of the step in the error expansion.
@@ -48,6 +51,7 @@ class Ladder:
     def __init__(self, formulation: Formulation, integrator: IntegratorName) -> None:
         self._exponents = error_exponents(formulation, integrator)
         self._row: list[Array] = []
+        self._differences: list[float] = []
         self._worse = 0
         self.best: Array = np.empty((0, 0))
         self.estimate = np.inf
@@ -67,7 +71,9 @@ class Ladder:
         Each extrapolated value is compared with its like from the run before. The difference is
         the error of the coarser one, and no less than that of the finer one for any order of
         convergence from one on, so that an order lost somewhere (to the kink in the friction law,
-        say) shows up as a slow run and not as a false estimate.
+        say) shows up as a slow run and not as a false estimate. Two values may also agree by
+        chance, while steps are too long to be extrapolated: a difference counts for no less than
+        the one before it, or beside it, lets expect.
 
         Parameters
         ----------
@@ -78,12 +84,32 @@ class Ladder:
         row = [values]
         for exponent, coarse in zip(self._exponents, self._row, strict=False):
             row.append(row[-1] + (row[-1] - coarse) / (2.0**exponent - 1.0))
+        differences = [
+            max(float(np.max(np.abs(fine - coarse)[:, 4:6])), ROUNDING)
+            for coarse, fine in zip(self._row, row, strict=False)
+        ]
         self.estimate = np.inf
-        for coarse, fine in zip(self._row, row, strict=False):
-            difference = max(float(np.max(np.abs(fine - coarse)[:, 4:6])), ROUNDING)
-            if difference < self.estimate:
-                self.estimate, self.best = difference, fine
+        for column, difference in enumerate(differences):
+            estimate = CAUTION * max(difference, self._expected(column, differences))
+            if estimate < self.estimate:
+                self.estimate, self.best = estimate, row[column]
+        self._differences = differences
         self._row = row
         improved = self.estimate < 0.5 * self.best_estimate
         self._worse = 0 if improved or len(row) < 3 else self._worse + 1
         self.best_estimate = min(self.best_estimate, self.estimate)
+
+    def _expected(self, column: int, differences: list[float]) -> float:
+        """Difference of a column to be expected from that of the run before.
+
+        A column that has none yet is measured by the one beside it, and the first one by nothing.
+        """
+        if column < len(self._differences):
+            return self._differences[column] / self._shrinking(column)
+        if column == 0:
+            return np.inf
+        return differences[column - 1] / self._shrinking(column - 1)
+
+    def _shrinking(self, column: int) -> float:
+        """Factor by which halving the step is to shrink the error of a column."""
+        return 2.0 ** self._exponents[min(column, len(self._exponents) - 1)]

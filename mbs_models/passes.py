@@ -4,12 +4,13 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import sin
 
 import numpy as np
 
 from analysis.checks import Array, TimeLimitError
 from analysis.disk import GRAVITY
-from analysis.state import COORDINATES, State, check_upright
+from analysis.state import COORDINATES, FlatError, State, check_upright
 from analysis.trajectory import EndingReason
 from analysis.watch import Watch
 from mbs_models.build import build
@@ -18,6 +19,9 @@ from mbs_models.model import Model
 from mbs_models.pulling import Dip, dips, pulling_times, zero
 from mbs_models.runs import EngineError, Samples, run
 from mbs_models.scene import Scene
+
+NEARLY_FLAT = 0.1
+"""Sine of the inclination below which a failure is likely to come from the Euler angles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,7 +204,14 @@ class _Runner:
                 ended, failure, (moments, values) = "contact would pull", None, pulled
         if failure is not None:
             check_upright(moments, values[:, :6])
-            raise EngineError(f"{failure} (stretch from t = {begin:.6g} s)") from failure
+            place = f"stretch from t = {begin:.6g} s"
+            tilt = float(values[-1, 4])
+            if sin(tilt) < NEARLY_FLAT:
+                raise FlatError(
+                    f"{failure} ({place}); the disk lies nearly flat, at beta = {tilt:.3g} rad",
+                    float(moments[-1]),
+                ) from failure
+            raise EngineError(f"{failure} ({place})") from failure
         check_upright(moments, values[:, :6])
         if not model.continuous_angles:
             _unwrap(values, moments, scene.start)

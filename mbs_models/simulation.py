@@ -12,6 +12,7 @@ from analysis.checks import TimeLimitError, ToleranceError, increasing_times, po
 from analysis.state import FlatError
 from analysis.trajectory import Ending, EndingReason, Trajectory, versions
 from analysis.watch import Progress, Watch
+from mbs_models.advice import advice
 from mbs_models.build import build
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
@@ -111,11 +112,15 @@ def simulate(
             watch=watch,
         )
 
-    if step is not None or chosen.controls_step:
-        result = run(np.inf if step is None else positive("step", step))
-        return trajectory(scene, chosen, result, watch=watch)
-    tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
-    result, estimate = _to_tolerance(scene, run, chosen, tolerance)
+    estimate = None
+    try:
+        if step is not None or chosen.controls_step:
+            result = run(np.inf if step is None else positive("step", step))
+        else:
+            tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+            result, estimate = _to_tolerance(scene, run, chosen, tolerance)
+    except (EngineError, ToleranceError, TimeLimitError) as error:
+        raise type(error)(f"{error}; {advice(scene, chosen)}") from error
     return trajectory(scene, chosen, result, watch=watch, tolerance=tolerance, estimate=estimate)
 
 

@@ -35,7 +35,7 @@ from validation.animation.player import LEVELS, Animation, encode, player
 
 @cache
 def inversion() -> Trajectory:
-    return simulate(1, np.linspace(0.0, 0.6, 61), tolerance=1e-6)
+    return simulate(1, np.linspace(0.0, 1.6, 161), tolerance=1e-6)
 
 
 def turning(samples: int, spin: float) -> Trajectory:
@@ -324,16 +324,16 @@ BAD = [
     ("run.npz --out run.avi", "--out must end in .html or .gif, got 'run.avi'"),
     ("run.npz --out nowhere/run.html", "--out must lie in an existing folder"),
     ("run.npz --begin 0.5 --end 0.5", "--begin must lie before --end, got 0.5 and 0.5"),
-    ("run.npz --begin 0.6", "begin must lie before end, got 0.6 and 0.6"),
-    ("run.npz --begin -1", "begin must lie within the data, from 0 to 0.6 s, got -1"),
-    ("run.npz --end 3", "end must lie within the data, from 0 to 0.6 s, got 3"),
+    ("run.npz --begin 1.6", "begin must lie before end, got 1.6 and 1.6"),
+    ("run.npz --begin -1", "begin must lie within the data, from 0 to 1.6 s, got -1"),
+    ("run.npz --end 3", "end must lie within the data, from 0 to 1.6 s, got 3"),
     ("run.npz --end nan", "--end must be a finite number, got nan"),
     ("run.npz --speed 0", "--speed must be positive, got 0"),
     ("run.npz --fps 20", "--fps and --width need --out FILE.gif"),
     ("run.npz --out run.gif --fps -5", "--fps must be positive, got -5"),
     ("run.npz --out run.gif --fps 60", "fps must be at most 50 for a GIF, got 60"),
     ("run.npz --out run.gif --width 20", "width must be at least 100 pixels, got 20"),
-    ("run.npz --out run.gif --speed 1e-3", "may have 2000 frames, not 12001: raise the speed"),
+    ("run.npz --out run.gif --speed 1e-3", "may have 2000 frames, not 32001: raise the speed"),
 ]
 
 

@@ -8,8 +8,16 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, SmoothCoulomb, ToleranceError, Trajectory, consistent_start
-from mbs_models import EngineError, Scene
+from analysis import (
+    LOADS,
+    STEEL_DISK,
+    SmoothCoulomb,
+    TimeLimitError,
+    ToleranceError,
+    Trajectory,
+    consistent_start,
+)
+from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.build import build
 from mbs_models.extrapolation import Ladder
 from mbs_models.passes import _even_stretches
@@ -170,3 +178,77 @@ def test_lost_order_shows_up_as_a_slow_ladder_and_not_as_a_false_estimate() -> N
         ladder.add(np.full((3, 12), 1.0 + 0.1 * step))
         if ladder.estimate < np.inf:
             assert ladder.estimate >= float(np.max(np.abs(ladder.best - 1.0)))
+
+
+@pytest.mark.parametrize(
+    ("scene", "proposal"),
+    [
+        (Scene(), "integrator 'DOPRI5'"),
+        (Scene(formulation="floating"), "formulation 'contact-tree'"),
+        (Scene(level=3), "the in-house equations"),
+        (Scene(formulation="floating", friction=SmoothCoulomb(load="contact")), "the in-house"),
+    ],
+)
+def test_a_tolerance_that_is_not_met_proposes_another_way(scene: Scene, proposal: str) -> None:
+    with pytest.raises(TimeLimitError, match=f"time limit met.*; try {proposal}"):
+        mbs_models.simulate(scene, np.linspace(0.0, 99.0, 991), tolerance=1e-9, time_limit=0.05)
+
+
+@pytest.mark.parametrize(
+    "start", [{"beta": 1.2, "beta_rate": 3.0}, {"beta": 2.0, "gamma": 0.7, "beta_rate": -2.0}]
+)
+@pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
+@pytest.mark.parametrize("level", [1, 2, 3, 4])
+def test_jacobian_knows_how_friction_grows_with_the_contact_force(
+    level: Any, formulation: Any, start: dict[str, float]
+) -> None:
+    friction = SmoothCoulomb(load="contact")
+    state = consistent_start(level, STEEL_DISK, spin=13.0, **start)
+    model = build(Scene(level=level, formulation=formulation, friction=friction, start=state))
+    probe, equation = Probe(model), model.contact_equation
+    assert equation is not None
+    difference = probe._forces_under(equation, -1.0) - probe._forces_under(equation, 0.0)
+    assert np.max(np.abs(difference)) > 1e-3
+    np.testing.assert_allclose(model.friction_per_newton(), difference, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
+def test_newton_converges_as_fast_under_the_contact_force_as_under_the_weight(
+    formulation: Any,
+) -> None:
+    start = consistent_start(3, STEEL_DISK, beta=1.2, spin=3.0)
+    full = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False))
+    weight, contact = (
+        mbs_models.simulate(
+            Scene(
+                level=3, formulation=formulation, friction=SmoothCoulomb(load=load), start=start
+            ),
+            np.linspace(0.0, 0.1, 11),
+            step=1e-3,
+            integrator=full,
+        ).counts["newton_iterations"]
+        for load in LOADS
+    )
+    assert contact <= 1.1 * weight
+
+
+def test_long_steps_converge_where_they_once_failed_at_the_rounding_limit() -> None:
+    run = mbs_models.simulate(
+        Scene(level=2, formulation="euler-tree"), np.linspace(0.0, 2.0, 101), step=0.02
+    )
+    assert run.counts["steps"] == 100
+
+
+@pytest.mark.parametrize("spin", [3.0, 40.0, 150.0])
+@pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, spin: float) -> None:
+    start = consistent_start(level, STEEL_DISK, beta=1.2, spin=spin, beta_rate=0.3 * spin)
+    scene = Scene(level=level, formulation=formulation, start=start)
+    strict = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False, relative=1e-30))
+    # Below the limit nothing but rounding is left, so that no further iteration is needed.
+    run = mbs_models.simulate(
+        scene, [0.0, 1e-4, 2e-4], step=1e-4, integrator=strict, allow_pulling=True
+    )
+    assert run.counts["newton_iterations"] <= 8 * run.counts["steps"]
+    assert build(scene).force_rounding < 1e-11 * STEEL_DISK.weight

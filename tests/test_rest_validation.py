@@ -31,15 +31,23 @@ def test_command_simulates_stores_and_draws(
 ) -> None:
     out, plot = tmp_path / "rest.npz", tmp_path / "rest.png"
     arguments = ["rest", "--source", source, "--rolling-viscous", "2e-3", "--pivoting", "2e-4"]
-    assert main([*arguments, "--end", "1", "--out", str(out), "--plot", str(plot)]) == 0
+    assert main([*arguments, "--end", "1.6", "--out", str(out), "--plot", str(plot)]) == 0
     motion = SpatialMotion.load(out)
     assert motion.source == source
-    assert motion.times[-1] == pytest.approx(1.0)
+    assert motion.times[-1] == pytest.approx(1.6)
     assert plot.read_bytes().startswith(b"\x89PNG")
     printed = capsys.readouterr().out
     assert "inversion        0.4" in printed
     assert "estimated error  " in printed
-    assert "not at rest after 1 s" in printed
+    assert "not at rest after 1.6 s" in printed
+    assert "not decided" not in printed
+
+
+def test_command_says_when_the_inversion_is_not_decided(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["rest", "--source", "in-house", "--end", "0.8"]) == 0
+    assert "inversion not decided" in capsys.readouterr().out
 
 
 def test_command_drops_the_disk_from_a_height(

@@ -19,6 +19,12 @@ DISKS = ("steel", "steel-rounded")
 SYSTEMS = ("full", "reduced", "model1", "model2", "model3", "model4")
 MOTIONS = ("inverted", "noninverted")
 
+INVERSION = (
+    "The disk is inverted from the first time at which its centre of gravity has risen to 90% of "
+    "its largest height above the geometric centre and from which it stays above that centre for "
+    "1 s; if the motion ends before, it is not decided."
+)
+
 _DESCRIPTION = """\
 The tippedisk: a rigid disk whose centre of gravity lies off its centre. Spun fast about an
 in-plane axis on a table, it turns itself upside down through friction.
@@ -107,7 +113,7 @@ def _add_report(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "report",
         help="run all checks and write them with the paper's figures to one HTML page",
         description="Run engine and in-house equations, compare them, and write one page of HTML "
-        "with everything in it, the figures as PNG and SVG and the tables as CSV.",
+        "with everything in it, the figures as PNG and SVG and the tables as CSV. " + INVERSION,
     )
     report.set_defaults(module="basic")
     report.add_argument(
@@ -272,7 +278,8 @@ def _add_rest(commands: "argparse._SubParsersAction[_Parser]") -> None:
         help="simulate the disk from the paper's start until it lies still",
         description="Simulate the disk on a stiff unilateral contact until it lies still, and "
         "print when each phase began and where the energy went. All dissipation besides sliding "
-        "friction and the contact's damper is off by default; then the disk does not lie flat.",
+        "friction and the contact's damper is off by default; then the disk does not lie flat. "
+        + INVERSION,
     )
     rest.set_defaults(module="rest")
     add = rest.add_argument

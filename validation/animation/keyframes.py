@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from analysis import Disk, SpatialMotion, Trajectory, find_phases, frames
+from analysis import Disk, Inversion, SpatialMotion, Trajectory, find_phases, frames
 from analysis.checks import Array
-from analysis.phases import INVERTED
 
 Motion = Trajectory | SpatialMotion
 
@@ -164,10 +163,10 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
     # The contact point lies down the plane of the disk, against the second axis of its frame.
     uphill = np.column_stack((-np.sin(alpha) * np.cos(beta), np.cos(alpha) * np.cos(beta)))
     formulation = trajectory.method.get("formulation") or trajectory.method.get("form")
-    inverted = rotations[:, 2, 0] >= INVERTED
+    inverted = Inversion.of_direction(times, rotations[:, 2, 0]).time
     marks: tuple[tuple[str, float], ...] = ()
-    if trajectory.disk.eccentricity and np.any(inverted):
-        marks = (("inversion", float(times[np.argmax(inverted)])),)
+    if trajectory.disk.eccentricity and inverted is not None:
+        marks = (("inversion", inverted),)
     return Keyframes(
         times=times,
         positions=positions,

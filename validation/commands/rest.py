@@ -12,6 +12,7 @@ from analysis import (
     SpatialMotion,
     State,
     find_phases,
+    judge_inversion,
     simulate_to_rest,
 )
 from analysis.checks import not_negative, positive
@@ -33,6 +34,8 @@ def rest(options: argparse.Namespace) -> int:
     for field in fields(phases):
         begin = getattr(phases, field.name)
         print(f"{field.name.replace('_', ' '):16s} {'-' if begin is None else f'{begin:.3f} s'}")
+    if judge_inversion(motion).outcome == "not decided":
+        print("inversion not decided: the disk was up, and the motion ended too soon after")
     energies = motion.energies.sum(axis=1)
     print(f"energy           {energies[0]:.6f} J at first, {energies[-1]:.6f} J left")
     for cause, taken in zip(CAUSES, motion.dissipated[-1], strict=True):

@@ -19,12 +19,11 @@ from analysis import (
     SpatialMotion,
     consistent_start,
     find_phases,
+    judge_inversion,
     simulate_to_rest,
 )
-from analysis.phases import INVERTED
 from mbs_models import Scene
 from validation.animation import player as animation
-from validation.inversion import cog_rise
 from validation.report import Job, Section
 from validation.rest import contact as rest_contact
 from validation.rest import creep as rest_creep
@@ -85,14 +84,12 @@ def run_in_house(
     )
 
 
-def run_model_1() -> tuple[float, float]:
+def run_model_1() -> tuple[float | None, float | None]:
     """Times in s at which Model 1, with its ideal contact, inverts and loses the inversion."""
     times = np.arange(0.0, 19.5, SPACING)
     run = analysis.simulate(1, times, friction=SmoothCoulomb(load="contact"), local_tolerance=1e-9)
-    rise = cog_rise(run)
-    begin = int(np.argmax(rise >= INVERTED))
-    lost = begin + int(np.argmax(rise[begin:] < 0.0))
-    return float(times[begin]), float(times[lost])
+    inversion = judge_inversion(run)
+    return inversion.time, inversion.lost
 
 
 def jobs() -> list[Job]:

@@ -1,0 +1,1 @@
+"""What the paper says, each statement with a criterion, a measured number and a verdict."""
