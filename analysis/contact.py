@@ -3,8 +3,9 @@
 from dataclasses import dataclass, replace
 from math import cos, hypot, sin, sqrt
 
-from analysis.checks import not_negative, positive
+from analysis.checks import not_negative, positive, within
 from analysis.disk import Disk
+from analysis.limits import LARGEST_DAMPING, STIFFEST_CONTACT, THINNEST_RIM
 from analysis.state import State
 
 LARGEST_PART = 0.01
@@ -43,10 +44,19 @@ class PenaltyContact:
     bilateral: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness))
-        object.__setattr__(self, "damping", not_negative("damping", self.damping))
+        stiffness = positive("stiffness", self.stiffness)
+        within("stiffness", stiffness, 0.0, STIFFEST_CONTACT)
+        object.__setattr__(self, "stiffness", stiffness)
+        damping = not_negative("damping", self.damping)
+        object.__setattr__(self, "damping", within("damping", damping, 0.0, LARGEST_DAMPING))
         thickness = not_negative("half_thickness", self.half_thickness)
+        if 0.0 < thickness < THINNEST_RIM:
+            raise ValueError(
+                f"half_thickness must be 0 or at least {THINNEST_RIM:g} m, got {thickness:g}"
+            )
         object.__setattr__(self, "half_thickness", thickness)
+        if not isinstance(self.bilateral, bool):
+            raise ValueError(f"bilateral must be True or False, got {self.bilateral!r}")
 
     @classmethod
     def damped(

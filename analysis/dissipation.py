@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.checks import Array, not_negative, positive
+from analysis.checks import Array, not_negative, positive, within
+from analysis.limits import LARGEST_RESISTANCE
 
 CAUSES = ("damping", "sliding", "rolling_dry", "rolling_viscous", "pivoting", "air_drag")
 """What takes energy from the disk: the contact's damper, sliding friction, and the options."""
@@ -50,8 +51,9 @@ class Dissipation:
     pivoting_smoothing: float = 0.1
 
     def __post_init__(self) -> None:
-        for name in ("rolling_dry", "rolling_viscous", "pivoting", "air_drag"):
-            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
+        for name, most in LARGEST_RESISTANCE.items():
+            value = not_negative(name, getattr(self, name))
+            object.__setattr__(self, name, within(name, value, 0.0, most))
         for name in ("rolling_smoothing", "pivoting_smoothing"):
             object.__setattr__(self, name, positive(name, getattr(self, name)))
 

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from analysis.checks import choice, not_negative, positive
+from analysis.checks import choice, not_negative, positive, within
+from analysis.limits import LARGEST_FRICTION, SMOOTHING_RANGE, STEEPEST_FRICTION
 
 Load = Literal["weight", "contact"]
 LOADS: tuple[Load, ...] = get_args(Load)
@@ -34,6 +35,14 @@ class SmoothCoulomb:
     load: Load = "weight"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "coefficient", not_negative("coefficient", self.coefficient))
-        object.__setattr__(self, "smoothing", positive("smoothing", self.smoothing))
+        coefficient = not_negative("coefficient", self.coefficient)
+        within("coefficient", coefficient, 0.0, LARGEST_FRICTION)
+        smoothing = within("smoothing", positive("smoothing", self.smoothing), *SMOOTHING_RANGE)
+        if coefficient > STEEPEST_FRICTION * smoothing:
+            raise ValueError(
+                f"smoothing must be at least coefficient / {STEEPEST_FRICTION:g} = "
+                f"{coefficient / STEEPEST_FRICTION:g}, got {smoothing:g}"
+            )
+        object.__setattr__(self, "coefficient", coefficient)
+        object.__setattr__(self, "smoothing", smoothing)
         choice("load", self.load, LOADS)

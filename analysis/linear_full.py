@@ -13,9 +13,10 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from analysis.checks import Array, choice
+from analysis.checks import Array, choice, within
 from analysis.disk import Disk
 from analysis.friction import SmoothCoulomb
+from analysis.limits import FASTEST_TURN
 
 Motion = Literal["inverted", "noninverted"]
 MOTIONS: tuple[Motion, ...] = get_args(Motion)
@@ -69,7 +70,7 @@ def spin_array(spins: npt.ArrayLike) -> Array:
     Raises
     ------
     ValueError
-        If it is empty, has more than one dimension or is not finite.
+        If it is empty, has more than one dimension, is not finite or exceeds `FASTEST_TURN`.
     """
     try:
         result = np.atleast_1d(np.array(spins, dtype=float))
@@ -82,6 +83,8 @@ def spin_array(spins: npt.ArrayLike) -> Array:
     if not np.all(np.isfinite(result)):
         worst = result[~np.isfinite(result)][0]
         raise ValueError(f"spins must be finite numbers in rad/s, got {worst}")
+    fastest = float(result[np.argmax(np.abs(result))])
+    within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
     return result
 
 

@@ -13,9 +13,11 @@ from analysis.checks import Array, TimeLimitError, choice, positive
 from analysis.contact import PenaltyContact
 from analysis.disk import STEEL_DISK, Disk
 from analysis.dissipation import CAUSES, Dissipation, RestCriterion
+from analysis.effort import rest_effort
 from analysis.free_disk import FreeDisk, norm, to_inertial
 from analysis.friction import SmoothCoulomb
-from analysis.spatial_motion import SpatialMotion
+from analysis.limits import check_storage
+from analysis.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.state import State, consistent_start
 from analysis.trajectory import Ending, versions
 from analysis.watch import Progress, Watch
@@ -94,7 +96,8 @@ def simulate_to_rest(
     Raises
     ------
     ValueError
-        If an argument is out of range.
+        If an argument is out of range, or the run would take more than `MOST_STEPS` or samples
+        than can be held.
     ToleranceError
         If runs of ever tighter steps do not agree, as after impacts that a small change turns
         into another motion.
@@ -120,6 +123,8 @@ def simulate_to_rest(
     )
     if start is None:
         start = contact.lowered(disk, consistent_start(1, disk))
+    check_storage("end", end / spacing, MOTION_COLUMNS)
+    rest_effort(end, disk, contact).check()
     task = _Task(
         model=model,
         start=start_vector(disk, start),

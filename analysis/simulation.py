@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import inf, sin, sqrt
+from math import inf, sin
 from typing import Literal, get_args
 
 import numpy as np
@@ -18,7 +18,8 @@ from analysis.checks import (
     positive,
 )
 from analysis.constraints import check_admissible
-from analysis.disk import GRAVITY, STEEL_DISK, Disk
+from analysis.disk import STEEL_DISK, Disk
+from analysis.effort import longest_step, simulation_effort
 from analysis.friction import SmoothCoulomb
 from analysis.integration import METHODS, Method, Problem, Run, integrate
 from analysis.state import Level, State, consistent_start, multiplier_names
@@ -101,8 +102,8 @@ def simulate(
     Raises
     ------
     ValueError
-        If an argument is out of range, or the start breaks a constraint or needs a contact that
-        pulls.
+        If an argument is out of range, the run would take more than `MOST_STEPS`, or the start
+        breaks a constraint or needs a contact that pulls.
     ToleranceError
         If `tolerance` cannot be met.
     TimeLimitError
@@ -120,6 +121,9 @@ def simulate(
     posed = _pose(level, disk, friction, start, choice("form", form, FORMS))
     watch = Watch(time_limit, progress)
 
+    def check_effort(**accuracy: float) -> None:
+        simulation_effort(times, disk, friction, start, method=method, **accuracy).check()
+
     def run(local: float) -> Run:
         return integrate(
             posed.problem, times, method, local, allow_pulling=allow_pulling, watch=watch
@@ -129,10 +133,12 @@ def simulate(
         if tolerance is not None:
             raise ValueError("give either tolerance or local_tolerance, not both")
         local_tolerance = _check_local_tolerance("local_tolerance", local_tolerance)
+        check_effort(local_tolerance=local_tolerance)
         result, estimate = run(local_tolerance), None
         evaluations = result.evaluations
     else:
         tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+        check_effort(tolerance=tolerance)
         result, evaluations, local_tolerance, estimate = _integrate_to(
             run, posed.angles, tolerance, method
         )
@@ -213,16 +219,6 @@ def _pose(level: Level, disk: Disk, friction: SmoothCoulomb, start: State, form:
         longest_step(disk, start),
     )
     return _Form(problem, expand, (0, 1))
-
-
-def longest_step(disk: Disk, start: State) -> float:
-    """Longest step in s: a part of a turn and of the time of a fall.
-
-    On an unstable equilibrium nothing but rounding moves, and steps without a bound would grow
-    past the time in which a deviation does.
-    """
-    fall = 0.5 * sqrt(disk.radius / GRAVITY)
-    return min(fall, 2.0 / max(abs(start.rates[3]), 1e-3))
 
 
 def _integrate_to(

@@ -2,23 +2,20 @@
 
 import json
 import os
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from analysis import frames
-from analysis.checks import Array, choice, increasing_times
+from analysis.checks import Array, choice, increasing_times, number, real_array, settings
 from analysis.contact import PenaltyContact
 from analysis.disk import Disk
 from analysis.dissipation import CAUSES, Dissipation
-from analysis.files import whole_file
+from analysis.files import read_archive, whole_file
 from analysis.friction import SmoothCoulomb
-from analysis.trajectory import Ending, Setting, Source, Trajectory
+from analysis.trajectory import SOURCES, Ending, Setting, Source, Trajectory
 
 _COLUMNS = {
     "positions": 3,
@@ -34,7 +31,8 @@ _COLUMNS = {
 }
 """Sampled arrays and how many columns each has; none for 0."""
 
-_UNREADABLE = (OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError)
+MOTION_COLUMNS = 1 + sum(max(1, columns) for columns in _COLUMNS.values())
+"""Numbers in each sample, the time included."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -78,7 +76,8 @@ class SpatialMotion:
     Raises
     ------
     ValueError
-        If shapes do not fit, a number is not finite or a quaternion is not of unit length.
+        If shapes do not fit, a number is not finite, a quaternion is not of unit length or the
+        rest time lies outside the samples.
     """
 
     times: Array
@@ -107,17 +106,26 @@ class SpatialMotion:
     def __post_init__(self) -> None:
         times = increasing_times(self.times)
         for name, columns in {"times": 0, **_COLUMNS}.items():
-            values = np.array(getattr(self, name), dtype=float)
+            values = real_array(name, getattr(self, name))
             shape = (times.size, columns) if columns else (times.size,)
             if values.shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {values.shape}")
-            if not np.all(np.isfinite(values)):
-                raise ValueError(f"{name} must be finite")
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         excess = float(np.max(np.abs(np.linalg.norm(self.quaternions, axis=1) - 1.0)))
         if excess > 1e-9:
             raise ValueError(f"quaternions must have unit length, got one off by {excess:.1e}")
+        choice("source", self.source, SOURCES)
+        for name in ("method", "counts", "versions"):
+            object.__setattr__(self, name, settings(name, getattr(self, name)))
+        if self.rest_time is not None:
+            rest = number("rest_time", self.rest_time)
+            if not times[0] <= rest <= times[-1]:
+                raise ValueError(
+                    f"rest_time must lie within the samples, from {times[0]:g} to {times[-1]:g} "
+                    f"s, got {rest:g}"
+                )
+            object.__setattr__(self, "rest_time", rest)
 
     @property
     def rotations(self) -> Array:
@@ -274,14 +282,8 @@ class SpatialMotion:
         ValueError
             If the file is damaged, or is not a motion in inertial coordinates.
         """
-        try:
-            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-                return cls._from_arrays(stored)
-        except FileNotFoundError:
-            raise
-        except (*_UNREADABLE, zipfile.BadZipFile, zlib.error) as error:
-            cause = f"lacks {error}" if isinstance(error, KeyError) else str(error)
-            raise ValueError(f"{path} is not a readable spatial motion: {cause}") from error
+        names = ("times", *_COLUMNS, "spatial_meta")
+        return read_archive(path, "spatial motion", names, cls._from_arrays)
 
     @classmethod
     def _from_arrays(cls, stored: Mapping[str, Any]) -> "SpatialMotion":

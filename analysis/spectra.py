@@ -288,7 +288,9 @@ def _careful_cost(expected: ComplexArray, values: ComplexArray, vectors: Complex
     an eigenvalue moved decides first.
     """
     distance = np.abs(expected[:, None] - values[None, 1])
-    next_best = np.partition(distance, 1, axis=1)[:, 1:2] + np.finfo(float).tiny
+    # Differences below rounding are none, and their quotients would overflow.
+    rounding = np.finfo(float).eps * np.max(np.abs(values)) + np.finfo(float).tiny
+    next_best = np.maximum(np.partition(distance, 1, axis=1)[:, 1:2], rounding)
     careful: Array = 3.0 * distance / next_best + _costs(values, vectors)[0]
     return careful
 

@@ -6,8 +6,9 @@ from typing import Literal, NoReturn, get_args
 
 import numpy as np
 
-from analysis.checks import Array, choice, number
+from analysis.checks import Array, choice, number, within
 from analysis.disk import Disk
+from analysis.limits import FASTEST_TURN, LARGEST_ANGLE, LEAST_TILT
 
 COORDINATES = ("x", "y", "z", "alpha", "beta", "gamma")
 """The paper's co-rotating coordinates, Eq. (8), in order."""
@@ -157,10 +158,18 @@ def consistent_start(
     """
     choice("level", level, LEVELS)
     beta = check_tilt("beta", number("beta", beta))
-    gamma, spin = number("gamma", gamma), number("spin", spin)
-    beta_rate = number("beta_rate", beta_rate)
+    if not LEAST_TILT <= beta <= pi - LEAST_TILT:
+        raise ValueError(
+            f"beta must keep {LEAST_TILT:g} rad from 0 and pi, where the disk lies flat and the "
+            f"Euler angles are singular, got {min(beta, pi - beta):g} rad of it"
+        )
+    gamma = within("gamma", gamma, -LARGEST_ANGLE, LARGEST_ANGLE)
+    spin = within("spin", spin, -FASTEST_TURN, FASTEST_TURN)
+    beta_rate = within("beta_rate", beta_rate, -FASTEST_TURN, FASTEST_TURN)
     rolling_rate = -spin * cos(beta)
-    gamma_rate = rolling_rate if gamma_rate is None else number("gamma_rate", gamma_rate)
+    if gamma_rate is None:
+        gamma_rate = rolling_rate
+    gamma_rate = within("gamma_rate", gamma_rate, -FASTEST_TURN, FASTEST_TURN)
     if level >= 3 and not isclose(gamma_rate, rolling_rate, rel_tol=1e-12, abs_tol=1e-12):
         raise ValueError(
             f"gamma_rate must be -spin * cos(beta) = {rolling_rate:g} rad/s in Model {level} "

@@ -3,28 +3,30 @@
 import json
 import os
 import platform
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from analysis.checks import Array, choice, increasing_times, number
+from analysis.checks import (
+    Array,
+    choice,
+    increasing_times,
+    not_negative,
+    number,
+    real_array,
+    settings,
+)
 from analysis.disk import Disk
-from analysis.files import whole_file
+from analysis.files import read_archive, whole_file
 from analysis.friction import SmoothCoulomb
 from analysis.state import COORDINATES, LEVELS, Level, State, multiplier_names
 
 Source = Literal["engine", "in-house"]
 SOURCES: tuple[Source, ...] = get_args(Source)
 Setting = str | float | int | None
-
-_UNREADABLE = (OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError)
-"""What NumPy and JSON raise on damaged files."""
 
 
 EndingReason = Literal["contact would pull", "time limit"]
@@ -127,13 +129,20 @@ class Trajectory:
             "multipliers": (times.size, len(multiplier_names(self.level))),
         }
         for name, shape in shapes.items():
-            values = np.array(getattr(self, name), dtype=float)
+            values = real_array(name, getattr(self, name))
             if values.shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {values.shape}")
-            if not np.all(np.isfinite(values)):
-                raise ValueError(f"{name} must be finite")
             values.setflags(write=False)
             object.__setattr__(self, name, values)
+        for name in ("method", "counts", "versions"):
+            object.__setattr__(self, name, settings(name, getattr(self, name)))
+        if self.error_estimate is not None:
+            estimate = not_negative("error_estimate", self.error_estimate)
+            object.__setattr__(self, "error_estimate", estimate)
+        for interval in self.pulling:
+            first, last = (number("pulling", time) for time in interval)
+            if first > last:
+                raise ValueError(f"pulling must hold rising times, got {first:g} before {last:g}")
 
     def coordinate(self, name: str) -> Array:
         """Coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
@@ -217,14 +226,8 @@ class Trajectory:
         ValueError
             If the file is truncated, or is not a trajectory.
         """
-        try:
-            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-                return cls._from_arrays(stored)
-        except FileNotFoundError:
-            raise
-        except (*_UNREADABLE, zipfile.BadZipFile, zlib.error) as error:
-            cause = f"lacks {error}" if isinstance(error, KeyError) else str(error)
-            raise ValueError(f"{path} is not a readable trajectory: {cause}") from error
+        names = ("t", "q", "u", "multipliers", "meta")
+        return read_archive(path, "trajectory", names, cls._from_arrays)
 
     @classmethod
     def _from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":

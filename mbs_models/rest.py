@@ -8,9 +8,11 @@ from analysis import frames
 from analysis.agreement import until_agreement
 from analysis.checks import Array, positive
 from analysis.dissipation import RestCriterion
-from analysis.spatial_motion import SpatialMotion
+from analysis.limits import check_storage
+from analysis.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.trajectory import versions
 from analysis.watch import Progress, Watch
+from mbs_models.effort import rest_effort
 from mbs_models.loads import Loads
 from mbs_models.rest_run import RestRun, kinetic_energy, largest_step, rounded_contact
 from mbs_models.scene import Scene
@@ -65,8 +67,9 @@ def simulate_to_rest(
     Raises
     ------
     ValueError
-        If an argument is out of range, the scene does not last until the disk lies flat, or the
-        step is too large for the contact's stiffness.
+        If an argument is out of range, the scene does not last until the disk lies flat, the
+        step is too large for the contact's stiffness, or the run would take more than
+        `MOST_STEPS` or samples than can be held.
     ToleranceError
         If runs of ever shorter steps do not agree, as after impacts that a small change turns
         into another motion.
@@ -81,6 +84,8 @@ def simulate_to_rest(
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
     rounded_contact(scene)
+    check_storage("end", end / spacing, MOTION_COLUMNS)
+    rest_effort(scene, end, largest_step(scene) if step is None else step).check()
     watch = Watch(time_limit, progress)
     wanted = criterion if criterion is not None else RestCriterion()
     count = int(np.floor(end / spacing + 1e-9))

@@ -14,15 +14,13 @@ from analysis.trajectory import Ending, EndingReason, Trajectory, versions
 from analysis.watch import Progress, Watch
 from mbs_models.advice import advice
 from mbs_models.build import build
+from mbs_models.effort import HALVINGS, simulation_effort
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.passes import Pass, one_pass
 from mbs_models.probe import Probe
 from mbs_models.runs import EngineError
 from mbs_models.scene import Scene
-
-HALVINGS = 13
-"""Number of runs after which a tolerance-controlled run gives up; the last step is some µs."""
 
 
 def simulate(
@@ -77,8 +75,8 @@ def simulate(
     Raises
     ------
     ValueError
-        If an argument is out of range, or the start breaks a constraint or needs a contact that
-        pulls.
+        If an argument is out of range, the run would take more than `MOST_STEPS`, or the start
+        breaks a constraint or needs a contact that pulls.
     EngineError
         If the engine does not reach the end.
     FlatError
@@ -97,6 +95,11 @@ def simulate(
             f"tolerance must be left out for integrator {chosen.name!r}, which has a "
             f"local_tolerance of its own, got {tolerance!r}"
         )
+    if step is not None:
+        step = positive("step", step)
+    elif not chosen.controls_step:
+        tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
     watch = Watch(time_limit, progress)
     _check_start(scene, allow_pulling=allow_pulling)
 
@@ -114,10 +117,9 @@ def simulate(
 
     estimate = None
     try:
-        if step is not None or chosen.controls_step:
-            result = run(np.inf if step is None else positive("step", step))
+        if tolerance is None:
+            result = run(np.inf if step is None else step)
         else:
-            tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
             result, estimate = _to_tolerance(scene, run, chosen, tolerance)
     except (EngineError, ToleranceError, TimeLimitError) as error:
         raise type(error)(f"{error}; {advice(scene, chosen)}") from error

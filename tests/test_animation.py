@@ -332,7 +332,7 @@ BAD = [
     ("run.npz --fps 20", "--fps and --width need --out FILE.gif"),
     ("run.npz --out run.gif --fps -5", "--fps must be positive, got -5"),
     ("run.npz --out run.gif --fps 60", "fps must be at most 50 for a GIF, got 60"),
-    ("run.npz --out run.gif --width 20", "width must be at least 100 pixels, got 20"),
+    ("run.npz --out run.gif --width 20", "width must lie from 100 to 2000 pixels, got 20"),
     ("run.npz --out run.gif --speed 1e-3", "may have 2000 frames, not 32001: raise the speed"),
 ]
 

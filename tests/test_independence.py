@@ -17,6 +17,7 @@ DATA_TYPES = {
     "files",
     "frames",
     "friction",
+    "limits",
     "spatial_motion",
     "state",
     "trajectory",

@@ -35,7 +35,7 @@ from mbs_models.integrators import find_integrator
 from mbs_models.rest_run import largest_step
 from mbs_models.runs import run
 from validation.crosscheck import TABLE_3_TIMES, angle_error
-from validation.report import machine
+from validation.provenance import machine
 from validation.stability.eigenvalue_check import engine_matrices
 from validation.tables import Cell, Table
 

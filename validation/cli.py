@@ -5,11 +5,15 @@ and wrong calls answer at once; each subcommand imports what it needs when it ru
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
+from contextlib import redirect_stdout, suppress
 from importlib import import_module
 from importlib.metadata import version
-from typing import NoReturn
+from io import StringIO
+from pathlib import Path
+from typing import NoReturn, TextIO
 
 SOURCES = ("engine", "in-house")
 MODELS = (1, 2, 3, 4)
@@ -42,12 +46,30 @@ examples:
   tippedisk simulate --model 1 --source in-house --out equations.npz
   tippedisk show engine.npz equations.npz --out compare.png
   tippedisk eigenvalues --system full --spin 0:50:501 --plot figure-6.png
-  tippedisk critical --system full                   where inverted spinning changes its stability
+  tippedisk critical --system full                   where eigenvalues cross, where it is stable
   tippedisk rest --rolling 1e-3 --pivoting 5e-5 --plot rest.png
   tippedisk animate engine.npz                       a page that plays the motion
 
-A wrong call prints one line that says what is allowed, and exits with code 2.
+exit codes:
+  0  done
+  1  done, and a check fails
+  2  wrong call or failed run; one line says what is allowed or what happened
+  3  done, all files are written, but standard output could not be written to
+
+`python -m validation` is the same command.
 """
+
+_OPTION_OF = {
+    "coefficient": "mu",
+    "smoothing": "eps",
+    "rolling_dry": "rolling",
+    "interval": "spin",
+    "spins": "spin",
+}
+"""Options that are called otherwise than the arguments they are handed on as."""
+
+_OUTPUT_LOST = 3
+"""Exit code of a command that did its work and could not say so."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -68,22 +90,80 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0, or 2 after an error, which is printed in one line.
+        Exit code, as `--help` lists them.
     """
-    parser = _parser()
-    options = parser.parse_args(arguments)
-    name = f"tippedisk {options.command.replace('_', '-')}"
+    if sys.stderr is None:
+        # Closed before the start. Progress bars and warnings take for granted that there is one.
+        sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115
+    # What is printed is kept until the work is done: a full disk or a closed pipe then cannot be
+    # taken for a failure of the work itself.
+    output = StringIO()
+    with redirect_stdout(output):
+        code = _run(arguments)
+    if not _deliver(output.getvalue()):
+        code = code or _OUTPUT_LOST
     try:
+        sys.stderr.flush()
+    except (OSError, ValueError):
+        _give_up(sys.stderr)
+    return code
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    name, options = "tippedisk", argparse.Namespace()
+    try:
+        options = _parser().parse_args(arguments)
+        name = f"tippedisk {options.command.replace('_', '-')}"
         # Imported late: the commands bring NumPy, SciPy and the engine along.
         commands = import_module(f"validation.commands.{options.module}")
         return int(getattr(commands, options.command)(options))
-    except (ValueError, ArithmeticError, OSError) as error:
-        message = " ".join(str(error).split())
-        print(f"{name}: error: {message}", file=sys.stderr)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    except (ValueError, ArithmeticError, OSError, MemoryError) as error:
+        message = " ".join(str(error).split()) or "not enough memory"
+        _complain(f"{name}: error: {_blamed_option(options, message)}{message}")
         return 2
     except KeyboardInterrupt:
-        print(f"{name}: interrupted", file=sys.stderr)
+        _complain(f"{name}: interrupted")
         return 130
+
+
+def _blamed_option(options: argparse.Namespace, message: str) -> str:
+    """The option whose argument a message begins with, if there is one."""
+    argument = message.partition(" ")[0]
+    option = _OPTION_OF.get(argument, argument)
+    return f"--{option.replace('_', '-')}: " if hasattr(options, option) else ""
+
+
+def _deliver(text: str) -> bool:
+    """Write to standard output; whether that worked."""
+    if not text:
+        return True
+    if sys.stdout is None:
+        _complain("tippedisk: standard output is closed; what was to be printed is lost")
+        return False
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except (OSError, ValueError) as error:
+        _complain(f"tippedisk: standard output could not be written to: {error}")
+        _give_up(sys.stdout)
+        return False
+    return True
+
+
+def _give_up(stream: TextIO) -> None:
+    """Let a stream that cannot be written to lead nowhere.
+
+    Or the interpreter would try again at its end, fail, and exit with a code of its own.
+    """
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _complain(message: str) -> None:
+    with suppress(OSError, ValueError):
+        print(message, file=sys.stderr, flush=True)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -212,9 +292,10 @@ def _add_eigenvalues(commands: "argparse._SubParsersAction[_Parser]") -> None:
 def _add_critical(commands: "argparse._SubParsersAction[_Parser]") -> None:
     critical = commands.add_parser(
         "critical",
-        help="spins at which the spinning changes its stability",
-        description="Critical spins with their frequency and the side on which they are stable, "
-        "beside the closed form of the reduced system, Eq. (126).",
+        help="spins at which eigenvalues cross, and at which the spinning is stable",
+        description="Critical spins with their frequency and the side on which the eigenvalue or "
+        "pair that crosses decays, beside the closed form of the reduced system, Eq. (126); and "
+        "for each model the spins at which all of its eigenvalues do.",
     )
     critical.set_defaults(module="stability")
     _add_system(critical)
@@ -254,7 +335,7 @@ def _add_work_precision(commands: "argparse._SubParsersAction[_Parser]") -> None
     )
     study.set_defaults(module="work_precision", command="work_precision")
     add = study.add_argument
-    add("--quick", action="store_true", help="a selection, about a minute")
+    add("--quick", action="store_true", help="a selection, less than a minute")
     add("--out", default="work-precision", metavar="DIR", help="folder (default: %(default)s)")
     add("--fresh", action="store_true", help="measure again what is kept")
 

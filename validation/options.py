@@ -1,15 +1,46 @@
 """From options of the command line, which several subcommands share, to what they mean."""
 
 import argparse
+import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
 from analysis import Disk, Dissipation, Level, State, consistent_start
-from analysis.checks import number
+from analysis.checks import number, positive, within
+from analysis.limits import LONGEST_MOTION, Effort
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of pictures that can be written."""
+
+
+PATIENCE = 60.0
+"""Processor time in s from which on a run is announced before it starts."""
+
+
+def announce(command: str, effort: Effort, time_limit: float | None = None) -> None:
+    """Say on standard error what a run will take, if that is long and nothing ends it, or in vain.
+
+    Parameters
+    ----------
+    command : str
+        Name of the subcommand.
+    effort : Effort
+    time_limit : float, optional
+        Processor time in s that the run may take.
+
+    Raises
+    ------
+    ValueError
+        If the run would take more steps than are made.
+    """
+    effort.check()
+    endless = effort.seconds > PATIENCE and time_limit is None
+    if endless or effort.doubt:
+        hint = "; --time-limit ends it early" if endless else ""
+        with suppress(OSError, ValueError):
+            print(f"tippedisk {command}: {effort}{hint}", file=sys.stderr, flush=True)
 
 
 def output_path(name: str, value: str, suffixes: Sequence[str]) -> Path:
@@ -64,6 +95,32 @@ def output_folder(name: str, value: str) -> Path:
             f"{name} must be a folder that can be written to, got {value!r} ({error.strerror})"
         ) from error
     return path
+
+
+def written_number(name: str, text: str) -> float:
+    """Finite number from the text of an option.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"{name} must be a finite number, got {text!r}") from None
+    return number(name, value)
+
+
+def chosen_end(options: argparse.Namespace) -> float:
+    """Time in s from --end.
+
+    Raises
+    ------
+    ValueError
+        If it is not positive or beyond `LONGEST_MOTION`.
+    """
+    return within("--end", positive("--end", options.end), 0.0, LONGEST_MOTION)
 
 
 def chosen_start(options: argparse.Namespace, level: Level, disk: Disk) -> State:

@@ -2,13 +2,10 @@
 
 import base64
 import html
-import os
-import platform
 import time
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass, field
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +15,9 @@ from analysis.files import whole_file
 from analysis.trajectory import versions
 from validation.animation.player import Animation
 from validation.figures import Picture
+from validation.provenance import machine
 from validation.tables import Table
+from validation.workers import process_pool
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;
@@ -88,9 +87,7 @@ def run_jobs(
     """
     jobs = list(jobs)
     results: dict[Any, Any] = {}
-    with ProcessPoolExecutor(
-        max_workers=workers or os.cpu_count(), mp_context=get_context("spawn")
-    ) as pool:
+    with process_pool(workers) as pool:
         futures = {pool.submit(job.function, *job.arguments): job.key for job in jobs}
         bar = tqdm(total=len(jobs), desc=title, disable=None, leave=False)
         try:
@@ -181,16 +178,3 @@ def _section(section: Section) -> str:
         )
     parts += [table.to_html() for table in section.tables if not table.file_only]
     return "\n".join(parts)
-
-
-def machine() -> str:
-    """Processor, cores and system in a few words."""
-    model = platform.processor() or platform.machine()
-    try:
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                model = line.split(":", 1)[1].strip()
-                break
-    except OSError:
-        pass
-    return f"{model}, {os.cpu_count()} cores, {platform.system()}"

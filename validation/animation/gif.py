@@ -12,6 +12,7 @@ from PIL import Image
 from tqdm import tqdm
 
 from analysis.checks import Array, positive
+from analysis.limits import SLOWEST_FRAMES, WIDEST_PICTURE
 from validation import snapshots
 from validation.animation.keyframes import Keyframes
 
@@ -42,15 +43,17 @@ def frame_times(
     speed : float, optional
         1 for real time; by default a tenth for up to 4 s, real time for longer motions.
     fps : float
-        Frames per second, at most `FASTEST`.
+        Frames per second, from `SLOWEST_FRAMES` to `FASTEST`.
 
     Raises
     ------
     ValueError
-        If a number is not positive, `fps` is too large, or these are more than `MOST_FRAMES`.
+        If a number is not positive, `fps` is out of range, or these are more than `MOST_FRAMES`.
     """
     if positive("fps", fps) > FASTEST:
         raise ValueError(f"fps must be at most {FASTEST:g} for a GIF, got {fps:g}")
+    if fps < SLOWEST_FRAMES:
+        raise ValueError(f"fps must be at least {SLOWEST_FRAMES:g} for a GIF, got {fps:g}")
     begin, end = float(poses.times[0]), float(poses.times[-1])
     if speed is None:
         speed = 0.1 if end - begin <= 4.0 else 1.0
@@ -82,15 +85,15 @@ def write(
     speed, fps : float
         As in `frame_times`.
     width : int
-        In pixels, at least 100; the height is as large.
+        In pixels, from 100 to `WIDEST_PICTURE`; the height is as large.
 
     Raises
     ------
     ValueError
         If an argument is out of range.
     """
-    if width < 100:
-        raise ValueError(f"width must be at least 100 pixels, got {width}")
+    if not 100 <= width <= WIDEST_PICTURE:
+        raise ValueError(f"width must lie from 100 to {WIDEST_PICTURE} pixels, got {width}")
     times, shown = frame_times(poses, speed=speed, fps=fps)
     picture = _Picture(poses, width)
     # One palette for all frames, from a few of them, keeps the colours from flickering.

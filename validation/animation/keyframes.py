@@ -9,6 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from analysis import Disk, Inversion, SpatialMotion, Trajectory, find_phases, frames
 from analysis.checks import Array
+from analysis.limits import MOST_KEYFRAMES
 
 Motion = Trajectory | SpatialMotion
 
@@ -145,7 +146,8 @@ def keyframes(motion: Motion) -> Keyframes:
     Raises
     ------
     ValueError
-        If the disk of a spatial motion turns by about half a turn between samples.
+        If the disk of a spatial motion turns by about half a turn between samples, or a
+        trajectory needs more than `MOST_KEYFRAMES`.
     """
     return _from_spatial(motion) if isinstance(motion, SpatialMotion) else _from_angles(motion)
 
@@ -154,6 +156,11 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
     turns = np.sum(np.abs(np.diff(trajectory.coordinates[:, 3:], axis=0)), axis=1)
     parts = max(1, int(np.ceil(np.max(turns) / _TURN_BETWEEN)))
     samples = trajectory.times
+    if parts * samples.size > MOST_KEYFRAMES:
+        raise ValueError(
+            f"the disk turns by {np.max(turns):.3g} rad between two samples, which would take "
+            f"{parts * samples.size} keyframes; at most {MOST_KEYFRAMES} are made"
+        )
     inner = samples[:-1, None] + np.diff(samples)[:, None] * np.arange(parts) / parts
     times = np.append(inner.ravel(), samples[-1])
     spline = CubicHermiteSpline(samples, trajectory.coordinates, trajectory.rates)

@@ -3,8 +3,9 @@
 import argparse
 from pathlib import Path
 
-from analysis.checks import number, positive
+from analysis.checks import number, positive, within
 from analysis.files import whole_file
+from analysis.limits import PLAYBACK_SPEEDS
 from validation.animation.keyframes import Keyframes, keyframes, load
 from validation.options import output_path
 
@@ -39,6 +40,8 @@ def _check_numbers(options: argparse.Namespace, out: Path) -> None:
     for name in ("speed", "fps", "width"):
         if getattr(options, name) is not None:
             positive(f"--{name}", getattr(options, name))
+    if options.speed is not None:
+        within("--speed", options.speed, *PLAYBACK_SPEEDS)
     if None not in (options.begin, options.end) and options.begin >= options.end:
         raise ValueError(
             f"--begin must lie before --end, got {options.begin:g} and {options.end:g}"

@@ -6,10 +6,19 @@ from pathlib import Path
 import numpy as np
 
 import analysis
-from analysis import DISKS, Progress, SmoothCoulomb, Trajectory
-from analysis.checks import Array, positive
+from analysis import DISKS, Progress, SmoothCoulomb, Trajectory, multiplier_names
+from analysis.checks import Array
+from analysis.effort import simulation_effort
 from analysis.files import whole_file
-from validation.options import PICTURES, chosen_start, output_folder, output_path
+from analysis.limits import check_storage
+from validation.options import (
+    PICTURES,
+    announce,
+    chosen_end,
+    chosen_start,
+    output_folder,
+    output_path,
+)
 from validation.progress import progress_bar
 
 
@@ -30,7 +39,9 @@ def simulate(options: argparse.Namespace) -> int:
     out = output_path("--out", options.out, (".npz",))
     if options.samples < 2:
         raise ValueError(f"--samples must be at least 2, got {options.samples}")
-    times = np.linspace(0.0, positive("--end", options.end), options.samples)
+    # Time, six coordinates, their rates and the constraint forces.
+    check_storage("--samples", options.samples, 13 + len(multiplier_names(options.model)))
+    times = np.linspace(0.0, chosen_end(options), options.samples)
     with progress_bar() as progress:
         trajectory = _simulate(options, times, progress)
     trajectory.save(out)
@@ -51,6 +62,8 @@ def _simulate(options: argparse.Namespace, times: Array, progress: Progress) -> 
     if options.source == "in-house":
         if options.step is not None:
             raise ValueError("--step needs --source engine; the in-house solvers choose theirs")
+        effort = simulation_effort(times, disk, friction, start, tolerance=options.tolerance)
+        announce("simulate", effort, options.time_limit)
         return analysis.simulate(
             options.model,
             times,
@@ -64,6 +77,7 @@ def _simulate(options: argparse.Namespace, times: Array, progress: Progress) -> 
             progress=progress,
         )
     import mbs_models
+    from mbs_models.effort import simulation_effort as engine_effort
 
     scene = mbs_models.Scene(
         level=options.model,
@@ -72,6 +86,8 @@ def _simulate(options: argparse.Namespace, times: Array, progress: Progress) -> 
         friction=friction,
         start=start,
     )
+    effort = engine_effort(scene, times, step=options.step, tolerance=options.tolerance)
+    announce("simulate", effort, options.time_limit)
     return mbs_models.simulate(
         scene,
         times,

@@ -16,8 +16,16 @@ from analysis import (
     simulate_to_rest,
 )
 from analysis.checks import not_negative, positive
+from analysis.effort import rest_effort
 from analysis.files import whole_file
-from validation.options import PICTURES, chosen_dissipation, chosen_start, output_path
+from validation.options import (
+    PICTURES,
+    announce,
+    chosen_dissipation,
+    chosen_end,
+    chosen_start,
+    output_path,
+)
 from validation.progress import progress_bar
 
 
@@ -57,7 +65,7 @@ def rest(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> SpatialMotion:
-    disk, end = DISKS[options.disk], positive("--end", options.end)
+    disk, end = DISKS[options.disk], chosen_end(options)
     if options.source == "in-house" and options.step is not None:
         raise ValueError(
             "--step must be left out with --source in-house, which controls its steps by "
@@ -71,6 +79,8 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
     start = contact.lowered(disk, chosen_start(options, 1, disk))
     if not_negative("--height", options.height):
         start = _lifted(start, options.height + contact.resting_penetration(disk))
+    if options.source == "in-house":
+        announce("rest", rest_effort(end, disk, contact), options.time_limit)
     with progress_bar() as progress:
         if options.source == "in-house":
             return simulate_to_rest(
@@ -86,10 +96,15 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
             )
         from mbs_models import Scene
         from mbs_models import simulate_to_rest as simulate_in_engine
+        from mbs_models.effort import rest_effort as engine_effort
+        from mbs_models.rest_run import largest_step
 
         scene = Scene.rest(
             disk=disk, friction=friction, contact=contact, dissipation=dissipation, start=start
         )
+        step = largest_step(scene) if options.step is None else options.step
+        effort = engine_effort(scene, end, positive("--step", step))
+        announce("rest", effort, options.time_limit)
         return simulate_in_engine(
             scene,
             end,

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from analysis import DISKS, Disk, SmoothCoulomb, linear_reduced, spectra
-from analysis.checks import Array, number
+from analysis.checks import Array
 from analysis.critical import critical_speeds
 from analysis.files import whole_file
+from analysis.limits import MOST_SPINS
 from analysis.spectra import Branches
-from validation.options import PICTURES, output_path
+from validation.options import PICTURES, output_path, written_number
 from validation.tables import Table
 
 
@@ -42,13 +43,13 @@ def eigenvalues(options: argparse.Namespace) -> int:
 
 def critical(options: argparse.Namespace) -> int:
     """Print critical spins, closed form beside computed."""
-    from validation.stability.tables import critical_table
+    from validation.stability.tables import critical_table, stable_table
 
     disk, friction = _disk_and_friction(options)
     ends = options.spin.split(":")
     if len(ends) != 2:
         raise ValueError(f"--spin must be FIRST:LAST, got {options.spin!r}")
-    low, high = (number("--spin", end) for end in ends)
+    low, high = (written_number("--spin", end) for end in ends)
     found = critical_speeds(options.system, disk, friction, (low, high), options.motion)
     table = critical_table(found)
     print(f"{table.title}\n{table.to_text() if table.rows else 'none'}")
@@ -56,7 +57,7 @@ def critical(options: argparse.Namespace) -> int:
         print(table.note)
     closed = linear_reduced.critical_speed(disk, options.motion)
     meaning = {
-        "hopf": f"a complex pair crosses at {closed.frequency:.6g} rad/s, stable above",
+        "hopf": f"a complex pair crosses at {closed.frequency:.6g} rad/s and decays above",
         "static": "without eccentricity, a real eigenvalue crosses",
         "saddle": "two real eigenvalues of opposite sign cancel; no stability changes",
     }[closed.kind]
@@ -64,6 +65,8 @@ def critical(options: argparse.Namespace) -> int:
         f"\nClosed form of the reduced system with any friction, Eq. (126): {closed.spin:.6g} "
         f"rad/s; {meaning}."
     )
+    table = stable_table(disk, friction, (low, high), options.motion)
+    print(f"\n{table.title}\n{table.to_text()}")
     return 0
 
 
@@ -73,21 +76,24 @@ def parse_spins(texts: list[str]) -> Array:
     Raises
     ------
     ValueError
-        If a text is neither, a range is empty or descending, or the spins do not increase.
+        If a text is neither, a range is empty, descending or longer than `MOST_SPINS`, or the
+        spins do not increase.
     """
     spins: list[float] = []
     for text in texts:
         parts = text.split(":")
         if len(parts) == 1:
-            spins.append(number("--spin", text))
+            spins.append(written_number("--spin", text))
             continue
         if len(parts) != 3 or not parts[2].isdigit() or int(parts[2]) < 2:
             raise ValueError(
                 f"--spin must be a value or FIRST:LAST:NUMBER with at least 2, got {text!r}"
             )
-        first, last = number("--spin", parts[0]), number("--spin", parts[1])
+        first, last = written_number("--spin", parts[0]), written_number("--spin", parts[1])
         if first >= last:
             raise ValueError(f"--spin must have FIRST < LAST, got {text!r}")
+        if int(parts[2]) > MOST_SPINS:
+            raise ValueError(f"--spin must name at most {MOST_SPINS} spins, got {text!r}")
         spins += np.linspace(first, last, int(parts[2])).tolist()
     if np.any(np.diff(spins) <= 0.0):
         raise ValueError("--spin must increase strictly")

@@ -6,6 +6,8 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Any, Literal
 
+from validation.workers import end_with_parent
+
 START_LIMIT = 60.0
 """Time in s in which a new process must have come up."""
 
@@ -79,6 +81,7 @@ def _until_failure(
 
 def _serve(pipe: Connection, function: Callable[..., Any], calls: list[tuple[Any, ...]]) -> None:
     """Run the calls in the child and send the results as they come."""
+    end_with_parent()
     pipe.send("ready")
     for arguments in calls:
         pipe.send(function(*arguments))

@@ -6,9 +6,12 @@ import numpy as np
 
 from analysis import ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb, linear_reduced, spectra
 from analysis.critical import CriticalSpeeds, critical_speeds
+from analysis.linear_full import Motion
 from analysis.linear_variants import PRINTED, reproduces, variants
 from analysis.sensitivities import closed_form_sensitivities, full_sensitivities
+from analysis.spectra import System
 from analysis.stability_corners import Corner
+from analysis.stable_spins import stable_spins
 from validation.tables import Cell, Table
 
 _SPIN = 30.0
@@ -109,7 +112,7 @@ def variant_table() -> Table:
     """Whether some choice reproduces the two printed Hopf speeds of the full system."""
     rows: list[list[Cell]] = []
     for name, crossings in variants().items():
-        described = [f"{c.spin:.3f} (stable {c.stable_side})" for c in crossings]
+        described = [f"{c.spin:.3f} (decays {c.stable_side})" for c in crossings]
         rows.append([name, ", ".join(described) or "none", reproduces(crossings)])
     held = sum(bool(row[-1]) for row in rows)
     return Table(
@@ -125,7 +128,7 @@ def variant_table() -> Table:
 
 
 def critical_table(found: CriticalSpeeds) -> Table:
-    """Critical speeds of one system."""
+    """Critical speeds of one system; each row says of one eigenvalue or pair where it decays."""
     rows: list[list[Cell]] = [
         [
             "complex pair crosses" if crossing.kind == "hopf" else "real eigenvalue crosses",
@@ -148,9 +151,35 @@ def critical_table(found: CriticalSpeeds) -> Table:
         name=f"critical-{found.system}-{found.motion}",
         title=f"Critical speeds, {found.system} system, {found.motion}, from "
         f"{found.interval[0]:g} to {found.interval[1]:g} rad/s",
-        columns=("event", "spin in rad/s", "frequency in rad/s", "stable"),
+        columns=("event", "spin in rad/s", "frequency in rad/s", "this one decays"),
         rows=rows,
         note=found.reason or "",
+    )
+
+
+_SYSTEM_OF_MODEL: dict[str, System] = {
+    "Model 1": "full",
+    "Model 2": "model2",
+    "Model 3": "model3",
+    "Model 4": "reduced",
+}
+
+
+def stable_table(
+    disk: Disk, friction: SmoothCoulomb, interval: tuple[float, float], motion: Motion
+) -> Table:
+    """Spins at which each model's motion is stable as a whole: every eigenvalue decays."""
+    rows: list[list[Cell]] = []
+    for model, system in _SYSTEM_OF_MODEL.items():
+        found = stable_spins(system, disk, friction, interval, motion)
+        named = ", ".join(f"{low:.6g} to {high:.6g}" for low, high in found)
+        rows.append([model, named or "nowhere"])
+    return Table(
+        name=f"stable-{motion}",
+        title=f"Where {motion} spinning is stable, all eigenvalues of a model together, from "
+        f"{interval[0]:g} to {interval[1]:g} rad/s",
+        columns=("model", "stable spins in rad/s"),
+        rows=rows,
     )
 
 

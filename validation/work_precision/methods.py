@@ -11,13 +11,22 @@ from scipy.integrate import solve_ivp
 import mbs_models
 from analysis import STEEL_DISK, Form, Trajectory, index1, reduced
 from analysis.checks import Array
-from analysis.simulation import longest_step
+from analysis.effort import longest_step
 from analysis.trajectory import versions
-from mbs_models import Formulation, Integrator, Newton, Scene
+from mbs_models import Formulation, Integrator, Scene
 from mbs_models.extrapolation import Ladder
 from mbs_models.passes import one_pass
 from mbs_models.simulation import trajectory
-from validation.work_precision.problems import SPACING, TIMES, Problem
+from validation.work_precision.problems import SPACING, TIMES, Problem, ProblemName
+
+HALVINGS = 8
+"""Of the longest step, the sampling interval; ladders of steps end after so many: 25600 steps.
+
+One more where the disk spins fast.
+"""
+
+DAMPED_HALVINGS = 7
+"""The same for generalized-alpha, whose iterations take longest."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,7 +35,6 @@ class Measured:
 
     values: Any
     seconds: float
-    setup_seconds: float
     counts: dict[str, int] = field(default_factory=dict)
 
 
@@ -40,14 +48,11 @@ class EngineMethod:
     integrator : Integrator
     symbolic : bool
         Friction as a symbolic expression instead of a Python function.
-    variant : str
-        What differs from the plain method, empty for that itself.
     """
 
     formulation: Formulation
     integrator: Integrator
     symbolic: bool = False
-    variant: str = ""
 
     @property
     def scheme(self) -> str:
@@ -62,11 +67,21 @@ class EngineMethod:
         """Whether it is a step that its ladder halves."""
         return not self.integrator.controls_step
 
-    def ladder(self, quick: bool) -> list[float]:
+    @property
+    def judged_extrapolated(self) -> bool:
+        """Whether its ladder may end once its extrapolated runs meet the finest goal.
+
+        Implicit rules are of second order and would take minutes to meet it by themselves.
+        """
+        return self.integrator.implicit
+
+    def ladder(self, problem: Problem) -> list[float]:
         """Steps in s or local tolerances, from coarse to fine."""
         if not self.fixed_step:
-            return [10.0**-digits for digits in range(3, 14, 2 if quick else 1)]
-        return [SPACING * 0.5**halvings for halvings in range(6 if quick else 8)]
+            return [10.0**-digits for digits in range(3, 14)]
+        damped = self.integrator.name == "GeneralizedAlpha"
+        halvings = (DAMPED_HALVINGS if damped else HALVINGS) + (problem.name == "fast")
+        return [SPACING * 0.5**k for k in range(1 + halvings)]
 
     def run(self, problem: Problem, setting: float) -> Measured:
         """Build the scene and run it once.
@@ -80,14 +95,31 @@ class EngineMethod:
         if integrator.controls_step:
             integrator, step = Integrator(name=integrator.name, local_tolerance=setting), np.inf
         result = one_pass(self._scene(problem), TIMES, integrator, step, symbolic=self.symbolic)
-        return Measured(result, result.seconds, result.setup_seconds, dict(result.counts))
+        if result.ended is not None:
+            raise ArithmeticError(f"{result.ended} at t = {result.times[-1]:.6g} s")
+        return Measured(result, result.seconds, dict(result.counts))
+
+    def run_to(self, problem: Problem, tolerance: float) -> tuple[Trajectory, Measured]:
+        """Let the library choose the steps; the time is that of the whole call.
+
+        Raises
+        ------
+        ArithmeticError
+            If the tolerance cannot be met.
+        """
+        begin = time.process_time()
+        run = mbs_models.simulate(
+            self._scene(problem), TIMES, tolerance=tolerance, integrator=self.integrator
+        )
+        seconds = time.process_time() - begin
+        return run, Measured(None, seconds, dict(run.counts))
 
     def trajectory(self, problem: Problem, run: Measured) -> Trajectory:
-        """Trajectory of a run; adds the normal force of the contact tree, outside of its time."""
+        """Trajectory of a run."""
         return trajectory(self._scene(problem), self.integrator, run.values)
 
     def extrapolation(self) -> "Extrapolation":
-        """Richardson's extrapolation of its runs, with their times added up."""
+        """Richardson's extrapolation of its runs, with their work added up."""
         return Extrapolation(Ladder(self.formulation, self.integrator.name))
 
     def _scene(self, problem: Problem) -> Scene:
@@ -110,20 +142,19 @@ class Extrapolation:
 
     def __init__(self, ladder: Ladder) -> None:
         self._ladder = ladder
-        self._seconds = self._setup = 0.0
+        self._seconds = 0.0
         self._counts: dict[str, int] = {}
 
     def add(self, run: Measured) -> Measured | None:
         """Extrapolated run up to this one, with all their work; None after the first."""
         self._seconds += run.seconds
-        self._setup += run.setup_seconds
         for name, count in run.counts.items():
             self._counts[name] = self._counts.get(name, 0) + count
         self._ladder.add(run.values.values)
         if not np.isfinite(self._ladder.estimate):
             return None
         values = replace(run.values, values=self._ladder.best)
-        return Measured(values, self._seconds, self._setup, dict(self._counts))
+        return Measured(values, self._seconds, dict(self._counts))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,7 +170,6 @@ class InHouseMethod:
 
     form: Form
     scheme: str
-    variant: str = ""
 
     @property
     def formulation(self) -> str:
@@ -151,10 +181,17 @@ class InHouseMethod:
         """Whether it is a step that its ladder halves."""
         return False
 
-    def ladder(self, quick: bool) -> list[float]:
+    @property
+    def judged_extrapolated(self) -> bool:
+        """Whether its runs are extrapolated: no."""
+        return False
+
+    def ladder(self, problem: Problem) -> list[float]:
         """Local tolerances, from coarse to fine."""
-        finest = {"RK45": 11, "DOP853": 13, "Radau": 10, "BDF": 11, "LSODA": 13}[self.scheme]
-        return [10.0**-digits for digits in range(3, finest + 1, 2 if quick else 1)]
+        finest = {"RK45": 12, "DOP853": 13, "Radau": 11, "BDF": 12, "LSODA": 13}[self.scheme]
+        # Stability, not accuracy, gives explicit methods their steps there: all cost the same.
+        bound = problem.name == "stiff" and self.scheme in {"RK45", "DOP853"}
+        return [10.0**-digits for digits in range(3, finest + 1, 3 if bound else 1)]
 
     def run(self, problem: Problem, setting: float) -> Measured:
         """Integrate once.
@@ -164,9 +201,7 @@ class InHouseMethod:
         ArithmeticError
             If the integration does not reach its end.
         """
-        begin = time.process_time()
         function, start = right_hand_side(problem, self.form)
-        setup = time.process_time() - begin
         begin = time.process_time()
         # Radau and BDF let the difference step of coordinates that matter to nothing overflow.
         with np.errstate(over="ignore", invalid="ignore"):
@@ -184,7 +219,7 @@ class InHouseMethod:
         if not result.success:
             raise ArithmeticError(f"stopped at t = {result.t[-1]:g} s: {result.message}")
         counts = {"right_hand_sides": int(result.nfev), "jacobians": int(result.njev)}
-        return Measured(result.y.T, seconds, setup, counts)
+        return Measured(result.y.T, seconds, counts)
 
     def trajectory(self, problem: Problem, run: Measured) -> Trajectory:
         """Trajectory of a run; adds the constraint forces, outside of its time."""
@@ -233,37 +268,54 @@ def right_hand_side(problem: Problem, form: Form) -> tuple[Callable[[float, Arra
 
 
 def label(method: Method) -> str:
-    """Formulation, integrator and variant, in words."""
-    text = f"{method.formulation}, {method.scheme}"
-    return f"{text}, {method.variant}" if method.variant else text
+    """Formulation and integrator, in words."""
+    return f"{method.formulation}, {method.scheme}"
 
 
-def methods(problem: Problem, quick: bool) -> list[Method]:
-    """Every method that can take a problem; the quick selection leaves some out."""
-    available: list[Method] = []
-    for formulation in _formulations(problem):
-        plain = [
-            EngineMethod(formulation=formulation, integrator=integrator)
-            for integrator in _integrators(problem, formulation, quick)
-        ]
-        available += plain
-        if problem.name in (_VARIED[:1] if quick else _VARIED):
-            available += _variants(formulation, quick)
-    schemes: Sequence[str] = _SCIPY
-    if quick:
-        schemes = ("DOP853", "LSODA", "Radau") if problem.name == "stiff" else ("DOP853", "LSODA")
-    forms = get_args(Form) if problem.level == 4 else ("index-1",)
-    available += [InHouseMethod(form=form, scheme=scheme) for form in forms for scheme in schemes]
-    return available
+_QUICK_USUAL = frozenset(
+    (
+        "contact-tree, RK67",
+        "contact-tree, RK44",
+        "euler-tree, trapezoidal",
+        "floating, trapezoidal",
+        "floating-lie, trapezoidal",
+        "index-1, DOP853",
+    )
+)
 
+_QUICK: dict[ProblemName, frozenset[str]] = {
+    "model-1": _QUICK_USUAL,
+    "model-3": _QUICK_USUAL,
+    "stiff": frozenset({"contact-tree, RK67"}),
+}
+"""Labels of the methods of the quick selection."""
+
+QUICK_PROBLEMS = tuple(_QUICK)
+"""Problems of the quick selection."""
 
 _VARIED = ("model-1", "model-3")
-"""Problems on which solver options are tried out: one that slides, one that rolls."""
+"""Problems on which all integrators are tried: one that slides, one that rolls."""
 
 _SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
 
 
-def _formulations(problem: Problem) -> Sequence[Formulation]:
+def methods(problem: Problem, quick: bool) -> list[Method]:
+    """Every method that can take a problem, or those of the quick selection."""
+    available: list[Method] = [
+        EngineMethod(formulation=formulation, integrator=integrator)
+        for formulation in formulations(problem)
+        for integrator in _integrators(problem, formulation)
+    ]
+    forms = get_args(Form) if problem.level == 4 else ("index-1",)
+    available += [InHouseMethod(form=form, scheme=scheme) for form in forms for scheme in _SCIPY]
+    if not quick:
+        return available
+    chosen = _QUICK.get(problem.name, frozenset())
+    return [method for method in available if label(method) in chosen]
+
+
+def formulations(problem: Problem) -> Sequence[Formulation]:
+    """Formulations of the engine that can take a problem."""
     known = problem.friction.load == "weight"
     return [
         formulation
@@ -272,40 +324,12 @@ def _formulations(problem: Problem) -> Sequence[Formulation]:
     ]
 
 
-def _integrators(problem: Problem, formulation: Formulation, quick: bool) -> list[Integrator]:
+def _integrators(problem: Problem, formulation: Formulation) -> list[Integrator]:
     trapezoidal = Integrator(name="TrapezoidalIndex2")
-    radii: Sequence[float] = (1.0, 0.9, 0.6)
-    if quick:
-        radii = (0.9,) if problem.name in _VARIED else ()
-    damped = [Integrator(name="GeneralizedAlpha", spectral_radius=radius) for radius in radii]
     if formulation == "contact-tree":
         explicit = [Integrator(name="RK67"), Integrator(name="RK44"), Integrator(name="DOPRI5")]
-        return explicit if quick else [*explicit, trapezoidal]
-    return [trapezoidal, *damped]
-
-
-def _variants(formulation: Formulation, quick: bool) -> list[EngineMethod]:
-    """The default integrator of a formulation with one option changed."""
-    name = mbs_models.integrators(formulation)[0]
-    plain = Integrator(name=name)
-    result = [
-        EngineMethod(
-            formulation=formulation, integrator=plain, symbolic=True, variant="symbolic friction"
-        )
-    ]
-    if plain.implicit:
-        newtons = {"full Newton": Newton(modified=False)}
-        if not quick:
-            for relative in (1e-4, 1e-8):
-                newtons[f"Newton to {relative:g}"] = Newton(
-                    relative=relative, absolute=0.01 * relative
-                )
-        result += [
-            EngineMethod(
-                formulation=formulation,
-                integrator=Integrator(name=name, newton=newton),
-                variant=variant,
-            )
-            for variant, newton in newtons.items()
-        ]
-    return result
+        # There, the trapezoidal rule gives what it gives on the Euler tree.
+        return [*explicit, trapezoidal] if problem.name in _VARIED else explicit
+    radii = (1.0, 0.9, 0.6) if problem.name in _VARIED else (0.9,)
+    damped = Integrator(name="GeneralizedAlpha")
+    return [trapezoidal, *(replace(damped, spectral_radius=radius) for radius in radii)]

@@ -2,25 +2,45 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from math import exp, log
-from statistics import mean
+from statistics import median
 
 from validation.tables import Cell, Table
-from validation.work_precision.figures import GOALS, NAMES
-from validation.work_precision.problems import PROBLEMS, SAFETY, Agreement, Errors, ProblemName
-from validation.work_precision.runs import Run, curves, fastest, observed_order
+from validation.work_precision.figures import NAMES
+from validation.work_precision.methods import formulations
+from validation.work_precision.prices import Price
+from validation.work_precision.problems import (
+    PROBLEMS,
+    SAFETY,
+    Agreement,
+    Errors,
+    ProblemName,
+)
+from validation.work_precision.runs import (
+    ENDS,
+    GOALS,
+    Run,
+    fastest,
+    grouped,
+    observed_order,
+    shortfall,
+    words,
+)
+from validation.work_precision.stored import Study
+
+_COSTS = ("evaluations", "time in ms")
 
 
-def ways(runs: Sequence[Run]) -> Table:
+def ways(study: Study) -> Table:
     """Fastest way to each goal, in the engine and in-house."""
-    by_problem = curves(runs, lambda run: run.problem)
     cells: list[list[Cell]] = []
     for name, problem in PROBLEMS.items():
+        if not study.of(name):
+            cells.append([problem.title, None, "not in this selection", *(None,) * 5])
+            continue
         for goal in GOALS:
-            row: list[Cell] = [problem.title, goal]
-            for in_house in (False, True):
-                side = [run for run in by_problem.get(name, []) if run.in_house is in_house]
-                row += _way(fastest(side, goal))
+            row: list[Cell] = [problem.title, words(goal)]
+            for side in (_engine(name), ("index-1", "reduced")):
+                row += _way(study, name, side, goal)
             cells.append(row)
     return Table(
         name="work-precision-ways",
@@ -29,50 +49,160 @@ def ways(runs: Sequence[Run]) -> Table:
             "problem",
             "error at most",
             "in the engine",
-            "step or tolerance",
+            "evaluations",
             "time in ms",
             "in-house",
-            "tolerance",
+            "evaluations",
             "time in ms",
         ),
         rows=cells,
-        note="Among the rungs that were run, without interpolation. The engine is compiled and "
-        "calls a Python friction function; the in-house equations are Python altogether. An "
-        "extrapolated run counts the time of all the runs it is made of.",
+        note="Among the rungs that were run, without interpolation; which rung is good enough is "
+        "known from the reference. The engine is compiled and calls a Python friction function; "
+        "the in-house equations are Python altogether. An extrapolated run counts all the runs "
+        "it is made of. Evaluations: of the right-hand side, one per Newton iteration.",
     )
 
 
-def formulation_ways(runs: Sequence[Run]) -> Table:
+def _engine(name: ProblemName) -> Sequence[str]:
+    return formulations(PROBLEMS[name])
+
+
+def _way(study: Study, name: ProblemName, side: Sequence[str], goal: float) -> list[Cell]:
+    curves = study.of(name, *side)
+    run = fastest([run for curve in curves for run in curve.runs], goal)
+    if run is None:
+        return [shortfall(curves), None, None]
+    return [run.method, run.work, _milliseconds(run)]
+
+
+def _milliseconds(run: Run) -> float:
+    return _short(1e3 * run.seconds)
+
+
+def _short(value: float) -> float:
+    """The same to three digits."""
+    return float(f"{value:.3g}")
+
+
+def formulation_ways(study: Study) -> Table:
     """Fastest way of each formulation of the engine to each goal."""
     names = [name for name in NAMES if name not in {"index-1", "reduced"}]
     cells: list[list[Cell]] = []
-    for problem in PROBLEMS.values():
-        for goal in GOALS[:2]:
-            row: list[Cell] = [problem.title, goal]
-            for name in names:
-                own = [
-                    run for run in runs if run.problem == problem.name and run.formulation == name
-                ]
-                best = fastest(own, goal)
-                row.append(None if best is None else f"{best.way}: {_milliseconds(best)}")
+    for name, problem in PROBLEMS.items():
+        if not study.of(name):
+            cells.append([problem.title, None, *("not in this selection",) * len(names)])
+            continue
+        for goal in GOALS:
+            row: list[Cell] = [problem.title, words(goal)]
+            for formulation in names:
+                if formulation not in _engine(name):
+                    row.append(None)
+                    continue
+                curves = study.of(name, formulation)
+                best = fastest([run for curve in curves for run in curve.runs], goal)
+                row.append(
+                    shortfall(curves)
+                    if best is None
+                    else f"{best.way}: {_milliseconds(best):g} ms"
+                )
             cells.append(row)
     return Table(
         name="work-precision-formulations",
         title="Fastest way of each formulation",
         columns=("problem", "error at most", *(NAMES[name] for name in names)),
         rows=cells,
-        note="No entry: not reached on the ladder, or the formulation does not apply.",
+        note="–: the formulation does not apply. Not reached: every ladder of it went to its "
+        "end, where finer steps bring no gain or fail. Not tried: stopped at that many steps.",
     )
 
 
-def _milliseconds(run: Run) -> str:
-    return f"{1e3 * run.seconds:.3g} ms"
+def every_way(study: Study) -> Table:
+    """What each method takes to each goal, with a step, extrapolated and to a tolerance."""
+    cells: list[list[Cell]] = []
+    for curve in study.curves:
+        for kind, runs in grouped(curve.runs, lambda run: run.kind).items():
+            row: list[Cell] = [
+                PROBLEMS[curve.problem].title,
+                curve.formulation,
+                curve.scheme,
+                kind,
+            ]
+            for goal in GOALS:
+                good = [run for run in runs if run.error <= goal]
+                if kind == "tolerance":
+                    good = [run for run in good if run.setting == goal]
+                best = min(good, key=lambda run: run.work, default=None)
+                row += [best.work, _milliseconds(best)] if best else [None, None]
+            cells.append([*row, min(run.error for run in runs), ENDS[curve.end]])
+    return Table(
+        name="work-precision-every-way",
+        title="What every way takes to each goal",
+        file_only=True,
+        columns=(
+            "problem",
+            "formulation",
+            "integrator",
+            "asked for",
+            *(f"{what} to {words(goal)}" for goal in GOALS for what in _COSTS),
+            "smallest error",
+            "why the ladder ended",
+        ),
+        rows=cells,
+    )
 
 
-def _way(run: Run | None) -> list[Cell]:
-    if run is None:
-        return ["not reached", None, None]
-    return [run.method, run.setting, round(1e3 * run.seconds, 2)]
+def tolerances(study: Study) -> Table:
+    """What runs to a tolerance deliver and take, per formulation and integrator."""
+    asked = [run for run in study.runs if run.kind == "tolerance"]
+    cells: list[list[Cell]] = []
+    for method, runs in grouped(asked, lambda run: f"{run.formulation}, {run.scheme}").items():
+        met = [run for run in runs if run.errors is not None]
+        extra = [
+            run.work / best.work
+            for run in met
+            if run.error <= run.setting and (best := _least_work(study, run)) is not None
+        ]
+        margins = [run.angle_error / run.setting for run in met]
+        cells.append(
+            [
+                method,
+                len(runs),
+                len(runs) - len(met),
+                _short(max(margins)) if margins else None,
+                _short(median(margins)) if margins else None,
+                sum(run.error > run.setting for run in met),
+                _short(median(extra)) if extra else None,
+            ]
+        )
+    return Table(
+        name="work-precision-tolerances",
+        title="Runs to a tolerance, for which the library chooses the steps",
+        columns=(
+            "method",
+            "runs",
+            "refused",
+            "error of β and γ over tolerance, largest",
+            "median",
+            "position worse than that, runs",
+            "evaluations over the least that would do, median",
+        ),
+        rows=cells,
+        note="Promised are β and γ; the position of the centre of gravity, over the radius, is "
+        "not. Tolerances of 1e-3, 1e-6 and 1e-9 rad where the ladder of the method meets them. "
+        "The least that would do is that of the cheapest run of the same method, extrapolated or "
+        "not, chosen with the reference at hand.",
+    )
+
+
+def _least_work(study: Study, asked: Run) -> Run | None:
+    others = [
+        run
+        for curve in study.of(asked.problem, asked.formulation)
+        if curve.scheme == asked.scheme
+        for run in curve.runs
+        if run.kind != "tolerance" and run.error <= asked.setting
+    ]
+    return min(others, key=lambda run: run.work, default=None)
 
 
 def agreement_table(agreements: Mapping[ProblemName, Agreement]) -> Table:
@@ -84,6 +214,7 @@ def agreement_table(agreements: Mapping[ProblemName, Agreement]) -> Table:
         rows=[
             [PROBLEMS[name].title, other, difference, agreements[name].floor]
             for name in PROBLEMS
+            if name in agreements
             for other, difference in agreements[name].others.items()
         ],
         note=f"Errors below {SAFETY:g} times the smaller difference are not told apart from the "
@@ -91,25 +222,31 @@ def agreement_table(agreements: Mapping[ProblemName, Agreement]) -> Table:
     )
 
 
-def order_table(runs: Sequence[Run], agreements: Mapping[ProblemName, Agreement]) -> Table:
-    """Observed orders of all plain methods on all problems."""
-    plain = [run for run in runs if not run.variant and not run.extrapolated]
+def order_table(study: Study) -> Table:
+    """Observed orders of all methods on all problems."""
+    shown = [run for run in study.runs if run.kind in {"step", "local tolerance"}]
+    names = [name for name in PROBLEMS if study.of(name)]
+    methods = grouped(shown, lambda run: run.method)
     cells: list[list[Cell]] = []
-    for method, group in sorted(curves(plain).items(), key=lambda item: _rank(item[1][0])):
-        by_problem = curves(group, lambda run: run.problem)
+    for method, group in sorted(methods.items(), key=lambda item: _rank(item[1][0])):
+        by_problem = grouped(group, lambda run: run.problem)
         row: list[Cell] = [method]
-        for name in PROBLEMS:
-            order = observed_order(by_problem.get(name, []), agreements[name].floor)
-            row.append(None if order is None else round(order, 2))
+        for name in names:
+            if name not in by_problem:
+                row.append("")
+                continue
+            order = observed_order(by_problem[name], study.agreements[name].floor)
+            row.append(f"– {order.reason}" if order.value is None else round(order.value, 2))
         cells.append(row)
     return Table(
         name="work-precision-orders",
         title="Observed orders",
-        columns=("method", *(problem.title for problem in PROBLEMS.values())),
+        columns=("method", *(PROBLEMS[name].title for name in names)),
         rows=cells,
         note="Slope of the error against the number of steps, for methods with step control "
-        "against the evaluations of the right-hand side; no entry where fewer than two "
-        "neighbouring runs have a useful and measurable error, or the method does not apply.",
+        "against the evaluations of the right-hand side, over the last four of at least four "
+        "rungs with a useful and measurable error. Few rungs: fewer than that. Unsettled: the "
+        "slopes between them differ by more than 0.6. Empty: the method does not apply.",
     )
 
 
@@ -117,22 +254,58 @@ def _rank(run: Run) -> tuple[int, str]:
     return list(NAMES).index(run.formulation), run.scheme
 
 
-def failures(runs: Sequence[Run]) -> Table:
-    """Failed runs, one row per method and problem, with the reason of the finest."""
-    failed = [run for run in runs if run.failure]
+def price_table(prices: Sequence[Price]) -> Table:
+    """What options and formulations cost, from pairs of runs in turns."""
     cells: list[list[Cell]] = []
-    for name, group in curves(failed, lambda run: run.problem).items():
-        for method, gaps in curves(group).items():
-            finest = min(gaps, key=lambda run: run.setting)
-            cells.append(
-                [
-                    PROBLEMS[gaps[0].problem].title if name in PROBLEMS else name,
-                    method,
-                    len(gaps),
-                    finest.setting,
-                    finest.failure,
-                ]
-            )
+    for price in sorted(prices, key=lambda price: (price.what, price.formulation)):
+        low, high = price.interval
+        cells.append(
+            [
+                price.what,
+                price.formulation,
+                PROBLEMS[price.problem].title,
+                _short(price.ratio),
+                f"{low:.3g} to {high:.3g}",
+                "more" if low > 1.0 else "less" if high < 1.0 else "within scatter",
+                _short(price.work),
+                _short(price.error),
+            ]
+        )
+    pairs = min((len(price.ratios) for price in prices), default=0)
+    return Table(
+        name="work-precision-prices",
+        title="Prices, from pairs of runs measured in turns",
+        columns=(
+            "what",
+            "formulation",
+            "problem",
+            "time, median ratio",
+            "interval of the median",
+            "so",
+            "evaluations, ratio",
+            "error, ratio",
+        ),
+        rows=cells,
+        note=f"Processor time with over without, {pairs} pairs each, at the same step unless a "
+        "goal is named. Within scatter: the interval, of at least 94 % confidence, holds 1.",
+    )
+
+
+def failures(study: Study) -> Table:
+    """Failed runs, one row per method and problem, with the reason of the finest."""
+    failed = [run for run in study.runs if run.failure]
+    cells: list[list[Cell]] = []
+    for gaps in grouped(failed, lambda run: f"{run.problem}, {run.method}").values():
+        finest = min(gaps, key=lambda run: run.setting)
+        cells.append(
+            [
+                PROBLEMS[finest.problem].title,
+                finest.method,
+                len(gaps),
+                finest.setting,
+                finest.failure,
+            ]
+        )
     return Table(
         name="work-precision-failures",
         title="Runs that did not reach their end",
@@ -141,54 +314,9 @@ def failures(runs: Sequence[Run]) -> Table:
     )
 
 
-def options(runs: Sequence[Run]) -> Table:
-    """What each option costs and changes, against the plain method at the same step."""
-    by_method: dict[str, list[tuple[Run, Run]]] = {}
-    for pair in option_pairs(runs):
-        by_method.setdefault(pair[0].method, []).append(pair)
-    cells: list[list[Cell]] = [
-        [
-            method,
-            len(pairs),
-            geometric_mean([one.seconds / other.seconds for one, other in pairs]),
-            max(one.error / other.error for one, other in pairs),
-        ]
-        for method, pairs in by_method.items()
-    ]
-    return Table(
-        name="work-precision-options",
-        title="Options against the plain method at the same step",
-        columns=("method", "pairs of runs", "time, mean ratio", "error, largest ratio"),
-        rows=sorted(cells, key=lambda row: str(row[0])),
-        note="Plain: modified Newton to 1e-12, friction as a Python function. Means are "
-        "geometric, over all problems and steps at which both ran.",
-    )
-
-
-def option_pairs(runs: Sequence[Run]) -> list[tuple[Run, Run]]:
-    """Runs with an option, each with the plain run of the same method at the same step."""
-    plain = {
-        (run.problem, run.formulation, run.scheme, run.setting): run
-        for run in runs
-        if not run.variant and not run.extrapolated and run.errors is not None
-    }
-    return [
-        (run, plain[key])
-        for run in runs
-        if run.variant
-        and run.errors is not None
-        and (key := (run.problem, run.formulation, run.scheme, run.setting)) in plain
-    ]
-
-
-def geometric_mean(values: Sequence[float]) -> float:
-    """Geometric mean of positive numbers."""
-    return exp(mean(log(value) for value in values))
-
-
-def all_runs(runs: Sequence[Run]) -> Table:
+def all_runs(study: Study) -> Table:
     """Everything, for a file."""
-    counts = sorted({name for run in runs for name in run.counts})
+    counts = sorted({name for run in study.runs for name in run.counts})
     errors = [field.name for field in fields(Errors)]
     return Table(
         name="work-precision-all-runs",
@@ -196,12 +324,12 @@ def all_runs(runs: Sequence[Run]) -> Table:
         file_only=True,
         columns=(
             "problem",
-            "method",
-            "step in s",
-            "local tolerance",
+            "formulation",
+            "integrator",
+            "asked for",
+            "step in s or tolerance",
             "least processor time in s",
             "median processor time in s",
-            "set-up time in s",
             "repeats",
             *(name.replace("_", " ") for name in errors),
             *(name.replace("_", " ") for name in counts),
@@ -210,19 +338,16 @@ def all_runs(runs: Sequence[Run]) -> Table:
         rows=[
             [
                 run.problem,
-                run.method,
-                run.setting if run.fixed_step else None,
-                None if run.fixed_step else run.setting,
-                *(
-                    (run.seconds, run.median_seconds, run.setup_seconds)
-                    if run.errors
-                    else (None,) * 3
-                ),
+                run.formulation,
+                run.scheme,
+                run.kind,
+                run.setting,
+                *((run.seconds, run.median_seconds) if run.errors else (None, None)),
                 run.repeats,
                 *(run.errors.row() if run.errors else [None] * len(errors)),
                 *(run.counts.get(name) for name in counts),
                 run.failure,
             ]
-            for run in runs
+            for run in study.runs
         ],
     )

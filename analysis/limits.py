@@ -1,0 +1,131 @@
+"""How much may be asked for: beyond these limits a call is refused before it computes anything."""
+
+from dataclasses import dataclass
+
+MOST_STEPS = 100_000_000
+"""Steps of a run, of all its repetitions together; each takes 30 µs or more."""
+
+LARGEST_STORAGE = 2_000_000_000
+"""Bytes that the samples of a motion may take, in memory or in a file."""
+
+LONGEST_MOTION = 1e9
+"""End of a motion in s: thirty years."""
+
+SHORTEST_STEP = 1e-15
+"""Step in s; a light wave takes longer to swing once."""
+
+PLAYBACK_SPEEDS = (1e-6, 1e6)
+"""Of an animation; 1 is real time."""
+
+SLOWEST_FRAMES = 0.01
+"""Frames per second of an animated picture; the format cannot hold much slower ones."""
+
+MOST_SPINS = 100_000
+"""Spins for which eigenvalues may be asked for at once."""
+
+WIDEST_PICTURE = 2000
+"""Width and height of an animated picture in pixels."""
+
+MOST_KEYFRAMES = 1_000_000
+"""Poses of an animation."""
+
+LARGEST_VALUE = 1e100
+"""Size of any sampled number; the squares of larger ones overflow."""
+
+LARGEST_FRICTION = 1e9
+"""Friction coefficient; so large only for a viscous law, with a smoothing as large."""
+
+SMOOTHING_RANGE = (1e-12, 1e9)
+"""Smoothing of the friction law in m/s; slower slip passes less than an atom in a minute."""
+
+STEEPEST_FRICTION = 1e12
+"""Coefficient over smoothing in s/m; beyond, the decay of slip hides all else behind rounding."""
+
+FASTEST_TURN = 1e5
+"""Rate of an angle at the start in rad/s; long before, the rim of a steel disk bursts."""
+
+LARGEST_ANGLE = 1e6
+"""Angle at the start in rad; the last digits of larger ones are too coarse for a motion."""
+
+LEAST_TILT = 1e-6
+"""Angle in rad by which a start must differ from flat, where the Euler angles are singular."""
+
+STIFFEST_CONTACT = 1e12
+"""Contact stiffness in N/m; solid steel of the disk's size has some 1e10."""
+
+LARGEST_DAMPING = 1e9
+"""Contact damping in N s/m."""
+
+THINNEST_RIM = 1e-9
+"""Half thickness of a rounded rim in m: some atoms."""
+
+LARGEST_RESISTANCE = {
+    "rolling_dry": 1.0,
+    "rolling_viscous": 1e3,
+    "pivoting": 1.0,
+    "air_drag": 1e4,
+}
+"""Of `Dissipation`: a part of the contact force, in s/m, in m, and in kg/m³ (water: 1e3)."""
+
+
+def check_storage(name: str, samples: float, columns: int) -> None:
+    """Check that samples of so many numbers each can be held.
+
+    Parameters
+    ----------
+    name : str
+        Of what asks for them, for the message.
+    samples : float
+    columns : int
+
+    Raises
+    ------
+    ValueError
+        If they take more than `LARGEST_STORAGE`.
+    """
+    if 8 * columns * samples > LARGEST_STORAGE:
+        most = LARGEST_STORAGE // (8 * columns)
+        raise ValueError(
+            f"{name} asks for {float(samples):.3g} samples of {columns} numbers each; at most "
+            f"{most} are held"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effort:
+    """What a run will take, told from its arguments to within a factor of some three.
+
+    Parameters
+    ----------
+    steps : float
+        Number of steps, of all repetitions together.
+    seconds : float
+        Processor time in s on a machine of today.
+    cause : str
+        The argument that asks for so many, with its value.
+    doubt : str
+        Why the run will probably fail in the end; empty if it need not.
+    """
+
+    steps: float
+    seconds: float
+    cause: str
+    doubt: str = ""
+
+    def check(self) -> None:
+        """Raise `ValueError` if the run takes more than `MOST_STEPS`."""
+        if self.steps > MOST_STEPS:
+            raise ValueError(
+                f"{self.cause} would take about {self.steps:.1e} steps; at most {MOST_STEPS:.0e} "
+                "are made"
+            )
+
+    def __str__(self) -> str:
+        if self.seconds < 120.0:
+            time = f"{self.seconds:.0f} s"
+        elif self.seconds < 7200.0:
+            time = f"{self.seconds / 60.0:.0f} minutes"
+        else:
+            time = f"{self.seconds / 3600.0:.0f} hours"
+        doubt = f"; {self.doubt}" if self.doubt else ""
+        return f"about {self.steps:.1e} steps, roughly {time}, for {self.cause}{doubt}"

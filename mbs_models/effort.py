@@ -1,0 +1,138 @@
+"""How many steps an engine run will take, told from its arguments before it starts.
+
+With a step, their number is known. With a tolerance, the step is halved until it resolves the
+turning of the disk as finely as the tolerance asks, friction at no slip, and the Euler angles of
+a tree; the numbers come from measured runs.
+"""
+
+from math import ceil, inf, log2, sin, sqrt
+
+import numpy as np
+
+from analysis.checks import Array, positive, within
+from analysis.limits import SHORTEST_STEP, Effort
+from mbs_models.integrators import Integrator, find_integrator
+from mbs_models.runs import MINIMUM_STEP
+from mbs_models.scene import Scene
+
+HALVINGS = 13
+"""Number of runs after which a tolerance-controlled run gives up; the last step is some µs."""
+
+_SECONDS = {"explicit": 5e-5, "implicit": 3e-4}
+"""Processor time of a step in s."""
+
+_REST_SECONDS = 4.5e-5
+
+
+def simulation_effort(
+    scene: Scene,
+    times: Array,
+    integrator: Integrator | None = None,
+    *,
+    step: float | None = None,
+    tolerance: float | None = None,
+) -> Effort:
+    """Effort of `mbs_models.simulate` with these arguments.
+
+    Parameters
+    ----------
+    scene : Scene
+    times : ndarray, shape (n,)
+        In s.
+    integrator : Integrator, optional
+        By default that of `mbs_models.simulate`.
+    step : float, optional
+        In s.
+    tolerance : float, optional
+        In rad; 1e-8 if neither is given.
+
+    Raises
+    ------
+    ValueError
+        If step or tolerance is not positive, or the step shorter than `SHORTEST_STEP`.
+    """
+    if step is not None:
+        step = within("step", positive("step", step), SHORTEST_STEP, inf)
+    tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    if integrator is None:
+        integrator = find_integrator(scene.formulation, None, constrained=scene.has_constraints)
+    spacings = np.diff(times)
+    cost = _SECONDS["implicit" if integrator.implicit else "explicit"]
+    until = f"up to t = {times[-1]:g} s"
+    if integrator.controls_step:
+        cause, needed = _needed_step(scene, integrator, integrator.local_tolerance or 1e-8)
+        longest = min(max(needed, MINIMUM_STEP), step or inf)
+        steps = _count(spacings, longest)
+        return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}")
+    if step is not None:
+        steps = _count(spacings, step)
+        return Effort(steps=steps, seconds=steps * cost, cause=f"step {step:g} s {until}")
+    cause, needed = _needed_step(scene, integrator, tolerance)
+    first = _count(spacings, integrator.first_step)
+    shortest = min(integrator.first_step, float(np.min(spacings)))
+    halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
+    doubt = ""
+    if halvings >= HALVINGS:
+        halvings = HALVINGS - 1
+        tried = shortest / 2.0**halvings
+        doubt = f"it needs steps of {needed:.0e} s, the shortest tried is {tried:.0e} s"
+    steps = first * (2.0 ** (halvings + 1) - 1.0)
+    if first >= steps / 8.0:
+        cause = "times"
+    return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}", doubt=doubt)
+
+
+def rest_effort(scene: Scene, end: float, step: float) -> Effort:
+    """Effort of `mbs_models.simulate_to_rest` with these arguments.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a rounded rim.
+    end : float
+        In s.
+    step : float
+        As it starts, in s.
+    """
+    friction, contact = scene.friction, scene.contact
+    stiffness = 0.0 if contact is None else contact.stiffness
+    return Effort(
+        steps=end / step,
+        seconds=end / step * _REST_SECONDS,
+        cause=f"end = {end:g} s with steps of {step:.1e} s, at stiffness {stiffness:g} N/m and "
+        f"friction gradient {friction.coefficient / friction.smoothing:g} s/m,",
+    )
+
+
+def _count(spacings: Array, step: float) -> float:
+    """Steps of at most `step` in s that end at every sample."""
+    return float(np.sum(np.ceil(np.maximum(spacings / step - 1e-9, 1.0))))
+
+
+def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tuple[str, float]:
+    """Step in s that gives the tolerance in rad, and what makes it so short."""
+    disk, friction, start = scene.disk, scene.friction, scene.start
+    turning = sum(abs(rate) for rate in start.rates[3:])
+    sine = abs(sin(start.coordinates[4]))
+    attitude = turning / sine if scene.formulation.endswith("tree") else turning
+    inertia = min(disk.inertia_about_cog[:2])
+    mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
+    decay = friction.coefficient * disk.weight / friction.smoothing * mobility
+    # Angle turned in a step; fall and friction turn even a disk that starts at rest.
+    angle = (
+        0.025 * (tolerance / 1e-8) ** (1 / 8)
+        if integrator.implicit
+        else 0.06 * (tolerance / 1e-8) ** (1 / 6)
+    )
+    turning = max(turning, sqrt(disk.weight / (disk.mass * disk.radius)))
+    steps = {
+        f"tolerance {tolerance:g} rad": angle / turning,
+        f"smoothing {friction.smoothing:g} m/s at coefficient {friction.coefficient:g}": (
+            (0.6 if integrator.implicit else 1.2) / decay if decay else inf
+        ),
+        f"beta {start.coordinates[4]:g} rad": 1.0 / attitude if attitude else inf,
+    }
+    if scene.contact is not None:
+        frequency = sqrt(scene.contact.stiffness * mobility)
+        steps[f"stiffness {scene.contact.stiffness:g} N/m"] = 0.3 / frequency
+    return min(steps.items(), key=lambda item: item[1])

@@ -1,0 +1,44 @@
+"""Provenance of results."""
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from validation.provenance import Provenance, commit
+
+
+def git(folder: Path, *arguments: str) -> str:
+    identity = ("-c", "user.name=a", "-c", "user.email=a@b.c")
+    answer = subprocess.run(
+        ["git", "-C", str(folder), *identity, *arguments],  # noqa: S607
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return answer.stdout.strip()
+
+
+def test_commit_is_that_of_the_working_copy_and_tells_of_changes(tmp_path: Path) -> None:
+    git(tmp_path, "init", "-q")
+    (tmp_path / "file").write_text("1")
+    git(tmp_path, "add", "file")
+    git(tmp_path, "commit", "-qm", "First")
+    head = git(tmp_path, "rev-parse", "--short=10", "HEAD")
+    assert commit(tmp_path) == head
+    (tmp_path / "file").write_text("2")
+    assert commit(tmp_path) == f"{head}+changes"
+
+
+def test_commit_of_an_enclosing_working_copy_is_not_taken_for_ours(tmp_path: Path) -> None:
+    git(tmp_path, "init", "-q")
+    inner = tmp_path / "site-packages"
+    inner.mkdir()
+    assert commit(inner) == ""
+
+
+def test_provenance_names_machine_date_and_versions() -> None:
+    here = Provenance.here()
+    assert here.packages["numpy"] == np.__version__
+    assert here.date in here.text()
+    assert Provenance(**here.to_dict()) == here

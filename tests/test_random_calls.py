@@ -1,0 +1,171 @@
+"""Any command line of random values works, or says in one line why it does not."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+import analysis
+import mbs_models
+from tests.helpers import random_trajectory
+from validation import cli
+from validation.commands import basic, rest
+
+NUMBERS = st.one_of(
+    st.floats(),
+    st.integers(-(10**20), 10**20),
+    st.floats(-3.0, 3.0),
+    st.floats(0.0, 1e-250),
+    st.floats(1e250),
+    st.floats(-16.0, 16.0).map(lambda digits: 10.0**digits),
+    st.sampled_from(["", "x", "1e400", "-0", "nan", "inf", "1_000", "١٢", "0x10", "1:2:3"]),
+).map(str)
+
+START = ("--spin", "--beta", "--gamma", "--beta-rate", "--gamma-rate", "--mu", "--eps")
+LOSSES = ("--rolling", "--rolling-viscous", "--pivoting", "--air-drag")
+SIMULATE = (*START, "--end", "--samples", "--tolerance", "--step", "--model", "--time-limit")
+REST = (*START, *LOSSES, "--stiffness", "--half-thickness", "--step", "--end")
+SOURCES = st.sampled_from(cli.SOURCES)
+
+
+def with_values(*names: str) -> st.SearchStrategy[list[str]]:
+    """Some of these options, each with some value, as one word so that it may begin with -."""
+    return st.dictionaries(st.sampled_from(names), NUMBERS, max_size=4).map(
+        lambda chosen: [f"{name}={value}" for name, value in chosen.items()]
+    )
+
+
+def answer(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """Run a command line and check how it answers."""
+    capsys.readouterr()
+    code = cli.main(words)
+    shown = capsys.readouterr()
+    assert code in (0, 2)
+    lines = shown.err.splitlines()
+    assert len(lines) <= 1
+    if code == 2:
+        assert lines[0].startswith(f"tippedisk {words[0]}: error: ")
+        assert shown.out == ""
+
+
+QUICK = settings(
+    max_examples=60,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+
+
+@pytest.fixture
+def nothing_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Accept what passes all checks in place of simulating it."""
+
+    def accept(*_: Any, **__: Any) -> Any:
+        raise ArithmeticError("accepted")
+
+    monkeypatch.setattr(analysis, "simulate", accept)
+    monkeypatch.setattr(mbs_models, "simulate", accept)
+    monkeypatch.setattr(rest, "simulate_to_rest", accept)
+    monkeypatch.setattr(mbs_models, "simulate_to_rest", accept)
+    monkeypatch.setattr(basic, "announce", lambda _, effort, __=None: effort.check())
+    monkeypatch.setattr(rest, "announce", lambda _, effort, __=None: effort.check())
+
+
+@pytest.mark.usefixtures("nothing_is_computed")
+@QUICK
+@given(SOURCES, with_values(*SIMULATE))
+@example("engine", ["--samples=1000000000000"])
+@example("engine", ["--step=1e-300", "--end=1e300"])
+@example("in-house", ["--mu=1e300", "--eps=1e-300"])
+def test_simulate_answers_in_one_line(
+    capsys: pytest.CaptureFixture[str], source: str, given_options: list[str]
+) -> None:
+    with TemporaryDirectory() as folder:
+        answer(
+            ["simulate", "--source", source, "--out", f"{folder}/run.npz", *given_options], capsys
+        )
+
+
+@pytest.mark.usefixtures("nothing_is_computed")
+@QUICK
+@given(SOURCES, with_values(*REST))
+def test_rest_answers_in_one_line(
+    capsys: pytest.CaptureFixture[str], source: str, given_options: list[str]
+) -> None:
+    answer(["rest", "--source", source, *given_options], capsys)
+
+
+@settings(QUICK, max_examples=20)
+@given(SOURCES, with_values("--mu", "--eps", "--spin"))
+@example("in-house", ["--spin=5", "--mu=1e9", "--eps=1e-3"])
+@example("in-house", ["--spin=5", "--mu=1e9", "--eps=1e-12"])
+def test_eigenvalues_answer_in_one_line(
+    capsys: pytest.CaptureFixture[str], source: str, given_options: list[str]
+) -> None:
+    words = ["eigenvalues", "--spin=30", "--system=reduced", f"--source={source}"]
+    answer([*words, *given_options], capsys)
+
+
+def test_eigenvalues_of_the_steepest_friction_are_followed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    # Differences of rounding only, divided by each other, overflowed.
+    answer(["eigenvalues", "--spin", "3", "--mu", "1e9", "--eps", "1e-3"], capsys)
+    answer(["eigenvalues", "--spin", "3", "--mu", "0", "--eps", "1e-12"], capsys)
+
+
+@QUICK
+@given(with_values("--mu", "--stiffness", "--half-thickness", "--model", *LOSSES))
+def test_scene_answers_in_one_line(
+    capsys: pytest.CaptureFixture[str], given_options: list[str]
+) -> None:
+    answer(["scene", *given_options], capsys)
+
+
+@QUICK
+@given(with_values("--begin", "--end", "--speed"), with_values("--fps", "--width"))
+def test_animate_answers_in_one_line(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    given_options: list[str],
+    of_a_gif: list[str],
+) -> None:
+    random_trajectory().save(tmp_path / "run.npz")
+    words = ["animate", str(tmp_path / "run.npz"), *given_options]
+    answer(words, capsys)
+    # Drawing takes seconds; what is drawn has passed all checks but that of the width.
+    monkeypatch.setattr("validation.animation.gif._Picture", None)
+    if of_a_gif and not any(name.startswith("--width") for name in of_a_gif):
+        of_a_gif.append("--width=1")
+        answer([*words, "--out", str(tmp_path / "run.gif"), *of_a_gif], capsys)
+
+
+@pytest.mark.slow
+@settings(QUICK, max_examples=20)
+@given(
+    SOURCES,
+    st.fixed_dictionaries(
+        {},
+        optional={
+            "--spin": st.floats(-300.0, 300.0),
+            "--beta": st.floats(0.1, 3.0),
+            "--mu": st.floats(0.0, 10.0),
+            "--eps": st.floats(1e-2, 10.0),
+            "--gamma": st.floats(-10.0, 10.0),
+            "--model": st.sampled_from(cli.MODELS),
+            "--load": st.sampled_from(cli.LOADS),
+        },
+    ),
+)
+def test_short_runs_of_random_problems_answer_in_one_line(
+    capsys: pytest.CaptureFixture[str], source: str, values: dict[str, Any]
+) -> None:
+    chosen = [f"{name}={value}" for name, value in values.items()]
+    with TemporaryDirectory() as folder:
+        out = f"{folder}/run.npz"
+        fixed = f"simulate --end 0.01 --samples 3 --tolerance 1e-4 --source {source} --out {out}"
+        answer([*fixed.split(), *chosen], capsys)

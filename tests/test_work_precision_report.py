@@ -1,0 +1,354 @@
+"""What the work-precision study says: stored studies, tables, lesson, report, README."""
+
+import dataclasses
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mbs_models import Integrator
+from validation.figures import Picture
+from validation.provenance import Provenance
+from validation.work_precision import confirm, figures, measure, section, ship, tables
+from validation.work_precision.lesson import paragraphs
+from validation.work_precision.methods import EngineMethod, methods
+from validation.work_precision.prices import Price, cases
+from validation.work_precision.problems import PROBLEMS, Agreement
+from validation.work_precision.runs import Curve, Run
+from validation.work_precision.section import make_section
+from validation.work_precision.stored import (
+    FULL_STUDY,
+    SHIPPED,
+    Study,
+    read_study,
+    shipped,
+    write_study,
+)
+
+README = Path(__file__).parents[1] / "README.md"
+
+
+@cache
+def measured() -> Curve:
+    """A curve with a step, extrapolated and to tolerances."""
+    method = EngineMethod(formulation="contact-tree", integrator=Integrator(name="RK44"))
+    return measure.measure("model-1", method, True)
+
+
+def with_runs(formulation: str, changes: dict[str, Any]) -> Curve:
+    """The measured curve under another formulation's name, its runs changed."""
+    runs = [
+        dataclasses.replace(run, formulation=formulation, **changes) for run in measured().runs
+    ]
+    return dataclasses.replace(measured(), formulation=formulation, runs=tuple(runs))
+
+
+def failed() -> Curve:
+    run = Run(
+        problem="model-3",
+        formulation="floating",
+        scheme="trapezoidal",
+        kind="step",
+        setting=0.02,
+        failure="stopped",
+    )
+    return Curve(
+        problem="model-3", formulation="floating", scheme="trapezoidal", runs=(run,), end="failure"
+    )
+
+
+def made_study(*curves: Curve, quick: bool = False) -> Study:
+    return Study(
+        provenance=Provenance(
+            machine="a machine",
+            packages={"exudyn": "1.13.6"},
+            date="2026-01-31",
+            commit="abc1234567",
+        ),
+        quick=quick,
+        curves=curves or (measured(), failed()),
+        agreements={name: Agreement(problem=name, others={"x": 1e-13}) for name in PROBLEMS},
+        prices=(
+            Price(
+                what="full for modified Newton",
+                problem="model-1",
+                formulation="floating",
+                ratios=(2.0, 2.1, 2.2),
+                work=0.5,
+                error=1.0,
+            ),
+        ),
+    )
+
+
+def test_study_survives_its_file_to_four_digits(tmp_path: Path) -> None:
+    study = made_study()
+    write_study(study, tmp_path / "study.json")
+    read = read_study(tmp_path / "study.json")
+    assert (read.provenance, read.agreements) == (study.provenance, study.agreements)
+    assert read.prices == study.prices
+    for run, other in zip(read.runs, study.runs, strict=True):
+        assert (run.method, run.kind, run.setting) == (other.method, other.kind, other.setting)
+        assert (run.counts, run.failure) == (other.counts, other.failure)
+        assert run.error == pytest.approx(other.error, rel=1e-3)
+        assert run.seconds == pytest.approx(other.seconds, rel=1e-3, nan_ok=True)
+    write_study(read, tmp_path / "again.json")
+    assert (tmp_path / "again.json").read_bytes() == (tmp_path / "study.json").read_bytes()
+
+
+def test_file_that_holds_no_study_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "study.json"
+    write_study(made_study(), path)
+    stored = json.loads(path.read_text())
+    del stored["curves"][0]["end"]
+    path.write_text(json.dumps(stored))
+    with pytest.raises(ValueError, match=r"study\.json does not hold a work-precision study"):
+        read_study(path)
+
+
+def test_run_on_the_spot_confirms_equal_work_and_error_whatever_its_time() -> None:
+    slower = [dataclasses.replace(run, seconds=3.0 * run.seconds) for run in measured().runs]
+    here = made_study(dataclasses.replace(measured(), runs=tuple(slower)), quick=True)
+    text = confirm.sentence(here, made_study())
+    assert text.startswith("Confirmed on the spot: yes.")
+    assert "take 3 times the processor time" in text
+
+
+@pytest.mark.parametrize("what", ["error", "work", "failure"])
+def test_run_on_the_spot_that_differs_is_counted(what: str) -> None:
+    first, *others = measured().runs
+    assert first.errors is not None
+    changes: dict[str, dict[str, Any]] = {
+        "error": {"errors": dataclasses.replace(first.errors, error=1.1 * first.error)},
+        "work": {"counts": {"right_hand_sides": round(1.1 * first.work)}},
+        "failure": {"errors": None, "failure": "stopped"},
+    }
+    runs = (dataclasses.replace(first, **changes[what]), *others)
+    here = made_study(dataclasses.replace(measured(), runs=runs), quick=True)
+    text = confirm.sentence(here, made_study())
+    assert text.startswith("Confirmed on the spot: partly.")
+    assert f"Of {1 + len(others)} runs of the quick selection, {len(others)} take" in text
+
+
+def test_errors_below_what_the_references_tell_count_as_the_same() -> None:
+    first, *others = measured().runs
+    assert first.errors is not None
+    tiny = [dataclasses.replace(first.errors, error=error) for error in (1e-13, 5e-13)]
+    here, there = (
+        made_study(
+            dataclasses.replace(
+                measured(), runs=(dataclasses.replace(first, errors=errors), *others)
+            )
+        )
+        for errors in tiny
+    )
+    assert confirm.sentence(here, there).startswith("Confirmed on the spot: yes.")
+
+
+def test_tables_say_what_the_runs_say() -> None:
+    study = made_study(
+        measured(), with_runs("index-1", {"scheme": "DOP853", "kind": "local tolerance"})
+    )
+    rows = tables.ways(study).rows
+    best = min(
+        (run for run in measured().runs if run.error <= 1e-3 and run.kind != "tolerance"),
+        key=lambda run: run.seconds,
+    )
+    assert rows[0][:4] == ["Model 1", "1e-3", best.method, best.work]
+    assert str(rows[0][5]).startswith("index-1, DOP853")
+    assert rows[2][2] != "not reached"
+    assert rows[3][2] == "not in this selection"
+    assert len(tables.all_runs(study).rows) == 2 * len(measured().runs)
+
+
+def test_formulation_table_tells_apart_why_there_is_no_time() -> None:
+    coarse = with_runs("euler-tree", {})
+    coarse = dataclasses.replace(coarse, runs=coarse.runs[:2], end="rounding")
+    rows = tables.formulation_ways(made_study(measured(), coarse)).rows
+    assert str(rows[1][2]).startswith("RK44")
+    assert str(rows[1][3]).startswith("not reached, best")
+    assert rows[1][4] == "not in this selection"
+    model_3 = tables.formulation_ways(made_study()).rows[-6:]
+    assert all(row[2] in {None, "not in this selection"} for row in model_3)
+
+
+def test_every_way_lists_each_kind_of_run_with_its_work() -> None:
+    rows = tables.every_way(made_study(measured())).rows
+    assert [row[3] for row in rows] == ["step", "extrapolated", "tolerance"]
+    plain = [run for run in measured().runs if run.kind == "step"]
+    assert rows[0][4] == min(run.work for run in plain if run.error <= 1e-3)
+    assert rows[2][4] == next(
+        run.work for run in measured().runs if run.kind == "tolerance" and run.setting == 1e-3
+    )
+    assert rows[0][8] is None
+
+
+def test_tolerance_table_counts_refusals_and_margins() -> None:
+    row = tables.tolerances(made_study(measured())).rows[0]
+    assert row[:3] == ["contact-tree, RK44", 2, 0]
+    assert 0.0 < float(str(row[3])) < 1.0
+    assert float(str(row[6])) >= 1.0
+
+
+def test_tolerance_table_tells_the_promised_angles_from_the_position() -> None:
+    astray = [
+        dataclasses.replace(run, errors=dataclasses.replace(run.errors, error=1.0))
+        for run in measured().runs
+        if run.kind == "tolerance" and run.errors is not None
+    ]
+    plain = [run for run in measured().runs if run.kind != "tolerance"]
+    curve = dataclasses.replace(measured(), runs=(*plain, *astray))
+    row = tables.tolerances(made_study(curve)).rows[0]
+    assert row[1:3] == [2, 0]
+    assert float(str(row[3])) < 1.0
+    assert row[5] == 2
+
+
+def test_price_within_scatter_is_called_so() -> None:
+    study = made_study()
+    noise = dataclasses.replace(study.prices[0], ratios=(0.9, 1.1, 1.2))
+    rows = tables.price_table([*study.prices, noise]).rows
+    assert [row[5] for row in rows] == ["more", "within scatter"]
+
+
+def test_lesson_says_nothing_without_runs() -> None:
+    empty = dataclasses.replace(made_study(), curves=(), prices=())
+    assert paragraphs(empty) == []
+
+
+def test_lesson_compares_topology_with_constraints_from_the_runs() -> None:
+    slow = with_runs("euler-tree", {"scheme": "trapezoidal"})
+    slow = dataclasses.replace(
+        slow,
+        runs=tuple(dataclasses.replace(run, seconds=25.0 * run.seconds) for run in slow.runs),
+    )
+    text = " ".join(paragraphs(made_study(measured(), slow)))
+    assert "takes 25 times as long to the same error" in text
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures take seconds, and do not matter to most tests."""
+    picture = Picture(name="x", title="x", caption="", png=b"", svg="")
+    for name in ("fronts", "orders"):
+        monkeypatch.setattr(figures, name, lambda *_: picture)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_quick_study_draws_no_lesson_and_says_what_it_left_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(section, "shipped", lambda: None)
+    made = make_section(made_study(quick=True))
+    assert "from which no lesson is drawn" in made.paragraphs[1]
+    assert len(made.paragraphs) == 3
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_quick_study_shows_the_shipped_one_and_confirms_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    full = made_study()
+    monkeypatch.setattr(section, "shipped", lambda: full)
+    made = make_section(made_study(measured(), quick=True))
+    assert "a machine" in made.paragraphs[1]
+    assert "contact tree: RK44; floating, Euler parameters: trapezoidal." in made.paragraphs[2]
+    assert made.paragraphs[3].startswith("Confirmed on the spot: yes.")
+    assert "work-precision-confirmed" in {table.name for table in made.tables}
+    assert "Prices, each the median" in " ".join(made.paragraphs)
+    assert len(made.tables[-1].rows) == len(full.runs)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_full_study_on_the_spot_speaks_for_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(section, "shipped", lambda: made_study(measured()))
+    made = make_section(made_study())
+    assert "Measured on the spot" in made.paragraphs[1]
+    assert "work-precision-confirmed" not in {table.name for table in made.tables}
+
+
+@pytest.mark.slow
+def test_figures_lay_the_runs_on_the_spot_over_the_full_curves() -> None:
+    full = made_study()
+    pictures = [
+        figures.fronts(full),
+        figures.fronts(full, made_study(measured(), quick=True)),
+        figures.orders(full),
+    ]
+    assert all(picture.png.startswith(b"\x89PNG") for picture in pictures)
+    assert ["on the spot" in picture.caption for picture in pictures] == [False, True, False]
+
+
+def whole_study() -> Study:
+    """All curves and prices of a full study, without a successful run."""
+    curves = [
+        dataclasses.replace(
+            failed(), problem=name, formulation=method.formulation, scheme=method.scheme
+        )
+        for name, problem in PROBLEMS.items()
+        for method in methods(problem, False)
+    ]
+    found = tuple(
+        dataclasses.replace(
+            made_study().prices[0],
+            what=case.what,
+            problem=case.one.problem.name,
+            formulation=case.one.method.formulation,
+        )
+        for case in cases(False)
+    )
+    return dataclasses.replace(made_study(*curves), prices=found)
+
+
+def test_only_a_whole_full_study_is_shipped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(ship, "SHIPPED", tmp_path / "shipped.json")
+    assert ship.main([str(tmp_path)]) == 1
+    for study, message in (
+        (made_study(quick=True), "must be a full one"),
+        (made_study(), "missing: agreement"),
+    ):
+        if study.quick:
+            write_study(study, tmp_path / FULL_STUDY)
+        else:
+            partial = dataclasses.replace(study, agreements={})
+            write_study(partial, tmp_path / FULL_STUDY)
+        assert ship.main([str(tmp_path)]) == 1
+        assert message in capsys.readouterr().err
+    assert not (tmp_path / "shipped.json").exists()
+
+
+def test_shipping_prints_the_block_of_the_readme(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(ship, "SHIPPED", tmp_path / "shipped.json")
+    write_study(whole_study(), tmp_path / FULL_STUDY)
+    assert ship.main([str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith(ship.BEGIN)
+    assert printed.rstrip().endswith(ship.END)
+    assert "\n| Model 1 | not reached | not reached | not reached |\n" in printed
+    assert "2026-01-31, a machine" in printed
+    assert (tmp_path / "shipped.json").read_bytes() == (tmp_path / FULL_STUDY).read_bytes()
+
+
+def test_readme_shows_the_fastest_ways_of_the_shipped_study() -> None:
+    full = shipped()
+    if full is None:
+        pytest.skip("no full study is shipped yet")
+    text = README.read_text(encoding="utf-8")
+    block = text[text.index(ship.BEGIN) : text.index(ship.END) + len(ship.END)]
+    assert block == ship.readme_block(full)
+
+
+def test_shipped_study_is_a_whole_one_of_a_clean_commit() -> None:
+    full = shipped()
+    if full is None:
+        pytest.skip("no full study is shipped yet")
+    ship.check_complete(full)
+    assert full.provenance.commit
+    assert not full.provenance.commit.endswith("+changes")
+    assert SHIPPED.stat().st_size < 1e6

@@ -1,0 +1,98 @@
+"""Workers of a process that is killed end as well."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from validation.robustness.isolated import run_isolated
+
+ROOT = Path(__file__).parent.parent
+
+POOL = """
+from tests.test_workers import note_and_work
+from validation.workers import process_pool
+from sys import argv
+if __name__ == "__main__":
+    with process_pool(2) as pool:
+        list(pool.map(note_and_work, [argv[1]] * 2))
+"""
+
+ISOLATED = """
+from tests.test_workers import note_and_work
+from validation.robustness.isolated import run_isolated
+from sys import argv
+if __name__ == "__main__":
+    run_isolated(note_and_work, [(argv[1],)], limit=600.0)
+"""
+
+NESTED = """
+from tests.test_workers import isolate
+from validation.workers import process_pool
+from sys import argv
+if __name__ == "__main__":
+    with process_pool(1) as pool:
+        list(pool.map(isolate, [argv[1]]))
+"""
+
+PATIENCE = 60.0
+"""Time in s after which a test gives up; the workers end at once."""
+
+
+def note_and_work(folder: str) -> None:
+    """Leave the process's id in a folder and compute for ten minutes."""
+    (Path(folder) / str(os.getpid())).touch()
+    end = time.monotonic() + 600.0
+    while time.monotonic() < end:
+        sum(range(1000))
+
+
+def isolate(folder: str) -> None:
+    (Path(folder) / str(os.getpid())).touch()
+    run_isolated(note_and_work, [(folder,)], limit=600.0)
+
+
+def is_running(process: int) -> bool:
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z"
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
+@pytest.mark.parametrize(("code", "number"), [(POOL, 2), (ISOLATED, 1), (NESTED, 2)])
+def test_workers_of_a_killed_parent_end(code: str, number: int, tmp_path: Path) -> None:
+    script = tmp_path / "parent.py"
+    script.write_text(code)
+    notes = tmp_path / "workers"
+    notes.mkdir()
+    parent = subprocess.Popen(
+        [sys.executable, str(script), str(notes)],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stderr=subprocess.DEVNULL,
+    )
+    limit = time.monotonic() + PATIENCE
+    workers: list[int] = []
+    try:
+        while len(workers) < number:
+            assert parent.poll() is None
+            assert time.monotonic() < limit
+            time.sleep(0.02)
+            workers = [int(note.name) for note in notes.iterdir()]
+        assert all(map(is_running, workers))
+        parent.kill()
+        parent.wait()
+        limit = time.monotonic() + PATIENCE
+        while any(map(is_running, workers)):
+            assert time.monotonic() < limit, "workers go on without their parent"
+            time.sleep(0.02)
+    finally:
+        parent.kill()
+        for worker in filter(is_running, workers):
+            os.kill(worker, signal.SIGKILL)
