@@ -432,3 +432,9 @@ def _add_disk_and_friction(parser: argparse.ArgumentParser) -> None:
     add("--disk", choices=DISKS, default="steel", help="disk (default: %(default)s)")
     add("--mu", type=float, default=0.3, help="friction coefficient (0.3)")
     add("--eps", type=float, default=0.1, help="smoothing speed of the friction law in m/s (0.1)")
+    add(
+        "--law",
+        metavar="LAW",
+        help="another friction law than the paper's with --mu and --eps: stribeck, tanh, viscous "
+        "or module:class, with its parameters behind commas, as in tanh,coefficient=0.4",
+    )
