@@ -202,12 +202,9 @@ def test_command_line_takes_a_law(law: str, tmp_path: Path) -> None:
 
 
 def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
-    text = Path(__file__).read_text()
-    begin, end = text.index("@dataclass(frozen=True"), text.index("@pytest.mark.parametrize")
-    head = (
-        "from dataclasses import dataclass\nimport numpy as np\nfrom analysis import FrictionLaw\n"
-    )
-    (tmp_path / "rough.py").write_text(head + text[begin:end])
+    text = (Path(__file__).parent.parent / "README.md").read_text()
+    begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
+    (tmp_path / "rough.py").write_text(text[begin : text.index("```", begin)])
     call = [sys.executable, "-m", "validation", "simulate", "--law"]
     call += ["rough:SquareRoot,coefficient=0.2", "--end", "0.1", "--out", "own.npz"]
     subprocess.run(call, cwd=tmp_path, check=True)

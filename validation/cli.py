@@ -62,6 +62,7 @@ exit codes:
 _OPTION_OF = {
     "coefficient": "mu",
     "smoothing": "eps",
+    "friction": "eps",
     "rolling_dry": "rolling",
     "interval": "spin",
     "spins": "spin",
@@ -132,6 +133,8 @@ def _blamed_option(options: argparse.Namespace, message: str) -> str:
     """The option whose argument a message begins with, if there is one."""
     argument = message.partition(" ")[0]
     option = _OPTION_OF.get(argument, argument)
+    if option in {"mu", "eps"} and getattr(options, "law", None) is not None:
+        option = "law"
     return f"--{option.replace('_', '-')}: " if hasattr(options, option) else ""
 
 
