@@ -15,7 +15,7 @@ from analysis.spectra import state_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
 from validation.crosscheck import angle_error
-from validation.robustness.run import quietly
+from validation.robustness.reference import quietly
 
 Axis = Literal["smoothing", "stiffness"]
 

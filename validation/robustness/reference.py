@@ -1,0 +1,184 @@
+"""What a run is compared with: two runs by other methods, and how far they are apart."""
+
+import warnings
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+import numpy as np
+
+import analysis
+import mbs_models
+from analysis import Method, Trajectory
+from analysis.checks import Array
+from mbs_models import Integrator
+from validation.robustness.cases import STIFF, Problem, Way, scene
+from validation.robustness.work import StepCount
+
+STEPS = 60_000
+"""Most steps of a reference."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Reference:
+    """Two runs of a motion by two methods.
+
+    Parameters
+    ----------
+    first, second : Trajectory
+    """
+
+    first: Trajectory
+    second: Trajectory
+
+    @property
+    def doubt(self) -> float:
+        """Their deviation in rad, or that of the times at which they end in s if it is larger."""
+        return max(deviation(self.first, self.second), ending_error(self.first, self.second))
+
+    def for_way(self, way: Way) -> Trajectory:
+        """The first run, or the second for a way that has the method of the first."""
+        method = self.first.method
+        if self.first.source != way.source:
+            return self.first
+        if way.source == "in-house":
+            same = method["method"] == way.integrator
+        else:
+            same = (method["formulation"], method["integrator"]) == (
+                way.formulation,
+                way.integrator,
+            )
+        return self.second if same else self.first
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoReference:
+    """Why there is none.
+
+    Parameters
+    ----------
+    reason : str
+    refused : bool
+        Whether the motion cannot start.
+    """
+
+    reason: str
+    refused: bool = False
+
+
+def common(run: Trajectory, other: Trajectory) -> int:
+    """Number of samples that two runs of the same times share; the ending of one is none."""
+    early = run.ending is not None or other.ending is not None
+    return min(run.times.size, other.times.size) - early
+
+
+def deviation(run: Trajectory, other: Trajectory) -> float:
+    """Largest difference of beta and gamma in rad over what the two have in common."""
+    rows = common(run, other)
+    apart = np.abs(run.coordinates[:rows] - other.coordinates[:rows])[:, 4:6]
+    return float(np.max(apart))
+
+
+def ending_error(run: Trajectory, other: Trajectory) -> float:
+    """Difference in s of the times at which two runs end; infinite if one alone ends early."""
+    if run.ending is None and other.ending is None:
+        return 0.0
+    if run.ending is None or other.ending is None or run.ending.reason != other.ending.reason:
+        return inf
+    return abs(run.ending.time - other.ending.time)
+
+
+def reference_or_reason(problem: Problem) -> Reference | NoReference:
+    """The reference of a problem, or why there is none."""
+    try:
+        return reference(problem)
+    except ValueError as error:
+        return NoReference(reason=_line(error), refused=True)
+    except ArithmeticError as error:
+        return NoReference(reason=_line(error))
+
+
+def reference(problem: Problem) -> Reference:
+    """Two runs of a problem.
+
+    Both are in-house, or on a penalty contact of different formulations and integrators.
+
+    Raises
+    ------
+    ArithmeticError
+        If one of the two fails, or takes too many steps.
+    ValueError
+        If the motion cannot start.
+    """
+    if problem.contact is not None:
+        return _penalty_reference(problem)
+    stiff = problem.friction.smoothing < STIFF
+    methods: tuple[tuple[Method, float], ...] = (
+        ("Radau" if stiff else "DOP853", 1e-10 if stiff else 1e-12),
+        ("LSODA", 1e-12),
+    )
+    first, second = (
+        _within(
+            quietly,
+            problem.level,
+            problem.times,
+            disk=problem.disk,
+            friction=problem.friction,
+            start=problem.start,
+            method=method,
+            local_tolerance=tolerance,
+        )
+        for method, tolerance in methods
+    )
+    return Reference(first=first, second=second)
+
+
+def _penalty_reference(problem: Problem) -> Reference:
+    tree, body = (scene(problem, formulation) for formulation in ("euler-tree", "floating-lie"))
+    tight = Integrator(name="DOPRI5", local_tolerance=1e-11)
+    return Reference(
+        first=_within(mbs_models.simulate, tree, problem.times, integrator=tight),
+        second=_within(
+            mbs_models.simulate, body, problem.times, integrator="RK67", tolerance=1e-8
+        ),
+    )
+
+
+def _within(simulate: Any, *arguments: Any, **options: Any) -> Trajectory:
+    """A call of `simulate` within the limit of steps."""
+    count = StepCount(STEPS)
+    try:
+        result: Trajectory = simulate(*arguments, progress=count, **options)
+    except Exception as error:
+        if count.is_used_up:
+            raise ArithmeticError(
+                f"{STEPS} steps taken at t = {count.reached:.3g} s of a reference"
+            ) from error
+        raise
+    return result
+
+
+def quietly(*arguments: Any, **options: Any) -> Trajectory:
+    """`analysis.simulate` without a warning of SciPy's.
+
+    LSODA warns where it gives up, which is an error here as well.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return analysis.simulate(*arguments, **options)
+
+
+def energy_error(run: Trajectory, truth: Trajectory) -> float:
+    """Largest deviation of the energy over what two runs have in common, relative."""
+    rows = common(run, truth)
+    total, expected = (_energy(each)[:rows] for each in (run, truth))
+    return float(np.max(np.abs(total - expected)) / np.max(expected))
+
+
+def _energy(run: Trajectory) -> Array:
+    result: Array = sum(analysis.energies(run.disk, run.coordinates, run.rates), np.zeros(1))
+    return result
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split())
