@@ -23,6 +23,7 @@ from validation.robustness.reference import (
     Reference,
     deviation,
     ending_error,
+    limited,
     reference,
     reference_or_reason,
 )
@@ -173,6 +174,22 @@ def test_run_that_takes_all_its_steps_is_not_finished_and_no_failure(
     assert outcome.steps == 7
     assert "7 steps taken, the last pass at t = 0.0" in outcome.reason
     assert not outcome.broken
+
+
+@pytest.mark.slow
+def test_damper_that_meets_the_table_has_a_reference_by_short_steps() -> None:
+    contact = analysis.PenaltyContact.damped(1e5, STEEL_DISK)
+    x, y, z, *angles = EASY.start.coordinates
+    start = replace(EASY.start, coordinates=(x, y, z + 1e-3, *angles))
+    friction = SmoothCoulomb(load="contact")
+    known = reference(replace(EASY, contact=contact, start=start, friction=friction, end=0.02))
+    assert known.first.method["integrator"] == "RK44"
+    assert 0.0 < known.doubt < DOUBT
+
+
+def test_longer_motion_may_take_more_steps() -> None:
+    assert limited(100, EASY) == 100
+    assert limited(100, replace(EASY, end=30.0)) == 3000
 
 
 def test_steps_count_over_all_passes() -> None:

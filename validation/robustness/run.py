@@ -18,6 +18,7 @@ from validation.robustness.reference import (
     deviation,
     ending_error,
     energy_error,
+    limited,
     quietly,
     reference_or_reason,
 )
@@ -35,8 +36,9 @@ Verdict = Literal[
     "crashed",
 ]
 
-STEPS = {"engine": 100_000, "in-house": 20_000}
-"""Most steps of a case, all its passes together, by source."""
+STEPS = {"engine": 50_000, "in-house": 20_000}
+"""Most steps of a case of up to a second, all its passes together, by source; of longer ones per
+second."""
 
 TIME_LIMIT = 240.0
 """Time in s after which a process is ended from outside, many times what its steps take."""
@@ -154,7 +156,7 @@ def run_problems(batch: Sequence[tuple[Problem, Sequence[Way]]]) -> list[Outcome
 
 def run_case(problem: Problem, way: Way, known: Reference | NoReference) -> Outcome:
     """Run one case and classify it."""
-    count = StepCount(STEPS[way.source])
+    count = StepCount(limited(STEPS[way.source], problem))
     begin = time.perf_counter()
     blank = _blank(problem, way)
     try:
@@ -180,7 +182,7 @@ def run_case(problem: Problem, way: Way, known: Reference | NoReference) -> Outc
         seconds=time.perf_counter() - begin,
     )
     if problem.samples <= FEW:
-        again = simulate(problem, way, StepCount(STEPS[way.source]))
+        again = simulate(problem, way, StepCount(count.limit))
         blank = replace(blank, repeatable=_same(run, again))
     if isinstance(known, NoReference):
         if known.refused:
