@@ -10,11 +10,11 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, SmoothCoulomb, Trajectory, consistent_start
+from analysis import LEVELS, STEEL_DISK, SmoothCoulomb, Trajectory, consistent_start
 from analysis.trajectory import Ending
 from validation.provenance import Provenance
+from validation.robustness import random_scenarios, ship, stored, tables
 from validation.robustness import run as runs
-from validation.robustness import ship, stored, tables
 from validation.robustness.axes import body, problems
 from validation.robustness.cases import TOLERANCE, Problem, Way, scene, ways
 from validation.robustness.causes import cause
@@ -309,3 +309,28 @@ def test_bodies_reach_the_limits_that_a_rigid_body_allows() -> None:
     assert a < 2e-3 * b
     with pytest.raises(ValueError, match="must not exceed the sum"):
         body((1e-4, 1e-4, 2.001e-4), 0.0)
+
+
+def test_random_scenarios_are_those_of_their_seed_and_within_their_ranges() -> None:
+    drawn = random_scenarios.scenarios(40, 3)
+    assert [str(each) for each in drawn] == [
+        str(each) for each in random_scenarios.scenarios(40, 3)
+    ]
+    assert str(drawn[0]) != str(random_scenarios.scenarios(1, 4)[0])
+    assert {each.problem.level for each in drawn} == set(LEVELS)
+    assert {each.problem.friction.load for each in drawn} == {"weight", "contact"}
+    for each in drawn:
+        assert each.formulation != "contact-tree" or each.problem.friction.load == "weight"
+        assert 1e-8 <= each.tolerance <= 1e-3
+
+
+def test_random_scenario_that_breaks_its_promise_is_found(
+    easy: Reference, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = random_scenarios.Scenario(problem=EASY, formulation="contact-tree", tolerance=1e-5)
+    monkeypatch.setattr(random_scenarios, "reference_or_reason", lambda _: easy)
+    assert random_scenarios.verdict(scenario)[0] == "kept"
+    for wrong, word in ((0.9e-5, "kept"), (1.1e-5, "BROKEN")):
+        run = replace(moved(easy.first, wrong), error_estimate=1e-6)
+        monkeypatch.setattr(mbs_models, "simulate", returning(run))
+        assert random_scenarios.verdict(scenario)[0] == word
