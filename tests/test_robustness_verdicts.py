@@ -18,6 +18,7 @@ from validation.robustness import run as runs
 from validation.robustness.axes import body, problems
 from validation.robustness.cases import TOLERANCE, Problem, Way, scene, ways
 from validation.robustness.causes import cause
+from validation.robustness.causes import table as causes_table
 from validation.robustness.reference import (
     NoReference,
     Reference,
@@ -244,6 +245,16 @@ def test_inaccurate_energy_is_told_from_inaccurate_angles() -> None:
     wrong = replace(BLANK, verdict="inaccurate", doubt=0.0)
     assert cause(replace(wrong, error=1e-7)) == "angles accurate, energy or constraint not"
     assert cause(replace(wrong, error=1e-5)) == "wrong angles or ending"
+
+
+def test_causes_are_counted_with_where_they_lie() -> None:
+    late = replace(BLANK, verdict="not finished in the limit")
+    wrong = replace(BLANK, verdict="inaccurate", error=1.0)
+    table = causes_table([BLANK, late, replace(late, axis="other"), late, wrong])
+    assert [list(row) for row in table.rows] == [
+        ["not finished in the limit", "too many steps", 3, "none (2), other (1)"],
+        ["inaccurate", "wrong angles or ending", 1, "none (1)"],
+    ]
 
 
 def study_of(*outcomes: Outcome) -> stored.Study:

@@ -43,15 +43,19 @@ def cause(outcome: Outcome) -> str:
 
 
 def table(outcomes: Sequence[Outcome]) -> Table:
-    """Number of cases without an accurate result, by cause and axis."""
-    found = Counter(
-        (outcome.verdict, cause(outcome), outcome.axis) for outcome in outcomes if cause(outcome)
-    )
-    rows: list[list[Cell]] = [[*key, number] for key, number in sorted(found.items())]
+    """Number of cases without an accurate result, by cause, and where they lie."""
+    found: dict[tuple[str, str], Counter[str]] = {}
+    for outcome in outcomes:
+        if name := cause(outcome):
+            found.setdefault((outcome.verdict, name), Counter())[outcome.axis] += 1
+    rows: list[list[Cell]] = [
+        [*key, axes.total(), ", ".join(f"{axis} ({count})" for axis, count in axes.most_common())]
+        for key, axes in sorted(found.items(), key=lambda item: -item[1].total())
+    ]
     return Table(
         name="robustness-causes",
         title="Cases without an accurate result, by cause",
-        columns=("verdict", "cause", "what is extreme", "cases"),
+        columns=("verdict", "cause", "cases", "what is extreme (cases)"),
         rows=rows,
         note="A start that needs a contact that pulls, and a disk that falls flat, are ends of "
         "the model and not of a method.",

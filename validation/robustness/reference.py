@@ -16,7 +16,7 @@ from mbs_models import EngineError, Integrator
 from validation.robustness.cases import STIFF, Problem, Way, scene
 from validation.robustness.work import StepCount
 
-STEPS = 60_000
+STEPS = 30_000
 """Most steps of a reference of up to a second; of longer ones per second."""
 
 
