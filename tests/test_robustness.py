@@ -16,11 +16,14 @@ from mbs_models import Scene
 from mbs_models.linear_stability import STAGES, amplification, largest_step, stability_polynomial
 from validation.robustness import section as robustness
 from validation.robustness import steps
-from validation.robustness.cases import Problem, Way, eccentric_disk, problems, scaled, ways
+from validation.robustness.axes import body, problems, scaled
+from validation.robustness.cases import Problem, Way, ways
+from validation.robustness.causes import GOOD
 from validation.robustness.drift import RUNNERS, conserved, drift
 from validation.robustness.isolated import Failure, run_isolated
+from validation.robustness.reference import NoReference, reference
 from validation.robustness.refusals import REQUESTS, refusals
-from validation.robustness.run import reference, run_case
+from validation.robustness.run import run_case
 
 TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
 EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")
@@ -148,13 +151,13 @@ def test_crash_and_other_bits_break_a_promise() -> None:
 
 
 def test_result_without_a_reference_is_not_called_accurate() -> None:
-    outcome = run_case(EASY, TREE, "too stiff")
-    assert outcome.verdict == "unchecked"
+    outcome = run_case(EASY, TREE, NoReference(reason="too stiff"))
+    assert outcome.verdict == "reference in doubt"
     assert "too stiff" in outcome.reason
 
 
 def test_failed_run_and_refused_case_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
-    refused = run_case(EASY, replace(EULER, integrator="RK44"), "none")
+    refused = run_case(EASY, replace(EULER, integrator="RK44"), NoReference(reason="none"))
     assert refused.verdict == "refused"
     assert "cannot take the constraints" in refused.reason
 
@@ -162,7 +165,7 @@ def test_failed_run_and_refused_case_are_told_apart(monkeypatch: pytest.MonkeyPa
         raise mbs_models.EngineError("engine run stopped")
 
     monkeypatch.setattr(mbs_models, "simulate", failing)
-    failed = run_case(EASY, EULER, "none")
+    failed = run_case(EASY, EULER, NoReference(reason="none"))
     assert failed.verdict == "diverged"
     assert failed.reason == "engine run stopped"
 
@@ -179,7 +182,7 @@ def test_all_refusals_come_at_once() -> None:
 
 @pytest.mark.parametrize("eccentricity", [0.0, 1e-9, 0.99 * STEEL_DISK.radius])
 def test_rigid_body_exists_for_every_eccentricity(eccentricity: float) -> None:
-    disk = eccentric_disk(eccentricity)
+    disk = body(STEEL_DISK.inertia_about_cog, eccentricity)
     assert disk.eccentricity == eccentricity
     np.testing.assert_allclose(disk.inertia_about_cog, STEEL_DISK.inertia_about_cog, rtol=1e-9)
 
@@ -244,7 +247,7 @@ def test_full_grid_covers_all_formulations_integrators_and_models() -> None:
 def test_report_and_grid_have_every_axis_of_the_study() -> None:
     for quick in (True, False):
         axes = {problem.axis for problem in problems(quick=quick)}
-        assert len(axes) == 9
+        assert len(axes) == 12
         contacts = [each for each in problems(quick=quick) if each.contact is not None]
         assert contacts
         for problem in contacts:
@@ -262,8 +265,13 @@ def test_every_quick_problem_is_known_by_its_key() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("problem", problems(quick=True), ids=lambda p: f"{p.axis} {p.label}")
-def test_no_quick_case_gives_a_wrong_result_as_right(problem: Problem) -> None:
+def test_quick_case_is_accurate_or_misses_the_energy_of_an_impact(
+    problem: Problem,
+) -> None:
     known = reference(problem)
     for way in ways(problem, quick=True):
         if way.source == "engine":
-            assert run_case(problem, way, known).verdict in {"accurate", "diverged"}
+            outcome = run_case(problem, way, known)
+            elastic = problem.axis == "start above the table"
+            assert outcome.verdict in (*GOOD, *(("inaccurate",) if elastic else ()))
+            assert not outcome.broken

@@ -16,29 +16,41 @@ from validation.robustness.run import Outcome, Verdict
 from validation.robustness.steps import ACCURACY, Axis, StepLimit
 from validation.work_precision.figures import LOOKS, NAMES
 
-_BANDS: tuple[Verdict, ...] = ("unchecked", "too slow", "diverged", "refused", "crashed")
-"""Verdicts without an error, from the lowest to the highest band above the errors."""
+_BANDS: dict[Verdict, str] = {
+    "reference in doubt": "in doubt",
+    "time limit": "time limit",
+    "not finished in the limit": "not finished",
+    "diverged": "diverged",
+    "refused": "refused",
+    "crashed": "crashed",
+}
+"""Verdicts without an error, from the lowest to the highest band above them, and their names."""
 
 _LOWEST = 1e-13
 
 
 def verdicts(outcomes: Sequence[Outcome]) -> list[Picture]:
     """Error or failure of every case, one panel per axis, one picture per model."""
-    levels = dict.fromkeys(outcome.problem.level for outcome in outcomes)
+    levels = dict.fromkeys(outcome.level for outcome in outcomes)
     return [
-        _verdicts(level, [each for each in outcomes if each.problem.level == level])
-        for level in levels
+        _verdicts(level, [each for each in outcomes if each.level == level]) for level in levels
     ]
 
 
 def _verdicts(level: Level, outcomes: Sequence[Outcome]) -> Picture:
     by_axis: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
-        by_axis.setdefault(outcome.problem.axis, []).append(outcome)
-    failed = [verdict for verdict in _BANDS if any(each.verdict == verdict for each in outcomes)]
+        by_axis.setdefault(outcome.axis, []).append(outcome)
+    failed = [
+        verdict
+        for verdict in _BANDS
+        if any(each.verdict == verdict and each.error is None for each in outcomes)
+    ]
     bands = {verdict: 10.0 ** (2 * row + 2) for row, verdict in enumerate(failed)}
-    figure = Figure(figsize=(10.5, 9.0 + 0.6 * len(failed)), layout="constrained")
-    panels = figure.subplots(3, 3, sharey=True)
+    figure = Figure(
+        figsize=(10.5, (len(by_axis) + 2) // 3 * (3.0 + 0.2 * len(failed))), layout="constrained"
+    )
+    panels = figure.subplots((len(by_axis) + 2) // 3, 3, sharey=True, squeeze=False)
     for panel in panels.flat[len(by_axis) :]:
         panel.set_axis_off()
     for panel, (axis, found) in zip(panels.flat, by_axis.items(), strict=False):
@@ -61,8 +73,9 @@ def _verdicts(level: Level, outcomes: Sequence[Outcome]) -> Picture:
         name=f"robustness-model-{level}",
         title=f"Hard cases, Model {level}",
         caption=f"Each mark is a run with one integrator; dotted: the {TOLERANCE:g} rad asked "
-        "for. Above the line, if there are any: runs without a result. Crosses: results that are "
-        "inaccurate in an angle or in the energy.",
+        "for. Hollow: accurate up to where the contact would have to pull, where the run ends. "
+        "Above the line, if there are any: runs without a result. Crosses: results that are "
+        "inaccurate in an angle, in the energy or in where they end.",
     )
 
 
@@ -81,33 +94,39 @@ def _legend(figure: Figure, panel: Axes, used: set[str]) -> None:
 
 def _panel(axes: Axes, outcomes: Sequence[Outcome], bands: Mapping[Verdict, float]) -> None:
     """Errors over the cases of an axis; what gave none lies in bands above."""
-    problems = list(dict.fromkeys(outcome.problem for outcome in outcomes))
+    labels = list(dict.fromkeys(outcome.label for outcome in outcomes))
     ways = list(dict.fromkeys(outcome.way for outcome in outcomes))
     for outcome in outcomes:
         colour, marker = LOOKS[outcome.way.formulation]
         place = (ways.index(outcome.way) + 0.5) / len(ways) - 0.5
-        error = bands[outcome.verdict] if outcome.error is None else max(outcome.error, _LOWEST)
+        error = bands.get(outcome.verdict, 1.0)
+        if outcome.error is not None:
+            error = min(max(outcome.error, _LOWEST), 1.0)
         axes.plot(
-            problems.index(outcome.problem) + 0.7 * place,
+            labels.index(outcome.label) + 0.7 * place,
             error,
             marker="X" if outcome.verdict == "inaccurate" else marker,
             markersize=8 if outcome.verdict == "inaccurate" else 4.5,
             color=colour,
+            fillstyle="none" if outcome.verdict == "ends: contact would pull" else "full",
         )
     axes.axhline(TOLERANCE, color="#777777", linewidth=0.8, linestyle=":")
     if bands:
         axes.axhline(10.0, color="#777777", linewidth=0.8)
     top = 10.0 * max(bands.values(), default=0.1)
-    axes.set(yscale="log", ylim=(0.3 * _LOWEST, top), xlim=(-0.6, len(problems) - 0.4))
+    axes.set(yscale="log", ylim=(0.3 * _LOWEST, top), xlim=(-0.6, len(labels) - 0.4))
     errors = [10.0**-digits for digits in (12, 9, 6, 3, 0)]
     axes.set_yticks(
         [*errors, *bands.values()],
-        [*(f"$10^{{{-digits}}}$" for digits in (12, 9, 6, 3, 0)), *bands],
+        [
+            *(f"$10^{{{-digits}}}$" for digits in (12, 9, 6, 3, 0)),
+            *(_BANDS[each] for each in bands),
+        ],
     )
     axes.minorticks_off()
     axes.set_xticks(
-        range(len(problems)),
-        [each.label.replace(", ", ",\n") for each in problems],
+        range(len(labels)),
+        [each.replace(", ", ",\n") for each in labels],
         rotation=35,
         ha="right",
         rotation_mode="anchor",

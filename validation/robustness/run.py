@@ -1,32 +1,50 @@
 """One hard case, run to its end and classified from measured error, drift and energy."""
 
 import time
-import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
 import analysis
 import mbs_models
-from analysis import Method, Trajectory
-from analysis.checks import Array
-from mbs_models import Integrator
-from validation.crosscheck import angle_error
+from analysis import Level, Trajectory
 from validation.robustness.cases import TOLERANCE, Problem, Way, scene
 from validation.robustness.isolated import Failure, run_isolated
+from validation.robustness.reference import (
+    NoReference,
+    Reference,
+    deviation,
+    ending_error,
+    energy_error,
+    limited,
+    quietly,
+    reference_or_reason,
+)
+from validation.robustness.work import StepCount
 
 Verdict = Literal[
-    "accurate", "inaccurate", "unchecked", "diverged", "refused", "too slow", "crashed"
+    "accurate",
+    "ends: contact would pull",
+    "inaccurate",
+    "reference in doubt",
+    "diverged",
+    "refused",
+    "not finished in the limit",
+    "time limit",
+    "crashed",
 ]
 
-Reference = tuple[Trajectory, float]
-"""A run to compare with, and its deviation in rad from one by another method."""
+STEPS = {"engine": 50_000, "in-house": 20_000}
+"""Most steps of a case of up to a second, all its passes together, by source; of longer ones per
+second."""
 
-REFERENCE_LIMIT = 4.0
-"""Time that a reference may take, in time limits of a run."""
+TIME_LIMIT = 240.0
+"""Time in s after which a process is ended from outside, many times what its steps take."""
 
+DOUBT = 0.1 * TOLERANCE
+"""Largest doubt of a reference, in rad, that leaves a verdict possible."""
 
 SLACK = 10.0
 """Times the angles' allowed error in rad that drift over radius and relative energy error may be.
@@ -44,18 +62,24 @@ class Outcome:
 
     Parameters
     ----------
-    problem : Problem
+    axis, label : str
+        See `Problem`.
+    level : {1, 2, 3, 4}
     way : Way
     verdict : str
-        `accurate`: the error is within what was asked for or promised, drift and energy within
-        `SLACK` times that. `inaccurate`: a result came back, and is beyond that. `unchecked`: a
-        result came back, and there is no reference. `diverged`: the run said itself that it
-        failed. `refused`: it did not start. `too slow` and `crashed`: the process had to be ended,
-        or ended itself.
+        `accurate`: the error is within what was asked for and the doubt of the reference, that
+        doubt is at most `DOUBT`, and drift and energy are within `SLACK` times that. `ends:
+        contact would pull`: so it is, up to where the contact would have to pull, and the
+        reference ends there. `inaccurate`: a result came back, and is beyond that. `reference in
+        doubt`: a result came back, and no reference is good enough. `diverged`: the run said
+        itself that it failed. `refused`: it did not start. `not finished in the limit`: it took
+        `STEPS`. `time limit` and `crashed`: the process had to be ended, or ended itself.
     error : float, optional
         Largest deviation of beta and gamma from the reference in rad.
+    ending_error : float, optional
+        Deviation in s of the time at which the contact would have to pull.
     doubt : float, optional
-        Deviation of two references by different methods from each other in rad.
+        Deviation of two references by different methods from each other, in rad or in s.
     estimate : float, optional
         The run's own error estimate in rad.
     drift : float, optional
@@ -65,216 +89,188 @@ class Outcome:
         Largest deviation of the energy from the reference as a part of its largest value.
     repeatable : bool, optional
         Whether a second run gives the same bits; None if there was none.
+    steps : int
+        Of all passes of the run.
     seconds : float
     reason : str
-        Why it diverged, was refused or is unchecked.
+        Why it diverged, was refused, was not finished or is in doubt.
     """
 
-    problem: Problem
+    axis: str
+    label: str
+    level: Level
     way: Way
     verdict: Verdict
     error: float | None = None
+    ending_error: float | None = None
     doubt: float | None = None
     estimate: float | None = None
     drift: float | None = None
     energy: float | None = None
     repeatable: bool | None = None
-    seconds: float = 0.0
+    steps: int = 0
+    seconds: float = field(default=0.0, compare=False)
     reason: str = ""
 
     @property
     def broken(self) -> bool:
         """Whether it crashed, broke its promise or, run again, gave other bits.
 
-        The promise is about the angles. A run without an error estimate, such as one with step
-        control, promises nothing.
+        The promise is about the angles, and about where the contact would pull. A run without an
+        error estimate, such as one with step control, promises nothing.
         """
         if self.verdict == "crashed" or self.repeatable is False:
             return True
         if self.error is None or self.estimate is None:
             return False
-        return self.error > max(TOLERANCE, self.estimate) + (self.doubt or 0.0)
+        error = max(self.error, self.ending_error or 0.0)
+        return error > max(TOLERANCE, self.estimate) + (self.doubt or 0.0)
 
 
-def run_problems(batch: Sequence[tuple[Problem, Sequence[Way]]], limit: float) -> list[Outcome]:
-    """Run problems in several ways each, in a process that may hang or crash.
-
-    Parameters
-    ----------
-    batch : sequence of (Problem, sequence of Way)
-    limit : float
-        Time limit of each run in s.
-    """
+def run_problems(batch: Sequence[tuple[Problem, Sequence[Way]]]) -> list[Outcome]:
+    """Run problems in several ways each, in a process that may hang or crash."""
     problems = [problem for problem, _ in batch]
     found = run_isolated(
-        reference_or_reason, [(problem,) for problem in problems], limit=REFERENCE_LIMIT * limit
+        reference_or_reason, [(problem,) for problem in problems], limit=TIME_LIMIT
     )
-    references = [each.reason if isinstance(each, Failure) else each for each in found]
+    references = [
+        NoReference(reason=each.reason) if isinstance(each, Failure) else each for each in found
+    ]
     cases = [
         (problem, way, known)
         for (problem, ways), known in zip(batch, references, strict=True)
         for way in ways
     ]
-    results = run_isolated(run_case, cases, limit=limit)
+    results = run_isolated(run_case, cases, limit=TIME_LIMIT)
     return [
-        Outcome(problem=problem, way=way, verdict=result.kind, reason=result.reason)
+        replace(
+            _blank(problem, way),
+            verdict="crashed" if result.kind == "crashed" else "time limit",
+            reason=result.reason,
+        )
         if isinstance(result, Failure)
         else result
         for (problem, way, _), result in zip(cases, results, strict=True)
     ]
 
 
-def run_case(problem: Problem, way: Way, known: Reference | str) -> Outcome:
-    """Run one case and classify it.
-
-    Parameters
-    ----------
-    problem : Problem
-    way : Way
-    known : (Trajectory, float) or str
-        The reference, or why there is none.
-    """
+def run_case(problem: Problem, way: Way, known: Reference | NoReference) -> Outcome:
+    """Run one case and classify it."""
+    count = StepCount(limited(STEPS[way.source], problem))
     begin = time.perf_counter()
+    blank = _blank(problem, way)
     try:
-        run = simulate(problem, way)
-    except ValueError as error:
-        return _failed(problem, way, "refused", error, begin)
-    except ArithmeticError as error:
-        return _failed(problem, way, "diverged", error, begin)
-    seconds = time.perf_counter() - begin
-    again = simulate(problem, way) if problem.samples <= FEW else None
-    if isinstance(known, str):
-        return Outcome(
-            problem=problem,
-            way=way,
-            verdict="unchecked",
-            estimate=run.error_estimate,
-            seconds=seconds,
-            reason=f"the reference fails: {known}",
+        run = simulate(problem, way, count)
+    except Exception as error:
+        verdict = _verdict_of(error, count)
+        if verdict is None:
+            raise
+        reason = " ".join(str(error).split())
+        if verdict == "not finished in the limit":
+            reason = f"{count.limit} steps taken, the last pass at t = {count.reached:.3g} s"
+        return replace(
+            blank,
+            verdict=verdict,
+            reason=reason,
+            steps=min(count.steps, count.limit),
+            seconds=time.perf_counter() - begin,
         )
-    truth, doubt = known
-    deviation, energy = angle_error(run, truth), _energy(run, truth)
-    drift = None
-    if problem.contact is None:
-        drift = float(np.max(analysis.constraint_drift(run)[0])) / problem.disk.radius
-    # What the references leave open cannot be held against the run.
-    allowed = max(TOLERANCE, run.error_estimate or 0.0) + doubt
-    good = deviation <= allowed and max(drift or 0.0, energy) <= SLACK * allowed
-    return Outcome(
-        problem=problem,
-        way=way,
-        verdict="accurate" if good else "inaccurate",
-        error=deviation,
-        doubt=doubt,
+    blank = replace(
+        blank,
         estimate=run.error_estimate,
-        drift=drift,
-        energy=energy,
-        repeatable=None if again is None else _same(run, again),
-        seconds=seconds,
-    )
-
-
-def _failed(
-    problem: Problem, way: Way, verdict: Verdict, error: Exception, begin: float
-) -> Outcome:
-    return Outcome(
-        problem=problem,
-        way=way,
-        verdict=verdict,
+        steps=count.steps,
         seconds=time.perf_counter() - begin,
-        reason=" ".join(str(error).split()),
+    )
+    if problem.samples <= FEW:
+        again = simulate(problem, way, StepCount(count.limit))
+        blank = replace(blank, repeatable=_same(run, again))
+    if isinstance(known, NoReference):
+        if known.refused:
+            reason = f"runs, and the reference cannot start: {known.reason}"
+            return replace(blank, verdict="inaccurate", reason=reason)
+        reason = f"the reference fails: {known.reason}"
+        return replace(blank, verdict="reference in doubt", reason=reason)
+    return _judge(blank, run, known)
+
+
+def _blank(problem: Problem, way: Way) -> Outcome:
+    return Outcome(
+        axis=problem.axis, label=problem.label, level=problem.level, way=way, verdict="crashed"
     )
 
 
-def simulate(problem: Problem, way: Way) -> Trajectory:
-    """Simulate a problem to `TOLERANCE`."""
-    times = _times(problem)
+def _verdict_of(error: Exception, count: StepCount) -> Verdict | None:
+    """Verdict on a run that raised, None if nothing explains it.
+
+    The engine wraps the end of the steps in errors of its own, and goes on to the next pass.
+    """
+    if count.is_used_up:
+        return "not finished in the limit"
+    if isinstance(error, ValueError):
+        return "refused"
+    return "diverged" if isinstance(error, ArithmeticError) else None
+
+
+def _judge(blank: Outcome, run: Trajectory, known: Reference) -> Outcome:
+    """Classify a result by its deviation from the reference."""
+    truth, doubt = known.for_way(blank.way), known.doubt
+    ending = ending_error(run, truth)
+    drift = None
+    if "stiffness" not in run.method:
+        drift = float(np.max(analysis.constraint_drift(run)[0])) / run.disk.radius
+    outcome = replace(
+        blank,
+        error=deviation(run, truth),
+        ending_error=ending if run.ending or truth.ending else None,
+        doubt=doubt,
+        drift=drift,
+        energy=energy_error(run, truth),
+    )
+    return replace(outcome, verdict=_verdict(outcome, run), reason=_reason(outcome, run, truth))
+
+
+def _verdict(outcome: Outcome, run: Trajectory) -> Verdict:
+    error = max(outcome.error or 0.0, outcome.ending_error or 0.0)
+    if outcome.doubt is not None and outcome.doubt > DOUBT and error <= TOLERANCE + outcome.doubt:
+        return "reference in doubt"
+    # What the references leave open cannot be held against the run.
+    allowed = TOLERANCE + (outcome.doubt or 0.0)
+    silent = bool(outcome.drift is not None and np.any(run.normal_force[:-1] < 0.0))
+    beyond = max(outcome.drift or 0.0, outcome.energy or 0.0) > SLACK * allowed
+    if error > allowed or beyond or silent:
+        return "inaccurate"
+    return "accurate" if run.ending is None else "ends: contact would pull"
+
+
+def _reason(outcome: Outcome, run: Trajectory, truth: Trajectory) -> str:
+    if outcome.ending_error is None:
+        return ""
+    one, other = (each.ending or "does not end early" for each in (run, truth))
+    return str(one) if outcome.ending_error <= TOLERANCE else f"{one}; reference: {other}"
+
+
+def simulate(problem: Problem, way: Way, count: StepCount) -> Trajectory:
+    """Simulate a problem to `TOLERANCE`, with the steps that `count` allows."""
     if way.source == "engine":
         return mbs_models.simulate(
             scene(problem, way.formulation),  # type: ignore[arg-type]  # the engine's, by its source
-            times,
+            problem.times,
             # Step control has a local tolerance of its own and promises nothing more.
             tolerance=None if way.integrator == "DOPRI5" else TOLERANCE,
             integrator=way.integrator,  # type: ignore[arg-type]  # the engine's, by its source
+            progress=count,
         )
+    options: dict[str, Any] = {"form": way.formulation, "method": way.integrator}
     return quietly(
         problem.level,
-        times,
+        problem.times,
         disk=problem.disk,
         friction=problem.friction,
         start=problem.start,
-        form=way.formulation,
-        method=way.integrator,
         tolerance=TOLERANCE,
+        progress=count,
+        **options,
     )
-
-
-def quietly(*arguments: Any, **options: Any) -> Trajectory:
-    """`analysis.simulate` without a warning of SciPy's.
-
-    Its Jacobian by differences warns where a column is zero, as those of the position are.
-    """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        return analysis.simulate(*arguments, **options)
-
-
-def reference_or_reason(problem: Problem) -> Reference | str:
-    """The reference of a problem, or why there is none."""
-    try:
-        return reference(problem)
-    except ArithmeticError as error:
-        return " ".join(str(error).split())
-
-
-def reference(problem: Problem) -> Reference:
-    """Run to compare with, and its deviation from one by another method.
-
-    Both are in-house, or on a penalty contact of different formulations and integrators.
-
-    Raises
-    ------
-    ArithmeticError
-        If one of the two fails.
-    """
-    if problem.contact is not None:
-        first, second = _penalty_references(problem)
-        return first, angle_error(first, second)
-    stiff = problem.friction.smoothing < 1e-3
-    methods: tuple[Method, Method] = ("Radau", "BDF") if stiff else ("DOP853", "Radau")
-    first, second = (
-        quietly(
-            problem.level,
-            _times(problem),
-            disk=problem.disk,
-            friction=problem.friction,
-            start=problem.start,
-            method=method,
-            local_tolerance=tolerance,
-        )
-        for method, tolerance in zip(methods, (1e-10, 1e-9), strict=True)
-    )
-    return first, angle_error(first, second)
-
-
-def _penalty_references(problem: Problem) -> tuple[Trajectory, Trajectory]:
-    tree, body = (scene(problem, formulation) for formulation in ("euler-tree", "floating-lie"))
-    tight = Integrator(name="DOPRI5", local_tolerance=1e-11)
-    return (
-        mbs_models.simulate(tree, _times(problem), integrator=tight),
-        mbs_models.simulate(body, _times(problem), tolerance=1e-8),
-    )
-
-
-def _times(problem: Problem) -> Array:
-    return np.linspace(0.0, problem.end, problem.samples)
-
-
-def _energy(run: Trajectory, truth: Trajectory) -> float:
-    total, expected = (
-        sum(analysis.energies(each.disk, each.coordinates, each.rates)) for each in (run, truth)
-    )
-    return float(np.max(np.abs(total - expected)) / np.max(expected))
 
 
 def _same(run: Trajectory, other: Trajectory) -> bool:

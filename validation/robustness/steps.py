@@ -15,7 +15,7 @@ from analysis.spectra import state_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
 from validation.crosscheck import angle_error
-from validation.robustness.run import quietly
+from validation.robustness.reference import quietly
 
 Axis = Literal["smoothing", "stiffness"]
 
@@ -168,9 +168,10 @@ def _slip(run: Trajectory) -> Array:
 def _short_run(scene: Scene, step: float, integrator: IntegratorName) -> Trajectory | None:
     times = step * np.linspace(0.0, _STEPS, 25)
     try:
-        return mbs_models.simulate(scene, times, step=step, integrator=integrator)
+        run = mbs_models.simulate(scene, times, step=step, integrator=integrator)
     except ArithmeticError:
         return None
+    return run if run.ending is None else None
 
 
 def _bisect(works: Callable[[float], bool], guess: float) -> float | None:
@@ -242,6 +243,6 @@ def _largest_accurate(
             run = mbs_models.simulate(scene, truth.times, step=step, integrator=integrator)
         except ArithmeticError:
             continue
-        if angle_error(run, truth) <= ACCURACY:
+        if run.ending is None and angle_error(run, truth) <= ACCURACY:
             return step
     return None

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import get_args
 
 from validation.robustness.cases import TOLERANCE
+from validation.robustness.causes import GOOD
 from validation.robustness.drift import Conserved, Drift
 from validation.robustness.run import Outcome, Verdict
 from validation.robustness.steps import ACCURACY, StepLimit
@@ -24,12 +25,12 @@ def verdicts(outcomes: Sequence[Outcome], refusals: Table) -> Table:
     shown = [
         verdict
         for verdict in VERDICTS
-        if verdict in {"accurate", "inaccurate", "refused", "crashed"}
+        if verdict in {"accurate", "ends: contact would pull", "inaccurate", "refused", "crashed"}
         or any(each.verdict == verdict for each in outcomes)
     ]
     rows: list[list[Cell]] = []
-    for axis in dict.fromkeys(outcome.problem.axis for outcome in outcomes):
-        found = [outcome for outcome in outcomes if outcome.problem.axis == axis]
+    for axis in dict.fromkeys(outcome.axis for outcome in outcomes):
+        found = [outcome for outcome in outcomes if outcome.axis == axis]
         repeated = [each.repeatable for each in found if each.repeatable is not None]
         rows.append(
             [
@@ -62,8 +63,8 @@ def verdicts(outcomes: Sequence[Outcome], refusals: Table) -> Table:
         rows=rows,
         note="Eccentric disks keep the steel disk's mass and its moments about the COG. Disks of "
         "another radius are scaled at the same Froude number. A disk tilted close to 0 or π is "
-        "followed until it falls flat, and once beyond. The file robustness-all-cases.csv holds "
-        "each case.",
+        "followed until it falls flat, and once beyond. The files robustness-all-cases.csv and "
+        "robustness-failures.csv hold each case, and each that is not accurate with its reason.",
     )
 
 
@@ -76,8 +77,7 @@ _CASE = ("model", "what is extreme", "how", "formulation, integrator", "verdict"
 
 def _case(outcome: Outcome) -> list[Cell]:
     """Cells under `_CASE`."""
-    problem = outcome.problem
-    return [problem.level, problem.axis, problem.label, outcome.way.name, outcome.verdict]
+    return [outcome.level, outcome.axis, outcome.label, outcome.way.name, outcome.verdict]
 
 
 def all_cases(outcomes: Sequence[Outcome]) -> Table:
@@ -88,11 +88,13 @@ def all_cases(outcomes: Sequence[Outcome]) -> Table:
         columns=(
             *_CASE,
             "error in rad",
+            "error of the ending in s",
             "promised in rad",
             "doubt of the reference in rad",
             "drift / radius",
             "energy error, relative",
             "same bits when repeated",
+            "steps",
             "seconds",
             "reason",
         ),
@@ -100,11 +102,13 @@ def all_cases(outcomes: Sequence[Outcome]) -> Table:
             [
                 *_case(outcome),
                 outcome.error,
+                outcome.ending_error,
                 outcome.estimate,
                 outcome.doubt,
                 outcome.drift,
                 outcome.energy,
                 outcome.repeatable,
+                outcome.steps,
                 outcome.seconds,
                 outcome.reason,
             ]
@@ -123,14 +127,47 @@ def failures(outcomes: Sequence[Outcome]) -> Table:
         rows=[
             [*_case(outcome), outcome.reason or _error(outcome)]
             for outcome in outcomes
-            if outcome.verdict != "accurate"
+            if outcome.verdict not in GOOD
         ],
+        file_only=True,
+    )
+
+
+def confirmation(pairs: Sequence[tuple[Outcome, Outcome | None]]) -> Table:
+    """Verdicts of this run beside those of the full study, by what is extreme.
+
+    Parameters
+    ----------
+    pairs : sequence of (Outcome, Outcome or None)
+        See `validation.robustness.stored.beside`.
+    """
+    rows: list[list[Cell]] = []
+    for axis in dict.fromkeys(here.axis for here, _ in pairs):
+        found = [(here, there) for here, there in pairs if here.axis == axis]
+        known = [(here, there) for here, there in found if there is not None]
+        other = [
+            f"{here.label}, {here.way.name}: {here.verdict}, there {there.verdict}"
+            for here, there in known
+            if here.verdict != there.verdict
+        ]
+        rows.append([axis, len(found), len(known), len(known) - len(other), "; ".join(other)])
+    return Table(
+        name="robustness-confirmation",
+        title="This run beside the full study",
+        columns=(
+            "what is extreme",
+            "cases of this run",
+            "of them in the full study",
+            "same verdict",
+            "others",
+        ),
+        rows=rows,
     )
 
 
 def _error(outcome: Outcome) -> str:
     promised = "nothing" if outcome.estimate is None else f"{outcome.estimate:.1e} rad"
-    text = f"error {outcome.error:.1e} rad, promised {promised}"
+    text = f"error {outcome.error:.1e} rad, promised {promised}, doubt {outcome.doubt:.1e} rad"
     return f"{text}; relative energy error {outcome.energy:.1e}"
 
 

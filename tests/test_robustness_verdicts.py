@@ -1,0 +1,347 @@
+"""What the robustness study calls accurate, ended, doubtful and unfinished."""
+
+from dataclasses import replace
+from math import cos, inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import LEVELS, STEEL_DISK, SmoothCoulomb, Trajectory, consistent_start
+from analysis.trajectory import Ending
+from validation.provenance import Provenance
+from validation.robustness import random_scenarios, ship, stored, tables
+from validation.robustness import run as runs
+from validation.robustness.axes import body, problems
+from validation.robustness.cases import TOLERANCE, Problem, Way, scene, ways
+from validation.robustness.causes import cause
+from validation.robustness.causes import table as causes_table
+from validation.robustness.reference import (
+    NoReference,
+    Reference,
+    deviation,
+    ending_error,
+    limited,
+    reference,
+    reference_or_reason,
+)
+from validation.robustness.run import DOUBT, Outcome, run_case
+from validation.robustness.work import StepCount
+
+TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
+EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")
+DOP853 = Way(source="in-house", formulation="index-1", integrator="DOP853")
+RADAU = Way(source="in-house", formulation="index-1", integrator="Radau")
+EASY = Problem(
+    axis="none", label="", level=1, start=consistent_start(1, STEEL_DISK), end=0.1, samples=11
+)
+PULLING = Problem(
+    axis="none",
+    label="fast",
+    level=1,
+    start=consistent_start(1, STEEL_DISK, spin=300.0),
+    end=0.1,
+    samples=21,
+)
+BLANK = Outcome(axis="none", label="", level=1, way=TREE, verdict="accurate")
+
+
+@pytest.fixture(scope="module")
+def easy() -> Reference:
+    return reference(EASY)
+
+
+@pytest.fixture(scope="module")
+def pulling() -> Reference:
+    return reference(PULLING)
+
+
+def moved(run: Trajectory, angle: float = 0.0, ending: float | None = 0.0) -> Trajectory:
+    """A run with other angles, and ending later, or not at all."""
+    other = replace(run, coordinates=run.coordinates + angle)
+    if run.ending is None:
+        return other
+    end = None if ending is None else replace(run.ending, time=run.ending.time + ending)
+    return replace(other, ending=end)
+
+
+def returning(run: Trajectory) -> Any:
+    return lambda *_arguments, **_options: run
+
+
+def test_run_that_ends_where_the_contact_would_pull_has_a_class_of_its_own(
+    pulling: Reference,
+) -> None:
+    for way in (TREE, DOP853):
+        outcome = run_case(PULLING, way, pulling)
+        assert outcome.verdict == "ends: contact would pull"
+        assert outcome.ending_error is not None
+        assert outcome.ending_error < TOLERANCE
+        assert outcome.error is not None
+        assert outcome.error < TOLERANCE
+        assert "would have to pull" in outcome.reason
+
+
+@pytest.mark.parametrize("ending", [1e-5, None])
+def test_run_that_ends_elsewhere_or_goes_on_is_inaccurate(
+    pulling: Reference, ending: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = moved(pulling.first, ending=ending)
+    monkeypatch.setattr(runs, "simulate", returning(replace(run, error_estimate=1e-8)))
+    outcome = run_case(PULLING, TREE, pulling)
+    assert outcome.verdict == "inaccurate"
+    assert outcome.broken
+
+
+def test_no_run_in_which_the_contact_pulls_silently_is_accurate(easy: Reference) -> None:
+    run = analysis.simulate(
+        1, PULLING.times, start=PULLING.start, allow_pulling=True, tolerance=1e-8
+    )
+    assert np.min(run.normal_force) < 0.0
+    outcome = replace(BLANK, error=0.0, doubt=0.0, drift=0.0, energy=0.0)
+    assert runs._verdict(outcome, run) == "inaccurate"
+    assert runs._verdict(outcome, easy.first) == "accurate"
+
+
+def test_runs_are_compared_over_what_they_have_in_common(pulling: Reference) -> None:
+    run = pulling.first
+    rows = run.times.size - 3
+    shorter = replace(
+        run,
+        times=run.times[:rows],
+        coordinates=run.coordinates[:rows],
+        rates=run.rates[:rows],
+        multipliers=run.multipliers[:rows],
+        ending=Ending(reason="contact would pull", time=float(run.times[rows - 1]), value=0.0),
+    )
+    # The last sample is that of an ending, and not one asked for.
+    strange = shorter.coordinates.copy()
+    strange[-1] += 1.0
+    assert deviation(replace(shorter, coordinates=strange), run) == 0.0
+    assert ending_error(shorter, run) > 1e-3
+    assert ending_error(moved(run, ending=None), run) == inf
+
+
+@pytest.mark.parametrize(("doubt", "verdict"), [(0.9, "accurate"), (1.1, "reference in doubt")])
+def test_accurate_needs_a_reference_known_to_a_tenth_of_the_tolerance(
+    easy: Reference, doubt: float, verdict: str
+) -> None:
+    known = Reference(first=easy.first, second=moved(easy.first, doubt * DOUBT))
+    outcome = run_case(EASY, TREE, known)
+    assert outcome.doubt == pytest.approx(doubt * DOUBT, rel=1e-6)
+    assert outcome.verdict == verdict
+
+
+def test_error_beyond_tolerance_and_doubt_is_inaccurate_in_any_doubt(
+    easy: Reference, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = Reference(first=easy.first, second=moved(easy.first, 1e-4))
+    for error, verdict in ((1e-3, "inaccurate"), (1e-5, "reference in doubt")):
+        monkeypatch.setattr(runs, "simulate", returning(moved(easy.first, error)))
+        assert run_case(EASY, TREE, known).verdict == verdict
+
+
+def test_each_reference_is_by_another_method_than_the_one_judged(easy: Reference) -> None:
+    assert easy.for_way(TREE).method["method"] == "DOP853"
+    assert easy.for_way(DOP853).method["method"] == "LSODA"
+    assert easy.for_way(RADAU).method["method"] == "DOP853"
+    stiff = reference(replace(EASY, friction=SmoothCoulomb(smoothing=1e-4), end=0.01))
+    assert stiff.for_way(RADAU).method["method"] == "LSODA"
+    assert easy.doubt < 0.01 * DOUBT
+
+
+def test_penalty_reference_is_of_another_formulation_and_integrator() -> None:
+    contact = analysis.PenaltyContact.damped(1e4, STEEL_DISK)
+    start = contact.lowered(STEEL_DISK, EASY.start)
+    friction = SmoothCoulomb(load="contact")
+    known = reference(replace(EASY, contact=contact, start=start, friction=friction))
+    assert known.doubt < DOUBT
+    for formulation, integrator in (("euler-tree", "DOPRI5"), ("floating-lie", "RK67")):
+        way = Way(source="engine", formulation=formulation, integrator=integrator)  # type: ignore[arg-type]
+        method = known.for_way(way).method
+        assert (method["formulation"], method["integrator"]) != (formulation, integrator)
+
+
+@pytest.mark.parametrize("way", [TREE, EULER, DOP853])
+def test_run_that_takes_all_its_steps_is_not_finished_and_no_failure(
+    way: Way, easy: Reference, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(runs.STEPS, way.source, 7)
+    outcome = run_case(EASY, way, easy)
+    assert outcome.verdict == "not finished in the limit"
+    assert outcome.steps == 7
+    assert "7 steps taken, the last pass at t = 0.0" in outcome.reason
+    assert not outcome.broken
+
+
+@pytest.mark.slow
+def test_damper_that_meets_the_table_has_a_reference_by_short_steps() -> None:
+    contact = analysis.PenaltyContact.damped(1e5, STEEL_DISK)
+    x, y, z, *angles = EASY.start.coordinates
+    start = replace(EASY.start, coordinates=(x, y, z + 1e-3, *angles))
+    friction = SmoothCoulomb(load="contact")
+    known = reference(replace(EASY, contact=contact, start=start, friction=friction, end=0.02))
+    assert known.first.method["integrator"] == "RK44"
+    assert 0.0 < known.doubt < DOUBT
+
+
+def test_longer_motion_may_take_more_steps() -> None:
+    assert limited(100, EASY) == 100
+    assert limited(100, replace(EASY, end=30.0)) == 3000
+
+
+def test_steps_count_over_all_passes() -> None:
+    count = StepCount(100_000)
+    mbs_models.simulate(scene(EASY, "contact-tree"), EASY.times, tolerance=1e-6, progress=count)
+    single = StepCount(100_000)
+    mbs_models.simulate(scene(EASY, "contact-tree"), EASY.times, step=1e-2, progress=single)
+    assert single.steps == pytest.approx(10, abs=1)
+    assert count.steps >= 30
+    assert single.reached == pytest.approx(0.1)
+
+
+def test_start_that_needs_a_pulling_contact_is_refused_by_run_and_reference() -> None:
+    start, rate = EASY.start, 100.0
+    x, y, _, alpha, _, gamma = start.rates
+    rising = STEEL_DISK.radius * cos(start.coordinates[4]) * rate
+    problem = replace(EASY, start=replace(start, rates=(x, y, rising, alpha, rate, gamma)))
+    known = reference_or_reason(problem)
+    assert isinstance(known, NoReference)
+    assert known.refused
+    outcome = run_case(problem, TREE, known)
+    assert outcome.verdict == "refused"
+    assert cause(outcome) == "starts where the contact would pull"
+    assert run_case(EASY, TREE, known).verdict == "inaccurate"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "reason", "expected"),
+    [
+        ("accurate", "", ""),
+        ("ends: contact would pull", "ended at t = 1 s", ""),
+        (
+            "diverged",
+            "engine run stopped: Newton's iteration did not converge (residual 1e-3)",
+            "Newton's iteration does not converge",
+        ),
+        (
+            "diverged",
+            "singular index-1 system (79) of Model 1",
+            "contact load: friction calls for more normal force than it gets",
+        ),
+        ("diverged", "the disk lies flat, and", "falls flat, where Euler angles end"),
+        ("not finished in the limit", "100000 steps taken", "too many steps"),
+        ("reference in doubt", "", "no reference is good enough"),
+    ],
+)
+def test_causes_are_told_from_what_runs_say(verdict: Any, reason: str, expected: str) -> None:
+    assert cause(replace(BLANK, verdict=verdict, reason=reason)) == expected
+
+
+def test_inaccurate_energy_is_told_from_inaccurate_angles() -> None:
+    wrong = replace(BLANK, verdict="inaccurate", doubt=0.0)
+    assert cause(replace(wrong, error=1e-7)) == "angles accurate, energy or constraint not"
+    assert cause(replace(wrong, error=1e-5)) == "wrong angles or ending"
+
+
+def test_causes_are_counted_with_where_they_lie() -> None:
+    late = replace(BLANK, verdict="not finished in the limit")
+    wrong = replace(BLANK, verdict="inaccurate", error=1.0)
+    table = causes_table([BLANK, late, replace(late, axis="other"), late, wrong])
+    assert [list(row) for row in table.rows] == [
+        ["not finished in the limit", "too many steps", 3, "none (2), other (1)"],
+        ["inaccurate", "wrong angles or ending", 1, "none (1)"],
+    ]
+
+
+def study_of(*outcomes: Outcome) -> stored.Study:
+    return stored.Study(provenance=Provenance.here(), outcomes=outcomes)
+
+
+def test_study_is_read_as_it_was_written(tmp_path: Path) -> None:
+    path = tmp_path / stored.FULL_STUDY
+    wrong = replace(BLANK, verdict="inaccurate", error=1.25e-3, ending_error=inf, steps=12)
+    study = study_of(BLANK, replace(wrong, reason='a "quoted" ε'))
+    stored.write_study(study, path)
+    read = stored.read_study(path)
+    assert read.provenance == study.provenance
+    assert read.outcomes[0] == BLANK
+    assert read.outcomes[1].reason == 'a "quoted" ε'
+    assert read.outcomes[1].broken == study.outcomes[1].broken
+    assert cause(read.outcomes[1]) == "wrong angles or ending"
+    path.write_text('{"provenance": {}}')
+    with pytest.raises(ValueError, match="is not a study of robustness"):
+        stored.read_study(path)
+
+
+def test_confirmation_counts_what_has_the_verdict_of_the_study() -> None:
+    other = replace(BLANK, label="other")
+    study = study_of(BLANK, replace(other, verdict="diverged"))
+    here = [BLANK, other, replace(BLANK, label="new")]
+    (row,) = tables.confirmation(stored.beside(here, study)).rows
+    assert list(row[:4]) == ["none", 3, 2, 1]
+    assert "other, contact-tree, RK67: accurate, there diverged" in str(row[4])
+
+
+def test_study_that_lacks_a_case_is_not_shipped() -> None:
+    cases = [
+        Outcome(
+            axis=problem.axis,
+            label=problem.label,
+            level=problem.level,
+            way=way,
+            verdict="accurate",
+        )
+        for problem in problems(quick=False)
+        for way in ways(problem, quick=False)
+    ]
+    ship.check_complete(study_of(*cases))
+    assert "accurate" in ship.summary(cases)
+    with pytest.raises(ValueError, match="differs in 1, such as"):
+        ship.check_complete(study_of(*cases[1:]))
+
+
+def test_shipped_study_holds_the_cases_of_the_quick_run() -> None:
+    study = stored.shipped()
+    if study is None:
+        pytest.skip("no full study is shipped")
+    ship.check_complete(study)
+    assert not any(outcome.broken for outcome in study.outcomes)
+
+
+def test_bodies_reach_the_limits_that_a_rigid_body_allows() -> None:
+    found = {each.label: each for each in problems(quick=False) if "inertia" in each.axis}
+    a, b, c = found["lamina, COG at 0.9 r"].disk.inertia_about_cog
+    assert a + b == pytest.approx(c, rel=1e-12)
+    a, b, c = found["rod along x"].disk.inertia_about_cog
+    assert a < 2e-3 * b
+    with pytest.raises(ValueError, match="must not exceed the sum"):
+        body((1e-4, 1e-4, 2.001e-4), 0.0)
+
+
+def test_random_scenarios_are_those_of_their_seed_and_within_their_ranges() -> None:
+    drawn = random_scenarios.scenarios(40, 3)
+    assert [str(each) for each in drawn] == [
+        str(each) for each in random_scenarios.scenarios(40, 3)
+    ]
+    assert str(drawn[0]) != str(random_scenarios.scenarios(1, 4)[0])
+    assert {each.problem.level for each in drawn} == set(LEVELS)
+    assert {each.problem.friction.load for each in drawn} == {"weight", "contact"}
+    for each in drawn:
+        assert each.formulation != "contact-tree" or each.problem.friction.load == "weight"
+        assert 1e-8 <= each.tolerance <= 1e-3
+
+
+def test_random_scenario_that_breaks_its_promise_is_found(
+    easy: Reference, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = random_scenarios.Scenario(problem=EASY, formulation="contact-tree", tolerance=1e-5)
+    monkeypatch.setattr(random_scenarios, "reference_or_reason", lambda _: easy)
+    assert random_scenarios.verdict(scenario)[0] == "kept"
+    for wrong, word in ((0.9e-5, "kept"), (1.1e-5, "BROKEN")):
+        run = replace(moved(easy.first, wrong), error_estimate=1e-6)
+        monkeypatch.setattr(mbs_models, "simulate", returning(run))
+        assert random_scenarios.verdict(scenario)[0] == word
