@@ -9,7 +9,16 @@ from analysis.checks import TimeLimitError, ToleranceError
 from analysis.contact import PenaltyContact
 from analysis.disk import CENTRED_DISK, DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.dissipation import CAUSES, Dissipation, RestCriterion
-from analysis.friction import LOADS, Load, SmoothCoulomb
+from analysis.friction import (
+    LAWS,
+    LOADS,
+    FrictionLaw,
+    Load,
+    SmoothCoulomb,
+    Stribeck,
+    TanhCoulomb,
+    ViscousFriction,
+)
 from analysis.integration import METHODS, Method
 from analysis.inversion import Inversion, find_inversion, judge_inversion
 from analysis.phases import Phases, find_phases
@@ -36,6 +45,7 @@ __all__ = [
     "DISKS",
     "FORMS",
     "GRAVITY",
+    "LAWS",
     "LEVELS",
     "LOADS",
     "METHODS",
@@ -48,6 +58,7 @@ __all__ = [
     "Ending",
     "FlatError",
     "Form",
+    "FrictionLaw",
     "Inversion",
     "Level",
     "Load",
@@ -60,9 +71,12 @@ __all__ = [
     "SmoothCoulomb",
     "SpatialMotion",
     "State",
+    "Stribeck",
+    "TanhCoulomb",
     "TimeLimitError",
     "ToleranceError",
     "Trajectory",
+    "ViscousFriction",
     "consistent_start",
     "constraint_drift",
     "energies",

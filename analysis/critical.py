@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from analysis.checks import Array, choice, number
 from analysis.disk import Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.linear_full import MOTIONS, Motion
 from analysis.linear_reduced import ComplexArray
 from analysis.spectra import SYSTEMS, Branches, System, branches, helper_spins, relevant_matrices
@@ -103,7 +103,7 @@ class CriticalSpeeds:
 def critical_speeds(
     system: System,
     disk: Disk,
-    friction: SmoothCoulomb,
+    friction: FrictionLaw,
     interval: tuple[float, float] = (0.0, 60.0),
     motion: Motion = "inverted",
 ) -> CriticalSpeeds:
@@ -116,7 +116,7 @@ def critical_speeds(
     ----------
     system : {"full", "reduced", "model1", "model2", "model3", "model4"}
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     interval : tuple of 2 floats
         Lowest and highest spin in rad/s, not negative: the spectra are even in the spin.
     motion : {"inverted", "noninverted"}
@@ -138,7 +138,7 @@ def critical_speeds(
     spectrum = _spectrum(system, disk, friction, motion)
     crossings: list[Crossing] = []
     reason: str | None = "no friction: undamped, the eigenvalues lie mirrored at both axes"
-    if friction.coefficient > 0.0:
+    if friction.is_on:
         crossings = hopf_crossings(relevant, spectrum) + _static_crossings(relevant, spectrum)
         nothing = f"no eigenvalue crosses the imaginary axis from {low:g} to {high:g} rad/s"
         reason = None if crossings else nothing
@@ -152,7 +152,7 @@ def critical_speeds(
     )
 
 
-def _spectrum(system: System, disk: Disk, friction: SmoothCoulomb, motion: Motion) -> Spectrum:
+def _spectrum(system: System, disk: Disk, friction: FrictionLaw, motion: Motion) -> Spectrum:
     def eigenvalues(spin: float) -> ComplexArray:
         matrix = relevant_matrices(system, disk, friction, spin, motion)[0]
         return np.linalg.eigvals(matrix).astype(complex)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from analysis.checks import Array, positive
 from analysis.contact import PenaltyContact
 from analysis.disk import GRAVITY, Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.integration import Method
 from analysis.limits import Effort
 from analysis.state import State
@@ -59,7 +59,7 @@ def longest_step(disk: Disk, start: State) -> float:
 def simulation_effort(
     times: Array,
     disk: Disk,
-    friction: SmoothCoulomb,
+    friction: FrictionLaw,
     start: State,
     *,
     method: Method = "DOP853",
@@ -73,7 +73,7 @@ def simulation_effort(
     times : ndarray, shape (n,)
         In s.
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     start : State
     method : str
         SciPy method.
@@ -96,7 +96,7 @@ def simulation_effort(
     rates = {
         "times": 1.0 / longest_step(disk, start),
         f"{name} {wanted:g}": 0.4 * spin * sharpness,
-        f"smoothing {friction.smoothing:g} m/s at coefficient {friction.coefficient:g}": (
+        f"friction gradient {friction.gradient:g} s/m": (
             _friction_rate(disk, friction) / used.stable
         ),
         f"beta {start.coordinates[4]:g} rad": turning / abs(sin(start.coordinates[4])),
@@ -127,6 +127,6 @@ def _mobility(disk: Disk) -> float:
     return 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
 
 
-def _friction_rate(disk: Disk, friction: SmoothCoulomb) -> float:
+def _friction_rate(disk: Disk, friction: FrictionLaw) -> float:
     """Decay rate of slip in 1/s where friction is steepest, at no slip."""
-    return friction.coefficient * disk.weight / friction.smoothing * _mobility(disk)
+    return friction.gradient * disk.weight * _mobility(disk)

@@ -14,7 +14,7 @@ from analysis.checks import Array
 from analysis.contact import PenaltyContact
 from analysis.disk import GRAVITY, Disk
 from analysis.dissipation import Dissipation
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.spheroid import Vector3, contact_point, contour_velocity, support_height
 
 
@@ -43,7 +43,7 @@ class FreeDisk:
     Parameters
     ----------
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
         Sliding friction; its load is the weight or the actual contact force.
     contact : PenaltyContact
     dissipation : Dissipation
@@ -55,7 +55,7 @@ class FreeDisk:
     """
 
     disk: Disk
-    friction: SmoothCoulomb
+    friction: FrictionLaw
     contact: PenaltyContact
     dissipation: Dissipation
 
@@ -113,7 +113,7 @@ class FreeDisk:
         if self.friction.load == "weight" and (normal > 0.0 or self.contact.bilateral):
             load = self.disk.weight
         speed = norm(contact.slip)
-        factor = self.friction.coefficient * load / (speed + self.friction.smoothing)
+        factor = load * self.friction.per_speed(speed)
         at_point = add_scaled(scaled(normal, upward), -factor, contact.slip)
         torque = cross(contact.point, at_point)
         force = add_scaled(at_point, -self.disk.weight, upward)

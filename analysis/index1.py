@@ -9,12 +9,12 @@ from analysis import constraints, equations
 from analysis.checks import Array
 from analysis.disk import Disk
 from analysis.equations import Vector
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.state import Level, multiplier_names
 
 
 def friction_per_load(
-    level: Level, disk: Disk, friction: SmoothCoulomb, z: Vector, u: Vector
+    level: Level, disk: Disk, friction: FrictionLaw, z: Vector, u: Vector
 ) -> Array:
     """Generalised friction force for a load of 1 N, shape (6,); Eq. (3) without its lambda_N.
 
@@ -25,13 +25,13 @@ def friction_per_load(
     x, side, lift = z[0], disk.radius * cos(z[4]) - z[1], disk.radius * sin(z[4])
     slip_x = 0.0 if level >= 3 else u[0] + side * u[3] + disk.radius * u[5]
     slip_y = u[1] + x * u[3] + lift * u[4]
-    factor = -friction.coefficient / (hypot(slip_x, slip_y) + friction.smoothing)
+    factor = -friction.per_speed(hypot(slip_x, slip_y))
     fx, fy = factor * slip_x, factor * slip_y
     return np.array((fx, fy, 0.0, side * fx + x * fy, lift * fy, disk.radius * fx))
 
 
 def accelerations(
-    level: Level, disk: Disk, friction: SmoothCoulomb, z: Vector, u: Vector
+    level: Level, disk: Disk, friction: FrictionLaw, z: Vector, u: Vector
 ) -> tuple[Array, Array]:
     """Accelerations and multipliers of Model `level` with its constraints on acceleration level.
 
@@ -43,7 +43,7 @@ def accelerations(
     ----------
     level : {1, 2, 3, 4}
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     z, u : array_like, shape (6,)
         Co-rotating coordinates and their rates.
 
@@ -65,13 +65,13 @@ def accelerations(
     matrix[:6, :6] = equations.mass_matrix(disk, z)
     matrix[:6, 6:] = -W.T
     matrix[6:, :6] = W
-    by_contact = friction.coefficient > 0.0 and friction.load == "contact"
+    by_contact = friction.is_on and friction.load == "contact"
     right = np.zeros((6 + n, 2 if by_contact else 1), order="F")
     right[:6, 0] = equations.gyroscopic_forces(disk, z, u) + equations.gravity_forces(disk, z)
     right[6:, 0] = -constraints.acceleration_terms(level, disk, z, u)
     if by_contact:
         right[:6, 1] = friction_per_load(level, disk, friction, z, u)
-    elif friction.coefficient:
+    elif friction.is_on:
         right[:6, 0] += disk.weight * friction_per_load(level, disk, friction, z, u)
     _, _, solution, info = dgesv(matrix, right, overwrite_a=True, overwrite_b=True)
     if info != 0:

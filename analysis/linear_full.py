@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from analysis.checks import Array, choice, within
 from analysis.disk import Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.limits import FASTEST_TURN
 
 Motion = Literal["inverted", "noninverted"]
@@ -101,7 +101,7 @@ def signed_eccentricity(disk: Disk, motion: Motion) -> float:
 
 
 def full_system(
-    disk: Disk, friction: SmoothCoulomb, spins: npt.ArrayLike, motion: Motion = "inverted"
+    disk: Disk, friction: FrictionLaw, spins: npt.ArrayLike, motion: Motion = "inverted"
 ) -> FullLinearSystem:
     """Linearise the full system about a spinning motion, Eqs. (48)-(55).
 
@@ -112,7 +112,7 @@ def full_system(
     Parameters
     ----------
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
@@ -126,7 +126,7 @@ def full_system(
     e = signed_eccentricity(disk, motion)
     m, r, mg, me = disk.mass, disk.radius, disk.weight, disk.mass * e
     A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
-    d = friction.coefficient * mg / friction.smoothing
+    d = friction.gradient * mg
     D = A - B - C
     M = ((m, 0, 0, -me), (0, m, -me, 0), (0, -me, B, 0), (-me, 0, 0, C))
     G_h = ((0, -2 * m, 2 * me, 0), (2 * m, 0, 0, -2 * me), (-2 * me, 0, 0, -D), (0, 2 * me, D, 0))

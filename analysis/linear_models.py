@@ -24,7 +24,7 @@ import numpy.typing as npt
 from analysis import index1
 from analysis.checks import Array, choice
 from analysis.disk import Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.linear_full import MOTIONS, Motion, spin_array
 from analysis.state import COORDINATES, LEVELS, Level, consistent_start
 
@@ -44,7 +44,7 @@ _LARGEST_SLIP = 0.1
 def model_matrices(
     level: Level,
     disk: Disk,
-    friction: SmoothCoulomb,
+    friction: FrictionLaw,
     spins: npt.ArrayLike,
     motion: Motion = "inverted",
 ) -> Array:
@@ -54,7 +54,7 @@ def model_matrices(
     ----------
     level : {1, 2, 3, 4}
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
@@ -74,7 +74,7 @@ def model_matrices(
 
 
 def _state_matrix(
-    level: Level, disk: Disk, friction: SmoothCoulomb, spin: float, motion: Motion
+    level: Level, disk: Disk, friction: FrictionLaw, spin: float, motion: Motion
 ) -> Array:
     """Jacobian at one spin with the column and the row of the spin taken out."""
     names = (*MODEL_STATES[level], "alpha_rate")
@@ -97,16 +97,16 @@ def _state_matrix(
     return jacobian[:-1, :-1]
 
 
-def _first_step(disk: Disk, friction: SmoothCoulomb, spin: float, *, is_rate: bool) -> float:
-    """Step that causes at most a tenth of the smoothing as slip; lengths count in radii."""
+def _first_step(disk: Disk, friction: FrictionLaw, spin: float, *, is_rate: bool) -> float:
+    """Step that slips by a tenth of the law's finest speed at most; lengths count in radii."""
     slip_per_step = 2 * disk.radius * (1.0 if is_rate else abs(spin))
-    by_slip = _LARGEST_SLIP * friction.smoothing
+    by_slip = _LARGEST_SLIP * friction.finest_speed
     if by_slip >= slip_per_step * _LARGEST_STEP:
         return _LARGEST_STEP
     return by_slip / slip_per_step
 
 
-def _slope(level: Level, disk: Disk, friction: SmoothCoulomb, rest: Array, step: Array) -> Array:
+def _slope(level: Level, disk: Disk, friction: FrictionLaw, rest: Array, step: Array) -> Array:
     """Derivative of the rates of the states along `step`, by differences over parts of it.
 
     The friction law has a kink in its second derivative at zero slip, so central differences err
@@ -124,7 +124,7 @@ def _slope(level: Level, disk: Disk, friction: SmoothCoulomb, rest: Array, step:
     return values[0]
 
 
-def _rates(level: Level, disk: Disk, friction: SmoothCoulomb, state: Array) -> Array:
+def _rates(level: Level, disk: Disk, friction: FrictionLaw, state: Array) -> Array:
     """Time derivative of the independent states, the spin last, from the index-1 system."""
     names = (*MODEL_STATES[level], "alpha_rate")
     given = dict(zip(names, state.tolist(), strict=True))

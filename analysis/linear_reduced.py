@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from analysis.checks import Array
 from analysis.disk import GRAVITY, Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.linear_full import Motion, signed_eccentricity, spin_array
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -25,14 +25,14 @@ REDUCED_STATES = ("beta", "gamma", "beta_rate")
 
 
 def reduced_matrices(
-    disk: Disk, friction: SmoothCoulomb, spins: npt.ArrayLike, motion: Motion = "inverted"
+    disk: Disk, friction: FrictionLaw, spins: npt.ArrayLike, motion: Motion = "inverted"
 ) -> Array:
     """State matrices of the reduced system, Eqs. (111), (112), shape (n, 3, 3).
 
     Parameters
     ----------
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
@@ -52,12 +52,12 @@ def reduced_matrices(
 
 
 def _entries(
-    disk: Disk, friction: SmoothCoulomb, Omega: Array, motion: Motion
+    disk: Disk, friction: FrictionLaw, Omega: Array, motion: Motion
 ) -> tuple[Array, Array, float]:
     """Entries A_31, A_32 and A_33, Eq. (112)."""
     r, e = disk.radius, signed_eccentricity(disk, motion)
     stiffness = disk.weight / disk.inertia_about_cog[1]
-    d = friction.coefficient * stiffness / friction.smoothing
+    d = friction.gradient * stiffness
     return stiffness * (r + e) - Omega**2, -d * e * (r + e) * Omega, -d * (r + e) ** 2
 
 
@@ -91,15 +91,15 @@ class ClosedForm:
 
 
 def closed_form(
-    disk: Disk, friction: SmoothCoulomb, spins: npt.ArrayLike, motion: Motion = "inverted"
+    disk: Disk, friction: FrictionLaw, spins: npt.ArrayLike, motion: Motion = "inverted"
 ) -> ClosedForm:
     """Eigenvalues in closed form for small smoothing, Eqs. (113)-(123).
 
     Parameters
     ----------
     disk : Disk
-    friction : SmoothCoulomb
-        Its coefficient must be positive: the expansion is one in the reciprocal friction gradient.
+    friction : FrictionLaw
+        Its gradient must be positive: the expansion is one in the reciprocal friction gradient.
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
@@ -111,8 +111,8 @@ def closed_form(
     ValueError
         If a spin is not finite, there is none, the motion is unknown or there is no friction.
     """
-    if friction.coefficient == 0.0:
-        raise ValueError("coefficient must be positive for the closed form, got 0")
+    if not friction.is_on:
+        raise ValueError("friction must have a positive gradient for the closed form, got 0")
     Omega = spin_array(spins)
     r, e = disk.radius, signed_eccentricity(disk, motion)
     A_31, _, A_33 = _entries(disk, friction, Omega, motion)

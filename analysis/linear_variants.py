@@ -15,7 +15,7 @@ import numpy as np
 from analysis.checks import Array
 from analysis.critical import Crossing, hopf_crossings
 from analysis.disk import GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw, SmoothCoulomb
 from analysis.linear_full import FullLinearSystem, full_system
 from analysis.linear_reduced import ComplexArray
 from analysis.spectra import Branches, follow
@@ -32,7 +32,7 @@ Change = Callable[[FullLinearSystem, Array], FullLinearSystem]
 
 def hopf_speeds(
     disk: Disk = STEEL_DISK,
-    friction: SmoothCoulomb = _FRICTION,
+    friction: FrictionLaw = _FRICTION,
     change: Change | None = None,
 ) -> tuple[Crossing, ...]:
     """Hopf crossings from 20 to 36 rad/s of the full system with changed matrices.
@@ -40,14 +40,14 @@ def hopf_speeds(
     Parameters
     ----------
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     change : callable, optional
         Takes the linear system and its B_C, Eq. (54), shape (n, 4, 4); returns what to use.
     """
 
     def matrices(spins: Array) -> Array:
         system = full_system(disk, friction, spins)
-        frictionless = full_system(disk, replace(friction, coefficient=0.0), spins)
+        frictionless = full_system(disk, SmoothCoulomb(coefficient=0.0), spins)
         B_C = system.stiffness - frictionless.stiffness + system.circulatory
         return (system if change is None else change(system, B_C)).state_matrices
 

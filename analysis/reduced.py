@@ -7,16 +7,16 @@ import numpy as np
 
 from analysis.checks import Array
 from analysis.disk import GRAVITY, Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 
 
-def acceleration(disk: Disk, friction: SmoothCoulomb, spin: float, x: Sequence[float]) -> float:
+def acceleration(disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[float]) -> float:
     """Second derivative of beta from Eqs. (102)-(108) in rad/s².
 
     Parameters
     ----------
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
         The reduced system knows the weight as load only; `load` is not looked at.
     spin : float
         Constant spinning speed in rad/s (paper: Omega).
@@ -39,11 +39,11 @@ def acceleration(disk: Disk, friction: SmoothCoulomb, spin: float, x: Sequence[f
     )
     f = -m * GRAVITY * height * cb
     slip = height * bd * sb - e * Omega * sb * sb * cg
-    force = -friction.coefficient * m * GRAVITY * slip / (abs(slip) + friction.smoothing)
+    force = -m * GRAVITY * friction.per_speed(abs(slip)) * slip
     return (h + f + height * sb * force) / M
 
 
-def normal_force(disk: Disk, friction: SmoothCoulomb, spin: float, x: Sequence[float]) -> float:
+def normal_force(disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[float]) -> float:
     """Normal contact force in N: the mass times gravity and the centre of gravity's rise.
 
     Parameters are those of `acceleration`; the centre of gravity is (r + e sin(gamma)) sin(beta)
@@ -59,7 +59,7 @@ def normal_force(disk: Disk, friction: SmoothCoulomb, spin: float, x: Sequence[f
 
 
 def right_hand_side(
-    disk: Disk, friction: SmoothCoulomb, spin: float, x: Sequence[float]
+    disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[float]
 ) -> tuple[float, float, float]:
     """Time derivative of the reduced state x = (beta, gamma, beta_rate), Eqs. (102), (109)."""
     return x[2], -spin * cos(x[0]), acceleration(disk, friction, spin, x)

@@ -15,7 +15,7 @@ from analysis.disk import STEEL_DISK, Disk
 from analysis.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.effort import rest_effort
 from analysis.free_disk import FreeDisk, norm, to_inertial
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw, SmoothCoulomb
 from analysis.limits import check_storage
 from analysis.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.state import State, consistent_start
@@ -42,7 +42,7 @@ def simulate_to_rest(
     end: float,
     *,
     disk: Disk = STEEL_DISK,
-    friction: SmoothCoulomb = ACTUAL,
+    friction: FrictionLaw = ACTUAL,
     contact: PenaltyContact | None = None,
     dissipation: Dissipation | None = None,
     start: State | None = None,
@@ -64,7 +64,7 @@ def simulate_to_rest(
     end : float
         Longest time in s.
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
         The paper's values on the actual contact force by default.
     contact : PenaltyContact, optional
         With a rounded rim; by default `PenaltyContact.rounded`.

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from analysis.critical import Crossing, critical_speeds
 from analysis.disk import Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.hopf_points import ExtendedSystem, spin_scale
 from analysis.linear_full import Motion
 from analysis.stability_chart import static_gradient
@@ -84,7 +84,7 @@ def closed_form_sensitivities(disk: Disk) -> dict[str, float]:
 
 def full_sensitivities(
     disk: Disk,
-    friction: SmoothCoulomb,
+    friction: FrictionLaw,
     interval: tuple[float, float] = (0.0, 60.0),
     motion: Motion = "inverted",
 ) -> tuple[Sensitivity, ...]:
@@ -93,7 +93,7 @@ def full_sensitivities(
     Parameters
     ----------
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     interval : tuple of 2 floats
         Lowest and highest spin in rad/s.
     motion : {"inverted", "noninverted"}
@@ -112,9 +112,9 @@ def full_sensitivities(
 
 
 def _sensitivities(
-    disk: Disk, friction: SmoothCoulomb, crossing: Crossing, motion: Motion
+    disk: Disk, friction: FrictionLaw, crossing: Crossing, motion: Motion
 ) -> dict[str, float]:
-    gradient = friction.coefficient / friction.smoothing
+    gradient = friction.gradient
 
     def by_disk(parameter: str) -> float:
         def speed(change: float) -> float:

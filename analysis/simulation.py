@@ -20,7 +20,7 @@ from analysis.checks import (
 from analysis.constraints import check_admissible
 from analysis.disk import STEEL_DISK, Disk
 from analysis.effort import longest_step, simulation_effort
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw, SmoothCoulomb
 from analysis.integration import METHODS, Method, Problem, Run, integrate
 from analysis.state import Level, State, consistent_start, multiplier_names
 from analysis.trajectory import Ending, Setting, Trajectory, versions
@@ -50,7 +50,7 @@ def simulate(
     times: npt.ArrayLike,
     *,
     disk: Disk = STEEL_DISK,
-    friction: SmoothCoulomb | None = None,
+    friction: FrictionLaw | None = None,
     start: State | None = None,
     form: Form = "index-1",
     method: Method = "DOP853",
@@ -76,7 +76,7 @@ def simulate(
     times : array_like, shape (n,)
         Strictly increasing times in s at which the motion is wanted; it starts at the first.
     disk : Disk
-    friction : SmoothCoulomb, optional
+    friction : FrictionLaw, optional
         The paper's values by default.
     start : State, optional
         Must meet the constraints of the model; by default Table 3, made consistent.
@@ -175,7 +175,7 @@ def _ending(run: Run, multipliers: Array, watch: Watch) -> Ending | None:
     return Ending(reason=run.ended, time=float(run.times[-1]), value=value)
 
 
-def _pose(level: Level, disk: Disk, friction: SmoothCoulomb, start: State, form: Form) -> _Form:
+def _pose(level: Level, disk: Disk, friction: FrictionLaw, start: State, form: Form) -> _Form:
     if form == "index-1":
 
         def full(_: float, state: Array) -> Array:
@@ -277,7 +277,7 @@ def _check_local_tolerance(name: str, value: float) -> float:
 
 
 def _multipliers(
-    level: Level, disk: Disk, friction: SmoothCoulomb, coordinates: Array, rates: Array
+    level: Level, disk: Disk, friction: FrictionLaw, coordinates: Array, rates: Array
 ) -> Array:
     """Constraint forces at every sample, shape (n, k)."""
     result = np.empty((len(coordinates), len(multiplier_names(level))))

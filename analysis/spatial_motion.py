@@ -14,7 +14,7 @@ from analysis.contact import PenaltyContact
 from analysis.disk import Disk
 from analysis.dissipation import CAUSES, Dissipation
 from analysis.files import read_archive, whole_file
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw, law_from, law_values
 from analysis.trajectory import SOURCES, Ending, Setting, Source, Trajectory
 
 _COLUMNS = {
@@ -60,7 +60,7 @@ class SpatialMotion:
     dissipated : ndarray, shape (n, 6)
         Energy in J taken since the start by each of `CAUSES`.
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     contact : PenaltyContact
     dissipation : Dissipation
     source : {"engine", "in-house"}
@@ -92,7 +92,7 @@ class SpatialMotion:
     energies: Array
     dissipated: Array
     disk: Disk
-    friction: SmoothCoulomb
+    friction: FrictionLaw
     contact: PenaltyContact
     dissipation: Dissipation
     source: Source
@@ -256,7 +256,7 @@ class SpatialMotion:
         """
         meta = {
             "disk": asdict(self.disk),
-            "friction": asdict(self.friction),
+            "friction": law_values(self.friction),
             "contact": asdict(self.contact),
             "dissipation": asdict(self.dissipation),
             "source": self.source,
@@ -291,7 +291,7 @@ class SpatialMotion:
         return cls(
             **{name: stored[name] for name in ("times", *_COLUMNS)},
             disk=Disk(**meta.pop("disk")),
-            friction=SmoothCoulomb(**meta.pop("friction")),
+            friction=law_from(meta.pop("friction"), own=False),
             contact=PenaltyContact(**meta.pop("contact")),
             dissipation=Dissipation(**meta.pop("dissipation")),
             ending=None if (ending := meta.pop("ending")) is None else Ending(**ending),

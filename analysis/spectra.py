@@ -19,7 +19,7 @@ from scipy.optimize import linear_sum_assignment
 
 from analysis.checks import Array, choice
 from analysis.disk import Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.linear_full import Motion, full_system, spin_array, without_drift
 from analysis.linear_models import model_matrices
 from analysis.linear_reduced import ComplexArray, reduced_matrices
@@ -72,7 +72,7 @@ class Branches:
 def state_matrices(
     system: System,
     disk: Disk,
-    friction: SmoothCoulomb,
+    friction: FrictionLaw,
     spins: npt.ArrayLike,
     motion: Motion = "inverted",
 ) -> Array:
@@ -83,7 +83,7 @@ def state_matrices(
     system : {"full", "reduced", "model1", "model2", "model3", "model4"}
         Eq. (55), Eq. (111), or a nonlinear model linearised numerically.
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     spins : array_like, shape (n,)
         Spinning speeds in rad/s.
     motion : {"inverted", "noninverted"}
@@ -104,7 +104,7 @@ def state_matrices(
 def relevant_matrices(
     system: System,
     disk: Disk,
-    friction: SmoothCoulomb,
+    friction: FrictionLaw,
     spins: npt.ArrayLike,
     motion: Motion = "inverted",
 ) -> Array:
@@ -119,7 +119,7 @@ def relevant_matrices(
 def eigenvalues(
     system: System,
     disk: Disk,
-    friction: SmoothCoulomb,
+    friction: FrictionLaw,
     spins: npt.ArrayLike,
     motion: Motion = "inverted",
 ) -> ComplexArray:
@@ -139,7 +139,7 @@ def eigenvalues(
 def branches(
     system: System,
     disk: Disk,
-    friction: SmoothCoulomb,
+    friction: FrictionLaw,
     spins: npt.ArrayLike,
     motion: Motion = "inverted",
 ) -> Branches:
@@ -154,7 +154,7 @@ def branches(
     ----------
     system : {"full", "reduced", "model1", "model2", "model3", "model4"}
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     spins : array_like, shape (n,)
         Strictly increasing spinning speeds in rad/s.
     motion : {"inverted", "noninverted"}

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from analysis.checks import choice, number
 from analysis.disk import Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
 from analysis.linear_full import MOTIONS, Motion
 from analysis.spectra import SYSTEMS, System, helper_spins, relevant_matrices
 
@@ -21,7 +21,7 @@ _MOST_SAMPLES = 121
 def stable_spins(
     system: System,
     disk: Disk,
-    friction: SmoothCoulomb,
+    friction: FrictionLaw,
     interval: tuple[float, float] = (0.0, 60.0),
     motion: Motion = "inverted",
 ) -> tuple[tuple[float, float], ...]:
@@ -36,7 +36,7 @@ def stable_spins(
     ----------
     system : {"full", "reduced", "model1", "model2", "model3", "model4"}
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     interval : tuple of 2 floats
         Lowest and highest spin in rad/s, not negative.
     motion : {"inverted", "noninverted"}

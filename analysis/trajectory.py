@@ -21,7 +21,7 @@ from analysis.checks import (
 )
 from analysis.disk import Disk
 from analysis.files import read_archive, whole_file
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw, law_from, law_values
 from analysis.state import COORDINATES, LEVELS, Level, State, multiplier_names
 
 Source = Literal["engine", "in-house"]
@@ -82,7 +82,7 @@ class Trajectory:
     level : {1, 2, 3, 4}
         Model of Table 2.
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     source : {"engine", "in-house"}
     method : mapping
         Formulation, integrator, step, tolerances: whatever is needed to run it again.
@@ -109,7 +109,7 @@ class Trajectory:
     multipliers: Array
     level: Level
     disk: Disk
-    friction: SmoothCoulomb
+    friction: FrictionLaw
     source: Source
     method: Mapping[str, Setting]
     error_estimate: float | None = None
@@ -195,7 +195,7 @@ class Trajectory:
         meta = {
             "level": self.level,
             "disk": asdict(self.disk),
-            "friction": asdict(self.friction),
+            "friction": law_values(self.friction),
             "source": self.source,
             "method": dict(self.method),
             "error_estimate": self.error_estimate,
@@ -239,7 +239,7 @@ class Trajectory:
             multipliers=stored["multipliers"],
             level=meta["level"],
             disk=Disk(**meta["disk"]),
-            friction=SmoothCoulomb(**meta["friction"]),
+            friction=law_from(meta["friction"], own=False),
             source=meta["source"],
             method=meta["method"],
             error_estimate=meta["error_estimate"],

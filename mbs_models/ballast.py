@@ -11,7 +11,6 @@ import exudyn as exu
 import exudyn.itemInterface as items
 
 from mbs_models.friction import (
-    ON_FLOATS,
     UPWARD,
     connector_force,
     contact_tree_force,
@@ -41,7 +40,7 @@ def idle_friction(model: Model) -> None:
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[upward, centre],
                 useIntrinsicFormulation=False,
-                springForceTorqueUserFunction=connector_force(scene, nothing, ON_FLOATS),
+                springForceTorqueUserFunction=connector_force(scene, nothing),
             )
         )
     else:
@@ -49,7 +48,7 @@ def idle_friction(model: Model) -> None:
         system.SetObjectParameter(
             _object_of(model, "KinematicTree"),
             "forceUserFunction",
-            law(scene, nothing, ON_FLOATS),
+            law(scene, nothing),
         )
     system.Assemble()
 

@@ -13,18 +13,11 @@ _MODELS: dict[Formulation, type[Model]] = {
 }
 
 
-def build(scene: Scene, *, symbolic: bool = False) -> Model:
+def build(scene: Scene) -> Model:
     """Build and assemble `scene` in the engine.
 
     Parameters
     ----------
     scene : Scene
-    symbolic : bool
-        Hand the friction law to the engine as a symbolic expression instead of a Python function.
-
-    Raises
-    ------
-    ValueError
-        If the friction law has no symbolic form.
     """
-    return _MODELS[scene.formulation](scene, symbolic=symbolic)
+    return _MODELS[scene.formulation](scene)

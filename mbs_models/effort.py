@@ -100,7 +100,7 @@ def rest_effort(scene: Scene, end: float, step: float) -> Effort:
         steps=end / step,
         seconds=end / step * _REST_SECONDS,
         cause=f"end = {end:g} s with steps of {step:.1e} s, at stiffness {stiffness:g} N/m and "
-        f"friction gradient {friction.coefficient / friction.smoothing:g} s/m,",
+        f"friction gradient {friction.gradient:g} s/m,",
     )
 
 
@@ -117,7 +117,7 @@ def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tupl
     attitude = turning / sine if scene.formulation.endswith("tree") else turning
     inertia = min(disk.inertia_about_cog[:2])
     mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
-    decay = friction.coefficient * disk.weight / friction.smoothing * mobility
+    decay = friction.gradient * disk.weight * mobility
     # Angle turned in a step; fall and friction turn even a disk that starts at rest.
     angle = (
         0.025 * (tolerance / 1e-8) ** (1 / 8)
@@ -127,7 +127,7 @@ def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tupl
     turning = max(turning, sqrt(disk.weight / (disk.mass * disk.radius)))
     steps = {
         f"tolerance {tolerance:g} rad": angle / turning,
-        f"smoothing {friction.smoothing:g} m/s at coefficient {friction.coefficient:g}": (
+        f"friction gradient {friction.gradient:g} s/m": (
             (0.6 if integrator.implicit else 1.2) / decay if decay else inf
         ),
         f"beta {start.coordinates[4]:g} rad": 1.0 / attitude if attitude else inf,

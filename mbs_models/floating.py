@@ -15,8 +15,7 @@ from mbs_models.friction import (
     UPWARD,
     Force,
     connector_force,
-    friction_limit,
-    symbolic_connector,
+    friction_load,
 )
 from mbs_models.loads import Loads
 from mbs_models.model import GRAVITY_VECTOR, Model
@@ -36,16 +35,11 @@ class Floating(Model):
 
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
-    def __init__(self, scene: Scene, *, symbolic: bool = False) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.loads: Loads | None = None
         if scene.contact is not None:
-            if symbolic:
-                raise ValueError(
-                    "symbolic user functions of a penalty contact exist for formulation "
-                    f"'euler-tree' alone, got {scene.formulation!r}"
-                )
             self.loads = Loads(scene.disk, scene.friction, scene.contact, scene.dissipation)
-        super().__init__(scene, symbolic=symbolic)
+        super().__init__(scene)
 
     def _build(self) -> None:
         start, disk = self.scene.start, self.scene.disk
@@ -111,11 +105,7 @@ class Floating(Model):
                 ),
                 f"the table's side of {self.force_name}, turned to where its angles are regular",
             )
-            limit = friction_limit(self.scene, self._contact)
-            force = connector_force(self.scene, limit, self._functions())
-        if self._symbolic:
-            force = symbolic_connector(self.system, force)
-            self._kept.append(force)
+            force = connector_force(self.scene, friction_load(self.scene, self._contact))
         self._friction = self._add(
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[side, centre],

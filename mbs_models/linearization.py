@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from analysis.checks import Array, choice, number
 from analysis.disk import STEEL_DISK, Disk
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw, SmoothCoulomb
 from analysis.state import Level, State, consistent_start
 from mbs_models.build import build
 from mbs_models.probe import acceleration
@@ -30,7 +30,7 @@ def stationary_scene(
     motion: Motion = "inverted",
     formulation: Formulation | None = None,
     disk: Disk = STEEL_DISK,
-    friction: SmoothCoulomb | None = None,
+    friction: FrictionLaw | None = None,
 ) -> Scene:
     """Scene that starts on inverted or noninverted spinning, Eq. (5).
 
@@ -126,9 +126,9 @@ def _chart(scene: Scene) -> _Chart:
     spin = scene.start.rates[3]
     beta, gamma = scene.start.coordinates[4:6]
     r = disk.radius
-    # Steps keep the slip below a thousandth of the smoothing speed, since the friction law's
+    # Steps keep the slip below a thousandth of its finest speed, since the friction law's
     # derivative has a kink at zero slip, and below 1e-4 of the size of the disk and of a turn.
-    slip = 1e-3 * scene.friction.smoothing
+    slip = 1e-3 * scene.friction.finest_speed
     turning = abs(spin) + 1.0
     length, angle = min(1e-4 * r, slip / turning), min(1e-4, slip / (turning * r))
     speed, rate = slip, slip / r

@@ -12,7 +12,8 @@ from analysis.checks import Array
 from analysis.contact import PenaltyContact
 from analysis.disk import Disk
 from analysis.dissipation import CAUSES, Dissipation
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw
+from mbs_models.friction import per_speed
 
 Triple = tuple[float, float, float]
 
@@ -23,7 +24,7 @@ class Loads:
     Parameters
     ----------
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     contact : PenaltyContact
         At a thickness of zero, the disk must not lie flat.
     dissipation : Dissipation
@@ -32,12 +33,12 @@ class Loads:
     def __init__(
         self,
         disk: Disk,
-        friction: SmoothCoulomb,
+        friction: FrictionLaw,
         contact: PenaltyContact,
         dissipation: Dissipation,
     ) -> None:
         self._friction, self._contact, self._loss = friction, contact, dissipation
-        self._weight = disk.weight
+        self._weight, self._per_speed = disk.weight, per_speed(friction)
         self._square = disk.radius**2
         self._flattening = self._square - contact.half_thickness**2
         self._rolls = dissipation.rolling_dry > 0.0 or dissipation.rolling_viscous > 0.0
@@ -78,7 +79,7 @@ class Loads:
         rise = v[2] + w[0] * py - w[1] * px
         normal = self._normal_force(height - centre_height, rise, load)
         load.slip = hypot(sx, sy)
-        slope = self._friction_limit(normal) / (load.slip + self._friction.smoothing)
+        slope = self._friction_load(normal) * self._per_speed(load.slip)
         fx, fy = -slope * sx, -slope * sy
         load.taken[1] = slope * load.slip * load.slip
         load.force = (fx, fy, normal)
@@ -105,12 +106,12 @@ class Loads:
         load.elastic = 0.5 * spring * depth
         return force
 
-    def _friction_limit(self, normal: float) -> float:
-        """Largest friction force; the weight presses wherever there is contact at all."""
+    def _friction_load(self, normal: float) -> float:
+        """What presses on the table; the weight does wherever there is contact at all."""
         if self._friction.load == "weight":
             touches = normal > 0.0 or self._contact.bilateral
-            return self._friction.coefficient * self._weight if touches else 0.0
-        return self._friction.coefficient * max(0.0, normal)
+            return self._weight if touches else 0.0
+        return max(0.0, normal)
 
     def contour(self, n: Triple, w: Triple, point: Triple) -> tuple[float, float]:
         """Velocity p' - w x p in m/s of the contact point over the rim; it is horizontal.

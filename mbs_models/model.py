@@ -12,7 +12,6 @@ import numpy as np
 from analysis.checks import Array
 from analysis.disk import GRAVITY
 from analysis.frames import turn_about_vertical
-from mbs_models.friction import ON_FLOATS, ON_SYMBOLS, Functions
 from mbs_models.loads import normal_forces
 from mbs_models.scene import Scene
 
@@ -36,10 +35,6 @@ class Model(ABC):
     Parameters
     ----------
     scene : Scene
-    symbolic : bool
-        Whether the friction law is recorded for the engine to evaluate instead of called back in
-        Python. Not for the load "contact" of an ideal contact, nor for the penalty contact of a
-        free body; `ValueError` otherwise.
 
     Attributes
     ----------
@@ -55,13 +50,8 @@ class Model(ABC):
     records_accelerations = False
     """Whether records need accelerations at the end of every step."""
 
-    def __init__(self, scene: Scene, *, symbolic: bool = False) -> None:
-        if symbolic and scene.contact is None and scene.friction.load == "contact":
-            raise ValueError("symbolic friction takes the load 'weight' alone, got 'contact'")
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self._symbolic = symbolic
-        # What the engine refers to without keeping it alive.
-        self._kept: list[Any] = []
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
         # Joints by what they hold; the friction functions read the contact's number at run time.
@@ -235,7 +225,7 @@ class Model(ABC):
                 largest.append(abs(rates[0]))
             if self.scene.formulation == "floating":
                 largest.append(1.0)
-        lost = friction.coefficient * disk.weight / friction.smoothing * rim_speed
+        lost = friction.gradient * disk.weight * rim_speed
         if contact is not None:
             lost += contact.stiffness * disk.radius
         return 4.0 * float(np.finfo(float).eps) * max(lost, *largest)
@@ -243,7 +233,7 @@ class Model(ABC):
     @property
     def has_force(self) -> bool:
         """Whether the table acts on the disk by a force law, in a user function."""
-        return self.scene.contact is not None or self.scene.friction.coefficient > 0.0
+        return self.scene.contact is not None or self.scene.friction.is_on
 
     @property
     def force_name(self) -> str:
@@ -251,16 +241,13 @@ class Model(ABC):
         scene, loss = self.scene, self.scene.dissipation
         parts = {
             "penalty contact": scene.contact is not None,
-            "friction": scene.friction.coefficient > 0.0,
+            "friction": scene.friction.is_on,
             "rolling resistance": loss.rolling_dry > 0.0 or loss.rolling_viscous > 0.0,
             "pivoting friction": loss.pivoting > 0.0,
             "air drag": loss.air_drag > 0.0,
         }
         *others, last = [name for name, present in parts.items() if present]
         return f"{', '.join(others)} and {last}" if others else last
-
-    def _functions(self) -> Functions:
-        return ON_SYMBOLS if self._symbolic else ON_FLOATS
 
     def _equations(self, joint: int) -> list[int]:
         return list(self.system.systemData.GetObjectLTGAE(joint))

@@ -64,7 +64,7 @@ def complete_jacobian(model: Model) -> None:
     """
     contact = model.contact_equation
     friction = model.scene.friction
-    if contact is None or friction.load != "contact" or not friction.coefficient:
+    if contact is None or friction.load != "contact" or not friction.is_on:
         return
     data = model.system.systemData
     equations = len(data.GetAECoordinates())

@@ -65,7 +65,6 @@ def one_pass(
     step: float,
     halvings: int = 0,
     *,
-    symbolic: bool = False,
     allow_pulling: bool = False,
     watch: Watch | None = None,
 ) -> Pass:
@@ -83,7 +82,6 @@ def one_pass(
     runner = _Runner(
         integrator,
         float(times[-1]),
-        symbolic=symbolic,
         allow_pulling=allow_pulling,
         watch=watch or Watch(),
     )
@@ -160,11 +158,10 @@ class _Runner:
         integrator: Integrator,
         end: float,
         *,
-        symbolic: bool,
         allow_pulling: bool,
         watch: Watch,
     ) -> None:
-        self._integrator, self._end, self._symbolic = integrator, end, symbolic
+        self._integrator, self._end = integrator, end
         self._allow, self._watch = allow_pulling, watch
         self.counts: Counter[str] = Counter()
         self.setup_seconds = self.seconds = 0.0
@@ -277,7 +274,7 @@ class _Runner:
 
     def _build(self, scene: Scene) -> Model:
         begin = time.process_time()
-        model = build(scene, symbolic=self._symbolic)
+        model = build(scene)
         self.setup_seconds += time.process_time() - begin
         return model
 

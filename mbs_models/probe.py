@@ -103,7 +103,7 @@ class Probe:
             right[n:] = -self._residual_rate()
         contact = self._model.contact_equation
         friction = self._model.scene.friction
-        if contact is None or friction.load != "contact" or not friction.coefficient:
+        if contact is None or friction.load != "contact" or not friction.is_on:
             solution = np.asarray(np.linalg.solve(matrix, right), dtype=float)
             return solution[:n], solution[n:]
         per_newton = np.zeros(n + m)

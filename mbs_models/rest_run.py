@@ -63,7 +63,7 @@ def largest_step(scene: Scene, leaning: float = 1.0) -> float:
     reach = disk.radius**2 / hypot(disk.radius * leaning, contact.half_thickness)
     decay = max(
         contact.damping * mobility,
-        scene.friction.coefficient * disk.weight / scene.friction.smoothing * mobility,
+        scene.friction.gradient * disk.weight * mobility,
         slope * disk.weight * reach**2 / inertia,
     )
     # Stability limits of the method along the imaginary and the negative real axis.

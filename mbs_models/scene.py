@@ -7,7 +7,7 @@ from analysis.checks import choice
 from analysis.contact import PenaltyContact
 from analysis.disk import STEEL_DISK, Disk
 from analysis.dissipation import Dissipation
-from analysis.friction import SmoothCoulomb
+from analysis.friction import FrictionLaw, SmoothCoulomb
 from analysis.state import LEVELS, Level, State, consistent_start
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
@@ -22,7 +22,7 @@ def formulations(level: Level) -> tuple[Formulation, ...]:
     return ("euler-tree", "floating", "floating-lie")
 
 
-def default_formulation(level: Level, friction: SmoothCoulomb) -> Formulation:
+def default_formulation(level: Level, friction: FrictionLaw) -> Formulation:
     """Formulation that is most accurate for Model `level` and knows the load of its friction."""
     return formulations(level)[0] if friction.load == "weight" else "euler-tree"
 
@@ -42,7 +42,7 @@ class Scene:
         (Model 1): kinematic tree whose topology closes the contact, without constraints. By
         default that of `default_formulation`.
     disk : Disk
-    friction : SmoothCoulomb
+    friction : FrictionLaw
     start : State, optional
         By default Table 3, made consistent with the model; on a penalty contact that is lowered
         by the resting penetration. A given start is taken as it is: on a penalty contact it may
@@ -63,7 +63,7 @@ class Scene:
     level: Level = 1
     formulation: Formulation = None  # type: ignore[assignment]  # filled in below
     disk: Disk = STEEL_DISK
-    friction: SmoothCoulomb = field(default_factory=SmoothCoulomb)
+    friction: FrictionLaw = field(default_factory=SmoothCoulomb)
     start: State = None  # type: ignore[assignment]  # filled in below
     contact: PenaltyContact | None = None
     dissipation: Dissipation = field(default_factory=Dissipation)
@@ -101,7 +101,7 @@ class Scene:
         cls,
         *,
         disk: Disk = STEEL_DISK,
-        friction: SmoothCoulomb | None = None,
+        friction: FrictionLaw | None = None,
         start: State | None = None,
         contact: PenaltyContact | None = None,
         dissipation: Dissipation | None = None,

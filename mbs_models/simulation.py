@@ -30,7 +30,6 @@ def simulate(
     step: float | None = None,
     tolerance: float | None = None,
     integrator: Integrator | IntegratorName | None = None,
-    symbolic: bool = False,
     allow_pulling: bool = False,
     time_limit: float | None = None,
     progress: Progress | None = None,
@@ -58,8 +57,6 @@ def simulate(
         With its options, or the name of one of `integrators(scene.formulation)`; by default the
         first of them. DOPRI5 takes its accuracy from `Integrator.local_tolerance`, and `step`
         only limits its steps.
-    symbolic : bool
-        Hand the friction law to the engine as a symbolic expression instead of a Python function.
     allow_pulling : bool
         Go on where the contact pulls; friction then has no load.
     time_limit : float, optional
@@ -114,7 +111,6 @@ def simulate(
             chosen,
             largest,
             halvings,
-            symbolic=symbolic,
             allow_pulling=allow_pulling,
             watch=watch,
         )

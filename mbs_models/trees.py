@@ -11,14 +11,11 @@ import numpy as np
 from analysis.checks import Array
 from analysis.disk import GRAVITY
 from mbs_models.friction import (
-    ON_FLOATS,
     Force,
-    Functions,
-    Limit,
+    Load,
     contact_tree_force,
     euler_tree_force,
-    friction_limit,
-    symbolic_tree,
+    friction_load,
 )
 from mbs_models.model import GRAVITY_VECTOR, Model, Residual
 from mbs_models.penalty import euler_tree_contact
@@ -32,7 +29,7 @@ class _Tree(Model):
 
     continuous_angles = True
 
-    _law: Callable[[Scene, Limit, Functions], Force]
+    _law: Callable[[Scene, Load], Force]
     _node: int
     _tree: int
 
@@ -54,7 +51,7 @@ class _Tree(Model):
         forces = {}
         why = "the disk at the end of its joints, with its weight"
         if self.has_force:
-            forces["forceUserFunction"] = self._force(n)
+            forces["forceUserFunction"] = self._force()
             why += f" and {self.force_name} by a user function"
         self._tree = self._add(
             items.ObjectKinematicTree(
@@ -72,22 +69,14 @@ class _Tree(Model):
             why,
         )
 
-    def _force(self, size: int) -> Any:
-        contact = self.scene.contact
-        if contact is not None:
-            law = euler_tree_contact(self.scene, contact, self._functions())
-        else:
-            limit = friction_limit(self.scene, self._contact)
-            law = self._law(self.scene, limit, self._functions())
-        if not self._symbolic:
-            return law
-        function, symbols = symbolic_tree(self.system, law, size)
-        self._kept += [function, symbols]
-        return function
+    def _force(self) -> Force:
+        if self.scene.contact is not None:
+            return euler_tree_contact(self.scene, self.scene.contact)
+        return self._law(self.scene, friction_load(self.scene, self._contact))
 
     def friction_per_newton(self) -> list[float]:
-        coefficient, data = self.scene.friction.coefficient, self.system.systemData
-        law = self._law(self.scene, lambda _: coefficient, ON_FLOATS)
+        data = self.system.systemData
+        law = self._law(self.scene, lambda _: 1.0)
         return law(
             self.system,
             0.0,

@@ -49,7 +49,12 @@ def test_simulate_stores_arrays_and_all_parameters(source: str, tmp_path: Path) 
         meta = json.loads(str(stored["meta"]))
     assert meta["level"] == 2
     assert meta["source"] == source
-    assert meta["friction"] == {"coefficient": 0.2, "smoothing": 0.05, "load": "weight"}
+    assert meta["friction"] == {
+        "law": "smooth-coulomb",
+        "coefficient": 0.2,
+        "smoothing": 0.05,
+        "load": "weight",
+    }
     assert meta["disk"]["radius"] == 0.045
     assert 0 < meta["error_estimate"] <= 1e-6
     assert "numpy" in meta["versions"]

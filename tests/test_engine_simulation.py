@@ -166,17 +166,6 @@ def test_runs_print_nothing_and_write_nothing(
     assert not list(tmp_path.iterdir())
 
 
-def test_symbolic_friction_gives_the_same_accelerations() -> None:
-    for level in (1, 3):
-        start = consistent_start(level, STEEL_DISK, beta=1.2, beta_rate=2.0)
-        for formulation in mbs_models.formulations(level):
-            scene = Scene(level=level, formulation=formulation, start=start)
-            plain, symbolic = (
-                Probe(build(scene, symbolic=flag)).solve()[0] for flag in (False, True)
-            )
-            np.testing.assert_allclose(symbolic, plain, rtol=1e-12, atol=1e-10)
-
-
 def test_lost_order_shows_up_as_a_slow_ladder_and_not_as_a_false_estimate() -> None:
     ladder = Ladder("euler-tree", "TrapezoidalIndex2")
     for step in (1.0, 0.5, 0.25, 0.125):

@@ -36,7 +36,7 @@ def imported_modules(path: Path) -> set[str]:
     return names
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "mbs_models").glob("*.py")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", sorted((ROOT / "mbs_models").rglob("*.py")), ids=lambda p: p.stem)
 def test_engine_side_imports_data_types_only(path: Path) -> None:
     for name in imported_modules(path):
         package, _, rest = name.partition(".")
@@ -45,14 +45,14 @@ def test_engine_side_imports_data_types_only(path: Path) -> None:
             assert rest.split(".")[0] in DATA_TYPES, f"{path.name} imports {name}"
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "analysis").glob("*.py")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", sorted((ROOT / "analysis").rglob("*.py")), ids=lambda p: p.stem)
 def test_in_house_side_imports_numpy_and_scipy_only(path: Path) -> None:
     allowed = set(sys.stdlib_module_names) | {"analysis", "numpy", "scipy"}
     packages = {name.partition(".")[0] for name in imported_modules(path)}
     assert packages <= allowed
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "analysis").glob("*.py")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", sorted((ROOT / "analysis").rglob("*.py")), ids=lambda p: p.stem)
 def test_data_types_import_no_mechanics(path: Path) -> None:
     if path.stem not in DATA_TYPES:
         return

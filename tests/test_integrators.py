@@ -126,15 +126,6 @@ def test_loose_newton_iteration_takes_fewer_iterations_and_leaves_an_error() -> 
     assert angle_error(tight, loose) > 1e-9
 
 
-@pytest.mark.parametrize("formulation", mbs_models.formulations(1))
-def test_symbolic_friction_gives_the_same_motion(formulation: Any) -> None:
-    scene = Scene(formulation=formulation)
-    plain, symbolic = (
-        mbs_models.simulate(scene, TIMES, step=5e-3, symbolic=flag) for flag in (False, True)
-    )
-    assert angle_error(plain, symbolic) < 1e-8
-
-
 def test_options_are_part_of_the_method() -> None:
     result = mbs_models.simulate(
         Scene(), TIMES, step=1e-2, integrator=Integrator(name="TrapezoidalIndex2")

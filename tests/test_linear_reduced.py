@@ -160,7 +160,7 @@ def test_closed_form_takes_many_spins_at_once() -> None:
 
 def test_closed_form_without_friction_is_refused() -> None:
     with pytest.raises(
-        ValueError, match="coefficient must be positive for the closed form, got 0"
+        ValueError, match="friction must have a positive gradient for the closed form, got 0"
     ):
         closed_form(STEEL_DISK, SmoothCoulomb(coefficient=0.0), 1.0)
 

@@ -21,8 +21,6 @@ from analysis import (
 from analysis.equations import mass_matrix
 from analysis.frames import poses
 from mbs_models import Formulation, Scene
-from mbs_models.build import build
-from mbs_models.probe import Probe
 from validation.robustness.penalty_limit import penalty_error
 
 FORMULATIONS: tuple[Formulation, ...] = ("euler-tree", "floating", "floating-lie")
@@ -63,18 +61,6 @@ def test_all_formulations_have_the_same_accelerations(load: Load, coefficient: f
     for accelerations, force in found[1:]:
         np.testing.assert_allclose(accelerations, found[0][0], rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(force, found[0][1], rtol=1e-9)
-
-
-@pytest.mark.parametrize("load", LOADS)
-def test_symbolic_form_gives_the_same_accelerations(load: Load) -> None:
-    scene = Scene(contact=CONTACT, friction=SmoothCoulomb(load=load), start=moving_start())
-    plain, symbolic = (Probe(build(scene, symbolic=flag)).solve()[0] for flag in (False, True))
-    np.testing.assert_allclose(symbolic, plain, rtol=1e-12, atol=1e-10)
-
-
-def test_symbolic_form_of_a_free_body_is_refused() -> None:
-    with pytest.raises(ValueError, match="exist for formulation 'euler-tree' alone"):
-        build(Scene(formulation="floating", contact=CONTACT), symbolic=True)
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)

@@ -12,11 +12,9 @@ from analysis import (
     PenaltyContact,
     SmoothCoulomb,
     SpatialMotion,
-    find_phases,
 )
 from analysis.checks import Array
 from validation.cli import main
-from validation.report import run_jobs
 from validation.rest import contact as rest_contact
 from validation.rest import creep as rest_creep
 from validation.rest import final_stage as rest_final
@@ -179,37 +177,6 @@ def test_small_changes_of_the_start_grow_in_proportion_until_rest() -> None:
         np.max(np.abs(motion.tilt[:count] - base.tilt[:count])) for motion in (small, large)
     ]
     assert changes[1] / changes[0] == pytest.approx(1000.0, rel=0.05)
-
-
-@pytest.mark.slow
-def test_section_shows_engine_and_in_house_agreeing_until_rest() -> None:
-    results = run_jobs(rest.jobs())
-    section = rest.section(results)
-    differences = [row[-1] for row in section.tables[0].rows if row[-1] is not None]
-    assert len(differences) == len(rest.CASES)
-    assert max(float(value) for value in differences) < 1e-3
-    engine, base = (results["rest", rest.SHOWN, source] for source in rest.SOURCES)
-    count = min(engine.times.size, base.times.size)
-    assert np.max(np.abs(engine.tilt[:count] - base.tilt[:count])) < 2e-5
-    assert len(section.pictures) == 6
-    ideal = results["rest", rest.SLIDING, "Model 1"]
-    for case in rest.CASES:
-        phases = find_phases(results["rest", case, "engine"])
-        assert phases.inversion == pytest.approx(ideal[0], rel=0.01)
-        assert case != rest.SLIDING or phases.inversion_lost == pytest.approx(ideal[1], rel=0.01)
-    for variant, *_, shift in rest.variant_table(results).rows:
-        assert isinstance(shift, float)
-        assert shift <= (0.2 if variant == "rim half as thick" else 0.02)
-    budget = rest.budget(results).rows
-    for one, other in zip(budget[::2], budget[1::2], strict=True):
-        # The damper's, sliding friction's and rolling resistance's energies.
-        np.testing.assert_allclose(one[3:9], other[3:9], rtol=0.05, atol=1e-9)  # type: ignore[arg-type]
-    for row in budget:
-        rise, force = row[-2:]
-        assert isinstance(rise, float)
-        assert rise < 1e-9
-        assert isinstance(force, float)
-        assert force >= 0.0
 
 
 @pytest.mark.parametrize(

@@ -43,12 +43,6 @@ def test_scene_that_cannot_be_built_is_refused(arguments: dict[str, Any], messag
         Scene(**arguments)
 
 
-def test_symbolic_friction_is_refused_where_it_has_no_form() -> None:
-    scene = Scene(level=2, friction=SmoothCoulomb(load="contact"))
-    with pytest.raises(ValueError, match="symbolic friction takes the load 'weight' alone"):
-        build(scene, symbolic=True)
-
-
 @pytest.mark.parametrize("level", LEVELS)
 def test_frictionless_scene_has_no_friction_item(level: Any) -> None:
     frictionless = SmoothCoulomb(coefficient=0.0)

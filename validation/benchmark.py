@@ -30,10 +30,7 @@ from analysis import (
 )
 from analysis.stability_chart import stability_chart
 from mbs_models import Formulation, Scene
-from mbs_models.build import build
-from mbs_models.integrators import find_integrator
 from mbs_models.rest_run import largest_step
-from mbs_models.runs import run
 from validation.crosscheck import TABLE_3_TIMES, angle_error
 from validation.provenance import machine
 from validation.stability.eigenvalue_check import engine_matrices
@@ -142,34 +139,6 @@ def targets(repeats: int) -> Table:
         rows=cells,
         note="Truth: DOP853 with a local tolerance of 1e-13, which differs by less than 1e-12 rad "
         "from Radau.",
-    )
-
-
-def friction_forms(repeats: int) -> Table:
-    """Run time with the friction law as a Python function and as a symbolic expression."""
-
-    def taken(scene: Scene, symbolic: bool) -> float:
-        integrator = find_integrator(scene.formulation, None)
-
-        def call() -> None:
-            model = build(scene, symbolic=symbolic)
-            run(model, integrator, spacing=0.01, intervals=200, substeps=4)
-
-        return median_milliseconds(call, repeats)
-
-    cells: list[list[Cell]] = []
-    for level in analysis.LEVELS[::2]:
-        for formulation in mbs_models.formulations(level):
-            scene = Scene(level=level, formulation=formulation)
-            python, symbolic = taken(scene, False), taken(scene, True)
-            cells.append(
-                [level, formulation, round(python, 1), round(symbolic, 1), python / symbolic]
-            )
-    return Table(
-        name="friction-forms",
-        title="Friction law as a Python function or as a symbolic expression",
-        columns=("model", "formulation", "Python in ms", "symbolic in ms", "ratio"),
-        rows=cells,
     )
 
 
@@ -289,7 +258,6 @@ def main() -> None:
         targets(repeats),
         stability(repeats),
         to_rest(),
-        friction_forms(repeats),
         load_laws(repeats),
         start_up(),
     ):

@@ -62,6 +62,7 @@ exit codes:
 _OPTION_OF = {
     "coefficient": "mu",
     "smoothing": "eps",
+    "friction": "eps",
     "rolling_dry": "rolling",
     "interval": "spin",
     "spins": "spin",
@@ -132,6 +133,8 @@ def _blamed_option(options: argparse.Namespace, message: str) -> str:
     """The option whose argument a message begins with, if there is one."""
     argument = message.partition(" ")[0]
     option = _OPTION_OF.get(argument, argument)
+    if option in {"mu", "eps"} and getattr(options, "law", None) is not None:
+        option = "law"
     return f"--{option.replace('_', '-')}: " if hasattr(options, option) else ""
 
 
@@ -432,3 +435,9 @@ def _add_disk_and_friction(parser: argparse.ArgumentParser) -> None:
     add("--disk", choices=DISKS, default="steel", help="disk (default: %(default)s)")
     add("--mu", type=float, default=0.3, help="friction coefficient (0.3)")
     add("--eps", type=float, default=0.1, help="smoothing speed of the friction law in m/s (0.1)")
+    add(
+        "--law",
+        metavar="LAW",
+        help="another friction law than the paper's with --mu and --eps: stribeck, tanh, viscous "
+        "or module:class, with its parameters behind commas, as in tanh,coefficient=0.4",
+    )

@@ -121,7 +121,8 @@ def prices(repeats: int) -> list[Price]:
     result = [
         price(
             part,
-            f"{scene.formulation}, Model {scene.level}, μ = {scene.friction.coefficient:g}",
+            f"{scene.formulation}, Model {scene.level}, "
+            f"{'with' if scene.friction.is_on else 'without'} friction",
             partial(_with, scene, BALLAST[part]),
             partial(build, scene),
             repeats=repeats,
@@ -152,8 +153,7 @@ def _alternatives(repeats: int) -> list[Price]:
 
     Each is a pair of scenes, the costlier one first, or the same scene built in two ways.
     """
-    tree, body = Scene(level=2), Scene(level=2, formulation="floating")
-    python = "Python, not symbolic, friction"
+    tree = Scene(level=2)
     pairs: list[tuple[str, str, Build, Build]] = [
         (
             "six joint axes where three do",
@@ -161,8 +161,6 @@ def _alternatives(repeats: int) -> list[Price]:
             partial(_with, tree, six_axes),
             partial(build, tree),
         ),
-        (python, "euler-tree, Model 2", partial(build, tree), partial(build, tree, symbolic=True)),
-        (python, "floating, Model 2", partial(build, body), partial(build, body, symbolic=True)),
     ]
     scenes: list[tuple[str, str, Scene, Scene]] = [
         (
@@ -174,7 +172,7 @@ def _alternatives(repeats: int) -> list[Price]:
         (
             "Euler parameters, not a rotation vector",
             "floating and floating-lie, Model 2",
-            body,
+            Scene(level=2, formulation="floating"),
             Scene(level=2, formulation="floating-lie"),
         ),
         (

@@ -6,9 +6,20 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import Any
 
-from analysis import Disk, Dissipation, Level, State, consistent_start
+from analysis import (
+    Disk,
+    Dissipation,
+    FrictionLaw,
+    Level,
+    Load,
+    SmoothCoulomb,
+    State,
+    consistent_start,
+)
 from analysis.checks import number, positive, within
+from analysis.friction import law_from
 from analysis.limits import LONGEST_MOTION, Effort
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -95,6 +106,35 @@ def output_folder(name: str, value: str) -> Path:
             f"{name} must be a folder that can be written to, got {value!r} ({error.strerror})"
         ) from error
     return path
+
+
+def chosen_friction(options: argparse.Namespace, load: Load = "weight") -> FrictionLaw:
+    """Friction law from --law, or the paper's from --mu and --eps.
+
+    Parameters
+    ----------
+    options : Namespace
+    load : {"weight", "contact"}
+
+    Raises
+    ------
+    ValueError
+        If the law or one of its parameters is unknown or out of range.
+    """
+    if options.law is None:
+        return SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load=load)
+    name, *parameters = options.law.split(",")
+    values: dict[str, Any] = {"law": name, "load": load}
+    for parameter in parameters:
+        key, equals, text = parameter.partition("=")
+        if not equals:
+            raise ValueError(f"--law must hold parameter=value behind its name, got {parameter!r}")
+        values[key.strip()] = written_number(f"--law: {key.strip()}", text)
+    sys.path.insert(0, "")
+    try:
+        return law_from(values)
+    finally:
+        sys.path.remove("")
 
 
 def written_number(name: str, text: str) -> float:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
-from analysis import STEEL_DISK, Trajectory, equations
+from analysis import STEEL_DISK, SmoothCoulomb, Trajectory, equations
 from analysis.checks import Array
 from validation.claims.claim import Claim
 
@@ -33,7 +33,7 @@ def least_coefficients(run: Trajectory, *, any_slip: bool) -> Array:
             result[row] = normal / np.linalg.norm(tangential)
             continue
         slip = equations.tangential_directions(run.disk, z).T @ u
-        pressing = tangential @ slip / (np.linalg.norm(slip) + run.friction.smoothing)
+        pressing = tangential @ slip / (np.linalg.norm(slip) + run.friction.finest_speed)
         result[row] = normal / pressing if pressing > 0.0 else np.inf
     return result
 
@@ -79,6 +79,7 @@ def claim(run: Trajectory, least: Bound) -> Claim:
     """
     early = run.times <= 2.0
     worst, actual = (least_coefficients(run, any_slip=any_slip) for any_slip in (True, False))
+    assert isinstance(run.friction, SmoothCoulomb)
     used = run.friction.coefficient
     return Claim(
         place="Sect. 4.1",

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import analysis
-from analysis import DISKS, Progress, SmoothCoulomb, Trajectory, multiplier_names
+from analysis import DISKS, Progress, Trajectory, multiplier_names
 from analysis.checks import Array
 from analysis.effort import simulation_effort
 from analysis.files import whole_file
@@ -15,6 +15,7 @@ from validation.options import (
     PICTURES,
     announce,
     chosen_end,
+    chosen_friction,
     chosen_start,
     output_folder,
     output_path,
@@ -57,7 +58,7 @@ def simulate(options: argparse.Namespace) -> int:
 
 def _simulate(options: argparse.Namespace, times: Array, progress: Progress) -> Trajectory:
     disk = DISKS[options.disk]
-    friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load=options.load)
+    friction = chosen_friction(options, options.load)
     start = chosen_start(options, options.model, disk)
     if options.source == "in-house":
         if options.step is not None:

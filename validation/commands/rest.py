@@ -8,7 +8,6 @@ from analysis import (
     CAUSES,
     DISKS,
     PenaltyContact,
-    SmoothCoulomb,
     SpatialMotion,
     State,
     find_phases,
@@ -23,6 +22,7 @@ from validation.options import (
     announce,
     chosen_dissipation,
     chosen_end,
+    chosen_friction,
     chosen_start,
     output_path,
 )
@@ -71,7 +71,7 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
             "--step must be left out with --source in-house, which controls its steps by "
             f"--tolerance, got {options.step:g}"
         )
-    friction = SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load="contact")
+    friction = chosen_friction(options, "contact")
     contact = PenaltyContact.rounded(
         disk, stiffness=options.stiffness, half_thickness=options.half_thickness
     )

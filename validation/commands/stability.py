@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis import DISKS, Disk, SmoothCoulomb, linear_reduced, spectra
+from analysis import DISKS, Disk, FrictionLaw, linear_reduced, spectra
 from analysis.checks import Array
 from analysis.critical import critical_speeds
 from analysis.files import whole_file
 from analysis.limits import MOST_SPINS
 from analysis.spectra import Branches
-from validation.options import PICTURES, output_path, written_number
+from validation.options import PICTURES, chosen_friction, output_path, written_number
 from validation.tables import Table
 
 
@@ -100,8 +100,8 @@ def parse_spins(texts: list[str]) -> Array:
     return np.array(spins)
 
 
-def _disk_and_friction(options: argparse.Namespace) -> tuple[Disk, SmoothCoulomb]:
-    return DISKS[options.disk], SmoothCoulomb(coefficient=options.mu, smoothing=options.eps)
+def _disk_and_friction(options: argparse.Namespace) -> tuple[Disk, FrictionLaw]:
+    return DISKS[options.disk], chosen_friction(options)
 
 
 def _branches(options: argparse.Namespace, spins: Array) -> Branches:

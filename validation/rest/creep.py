@@ -112,6 +112,7 @@ def fit(motion: SpatialMotion) -> Creep:
     rate, offset = np.polyfit(times[fitted], tilts[fitted] ** -2, 1)
     checked = times >= end
     law = (offset + rate * times[checked]) ** -0.5
+    assert isinstance(motion.friction, SmoothCoulomb)
     return Creep(
         friction=motion.friction,
         times=times,
@@ -124,7 +125,7 @@ def fit(motion: SpatialMotion) -> Creep:
 
 def weak_friction_rate(disk: Disk, friction: SmoothCoulomb) -> float:
     """Rate k of the law in 1/s for friction so weak that the centre of gravity stays at rest."""
-    viscosity = friction.coefficient * disk.weight / friction.smoothing
+    viscosity = friction.gradient * disk.weight
     return 2.0 / 3.0 * viscosity * disk.eccentricity**2 / _across(disk)
 
 
@@ -206,7 +207,7 @@ def creep_of(motion: SpatialMotion, begin: float, end: float) -> tuple[float, fl
 
 def loss_table(motion: SpatialMotion) -> Table:
     """How slowly the disk loses energy by sliding alone."""
-    viscosity = motion.friction.coefficient / motion.friction.smoothing
+    viscosity = motion.friction.gradient
     rows = []
     for begin, end in WINDOWS:
         part = (motion.times >= begin) & (motion.times <= end)

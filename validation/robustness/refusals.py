@@ -11,7 +11,6 @@ import analysis
 import mbs_models
 from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb, State, consistent_start
 from mbs_models import Scene
-from mbs_models.build import build
 from validation.tables import Cell, Table
 
 TIMES = (0.0, 0.1)
@@ -55,9 +54,6 @@ REQUESTS: dict[str, Callable[[], object]] = {
     "penalty contact in Model 2": lambda: Scene(level=2, contact=PenaltyContact(stiffness=1e5)),
     "penalty contact that is too soft": lambda: Scene(contact=PenaltyContact(stiffness=1e3)),
     "damping below zero": lambda: PenaltyContact(stiffness=1e5, damping=-1.0),
-    "symbolic friction with the contact force as load": lambda: build(
-        Scene(level=2, friction=SmoothCoulomb(load="contact")), symbolic=True
-    ),
     "minimal coordinates in Model 3": lambda: analysis.simulate(3, TIMES, form="reduced"),
     "minimal coordinates with the contact force as load": lambda: analysis.simulate(
         4, TIMES, form="reduced", friction=SmoothCoulomb(load="contact")

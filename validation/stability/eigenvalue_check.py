@@ -8,7 +8,7 @@ from scipy.optimize import brentq, linear_sum_assignment
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, Disk, Level, SmoothCoulomb, spectra
+from analysis import STEEL_DISK, Disk, FrictionLaw, Level, SmoothCoulomb, spectra
 from analysis.checks import Array
 from mbs_models import Formulation, Motion
 from validation.tables import Table
@@ -58,7 +58,7 @@ def engine_matrices(
     formulation: Formulation | None = None,
     motion: Motion = "inverted",
     disk: Disk = STEEL_DISK,
-    friction: SmoothCoulomb | None = None,
+    friction: FrictionLaw | None = None,
 ) -> Array:
     """State matrices of the engine over the spin, shape (n, k, k): `mbs_models.state_matrix`."""
     return np.array(

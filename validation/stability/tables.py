@@ -4,7 +4,15 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from analysis import ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb, linear_reduced, spectra
+from analysis import (
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    FrictionLaw,
+    SmoothCoulomb,
+    linear_reduced,
+    spectra,
+)
 from analysis.critical import CriticalSpeeds, critical_speeds
 from analysis.linear_full import Motion
 from analysis.linear_variants import PRINTED, reproduces, variants
@@ -166,7 +174,7 @@ _SYSTEM_OF_MODEL: dict[str, System] = {
 
 
 def stable_table(
-    disk: Disk, friction: SmoothCoulomb, interval: tuple[float, float], motion: Motion
+    disk: Disk, friction: FrictionLaw, interval: tuple[float, float], motion: Motion
 ) -> Table:
     """Spins at which each model's motion is stable as a whole: every eigenvalue decays."""
     rows: list[list[Cell]] = []

@@ -46,13 +46,10 @@ class EngineMethod:
     ----------
     formulation : str
     integrator : Integrator
-    symbolic : bool
-        Friction as a symbolic expression instead of a Python function.
     """
 
     formulation: Formulation
     integrator: Integrator
-    symbolic: bool = False
 
     @property
     def scheme(self) -> str:
@@ -94,7 +91,7 @@ class EngineMethod:
         integrator, step = self.integrator, setting
         if integrator.controls_step:
             integrator, step = Integrator(name=integrator.name, local_tolerance=setting), np.inf
-        result = one_pass(self._scene(problem), TIMES, integrator, step, symbolic=self.symbolic)
+        result = one_pass(self._scene(problem), TIMES, integrator, step)
         if result.ended is not None:
             raise ArithmeticError(f"{result.ended} at t = {result.times[-1]:.6g} s")
         return Measured(result, result.seconds, dict(result.counts))

@@ -1,0 +1,229 @@
+"""Friction laws: their closed properties, both sides under each, files and the command line."""
+
+import subprocess
+import sys
+from dataclasses import dataclass, replace
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import (
+    LAWS,
+    LEVELS,
+    LOADS,
+    STEEL_DISK,
+    FrictionLaw,
+    Level,
+    Load,
+    SmoothCoulomb,
+    Stribeck,
+    TanhCoulomb,
+    Trajectory,
+    ViscousFriction,
+    consistent_start,
+    index1,
+    linear_full,
+    linear_reduced,
+)
+from analysis.friction import law_from, law_values
+from mbs_models import Formulation, Scene, formulations
+from mbs_models.friction import per_speed
+from validation import cli
+
+TIMES = np.linspace(0.0, 0.2, 21)
+SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
+OTHERS = SHIPPED[1:]
+SPEEDS = (0.0, 1e-9, 1e-5, 0.99e-5, 1.01e-5, 1e-3, 0.03, 0.1, 0.4, 3.0, 50.0)
+
+
+def name(law: FrictionLaw) -> str:
+    return type(law).__name__
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SquareRoot(FrictionLaw):
+    """A law of one's own: force = -coefficient * load * slip / sqrt(slip² + smoothing²)."""
+
+    coefficient: float = 0.3
+    smoothing: float = 0.1
+
+    def per_speed(self, speed: float) -> float:
+        return float(self.coefficient / np.hypot(speed, self.smoothing))
+
+    @property
+    def finest_speed(self) -> float:
+        return self.smoothing
+
+
+@pytest.mark.parametrize("law", SHIPPED, ids=name)
+def test_both_sides_write_the_same_law(law: FrictionLaw) -> None:
+    engine = per_speed(law)
+    assert engine != law.per_speed
+    for speed in SPEEDS:
+        assert engine(speed) == pytest.approx(law.per_speed(speed), rel=1e-14)
+
+
+@pytest.mark.parametrize("law", SHIPPED, ids=name)
+def test_gradient_is_the_slope_at_no_slip(law: FrictionLaw) -> None:
+    slip = 1e-6 * law.finest_speed
+    assert law.per_speed(slip) * slip / slip == pytest.approx(law.gradient, rel=2e-6)
+    assert law.gradient == pytest.approx(law.per_speed(0.0), rel=1e-14)
+
+
+def test_full_force_of_the_laws() -> None:
+    assert SmoothCoulomb().per_speed(1e9) * 1e9 == pytest.approx(0.3)
+    assert TanhCoulomb().per_speed(10.0) * 10.0 == pytest.approx(0.3)
+    assert TanhCoulomb().per_speed(0.1) * 0.1 == pytest.approx(0.3 * np.tanh(1.0))
+    assert Stribeck().per_speed(1e9) * 1e9 == pytest.approx(0.3)
+    assert Stribeck().gradient * Stribeck().smoothing == pytest.approx(0.45)
+    assert ViscousFriction().per_speed(7.0) == ViscousFriction().viscosity
+
+
+def test_stribeck_without_a_drop_is_the_papers_law() -> None:
+    plain = Stribeck(static=0.3, kinetic=0.3)
+    assert [plain.per_speed(v) for v in SPEEDS] == [SmoothCoulomb().per_speed(v) for v in SPEEDS]
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("law", [*OTHERS, SquareRoot()], ids=name)
+def test_accelerations_agree_under_every_law(law: FrictionLaw, level: Level, load: Load) -> None:
+    law = replace(law, load=load)
+    start = consistent_start(level, STEEL_DISK, beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
+    expected, forces = index1.accelerations(level, STEEL_DISK, law, start.coordinates, start.rates)
+    for formulation in formulations(level):
+        if formulation == "contact-tree" and load == "contact":
+            continue
+        scene = Scene(level=level, formulation=formulation, friction=law, start=start)
+        found, multipliers = mbs_models.acceleration(scene)
+        np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-7)
+        np.testing.assert_allclose(multipliers, forces, rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize("law", [*OTHERS, SquareRoot()], ids=name)
+def test_motions_agree_under_every_law(law: FrictionLaw) -> None:
+    cases: tuple[tuple[Level, Formulation], ...] = ((1, "contact-tree"), (4, "euler-tree"))
+    for level, formulation in cases:
+        truth = analysis.simulate(level, TIMES, friction=law, tolerance=1e-10)
+        scene = Scene(level=level, formulation=formulation, friction=law)
+        run = mbs_models.simulate(scene, TIMES, tolerance=1e-7)
+        np.testing.assert_allclose(run.coordinates, truth.coordinates, atol=2e-7)
+
+
+@pytest.mark.parametrize("law", OTHERS, ids=name)
+def test_reduced_and_full_equations_agree_under_every_law(law: FrictionLaw) -> None:
+    full, reduced = (
+        analysis.simulate(4, TIMES, friction=law, form=form, tolerance=1e-10)
+        for form in analysis.FORMS
+    )
+    np.testing.assert_allclose(reduced.coordinates, full.coordinates, atol=1e-9)
+
+
+@pytest.mark.parametrize("law", OTHERS, ids=name)
+def test_linear_stability_depends_on_the_gradient_alone(law: FrictionLaw) -> None:
+    papers = SmoothCoulomb(coefficient=law.gradient, smoothing=1.0)
+    spins = np.linspace(10.0, 50.0, 9)
+    found, expected = (
+        linear_full.full_system(STEEL_DISK, each, spins).state_matrices for each in (law, papers)
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-9)
+    found, expected = (
+        linear_reduced.reduced_matrices(STEEL_DISK, each, spins) for each in (law, papers)
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("law", OTHERS, ids=name)
+def test_engine_eigenvalues_depend_on_the_gradient_alone(law: FrictionLaw, level: Level) -> None:
+    papers = SmoothCoulomb(coefficient=law.gradient * 0.1, smoothing=0.1)
+    found, expected = (
+        np.sort_complex(
+            mbs_models.eigenvalues(mbs_models.stationary_scene(level, 25.0, friction=each))
+        )
+        for each in (law, papers)
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("law", [*SHIPPED, SquareRoot(coefficient=0.2)], ids=name)
+def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -> None:
+    run = analysis.simulate(1, TIMES, friction=law, local_tolerance=1e-4)
+    run.save(tmp_path / "run.npz")
+    assert Trajectory.load(tmp_path / "run.npz").friction == law
+    assert law_from(law_values(law)) == law
+
+
+def test_file_runs_no_module_that_it_names() -> None:
+    with pytest.raises(ValueError, match="'this:Law' must be imported first"):
+        law_from({"law": "this:Law"}, own=False)
+    assert "this" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"law": "glue"}, "must be one of smooth-coulomb, stribeck, tanh, viscous or module"),
+        ({"law": "tanh", "viscosity": 1.0}, "parameter of the friction law tanh must be one of"),
+        ({"law": "tanh", "coefficient": -1.0}, "coefficient must not be negative"),
+        ({"law": "stribeck", "static": 0.1}, "kinetic must not exceed static = 0.1, got 0.3"),
+        ({"law": "stribeck", "stribeck_speed": 0.0}, "stribeck_speed must be positive"),
+        ({"law": "viscous", "viscosity": nan}, "viscosity must be a finite number"),
+        ({"law": "viscous", "load": "moon"}, "load must be one of weight, contact"),
+        ({"law": "tanh", "smoothing": 0.0}, "smoothing must be positive"),
+        ({"law": "no.such.module:Law"}, "cannot be loaded"),
+        ({"law": "math:sin"}, "must be a class derived from FrictionLaw"),
+    ],
+)
+def test_bad_law_is_refused(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        law_from(values)
+
+
+@pytest.mark.parametrize(
+    "law", ["stribeck,static=0.5", "tanh,coefficient=0.4,smoothing=0.05", "viscous"]
+)
+def test_command_line_takes_a_law(law: str, tmp_path: Path) -> None:
+    runs = []
+    for source in ("engine", "in-house"):
+        out = tmp_path / f"{source}.npz"
+        call = ["simulate", "--source", source, "--law", law, "--end", "0.2", "--samples", "21"]
+        assert cli.main([*call, "--tolerance", "1e-7", "--out", str(out)]) == 0
+        runs.append(Trajectory.load(out))
+    assert runs[0].friction == runs[1].friction
+    assert type(runs[0].friction) is LAWS[law.partition(",")[0]]
+    np.testing.assert_allclose(runs[0].coordinates, runs[1].coordinates, atol=2e-7)
+    assert cli.main(["critical", "--system", "reduced", "--law", law]) == 0
+
+
+def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
+    text = (Path(__file__).parent.parent / "README.md").read_text()
+    begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
+    (tmp_path / "rough.py").write_text(text[begin : text.index("```", begin)])
+    call = [sys.executable, "-m", "validation", "simulate", "--law"]
+    call += ["rough:SquareRoot,coefficient=0.2", "--end", "0.1", "--out", "own.npz"]
+    subprocess.run(call, cwd=tmp_path, check=True)
+    with pytest.raises(ValueError, match="'rough:SquareRoot' must be imported first"):
+        Trajectory.load(tmp_path / "own.npz")
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ("glue", "friction law must be one of smooth-coulomb"),
+        ("tanh,0.4", "--law must hold parameter=value behind its name, got '0.4'"),
+        ("tanh,coefficient=much", "--law: coefficient must be a finite number, got 'much'"),
+    ],
+)
+def test_bad_law_on_the_command_line_is_one_line(
+    law: str, message: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert cli.main(["simulate", "--law", law, "--out", str(tmp_path / "x.npz")]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
