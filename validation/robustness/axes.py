@@ -14,12 +14,12 @@ QUICK: dict[str, tuple[str, ...]] = {
     "start above the table": ("5 mm, undamped",),
     "spin in rad/s": ("0", "-40"),
     "contact load: spin, μ": ("200 rad/s, 0.3",),
-    "tilt β in rad": ("0.01", "π − 0.01"),
-    "eccentricity in m": ("0", "1e-9"),
-    "inertia about the COG": ("lamina", "flat across x"),
+    "tilt β in rad": ("π − 0.01",),
+    "eccentricity in m": ("1e-9",),
+    "inertia about the COG": ("lamina",),
     "radius of the disk in m": ("0.001",),
     "friction μ": ("0",),
-    "start": ("at rest, COG above", "inverted, below critical spin"),
+    "start": ("inverted, below critical spin",),
     "sampling, duration": ("2 samples, 0.5 s", "2 samples, rolling fast"),
 }
 """Labels of the sample of each axis, in Model 1, that the quick version runs."""

@@ -14,7 +14,10 @@ _BY_WORDS = (
     ("a contact that pulls", "starts where the contact would pull"),
     ("lies flat", "falls flat, where Euler angles end"),
     ("lies nearly flat", "falls flat, where Euler angles end"),
-    ("(79)", "contact load: friction calls for more normal force than it gets"),
+    (
+        "each newton of normal force",
+        "contact load: friction calls for more normal force than it gets",
+    ),
     ("Newton's iteration did not converge", "Newton's iteration does not converge"),
     ("singular", "singular system matrix"),
     ("minimum step", "step control at its minimum step"),

@@ -17,7 +17,7 @@ from validation.robustness.refusals import refusals
 from validation.robustness.run import DOUBT, SLACK, STEPS, Outcome, run_problems
 from validation.robustness.steps import StepLimit
 
-_QUICK_BATCHES = 4
+_QUICK_BATCHES = 2
 _STEP_WAYS: dict[steps.Axis, tuple[tuple[Any, Any], ...]] = {
     "smoothing": (
         ("contact-tree", "RK44"),

@@ -59,7 +59,7 @@ def write_study(study: Study, path: Path) -> None:
         "columns": _COLUMNS,
         "outcomes": [_pack(outcome) for outcome in study.outcomes],
     }
-    text = json.dumps(stored, ensure_ascii=False, separators=(",", ":"))
+    text = json.dumps(stored, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     # A line for each case keeps the differences of two versions readable.
     text = text.replace("],[", "],\n[") + "\n"
     with whole_file(path) as stream:
