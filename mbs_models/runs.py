@@ -111,12 +111,19 @@ def run(
     if integrator.controls_step:
         system.SetPreStepUserFunction(limiter.limit)
     stopped: list[float] = []
+    raised: list[BaseException] = []
     if stop is not None:
 
         def after_step(_system: Any, moment: float) -> bool:
-            if stop(moment):
+            # An exception would not get through the engine: it ends the run, and goes on after.
+            try:
+                over = stop(moment)
+            except BaseException as error:  # noqa: BLE001
+                raised.append(error)
+                over = True
+            if over:
                 stopped.append(moment)
-            return not stopped
+            return not over
 
         system.SetPostStepUserFunction(after_step)
     begin = time.process_time()
@@ -128,6 +135,8 @@ def run(
             )
     except exu.ExudynError as error:
         failure = error
+    if raised:
+        raise raised[0]
     samples = _samples(model, integrator, sensor, start, spacing)
     complete = len(samples.records) == intervals + 1 or bool(stopped)
     samples = replace(

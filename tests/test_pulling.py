@@ -232,6 +232,20 @@ def test_progress_goes_up_to_the_end(side: str) -> None:
     assert {end for _, end in seen} == {TIMES[-1]}
 
 
+@pytest.mark.parametrize("side", ["engine", "in-house"])
+def test_an_exception_of_the_progress_ends_the_run_and_comes_through(side: str) -> None:
+    def progress(reached: float, _end: float) -> None:
+        if reached > 0.1:
+            raise KeyboardInterrupt
+
+    run: dict[str, Callable[[], Trajectory]] = {
+        "engine": lambda: mbs_models.simulate(Scene(level=2), TIMES, progress=progress),
+        "in-house": lambda: analysis.simulate(2, TIMES, progress=progress),
+    }
+    with pytest.raises(KeyboardInterrupt):
+        run[side]()
+
+
 @pytest.mark.parametrize("limit", [0.0, -1.0, np.nan])
 def test_time_limit_must_be_positive(limit: float) -> None:
     with pytest.raises(ValueError, match="time_limit"):
