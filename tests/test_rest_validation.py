@@ -112,21 +112,6 @@ def test_centred_disk_rolls_as_the_textbook_says_in_engine_and_in_house() -> Non
     assert [row[2] for row in rolling] == pytest.approx([row[3] for row in rolling], rel=1e-3)
 
 
-@pytest.mark.slow
-def test_creep_follows_its_law_and_that_of_weak_friction() -> None:
-    results = {job.key: job.function(*job.arguments) for job in rest_creep.jobs()}
-    shares = []
-    for row in rest_creep.law_table(results).rows:
-        _, fitted, weak, error, _, hours = (float(value) for value in row)  # type: ignore[arg-type]
-        assert error < 2e-4
-        assert hours > 4.0
-        shares.append(fitted / weak)
-    # Friction drags the centre of gravity along, the less the weaker it is.
-    assert shares == sorted(shares)
-    assert 0.85 < shares[-1] < 1.0
-    assert rest_creep.draw(results).png
-
-
 def test_fit_finds_the_law_and_its_deviation() -> None:
     times: Array = np.arange(6001, dtype=float) * 1e-2
     tilts = (10.0 + 0.02 * times) ** -0.5

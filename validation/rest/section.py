@@ -43,7 +43,6 @@ CASES = {
 SOURCES = ("engine", "in-house")
 VARIANTS = {
     "engine": "in the engine",
-    "step doubled": "in the engine, step doubled",
     "stiffness doubled": "stiffness doubled",
     "rim half as thick": "rim half as thick",
     "spin 0.001 rad/s faster": "spin 0.001 rad/s faster",
@@ -63,14 +62,14 @@ AGREEMENT = 1e-3
 LARGEST_SHIFT = {"rim half as thick": 0.2}
 """In s, of the phases by a variant; 0.02 s for those not named."""
 
-ENGINE_END = 28.0
+ENGINE_END = 26.5
 """The same for the engine, whose sliding disk has been rolling for some while by then."""
 
 
-def run_engine(case: str, step: float = STEP) -> SpatialMotion:
+def run_engine(case: str) -> SpatialMotion:
     """Run a case in the engine."""
     scene = Scene.rest(dissipation=CASES[case])
-    return mbs_models.simulate_to_rest(scene, ENGINE_END, step=step, spacing=SPACING)
+    return mbs_models.simulate_to_rest(scene, ENGINE_END, step=STEP, spacing=SPACING)
 
 
 def run_in_house(
@@ -104,7 +103,6 @@ def jobs() -> list[Job]:
         Job(("rest", SLIDING, "Model 1"), run_model_1),
         Job(("rest", SLIDING, "in-house"), run_in_house, (SLIDING,)),
         *(Job(("rest", case, "engine"), run_engine, (case,)) for case in CASES),
-        Job(("rest", SHOWN, "step doubled"), run_engine, (SHOWN, 2.0 * STEP)),
         Job(("rest", SHOWN, "stiffness doubled"), run_in_house, (SHOWN, 2e6)),
         Job(("rest", SHOWN, "rim half as thick"), run_in_house, (SHOWN, 1e6, 1e-4)),
         Job(("rest", SHOWN, "spin 0.001 rad/s faster"), run_in_house, (SHOWN, 1e6, 2e-4, 40.001)),
@@ -244,7 +242,7 @@ def variant_table(results: Mapping[Any, Any]) -> Table:
         title=f"What the phases depend on ({SHOWN})",
         columns=("variant", *_PHASE_COLUMNS, "face up", "largest shift", "at most", "holds"),
         rows=rows,
-        note=f"Times in s, to {SPACING:g} s. Engine runs with steps of {STEP:g} s and twice that, "
+        note=f"Times in s, to {SPACING:g} s. The engine runs with steps of {STEP:g} s, "
         "the others in-house.",
     )
 
