@@ -100,6 +100,14 @@ class CriticalSpeeds:
         return tuple(crossing for crossing in self.crossings if crossing.kind == "hopf")
 
 
+def spin_interval(interval: tuple[float, float]) -> tuple[float, float]:
+    """Return lowest and highest spin in rad/s; `ValueError` if they are no interval."""
+    low, high = (number("interval", end) for end in interval)
+    if not 0.0 <= low < high:
+        raise ValueError(f"interval must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
+    return low, high
+
+
 def critical_speeds(
     system: System,
     disk: Disk,
@@ -128,9 +136,7 @@ def critical_speeds(
     """
     choice("system", system, SYSTEMS)
     choice("motion", motion, MOTIONS)
-    low, high = (number("interval", end) for end in interval)
-    if not 0.0 <= low < high:
-        raise ValueError(f"interval must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
+    low, high = spin_interval(interval)
     followed = branches(system, disk, friction, helper_spins(system, low, high), motion)
     values = np.delete(followed.values, followed.drift, axis=1)
     relevant = Branches(spins=followed.spins, values=values)

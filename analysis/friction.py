@@ -69,7 +69,25 @@ class FrictionLaw(ABC):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SmoothCoulomb(FrictionLaw):
+class _Regularised(FrictionLaw):
+    """Coulomb friction of one coefficient, smoothed over a slip speed."""
+
+    coefficient: float = 0.3
+    smoothing: float = 0.1
+
+    def __post_init__(self) -> None:
+        FrictionLaw.__post_init__(self)
+        check_coefficient(self, "coefficient")
+        check_smoothing(self)
+
+    @property
+    def finest_speed(self) -> float:
+        """Slip speed in m/s over which the law bends."""
+        return self.smoothing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SmoothCoulomb(_Regularised):
     """Smooth Coulomb friction, Eq. (3): force = -coefficient * load * slip / (|slip| + smoothing).
 
     Parameters
@@ -87,22 +105,9 @@ class SmoothCoulomb(FrictionLaw):
         If a value is out of range.
     """
 
-    coefficient: float = 0.3
-    smoothing: float = 0.1
-
-    def __post_init__(self) -> None:
-        FrictionLaw.__post_init__(self)
-        check_coefficient(self, "coefficient")
-        check_smoothing(self)
-
     def per_speed(self, speed: float) -> float:
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
         return self.coefficient / (speed + self.smoothing)
-
-    @property
-    def finest_speed(self) -> float:
-        """Slip speed in m/s over which the law bends."""
-        return self.smoothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,7 +167,7 @@ class Stribeck(FrictionLaw):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TanhCoulomb(FrictionLaw):
+class TanhCoulomb(_Regularised):
     """Coulomb friction regularised by force = -coefficient * load * tanh(|slip| / smoothing).
 
     All its derivatives exist, at no slip too, where Eq. (3) has a kink in the second.
@@ -182,14 +187,6 @@ class TanhCoulomb(FrictionLaw):
         If a value is out of range.
     """
 
-    coefficient: float = 0.3
-    smoothing: float = 0.1
-
-    def __post_init__(self) -> None:
-        FrictionLaw.__post_init__(self)
-        check_coefficient(self, "coefficient")
-        check_smoothing(self)
-
     def per_speed(self, speed: float) -> float:
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
         relative = speed / self.smoothing
@@ -197,11 +194,6 @@ class TanhCoulomb(FrictionLaw):
             # Two terms of the series: the next one is below rounding.
             return self.coefficient / self.smoothing * (1.0 - relative * relative / 3.0)
         return self.coefficient * tanh(relative) / speed
-
-    @property
-    def finest_speed(self) -> float:
-        """Slip speed in m/s over which the law bends."""
-        return self.smoothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

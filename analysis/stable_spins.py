@@ -5,7 +5,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis.checks import choice, number
+from analysis.checks import choice
+from analysis.critical import spin_interval
 from analysis.disk import Disk
 from analysis.friction import FrictionLaw
 from analysis.linear_full import MOTIONS, Motion
@@ -48,9 +49,7 @@ def stable_spins(
     """
     choice("system", system, SYSTEMS)
     choice("motion", motion, MOTIONS)
-    low, high = (number("interval", end) for end in interval)
-    if not 0.0 <= low < high:
-        raise ValueError(f"interval must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
+    low, high = spin_interval(interval)
 
     def growth(spin: float) -> float:
         """Largest growth rate in 1/s, above zero also where it only might be."""
