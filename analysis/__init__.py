@@ -4,12 +4,11 @@ Source of all equation numbers: S. Sailer and R. I. Leine, "Model reduction of t
 path to the full analysis", Nonlinear Dynamics 105 (2021).
 """
 
-from analysis.balance import constraint_drift, energies, energy_residual, power
-from analysis.checks import TimeLimitError, ToleranceError
-from analysis.contact import PenaltyContact
-from analysis.disk import CENTRED_DISK, DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
-from analysis.dissipation import CAUSES, Dissipation, RestCriterion
-from analysis.friction import (
+from analysis.data.checks import TimeLimitError, ToleranceError
+from analysis.data.contact import PenaltyContact
+from analysis.data.disk import CENTRED_DISK, DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
+from analysis.data.friction import (
     LAWS,
     LOADS,
     FrictionLaw,
@@ -19,13 +18,8 @@ from analysis.friction import (
     TanhCoulomb,
     ViscousFriction,
 )
-from analysis.integration import METHODS, Method
-from analysis.inversion import Inversion, find_inversion, judge_inversion
-from analysis.phases import Phases, find_phases
-from analysis.rest import REST_METHODS, RestMethod, simulate_to_rest
-from analysis.simulation import FORMS, Form, simulate
-from analysis.spatial_motion import SpatialMotion
-from analysis.state import (
+from analysis.data.spatial_motion import SpatialMotion
+from analysis.data.state import (
     COORDINATES,
     LEVELS,
     MULTIPLIERS,
@@ -35,8 +29,14 @@ from analysis.state import (
     consistent_start,
     multiplier_names,
 )
-from analysis.trajectory import Ending, Trajectory
-from analysis.watch import Progress
+from analysis.data.trajectory import Ending, Trajectory
+from analysis.data.watch import Progress
+from analysis.models.balance import constraint_drift, energies, energy_residual, power
+from analysis.models.integration import METHODS, Method
+from analysis.models.inversion import Inversion, find_inversion, judge_inversion
+from analysis.models.simulation import FORMS, Form, simulate
+from analysis.rest.phases import Phases, find_phases
+from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 
 __all__ = [
     "CAUSES",

@@ -9,8 +9,8 @@ from math import ceil, inf, log2, sin, sqrt
 
 import numpy as np
 
-from analysis.checks import Array, positive, within
-from analysis.limits import SHORTEST_STEP, Effort
+from analysis.data.checks import Array, positive, within
+from analysis.data.limits import SHORTEST_STEP, Effort
 from mbs_models.integrators import Integrator, find_integrator
 from mbs_models.runs import MINIMUM_STEP
 from mbs_models.scene import Scene

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from analysis.checks import Array
+from analysis.data.checks import Array
 from mbs_models.integrators import IntegratorName
 from mbs_models.scene import Formulation
 

@@ -9,8 +9,8 @@ import numpy as np
 from exudyn.lieGroupBasics import TExpSO3Inv
 from exudyn.rigidBodyUtilities import EulerParameters2GLocal, RigidBodyInertia, RotationMatrixZ
 
-from analysis import frames
-from analysis.checks import Array
+from analysis.data import frames
+from analysis.data.checks import Array
 from mbs_models.friction import (
     UPWARD,
     Force,

@@ -10,7 +10,13 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from analysis.friction import FrictionLaw, SmoothCoulomb, Stribeck, TanhCoulomb, ViscousFriction
+from analysis.data.friction import (
+    FrictionLaw,
+    SmoothCoulomb,
+    Stribeck,
+    TanhCoulomb,
+    ViscousFriction,
+)
 from mbs_models.scene import Scene
 
 Load = Callable[[Any], float]

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from analysis.checks import choice, number, positive
+from analysis.data.checks import choice, number, positive
 from mbs_models.newton import Newton
 from mbs_models.scene import Formulation
 

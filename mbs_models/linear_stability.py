@@ -9,7 +9,7 @@ import exudyn.itemInterface as items
 import numpy as np
 import numpy.typing as npt
 
-from analysis.checks import choice
+from analysis.data.checks import choice
 from mbs_models.integrators import IntegratorName
 from mbs_models.quiet import quiet
 

@@ -8,10 +8,10 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from analysis.checks import Array, choice, number
-from analysis.disk import STEEL_DISK, Disk
-from analysis.friction import FrictionLaw, SmoothCoulomb
-from analysis.state import Level, State, consistent_start
+from analysis.data.checks import Array, choice, number
+from analysis.data.disk import STEEL_DISK, Disk
+from analysis.data.friction import FrictionLaw, SmoothCoulomb
+from analysis.data.state import Level, State, consistent_start
 from mbs_models.build import build
 from mbs_models.probe import acceleration
 from mbs_models.quiet import quiet

@@ -8,11 +8,11 @@ from math import hypot, pi, sqrt
 
 import numpy as np
 
-from analysis.checks import Array
-from analysis.contact import PenaltyContact
-from analysis.disk import Disk
-from analysis.dissipation import CAUSES, Dissipation
-from analysis.friction import FrictionLaw
+from analysis.data.checks import Array
+from analysis.data.contact import PenaltyContact
+from analysis.data.disk import Disk
+from analysis.data.dissipation import CAUSES, Dissipation
+from analysis.data.friction import FrictionLaw
 from mbs_models.friction import per_speed
 
 Triple = tuple[float, float, float]

@@ -9,9 +9,9 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 
-from analysis.checks import Array
-from analysis.disk import GRAVITY
-from analysis.frames import turn_about_vertical
+from analysis.data.checks import Array
+from analysis.data.disk import GRAVITY
+from analysis.data.frames import turn_about_vertical
 from mbs_models.loads import normal_forces
 from mbs_models.scene import Scene
 

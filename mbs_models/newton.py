@@ -5,7 +5,7 @@ from typing import Any
 
 import exudyn as exu
 
-from analysis.checks import positive
+from analysis.data.checks import positive
 from mbs_models.model import Model
 
 MOST_ITERATIONS = 100

@@ -8,11 +8,11 @@ from math import sin
 
 import numpy as np
 
-from analysis.checks import Array, TimeLimitError
-from analysis.disk import GRAVITY
-from analysis.state import COORDINATES, FlatError, State, check_upright
-from analysis.trajectory import EndingReason
-from analysis.watch import Watch
+from analysis.data.checks import Array, TimeLimitError
+from analysis.data.disk import GRAVITY
+from analysis.data.state import COORDINATES, FlatError, State, check_upright
+from analysis.data.trajectory import EndingReason
+from analysis.data.watch import Watch
 from mbs_models.build import build
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model

@@ -7,7 +7,7 @@ bodies see `mbs_models.loads`.
 from math import cos, hypot, sin
 from typing import Any
 
-from analysis.contact import PenaltyContact
+from analysis.data.contact import PenaltyContact
 from mbs_models.friction import Force, per_speed
 from mbs_models.scene import Scene
 

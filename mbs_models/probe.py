@@ -5,8 +5,8 @@ from dataclasses import replace
 import exudyn as exu
 import numpy as np
 
-from analysis.checks import Array
-from analysis.state import State
+from analysis.data.checks import Array
+from analysis.data.state import State
 from mbs_models.build import build
 from mbs_models.model import Model
 from mbs_models.scene import Scene

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from analysis.checks import Array
+from analysis.data.checks import Array
 
 
 class Dip(NamedTuple):

@@ -4,14 +4,14 @@ from math import hypot
 
 import numpy as np
 
-from analysis import frames
-from analysis.agreement import until_agreement
-from analysis.checks import Array, positive
-from analysis.dissipation import RestCriterion
-from analysis.limits import check_storage
-from analysis.spatial_motion import MOTION_COLUMNS, SpatialMotion
-from analysis.trajectory import versions
-from analysis.watch import Progress, Watch
+from analysis.data import frames
+from analysis.data.agreement import until_agreement
+from analysis.data.checks import Array, positive
+from analysis.data.dissipation import RestCriterion
+from analysis.data.limits import check_storage
+from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
+from analysis.data.trajectory import versions
+from analysis.data.watch import Progress, Watch
 from mbs_models.effort import rest_effort
 from mbs_models.loads import Loads
 from mbs_models.rest_run import SAFETY, RestRun, kinetic_energy, largest_step, rounded_contact

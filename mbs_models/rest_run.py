@@ -6,11 +6,11 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from analysis.checks import Array, TimeLimitError
-from analysis.contact import PenaltyContact
-from analysis.dissipation import RestCriterion
-from analysis.trajectory import Ending, Setting
-from analysis.watch import Watch
+from analysis.data.checks import Array, TimeLimitError
+from analysis.data.contact import PenaltyContact
+from analysis.data.dissipation import RestCriterion
+from analysis.data.trajectory import Ending, Setting
+from analysis.data.watch import Watch
 from mbs_models.quiet import quiet
 from mbs_models.runs import EngineError, StepLimiter
 from mbs_models.scene import Scene

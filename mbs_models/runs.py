@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import exudyn as exu
 import numpy as np
 
-from analysis.checks import Array
+from analysis.data.checks import Array
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.newton import complete_jacobian

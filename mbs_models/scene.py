@@ -3,12 +3,12 @@
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from analysis.checks import choice
-from analysis.contact import PenaltyContact
-from analysis.disk import STEEL_DISK, Disk
-from analysis.dissipation import Dissipation
-from analysis.friction import FrictionLaw, SmoothCoulomb
-from analysis.state import LEVELS, Level, State, consistent_start
+from analysis.data.checks import choice
+from analysis.data.contact import PenaltyContact
+from analysis.data.disk import STEEL_DISK, Disk
+from analysis.data.dissipation import Dissipation
+from analysis.data.friction import FrictionLaw, SmoothCoulomb
+from analysis.data.state import LEVELS, Level, State, consistent_start
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
 FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)

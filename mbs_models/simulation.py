@@ -8,10 +8,10 @@ from math import isclose
 import numpy as np
 import numpy.typing as npt
 
-from analysis.checks import TimeLimitError, ToleranceError, increasing_times, positive
-from analysis.state import FlatError
-from analysis.trajectory import Ending, EndingReason, Trajectory, versions
-from analysis.watch import Progress, Watch
+from analysis.data.checks import TimeLimitError, ToleranceError, increasing_times, positive
+from analysis.data.state import FlatError
+from analysis.data.trajectory import Ending, EndingReason, Trajectory, versions
+from analysis.data.watch import Progress, Watch
 from mbs_models.advice import advice
 from mbs_models.build import build
 from mbs_models.effort import HALVINGS, simulation_effort

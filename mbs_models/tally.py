@@ -6,8 +6,8 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 
-from analysis.checks import Array
-from analysis.dissipation import CAUSES
+from analysis.data.checks import Array
+from analysis.data.dissipation import CAUSES
 from mbs_models.floating import FloatingLie
 
 _OUTPUT = exu.OutputVariableType

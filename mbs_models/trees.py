@@ -8,8 +8,8 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 
-from analysis.checks import Array
-from analysis.disk import GRAVITY
+from analysis.data.checks import Array
+from analysis.data.disk import GRAVITY
 from mbs_models.friction import (
     Force,
     Load,

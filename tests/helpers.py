@@ -18,7 +18,7 @@ from analysis import (
     consistent_start,
     multiplier_names,
 )
-from analysis.checks import Array
+from analysis.data.checks import Array
 
 Generator = np.random.Generator
 

@@ -22,15 +22,16 @@ from analysis import (
     SmoothCoulomb,
     SpatialMotion,
     Trajectory,
-    frames,
     simulate,
 )
-from analysis.checks import Array
+from analysis.data import frames
+from analysis.data.checks import Array
 from tests.helpers import random_trajectory
-from validation import cli, report
-from validation.animation import gif as animation_gif
-from validation.animation.keyframes import Motion, keyframes
-from validation.animation.player import LEVELS, Animation, encode, player
+from validation import cli
+from validation.kit import report
+from validation.kit.animation import gif as animation_gif
+from validation.kit.animation.keyframes import Motion, keyframes
+from validation.kit.animation.player import LEVELS, Animation, encode, player
 
 
 @cache
@@ -244,7 +245,7 @@ def test_report_carries_players_side_by_side_and_as_files(tmp_path: Path) -> Non
 
 def test_installed_package_ships_the_player() -> None:
     project = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text())
-    shipped = project["tool"]["setuptools"]["package-data"]["validation.animation"]
+    shipped = project["tool"]["setuptools"]["package-data"]["validation.kit.animation"]
     assert set(shipped) == {"player.css", "player.js"}
     assert isinstance(player(inversion(), name="a", title="A"), Animation)
 

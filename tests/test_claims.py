@@ -15,13 +15,12 @@ from analysis import (
     SmoothCoulomb,
     Trajectory,
     energies,
-    equations,
-    index1,
     simulate,
 )
-from analysis.pure_rolling import simulate_pure_rolling
+from analysis.models import equations, index1
+from analysis.models.pure_rolling import simulate_pure_rolling
 from tests.helpers import random_trajectory
-from validation.claims import (
+from validation.studies.claims import (
     attraction,
     contact_matrix,
     drift,
@@ -30,9 +29,9 @@ from validation.claims import (
     pure_rolling,
     start_spins,
 )
-from validation.claims.attraction import Results, Start
-from validation.claims.claim import Claim, falls, grade, table
-from validation.claims.start_spins import LeastSpin
+from validation.studies.claims.attraction import Results, Start
+from validation.studies.claims.claim import Claim, falls, grade, table
+from validation.studies.claims.start_spins import LeastSpin
 
 
 @cache

@@ -25,7 +25,7 @@ def test_choices_are_those_of_the_packages() -> None:
     assert cli.LOADS == analysis.LOADS
     assert cli.MODELS == analysis.LEVELS
     assert tuple(analysis.DISKS) == cli.DISKS
-    assert cli.INVERSION == analysis.inversion.DEFINITION
+    assert cli.INVERSION == analysis.models.inversion.DEFINITION
     assert set(cli.SOURCES) == set(get_args(Trajectory.__annotations__["source"]))
 
 

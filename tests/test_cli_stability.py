@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import spectra
+from analysis.stability import spectra
 from validation import cli
 
 

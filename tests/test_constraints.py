@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analysis import LEVELS, STEEL_DISK, Level, State, consistent_start, constraints, equations
+from analysis import LEVELS, STEEL_DISK, Level, State, consistent_start
 from analysis import multiplier_names as names
+from analysis.models import constraints, equations
 from tests.helpers import (
     assert_close,
     cog,

@@ -8,12 +8,12 @@ import pytest
 from scipy.linalg import eigvals
 
 from analysis import CENTRED_DISK, ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb
-from analysis.checks import Array
-from analysis.critical import CriticalSpeeds, critical_speeds
-from analysis.linear_full import MOTIONS, Motion
-from analysis.linear_reduced import critical_speed
-from analysis.linear_variants import PRINTED, hopf_speeds, reproduces, variants
-from analysis.spectra import System, relevant_matrices
+from analysis.data.checks import Array
+from analysis.stability.critical import CriticalSpeeds, critical_speeds
+from analysis.stability.linear_full import MOTIONS, Motion
+from analysis.stability.linear_reduced import critical_speed
+from analysis.stability.linear_variants import PRINTED, hopf_speeds, reproduces, variants
+from analysis.stability.spectra import System, relevant_matrices
 
 FRICTION = SmoothCoulomb()
 

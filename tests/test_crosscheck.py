@@ -2,8 +2,8 @@
 
 import pytest
 
-from validation import crosscheck
-from validation.crosscheck import Case
+from validation.studies import crosscheck
+from validation.studies.crosscheck import Case
 
 
 def name(case: Case) -> str:

@@ -17,7 +17,7 @@ from analysis import (
     State,
     multiplier_names,
 )
-from analysis.checks import Array
+from analysis.data.checks import Array
 from tests.helpers import random_trajectory
 
 RING: dict[str, float] = {

@@ -9,20 +9,13 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import (
-    LEVELS,
-    STEEL_DISK,
-    Level,
-    PenaltyContact,
-    SmoothCoulomb,
-    consistent_start,
-    effort,
-)
-from analysis.integration import METHODS, Method
-from analysis.limits import MOST_STEPS, Effort
+from analysis import LEVELS, STEEL_DISK, Level, PenaltyContact, SmoothCoulomb, consistent_start
+from analysis.data.limits import MOST_STEPS, Effort
+from analysis.models import effort
+from analysis.models.integration import METHODS, Method
 from mbs_models import Integrator, Scene, rest_run
 from mbs_models import effort as engine_effort
-from validation import options
+from validation.commands import options
 
 FACTOR = 4.0
 """How far a prediction may be off."""

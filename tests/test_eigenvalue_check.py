@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import STEEL_DISK, SmoothCoulomb, linear_reduced, spectra
-from validation.stability import eigenvalue_check
-from validation.stability.eigenvalue_check import Case
+from analysis import STEEL_DISK, SmoothCoulomb
+from analysis.stability import linear_reduced, spectra
+from validation.studies.stability import eigenvalue_check
+from validation.studies.stability.eigenvalue_check import Case
 
 
 def name(case: Case) -> str:

@@ -19,13 +19,11 @@ from analysis import (
     SmoothCoulomb,
     State,
     Trajectory,
-    balance,
     consistent_start,
-    equations,
-    index1,
     simulate_to_rest,
 )
-from analysis.checks import Array
+from analysis.data.checks import Array
+from analysis.models import balance, equations, index1
 from tests.helpers import (
     angular_velocity,
     arc,

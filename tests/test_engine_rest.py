@@ -20,9 +20,9 @@ from analysis import (
     find_phases,
     simulate_to_rest,
 )
-from analysis.dissipation import Dissipation
-from analysis.free_disk import FreeDisk
-from analysis.spatial_motion import SpatialMotion
+from analysis.data.dissipation import Dissipation
+from analysis.data.spatial_motion import SpatialMotion
+from analysis.rest.free_disk import FreeDisk
 from mbs_models import Scene
 from mbs_models.loads import Loads
 
@@ -148,7 +148,7 @@ def test_time_limit_ends_engine_runs_with_what_they_reached(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     clock = iter(range(10**9))
-    monkeypatch.setattr("analysis.watch.time.process_time", lambda: 0.1 * next(clock))
+    monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: 0.1 * next(clock))
     told: list[tuple[float, float]] = []
     for settings in ({"step": 1e-4}, {"tolerance": 1e-3}):
         found = mbs_models.simulate_to_rest(

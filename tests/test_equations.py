@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import sympy
 
-from analysis import Disk, equations, inertial
-from analysis.checks import Array
+from analysis import Disk
+from analysis.data.checks import Array
+from analysis.models import equations, inertial
 from tests.helpers import (
     assert_close,
     derivative,

@@ -18,7 +18,7 @@ from analysis import (
     SpatialMotion,
     Trajectory,
 )
-from analysis.limits import LARGEST_STORAGE
+from analysis.data.limits import LARGEST_STORAGE
 from tests.helpers import random_trajectory
 from validation import cli
 

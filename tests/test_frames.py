@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analysis import frames
-from analysis.checks import Array
+from analysis.data import frames
+from analysis.data.checks import Array
 from tests.helpers import (
     OUTER_STEP,
     angular_velocity,

@@ -26,11 +26,10 @@ from analysis import (
     Trajectory,
     ViscousFriction,
     consistent_start,
-    index1,
-    linear_full,
-    linear_reduced,
 )
-from analysis.friction import law_from, law_values
+from analysis.data.friction import law_from, law_values
+from analysis.models import index1
+from analysis.stability import linear_full, linear_reduced
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.friction import per_speed
 from validation import cli

@@ -17,11 +17,10 @@ from analysis import (
     Load,
     SmoothCoulomb,
     consistent_start,
-    equations,
-    index1,
     multiplier_names,
 )
-from analysis.checks import Array
+from analysis.data.checks import Array
+from analysis.models import equations, index1
 from tests.helpers import (
     OUTER_STEP,
     arc,

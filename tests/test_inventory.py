@@ -16,8 +16,9 @@ from mbs_models.integrators import find_integrator
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
 from mbs_models.runs import run
-from validation import cli, lean
+from validation import cli
 from validation.commands.scene import scene_table
+from validation.studies import lean
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
 SENSOR = ["sensor UserFunction"]

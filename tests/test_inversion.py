@@ -5,16 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import (
-    CENTRED_DISK,
-    Inversion,
-    Trajectory,
-    find_inversion,
-    judge_inversion,
-    simulate,
-)
-from analysis.checks import Array
-from analysis.inversion import DEFINITION, REACHED, STAYING
+from analysis import CENTRED_DISK, Inversion, Trajectory, find_inversion, judge_inversion, simulate
+from analysis.data.checks import Array
+from analysis.models.inversion import DEFINITION, REACHED, STAYING
 from tests.helpers import random_trajectory
 
 TIMES = np.linspace(0.0, 4.0, 401)

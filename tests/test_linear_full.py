@@ -6,20 +6,12 @@ from math import pi
 import numpy as np
 import pytest
 
-from analysis import (
-    DISKS,
-    ROUNDED_STEEL_DISK,
-    STEEL_DISK,
-    Disk,
-    Level,
-    Load,
-    SmoothCoulomb,
-    index1,
-)
-from analysis.checks import Array
-from analysis.linear_full import MOTIONS, Motion, full_system, without_drift
-from analysis.linear_models import MODEL_STATES, model_matrices
-from analysis.linear_reduced import reduced_matrices
+from analysis import DISKS, ROUNDED_STEEL_DISK, STEEL_DISK, Disk, Level, Load, SmoothCoulomb
+from analysis.data.checks import Array
+from analysis.models import index1
+from analysis.stability.linear_full import MOTIONS, Motion, full_system, without_drift
+from analysis.stability.linear_models import MODEL_STATES, model_matrices
+from analysis.stability.linear_reduced import reduced_matrices
 from tests.helpers import assert_close, random_disk
 
 FRICTION = SmoothCoulomb()

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb, reduced
-from analysis.linear_full import MOTIONS, Motion
-from analysis.linear_reduced import closed_form, critical_speed, reduced_matrices
+from analysis import GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb
+from analysis.models import reduced
+from analysis.stability.linear_full import MOTIONS, Motion
+from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices
 
 FRICTION = SmoothCoulomb()
 HALF_TURN = np.pi / 2

@@ -18,10 +18,10 @@ from analysis import (
     State,
     consistent_start,
 )
-from analysis.equations import mass_matrix
-from analysis.frames import poses
+from analysis.data.frames import poses
+from analysis.models.equations import mass_matrix
 from mbs_models import Formulation, Scene
-from validation.robustness.penalty_limit import penalty_error
+from validation.studies.robustness.penalty_limit import penalty_error
 
 FORMULATIONS: tuple[Formulation, ...] = ("euler-tree", "floating", "floating-lie")
 CONTACT = PenaltyContact(stiffness=1e5, damping=10.0)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from validation.provenance import Provenance, commit
+from validation.kit.provenance import Provenance, commit
 
 
 def git(folder: Path, *arguments: str) -> str:

@@ -21,10 +21,10 @@ from analysis import (
     Trajectory,
     consistent_start,
     energies,
-    index1,
     power,
 )
-from analysis.checks import Array
+from analysis.data.checks import Array
+from analysis.models import index1
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.pulling import dips, pulling_times, zero
 from validation import cli

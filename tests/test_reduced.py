@@ -7,15 +7,9 @@ import numpy as np
 import pytest
 import sympy
 
-from analysis import (
-    STEEL_DISK,
-    Disk,
-    SmoothCoulomb,
-    constraints,
-    index1,
-    reduced,
-)
-from analysis.checks import Array
+from analysis import STEEL_DISK, Disk, SmoothCoulomb
+from analysis.data.checks import Array
+from analysis.models import constraints, index1, reduced
 from tests.helpers import assert_close, derivative, parameter_values, random_disk, rigid_body
 
 seeds = pytest.mark.parametrize("seed", range(6))

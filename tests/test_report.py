@@ -13,8 +13,9 @@ import pytest
 from PIL import Image
 
 from analysis import LEVELS, LOADS, Level, Load, SmoothCoulomb, Trajectory, simulate
-from validation import figures, inversion
-from validation.claims.claim import VERDICTS
+from validation.kit import figures
+from validation.studies import inversion
+from validation.studies.claims.claim import VERDICTS
 
 ROOT = Path(__file__).parent.parent
 

@@ -24,11 +24,11 @@ from analysis import (
     consistent_start,
     simulate,
 )
-from analysis.agreement import until_agreement
-from analysis.dissipation import CAUSES, Dissipation, RestCriterion
-from analysis.phases import find_phases
-from analysis.rest import simulate_to_rest
-from analysis.spatial_motion import SpatialMotion
+from analysis.data.agreement import until_agreement
+from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
+from analysis.data.spatial_motion import SpatialMotion
+from analysis.rest.phases import find_phases
+from analysis.rest.to_rest import simulate_to_rest
 
 FRICTION = SmoothCoulomb(load="contact")
 SETTLING = Dissipation(rolling_viscous=2e-3, pivoting=2e-4)
@@ -204,7 +204,7 @@ def quaternions_about(axis: tuple[float, float, float], angle: float) -> Rotatio
 
 def test_time_limit_ends_runs_with_what_they_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter(range(10**9))
-    monkeypatch.setattr("analysis.watch.time.process_time", lambda: 0.1 * next(clock))
+    monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: 0.1 * next(clock))
     told: list[float] = []
     found = simulate_to_rest(
         5.0, time_limit=4.0, progress=lambda reached, _end: told.append(reached)

@@ -6,21 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis import (
-    STEEL_DISK,
-    Dissipation,
-    PenaltyContact,
-    SmoothCoulomb,
-    SpatialMotion,
-)
-from analysis.checks import Array
+from analysis import STEEL_DISK, Dissipation, PenaltyContact, SmoothCoulomb, SpatialMotion
+from analysis.data.checks import Array
 from validation.cli import main
-from validation.rest import contact as rest_contact
-from validation.rest import creep as rest_creep
-from validation.rest import final_stage as rest_final
-from validation.rest import rolling as rest_rolling
-from validation.rest import section as rest
-from validation.rest import starts as rest_starts
+from validation.studies.rest import contact as rest_contact
+from validation.studies.rest import creep as rest_creep
+from validation.studies.rest import final_stage as rest_final
+from validation.studies.rest import rolling as rest_rolling
+from validation.studies.rest import section as rest
+from validation.studies.rest import starts as rest_starts
 
 
 @pytest.mark.parametrize("source", ["engine", "in-house"])

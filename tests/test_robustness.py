@@ -14,16 +14,16 @@ import mbs_models
 from analysis import LEVELS, STEEL_DISK, consistent_start
 from mbs_models import Scene
 from mbs_models.linear_stability import STAGES, amplification, largest_step, stability_polynomial
-from validation.robustness import section as robustness
-from validation.robustness import steps
-from validation.robustness.axes import body, problems, scaled
-from validation.robustness.cases import Problem, Way, ways
-from validation.robustness.causes import GOOD
-from validation.robustness.drift import RUNNERS, conserved, drift
-from validation.robustness.isolated import Failure, run_isolated
-from validation.robustness.reference import NoReference, reference
-from validation.robustness.refusals import REQUESTS, refusals
-from validation.robustness.run import run_case
+from validation.studies.robustness import section as robustness
+from validation.studies.robustness import steps
+from validation.studies.robustness.axes import body, problems, scaled
+from validation.studies.robustness.cases import Problem, Way, ways
+from validation.studies.robustness.causes import GOOD
+from validation.studies.robustness.drift import RUNNERS, conserved, drift
+from validation.studies.robustness.isolated import Failure, run_isolated
+from validation.studies.robustness.reference import NoReference, reference
+from validation.studies.robustness.refusals import REQUESTS, refusals
+from validation.studies.robustness.run import run_case
 
 TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
 EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")

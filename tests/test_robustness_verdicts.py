@@ -11,15 +11,15 @@ import pytest
 import analysis
 import mbs_models
 from analysis import LEVELS, STEEL_DISK, SmoothCoulomb, Trajectory, consistent_start
-from analysis.trajectory import Ending
-from validation.provenance import Provenance
-from validation.robustness import random_scenarios, ship, stored, tables
-from validation.robustness import run as runs
-from validation.robustness.axes import body, problems
-from validation.robustness.cases import TOLERANCE, Problem, Way, scene, ways
-from validation.robustness.causes import cause
-from validation.robustness.causes import table as causes_table
-from validation.robustness.reference import (
+from analysis.data.trajectory import Ending
+from validation.kit.provenance import Provenance
+from validation.studies.robustness import random_scenarios, ship, stored, tables
+from validation.studies.robustness import run as runs
+from validation.studies.robustness.axes import body, problems
+from validation.studies.robustness.cases import TOLERANCE, Problem, Way, scene, ways
+from validation.studies.robustness.causes import cause
+from validation.studies.robustness.causes import table as causes_table
+from validation.studies.robustness.reference import (
     NoReference,
     Reference,
     deviation,
@@ -28,8 +28,8 @@ from validation.robustness.reference import (
     reference,
     reference_or_reason,
 )
-from validation.robustness.run import DOUBT, Outcome, run_case
-from validation.robustness.work import StepCount
+from validation.studies.robustness.run import DOUBT, Outcome, run_case
+from validation.studies.robustness.work import StepCount
 
 TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
 EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")

@@ -17,11 +17,11 @@ from analysis import (
     Method,
     SmoothCoulomb,
     Trajectory,
-    balance,
     consistent_start,
     simulate,
 )
-from analysis.checks import Array
+from analysis.data.checks import Array
+from analysis.models import balance
 from tests.helpers import assert_close
 
 TIMES = np.linspace(0.0, 0.6, 301)

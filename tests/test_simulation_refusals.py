@@ -17,13 +17,11 @@ from analysis import (
     SmoothCoulomb,
     ToleranceError,
     consistent_start,
-    index1,
-    reduced,
     simulate,
-    simulation,
 )
-from analysis.checks import Array
-from analysis.integration import Run
+from analysis.data.checks import Array
+from analysis.models import index1, reduced, simulation
+from analysis.models.integration import Run
 
 
 @pytest.mark.parametrize("form", FORMS)

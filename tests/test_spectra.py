@@ -6,10 +6,17 @@ import numpy as np
 import pytest
 
 from analysis import CENTRED_DISK, STEEL_DISK, SmoothCoulomb
-from analysis.checks import Array
-from analysis.linear_full import MOTIONS, Motion
-from analysis.linear_reduced import ComplexArray
-from analysis.spectra import SYSTEMS, System, branches, eigenvalues, follow, state_matrices
+from analysis.data.checks import Array
+from analysis.stability.linear_full import MOTIONS, Motion
+from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.spectra import (
+    SYSTEMS,
+    System,
+    branches,
+    eigenvalues,
+    follow,
+    state_matrices,
+)
 
 FRICTION = SmoothCoulomb()
 SIZES: dict[System, int] = {

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analysis.checks import Array
-from analysis.free_disk import cross
-from analysis.spheroid import Vector3, contact_point, contour_velocity, support_height
+from analysis.data.checks import Array
+from analysis.rest.free_disk import cross
+from analysis.rest.spheroid import Vector3, contact_point, contour_velocity, support_height
 
 RADIUS, HALF = 0.045, 2e-3
 

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 
 from analysis import CENTRED_DISK, ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb
-from analysis.critical import critical_speeds
-from analysis.hopf_curves import HopfCurve, hopf_curves
-from analysis.hopf_points import ExtendedSystem, spin_scale
-from analysis.linear_full import MOTIONS, Motion, full_system
-from analysis.linear_reduced import critical_speed
-from analysis.sensitivities import (
+from analysis.stability.chart import gradient_matrices, stability_chart, static_gradient
+from analysis.stability.corners import Corner, corners
+from analysis.stability.critical import critical_speeds
+from analysis.stability.hopf_curves import HopfCurve, hopf_curves
+from analysis.stability.hopf_points import ExtendedSystem, spin_scale
+from analysis.stability.linear_full import MOTIONS, Motion, full_system
+from analysis.stability.linear_reduced import critical_speed
+from analysis.stability.sensitivities import (
     DISK_PARAMETERS,
     closed_form_sensitivities,
     full_sensitivities,
 )
-from analysis.stability_chart import gradient_matrices, stability_chart, static_gradient
-from analysis.stability_corners import Corner, corners
 
 FRICTION = SmoothCoulomb()
 

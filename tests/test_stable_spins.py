@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from analysis import STEEL_DISK, SmoothCoulomb, linear_reduced, spectra
-from analysis.linear_full import Motion
-from analysis.spectra import SYSTEMS, System
-from analysis.stable_spins import stable_spins
+from analysis import STEEL_DISK, SmoothCoulomb
+from analysis.stability import linear_reduced, spectra
+from analysis.stability.linear_full import Motion
+from analysis.stability.spectra import SYSTEMS, System
+from analysis.stability.stable_spins import stable_spins
 from validation import cli
 
 PAPER = SmoothCoulomb()

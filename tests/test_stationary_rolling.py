@@ -7,21 +7,13 @@ import numpy as np
 import pytest
 
 from analysis import CENTRED_DISK as DISK
-from analysis import (
-    GRAVITY,
-    STEEL_DISK,
-    Disk,
-    PenaltyContact,
-    SmoothCoulomb,
-    State,
-    equations,
-)
-from analysis.checks import Array
-from analysis.dissipation import Dissipation
-from analysis.final_stage import fit_power_law, precession
-from analysis.rest import simulate_to_rest
-from analysis.spatial_motion import SpatialMotion
-from analysis.stationary_rolling import (
+from analysis import GRAVITY, STEEL_DISK, Disk, PenaltyContact, SmoothCoulomb, State
+from analysis.data.checks import Array
+from analysis.data.dissipation import Dissipation
+from analysis.data.spatial_motion import SpatialMotion
+from analysis.models import equations
+from analysis.rest.final_stage import fit_power_law, precession
+from analysis.rest.stationary_rolling import (
     axial_spin,
     euler_disk_energy,
     euler_disk_precession,
@@ -29,6 +21,7 @@ from analysis.stationary_rolling import (
     time_to_flat,
     upright_rolling_spin,
 )
+from analysis.rest.to_rest import simulate_to_rest
 
 STICKY = SmoothCoulomb(coefficient=2.0, smoothing=1e-3, load="contact")
 

@@ -15,12 +15,12 @@ import mbs_models
 from analysis import Trajectory
 from mbs_models import Integrator, Scene
 from validation.commands import work_precision as commands_work_precision
-from validation.report import Job
-from validation.tables import Table
-from validation.work_precision import measure, study
-from validation.work_precision.measure import ladder_end
-from validation.work_precision.methods import EngineMethod, InHouseMethod, label, methods
-from validation.work_precision.problems import (
+from validation.kit.report import Job
+from validation.kit.tables import Table
+from validation.studies.work_precision import measure, study
+from validation.studies.work_precision.measure import ladder_end
+from validation.studies.work_precision.methods import EngineMethod, InHouseMethod, label, methods
+from validation.studies.work_precision.problems import (
     PROBLEMS,
     TIMES,
     Errors,
@@ -28,7 +28,7 @@ from validation.work_precision.problems import (
     compare,
     reference,
 )
-from validation.work_precision.runs import (
+from validation.studies.work_precision.runs import (
     Curve,
     Run,
     fastest,

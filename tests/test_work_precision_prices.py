@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 
 from mbs_models import Integrator
-from validation.work_precision import prices
-from validation.work_precision.methods import EngineMethod
-from validation.work_precision.problems import PROBLEMS
+from validation.studies.work_precision import prices
+from validation.studies.work_precision.methods import EngineMethod
+from validation.studies.work_precision.problems import PROBLEMS
 
 RK44 = EngineMethod(formulation="contact-tree", integrator=Integrator(name="RK44"))
 

@@ -9,16 +9,16 @@ from typing import Any
 import pytest
 
 from mbs_models import Integrator
-from validation.figures import Picture
-from validation.provenance import Provenance
-from validation.work_precision import confirm, figures, measure, section, ship, tables
-from validation.work_precision.lesson import paragraphs
-from validation.work_precision.methods import EngineMethod, methods
-from validation.work_precision.prices import Price, cases
-from validation.work_precision.problems import PROBLEMS, Agreement
-from validation.work_precision.runs import Curve, Run
-from validation.work_precision.section import make_section
-from validation.work_precision.stored import (
+from validation.kit.figures import Picture
+from validation.kit.provenance import Provenance
+from validation.studies.work_precision import confirm, figures, measure, section, ship, tables
+from validation.studies.work_precision.lesson import paragraphs
+from validation.studies.work_precision.methods import EngineMethod, methods
+from validation.studies.work_precision.prices import Price, cases
+from validation.studies.work_precision.problems import PROBLEMS, Agreement
+from validation.studies.work_precision.runs import Curve, Run
+from validation.studies.work_precision.section import make_section
+from validation.studies.work_precision.stored import (
     FULL_STUDY,
     SHIPPED,
     Study,

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from validation.robustness.isolated import run_isolated
+from validation.studies.robustness.isolated import run_isolated
 
 ROOT = Path(__file__).parent.parent
 
 POOL = """
 from tests.test_workers import note_and_work
-from validation.workers import process_pool
+from validation.kit.workers import process_pool
 from sys import argv
 if __name__ == "__main__":
     with process_pool(2) as pool:
@@ -24,7 +24,7 @@ if __name__ == "__main__":
 
 ISOLATED = """
 from tests.test_workers import note_and_work
-from validation.robustness.isolated import run_isolated
+from validation.studies.robustness.isolated import run_isolated
 from sys import argv
 if __name__ == "__main__":
     run_isolated(note_and_work, [(argv[1],)], limit=600.0)
@@ -32,7 +32,7 @@ if __name__ == "__main__":
 
 NESTED = """
 from tests.test_workers import isolate
-from validation.workers import process_pool
+from validation.kit.workers import process_pool
 from sys import argv
 if __name__ == "__main__":
     with process_pool(1) as pool:

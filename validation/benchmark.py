@@ -19,22 +19,15 @@ import numpy as np
 
 import analysis
 import mbs_models
-from analysis import (
-    STEEL_DISK,
-    Dissipation,
-    Level,
-    PenaltyContact,
-    SmoothCoulomb,
-    Trajectory,
-    spectra,
-)
-from analysis.stability_chart import stability_chart
+from analysis import STEEL_DISK, Dissipation, Level, PenaltyContact, SmoothCoulomb, Trajectory
+from analysis.stability import spectra
+from analysis.stability.chart import stability_chart
 from mbs_models import Formulation, Scene
 from mbs_models.rest_run import largest_step
-from validation.crosscheck import TABLE_3_TIMES, angle_error
-from validation.provenance import machine
-from validation.stability.eigenvalue_check import engine_matrices
-from validation.tables import Cell, Table
+from validation.kit.provenance import machine
+from validation.kit.tables import Cell, Table
+from validation.studies.crosscheck import TABLE_3_TIMES, angle_error
+from validation.studies.stability.eigenvalue_check import engine_matrices
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

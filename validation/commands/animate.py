@@ -3,11 +3,11 @@
 import argparse
 from pathlib import Path
 
-from analysis.checks import number, positive, within
-from analysis.files import whole_file
-from analysis.limits import PLAYBACK_SPEEDS
-from validation.animation.keyframes import Keyframes, keyframes, load
-from validation.options import output_path
+from analysis.data.checks import number, positive, within
+from analysis.data.files import whole_file
+from analysis.data.limits import PLAYBACK_SPEEDS
+from validation.commands.options import output_path
+from validation.kit.animation.keyframes import Keyframes, keyframes, load
 
 
 def animate(options: argparse.Namespace) -> int:
@@ -51,7 +51,7 @@ def _check_numbers(options: argparse.Namespace, out: Path) -> None:
 
 
 def _write_page(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
-    from validation.animation.player import player
+    from validation.kit.animation.player import player
 
     title = f"The tippedisk: {Path(options.file).stem}"
     page = player(poses, name="tippedisk", title=title, speed=options.speed).page.encode()
@@ -61,7 +61,7 @@ def _write_page(poses: Keyframes, out: Path, options: argparse.Namespace) -> str
 
 
 def _write_gif(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
-    from validation.animation import gif as animation_gif
+    from validation.kit.animation import gif as animation_gif
 
     given = {
         name: value

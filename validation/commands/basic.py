@@ -7,11 +7,11 @@ import numpy as np
 
 import analysis
 from analysis import DISKS, Progress, Trajectory, multiplier_names
-from analysis.checks import Array
-from analysis.effort import simulation_effort
-from analysis.files import whole_file
-from analysis.limits import check_storage
-from validation.options import (
+from analysis.data.checks import Array
+from analysis.data.files import whole_file
+from analysis.data.limits import check_storage
+from analysis.models.effort import simulation_effort
+from validation.commands.options import (
     PICTURES,
     announce,
     chosen_end,
@@ -20,12 +20,12 @@ from validation.options import (
     output_folder,
     output_path,
 )
-from validation.progress import progress_bar
+from validation.kit.progress import progress_bar
 
 
 def report(options: argparse.Namespace) -> int:
     """Write the report and print its checks."""
-    from validation import full_report
+    from validation.studies import full_report
 
     page, tables = full_report.make(output_folder("--out", options.out))
     for table in tables:
@@ -103,7 +103,7 @@ def _simulate(options: argparse.Namespace, times: Array, progress: Progress) -> 
 def show(options: argparse.Namespace) -> int:
     """Plot stored motions over each other."""
     runs = [(Path(name).stem, Trajectory.load(name)) for name in options.files]
-    from validation import figures
+    from validation.kit import figures
 
     if options.out is not None:
         out = output_path("--out", options.out, PICTURES)

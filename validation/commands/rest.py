@@ -14,10 +14,10 @@ from analysis import (
     judge_inversion,
     simulate_to_rest,
 )
-from analysis.checks import not_negative, positive
-from analysis.effort import rest_effort
-from analysis.files import whole_file
-from validation.options import (
+from analysis.data.checks import not_negative, positive
+from analysis.data.files import whole_file
+from analysis.models.effort import rest_effort
+from validation.commands.options import (
     PICTURES,
     announce,
     chosen_dissipation,
@@ -26,7 +26,7 @@ from validation.options import (
     chosen_start,
     output_path,
 )
-from validation.progress import progress_bar
+from validation.kit.progress import progress_bar
 
 
 def rest(options: argparse.Namespace) -> int:
@@ -121,8 +121,8 @@ def _lifted(start: State, height: float) -> State:
 
 
 def _plot(motion: SpatialMotion, out: Path) -> None:
-    from validation import figures
-    from validation.rest.figures import draw_story
+    from validation.kit import figures
+    from validation.studies.rest.figures import draw_story
 
     figure, axes = figures.new_figure(5, height=11.0)
     draw_story(motion, axes)

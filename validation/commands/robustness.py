@@ -3,7 +3,7 @@
 import argparse
 import time
 
-from validation.options import output_folder
+from validation.commands.options import output_folder
 
 
 def robustness(options: argparse.Namespace) -> int:
@@ -11,10 +11,10 @@ def robustness(options: argparse.Namespace) -> int:
 
     Returns 1 if a result came back as right and is not, or if a run took the interpreter down.
     """
-    from validation.provenance import Provenance
-    from validation.report import run_jobs, write
-    from validation.robustness import section as study
-    from validation.robustness import stored
+    from validation.kit.provenance import Provenance
+    from validation.kit.report import run_jobs, write
+    from validation.studies.robustness import section as study
+    from validation.studies.robustness import stored
 
     folder = output_folder("--out", options.out)
     begin, provenance = time.perf_counter(), Provenance.here()

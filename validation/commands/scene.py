@@ -5,8 +5,8 @@ import argparse
 from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb
 from mbs_models.inventory import Inventory, inventory
 from mbs_models.scene import Scene
-from validation.options import chosen_dissipation
-from validation.tables import Table
+from validation.commands.options import chosen_dissipation
+from validation.kit.tables import Table
 
 
 def scene(options: argparse.Namespace) -> int:

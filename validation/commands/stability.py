@@ -6,14 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis import DISKS, Disk, FrictionLaw, linear_reduced, spectra
-from analysis.checks import Array
-from analysis.critical import critical_speeds
-from analysis.files import whole_file
-from analysis.limits import MOST_SPINS
-from analysis.spectra import Branches
-from validation.options import PICTURES, chosen_friction, output_path, written_number
-from validation.tables import Table
+from analysis import DISKS, Disk, FrictionLaw
+from analysis.data.checks import Array
+from analysis.data.files import whole_file
+from analysis.data.limits import MOST_SPINS
+from analysis.stability import linear_reduced, spectra
+from analysis.stability.critical import critical_speeds
+from analysis.stability.spectra import Branches
+from validation.commands.options import PICTURES, chosen_friction, output_path, written_number
+from validation.kit.tables import Table
 
 
 def eigenvalues(options: argparse.Namespace) -> int:
@@ -43,7 +44,7 @@ def eigenvalues(options: argparse.Namespace) -> int:
 
 def critical(options: argparse.Namespace) -> int:
     """Print critical spins, closed form beside computed."""
-    from validation.stability.tables import critical_table, stable_table
+    from validation.studies.stability.tables import critical_table, stable_table
 
     disk, friction = _disk_and_friction(options)
     ends = options.spin.split(":")
@@ -108,7 +109,7 @@ def _branches(options: argparse.Namespace, spins: Array) -> Branches:
     disk, friction = _disk_and_friction(options)
     if options.source == "in-house":
         return spectra.branches(options.system, disk, friction, spins, options.motion)
-    from validation.stability.eigenvalue_check import LEVEL_OF_SYSTEM, engine_matrices
+    from validation.studies.stability.eigenvalue_check import LEVEL_OF_SYSTEM, engine_matrices
 
     matrices = engine_matrices(
         LEVEL_OF_SYSTEM[options.system],
@@ -136,7 +137,7 @@ def _table(system: str, found: Branches) -> Table:
 
 
 def _plot(found: Branches, path: Path) -> None:
-    from validation import figures
+    from validation.kit import figures
 
     figure, axes = figures.new_figure(2, height=6.5)
     for column in range(found.values.shape[1]):

@@ -2,7 +2,7 @@
 
 import argparse
 
-from validation.options import output_folder
+from validation.commands.options import output_folder
 
 
 def work_precision(options: argparse.Namespace) -> int:
@@ -18,7 +18,7 @@ def work_precision(options: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    from validation.work_precision import study
+    from validation.studies.work_precision import study
 
     folder = output_folder("--out", options.out)
     page, tables = study.main(folder, quick=options.quick, fresh=options.fresh)

@@ -1,0 +1,1 @@
+"""Data types of the study: what both sides share, without any mechanics."""

@@ -1,0 +1,60 @@
+"""Accuracy of motions by agreement of runs; what makes the runs does not matter."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from analysis.data.checks import ToleranceError
+from analysis.data.spatial_motion import SpatialMotion
+
+RUNS = 5
+"""Runs after which a tolerance counts as out of reach."""
+
+TIGHTEST = 1e-13
+"""Local tolerance that no run goes below, because of rounding."""
+
+
+def until_agreement(
+    run: Callable[[float], SpatialMotion], first: float, tolerance: float
+) -> SpatialMotion:
+    """Tighten the local tolerance tenfold until two runs agree.
+
+    Parameters
+    ----------
+    run : callable
+        From a local tolerance to a motion.
+    first : float
+        Local tolerance of the first run.
+    tolerance : float
+        Largest `SpatialMotion.deviation` of the last two runs.
+
+    Returns
+    -------
+    SpatialMotion
+        The last run, with its deviation from the one before as its error estimate. A run that
+        met a time limit is returned as it is, with an estimate over what it reached if there is
+        another run to compare with.
+
+    Raises
+    ------
+    ToleranceError
+        If no two runs agree.
+    """
+    coarse = run(max(first, 10.0 * TIGHTEST))
+    if coarse.ending is not None:
+        return coarse
+    differences = []
+    for number in range(1, RUNS):
+        local = max(first, 10.0 * TIGHTEST) * 0.1**number
+        if local < 0.99 * TIGHTEST:
+            break
+        fine = run(local)
+        differences.append(fine.deviation(coarse))
+        if differences[-1] <= tolerance or fine.ending is not None:
+            return replace(fine, error_estimate=differences[-1])
+        coarse = fine
+    listed = ", ".join(f"{difference:.1e}" for difference in differences)
+    raise ToleranceError(
+        f"tolerance {tolerance:g} cannot be reached: runs of which each allows a tenth of the "
+        f"error in a step differ by {listed}; a motion that depends on its impacts in such a way "
+        "cannot be predicted"
+    )

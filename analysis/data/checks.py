@@ -1,0 +1,139 @@
+"""Validators that return the clean value or raise a one-line `ValueError`."""
+
+from collections.abc import Iterable, Mapping
+from math import isfinite, isnan
+from numbers import Real
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.data.limits import LARGEST_VALUE
+
+Array = npt.NDArray[np.float64]
+T = TypeVar("T")
+
+
+class ToleranceError(ArithmeticError):
+    """A requested accuracy could not be met."""
+
+
+class TimeLimitError(ArithmeticError):
+    """A run met its time limit before it had a result to return."""
+
+
+def number(name: str, value: Any) -> float:
+    """Return `value` as a finite float.
+
+    Raises
+    ------
+    ValueError
+        If it is not a real number (text is none), or not finite.
+    """
+    if not isinstance(value, Real) or isinstance(value, bool):
+        raise ValueError(f"{name} must be a finite number, got {value!r}")
+    try:
+        result = float(value)
+    except OverflowError:
+        raise ValueError(f"{name} must be a finite number, got one too large") from None
+    if not isfinite(result):
+        raise ValueError(f"{name} must be a finite number, got {result}")
+    return result
+
+
+def positive(name: str, value: Any) -> float:
+    """Return `value` as a float above zero; `ValueError` otherwise."""
+    result = number(name, value)
+    if result <= 0.0:
+        raise ValueError(f"{name} must be positive, got {result:g}")
+    return result
+
+
+def not_negative(name: str, value: Any) -> float:
+    """Return `value` as a float not below zero; `ValueError` otherwise."""
+    result = number(name, value)
+    if result < 0.0:
+        raise ValueError(f"{name} must not be negative, got {result:g}")
+    return result
+
+
+def within(name: str, value: Any, least: float, most: float) -> float:
+    """Return `value` as a float from `least` to `most`; `ValueError` otherwise."""
+    result = number(name, value)
+    if not least <= result <= most:
+        raise ValueError(f"{name} must lie from {least:g} to {most:g}, got {result:g}")
+    return result
+
+
+def choice(name: str, value: T, allowed: Iterable[T]) -> T:
+    """Return `value` if it is one of `allowed`; `ValueError` listing them otherwise."""
+    options = list(allowed)
+    if value not in options:
+        listed = ", ".join(str(option) for option in options)
+        raise ValueError(f"{name} must be one of {listed}, got {value!r}")
+    return value
+
+
+def real_array(name: str, values: npt.ArrayLike) -> Array:
+    """Return a new array of floats from real numbers.
+
+    Raises
+    ------
+    ValueError
+        If they are complex, text, truth values or objects, if rows differ in length, or if a
+        number is not finite or larger than `LARGEST_VALUE`.
+    """
+    try:
+        given = np.asarray(values)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be an array of real numbers, got {values!r}") from None
+    if given.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be an array of real numbers, got {given.dtype} values")
+    result = np.array(given, dtype=float)
+    if not np.all(np.isfinite(result)):
+        raise ValueError(f"{name} must be finite")
+    if result.size and np.max(np.abs(result)) > LARGEST_VALUE:
+        raise ValueError(f"{name} must not exceed {LARGEST_VALUE:g} in size")
+    return result
+
+
+def settings(name: str, values: Any) -> dict[str, str | float | int | None]:
+    """Return a mapping from names to text, numbers or None as a dictionary.
+
+    Raises
+    ------
+    ValueError
+        If it is no such mapping, or a number is not one (nan).
+    """
+    if not isinstance(values, Mapping):
+        raise ValueError(f"{name} must be a mapping, got {type(values).__name__}")
+    for key, value in values.items():
+        if not isinstance(key, str):
+            raise ValueError(f"{name} must have names as its keys, got {key!r}")
+        if not (value is None or isinstance(value, str | Real)):
+            raise ValueError(f"{name}[{key!r}] must be text, a number or None, got {value!r}")
+        if isinstance(value, float) and isnan(value):
+            raise ValueError(f"{name}[{key!r}] must be text, a number or None, got nan")
+    return dict(values)
+
+
+def increasing_times(times: npt.ArrayLike) -> Array:
+    """Return `times` as a float array, shape (n,), n >= 2, strictly increasing and finite.
+
+    Raises
+    ------
+    ValueError
+        If it is not one-dimensional, too short, not finite or not increasing.
+    """
+    result = real_array("times", times)
+    if result.ndim != 1 or result.size < 2:
+        raise ValueError(
+            f"times must be one-dimensional with at least 2 entries, got shape {result.shape}"
+        )
+    steps = np.diff(result)
+    if np.any(steps <= 0.0):
+        worst = int(np.argmax(steps <= 0.0))
+        raise ValueError(
+            f"times must increase strictly, got {result[worst]:g} before {result[worst + 1]:g}"
+        )
+    return result

@@ -1,0 +1,162 @@
+"""The penalty form of the contact, on a thin disk or on one with a rounded rim."""
+
+from dataclasses import dataclass, replace
+from math import cos, hypot, sin, sqrt
+
+from analysis.data.checks import not_negative, positive, within
+from analysis.data.disk import Disk
+from analysis.data.limits import LARGEST_DAMPING, STIFFEST_CONTACT, THINNEST_RIM
+from analysis.data.state import State
+
+LARGEST_PART = 0.01
+"""Largest resting penetration as a part of the radius; beyond, it is another disk's motion."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PenaltyContact:
+    """Contact through a spring and a damper: stiffness * penetration + damping * its rate.
+
+    The penetration is that of the disk's lowest point. A unilateral contact never pulls, and
+    without penetration neither the contact nor friction acts; a bilateral one holds the disk down.
+
+    Parameters
+    ----------
+    stiffness : float
+        In N/m, positive.
+    damping : float
+        In N s/m, not negative.
+    half_thickness : float
+        In m, not negative and at most the radius of the disk (see `check`). Zero is the paper's
+        thin disk, whose lowest point is undefined when it lies flat. Otherwise the disk is a thin
+        spheroid of this half thickness, which touches the table smoothly in every attitude.
+    bilateral : bool
+        Whether the contact may pull.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    stiffness: float
+    damping: float = 0.0
+    half_thickness: float = 0.0
+    bilateral: bool = False
+
+    def __post_init__(self) -> None:
+        stiffness = positive("stiffness", self.stiffness)
+        within("stiffness", stiffness, 0.0, STIFFEST_CONTACT)
+        object.__setattr__(self, "stiffness", stiffness)
+        damping = not_negative("damping", self.damping)
+        object.__setattr__(self, "damping", within("damping", damping, 0.0, LARGEST_DAMPING))
+        thickness = not_negative("half_thickness", self.half_thickness)
+        if 0.0 < thickness < THINNEST_RIM:
+            raise ValueError(
+                f"half_thickness must be 0 or at least {THINNEST_RIM:g} m, got {thickness:g}"
+            )
+        object.__setattr__(self, "half_thickness", thickness)
+        if not isinstance(self.bilateral, bool):
+            raise ValueError(f"bilateral must be True or False, got {self.bilateral!r}")
+
+    @classmethod
+    def damped(
+        cls, stiffness: float, disk: Disk, *, ratio: float = 0.5, half_thickness: float = 0.0
+    ) -> "PenaltyContact":
+        """Contact on which the upright disk bounces with this part of the critical damping.
+
+        Parameters
+        ----------
+        stiffness : float
+            In N/m.
+        disk : Disk
+        ratio : float
+            Damping ratio, not negative.
+        half_thickness : float
+            In m.
+        """
+        stiffness = positive("stiffness", stiffness)
+        damping = 2.0 * not_negative("ratio", ratio) * sqrt(stiffness * disk.mass)
+        return cls(stiffness=stiffness, damping=damping, half_thickness=half_thickness)
+
+    @classmethod
+    def rounded(
+        cls, disk: Disk, *, stiffness: float = 1e6, half_thickness: float = 2e-4
+    ) -> "PenaltyContact":
+        """Contact for the way to rest: a rounded rim on a stiff, damped table.
+
+        Parameters
+        ----------
+        disk : Disk
+        stiffness : float
+            In N/m.
+        half_thickness : float
+            In m.
+        """
+        return cls.damped(stiffness, disk, half_thickness=half_thickness)
+
+    @property
+    def is_rounded(self) -> bool:
+        """Whether the lowest point is defined in every attitude."""
+        return self.half_thickness > 0.0
+
+    def resting_penetration(self, disk: Disk) -> float:
+        """Penetration in m at which the contact carries the weight of the disk."""
+        return disk.weight / self.stiffness
+
+    def resting_height(self, disk: Disk) -> float:
+        """Height in m of the centre of gravity of the disk where it lies stable.
+
+        That is the lowest there is, at the least potential energy; the weight presses the contact
+        together. The disk then lies all but flat, with the centre of gravity over the contact
+        point. One too thick for that stands on its rim, the centre of gravity below the centre.
+
+        Parameters
+        ----------
+        disk : Disk
+        """
+        eccentricity, square = disk.eccentricity, self.half_thickness**2
+        flattening = disk.radius**2 - square
+        # The height sqrt(c^2 + k s^2) - e s over 0 <= s <= 1, the part of the way from flat to
+        # upright, is stationary at one s. A disk of thickness zero lies flat.
+        lean = 1.0
+        if flattening > eccentricity**2:
+            lean = eccentricity * sqrt(square / (flattening * (flattening - eccentricity**2)))
+            lean = min(lean, 1.0)
+        height = sqrt(square + flattening * lean**2) - eccentricity * lean
+        return height - self.resting_penetration(disk)
+
+    def lowered(self, disk: Disk, start: State) -> State:
+        """The start, at the height at which the contact carries the weight.
+
+        A start that just touches the table would fall into it and bounce.
+
+        Parameters
+        ----------
+        disk : Disk
+        start : State
+        """
+        x, y, _, *angles = start.coordinates
+        height = hypot(disk.radius * sin(angles[1]), self.half_thickness * cos(angles[1]))
+        height -= self.resting_penetration(disk)
+        return replace(start, coordinates=(x, y, height, *angles))
+
+    def check(self, disk: Disk) -> None:
+        """Check the contact against the disk that is to lie on it.
+
+        Raises
+        ------
+        ValueError
+            If the disk sinks in by more than a small part of its radius, or would be thicker
+            than it is wide.
+        """
+        least = disk.weight / (LARGEST_PART * disk.radius)
+        if self.stiffness < least:
+            raise ValueError(
+                f"stiffness must be at least weight / ({LARGEST_PART:g} radius) = {least:.4g} N/m "
+                f"so that the disk does not sink into the table, got {self.stiffness:g}"
+            )
+        if self.half_thickness > disk.radius:
+            raise ValueError(
+                f"half_thickness must not exceed the radius of the disk = {disk.radius:g}, "
+                f"got {self.half_thickness:g}"
+            )

@@ -1,0 +1,153 @@
+"""The disk: geometry, mass, eccentricity and inertia."""
+
+from dataclasses import dataclass
+from math import pi
+
+from analysis.data.checks import not_negative, number, positive
+
+GRAVITY = 9.81
+"""Gravitational acceleration in m/s²; the value behind the paper's printed results."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Disk:
+    """An eccentric rigid disk (paper, Sect. 2).
+
+    The body frame sits at the geometric centre G: x points to the centre of gravity S, z is
+    normal to the disk.
+
+    Parameters
+    ----------
+    radius : float
+        Distance of the rolling edge from G in m (paper: r).
+    mass : float
+        Mass in kg (paper: m).
+    eccentricity : float
+        Distance from G to S in m (paper: e), from 0 to less than the radius.
+    inertia_x, inertia_y, inertia_z : float
+        Principal moments of inertia about G in kg m² (paper: A, B, C).
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range, or if no rigid body has these moments of inertia: about S
+        they must be positive and none may exceed the sum of the two others.
+    """
+
+    radius: float
+    mass: float
+    eccentricity: float
+    inertia_x: float
+    inertia_y: float
+    inertia_z: float
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "mass", "inertia_x", "inertia_y", "inertia_z"):
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        eccentricity = number("eccentricity", self.eccentricity)
+        if not 0.0 <= eccentricity < self.radius:
+            raise ValueError(
+                f"eccentricity must lie in [0, radius) = [0, {self.radius:g}), "
+                f"got {eccentricity:g}"
+            )
+        object.__setattr__(self, "eccentricity", eccentricity)
+        self._check_inertia()
+
+    def _check_inertia(self) -> None:
+        names, moments = ("inertia_x", "inertia_y", "inertia_z"), self.inertia_about_cog
+        for name, moment in zip(names, moments, strict=True):
+            if moment <= 0.0:
+                raise ValueError(
+                    f"{name} must exceed mass * eccentricity² (the moment about the COG must be "
+                    f"positive), got {getattr(self, name):g}, which leaves {moment:g}"
+                )
+        for name, moment, axis in zip(names, moments, "xyz", strict=True):
+            others = sum(moments) - moment
+            # A lamina meets the bound exactly, so rounding must not refuse it.
+            if moment > others * (1.0 + 1e-12):
+                raise ValueError(
+                    f"{name} must not exceed the sum of the two other moments about the COG, "
+                    f"got {moment:g} > {others:g} about the {axis} axis"
+                )
+
+    @property
+    def inertia_about_cog(self) -> tuple[float, float, float]:
+        """Principal moments of inertia about S in kg m²."""
+        shift = self.mass * self.eccentricity**2
+        return self.inertia_x, self.inertia_y - shift, self.inertia_z - shift
+
+    @property
+    def weight(self) -> float:
+        """Weight m g in N."""
+        return self.mass * GRAVITY
+
+    @classmethod
+    def ring(
+        cls,
+        *,
+        radius: float,
+        hole_radius: float,
+        hole_distance: float,
+        thickness: float,
+        density: float,
+    ) -> "Disk":
+        """Disk of uniform density with an off-centre circular hole (paper, Fig. 4).
+
+        Parameters
+        ----------
+        radius, hole_radius, hole_distance, thickness : float
+            Lengths in m (paper: r, a, b, h); the hole must lie inside the disk.
+        density : float
+            Density in kg/m³.
+
+        Raises
+        ------
+        ValueError
+            If a length or the density is out of range, or the hole cuts the edge.
+        """
+        radius = positive("radius", radius)
+        hole_radius = not_negative("hole_radius", hole_radius)
+        hole_distance = not_negative("hole_distance", hole_distance)
+        thickness = positive("thickness", thickness)
+        density = positive("density", density)
+        if hole_distance + hole_radius >= radius:
+            raise ValueError(
+                f"hole_distance + hole_radius must be less than radius = {radius:g}, "
+                f"got {hole_distance + hole_radius:g}"
+            )
+        full = density * thickness * pi * radius**2
+        hole = density * thickness * pi * hole_radius**2
+        full_across = full * (radius**2 / 4 + thickness**2 / 12)
+        hole_across = hole * (hole_radius**2 / 4 + thickness**2 / 12)
+        return cls(
+            radius=radius,
+            mass=full - hole,
+            eccentricity=hole_radius**2 * hole_distance / (radius**2 - hole_radius**2),
+            inertia_x=full_across - hole_across,
+            inertia_y=full_across - hole_across - hole * hole_distance**2,
+            inertia_z=full * radius**2 / 2 - hole * (hole_radius**2 / 2 + hole_distance**2),
+        )
+
+
+STEEL_DISK = Disk.ring(
+    radius=0.045, hole_radius=0.015, hole_distance=0.02, thickness=0.01, density=7700.0
+)
+"""The paper's disk, unrounded: the printed eigenvalues and critical speed come from it."""
+
+CENTRED_DISK = Disk.ring(
+    radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
+)
+"""The same with its hole in the middle, for which textbooks have closed forms."""
+
+ROUNDED_STEEL_DISK = Disk(
+    radius=0.045,
+    mass=0.435,
+    eccentricity=2.5e-3,
+    inertia_x=0.249e-3,
+    inertia_y=0.227e-3,
+    inertia_z=0.468e-3,
+)
+"""The paper's disk as Table 1 prints it, rounded to three digits."""
+
+DISKS = {"steel": STEEL_DISK, "steel-rounded": ROUNDED_STEEL_DISK}
+"""Named disks, as the command line takes them."""

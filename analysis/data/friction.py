@@ -1,0 +1,307 @@
+"""Friction laws of the contact."""
+
+import sys
+from abc import ABC, abstractmethod
+from dataclasses import asdict, dataclass, fields
+from importlib import import_module
+from math import exp, tanh
+from typing import Any, Literal, get_args
+
+from analysis.data.checks import choice, not_negative, positive, within
+from analysis.data.limits import LARGEST_FRICTION, SMOOTHING_RANGE, STEEPEST_FRICTION
+
+Load = Literal["weight", "contact"]
+LOADS: tuple[Load, ...] = get_args(Load)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrictionLaw(ABC):
+    """Isotropic friction: force = -load * per_speed(|slip|) * slip.
+
+    A law of one's own derives from this class, as a frozen dataclass, and says `per_speed` and
+    `finest_speed`. Both sides then take it; the laws of this module are written a second time for
+    the engine, in `mbs_models.friction`.
+
+    Parameters
+    ----------
+    load : {"weight", "contact"}
+        What presses the disk on the table: its weight m g, Eq. (81), or the actual normal
+        contact force, Eq. (79).
+
+    Raises
+    ------
+    ValueError
+        If the load is unknown.
+    """
+
+    load: Load = "weight"
+
+    def __post_init__(self) -> None:
+        choice("load", self.load, LOADS)
+
+    @abstractmethod
+    def per_speed(self, speed: float) -> float:
+        """Friction force for each newton of load and each m/s of slip, in s/m, not negative.
+
+        Parameters
+        ----------
+        speed : float
+            Slip speed in m/s, not negative.
+        """
+
+    @property
+    @abstractmethod
+    def finest_speed(self) -> float:
+        """Slip speed in m/s over which the law bends; steps are chosen by it."""
+
+    @property
+    def gradient(self) -> float:
+        """Slope of the force at no slip for each newton of load, in s/m (paper: mu / epsilon).
+
+        The linear stability of stationary motions depends on the law by this number alone.
+        """
+        return self.per_speed(0.0)
+
+    @property
+    def is_on(self) -> bool:
+        """Whether there is any friction."""
+        return self.gradient > 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Regularised(FrictionLaw):
+    """Coulomb friction of one coefficient, smoothed over a slip speed."""
+
+    coefficient: float = 0.3
+    smoothing: float = 0.1
+
+    def __post_init__(self) -> None:
+        FrictionLaw.__post_init__(self)
+        check_coefficient(self, "coefficient")
+        check_smoothing(self)
+
+    @property
+    def finest_speed(self) -> float:
+        """Slip speed in m/s over which the law bends."""
+        return self.smoothing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SmoothCoulomb(_Regularised):
+    """Smooth Coulomb friction, Eq. (3): force = -coefficient * load * slip / (|slip| + smoothing).
+
+    Parameters
+    ----------
+    coefficient : float
+        Friction coefficient, not negative (paper: mu).
+    smoothing : float
+        Slip speed in m/s at which half of the full force acts, positive (paper: epsilon).
+    load : {"weight", "contact"}
+        See `FrictionLaw`.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    def per_speed(self, speed: float) -> float:
+        """Force for each newton of load and each m/s; see `FrictionLaw`."""
+        return self.coefficient / (speed + self.smoothing)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stribeck(FrictionLaw):
+    """Smooth Coulomb friction whose coefficient falls from a static to a kinetic value.
+
+    The coefficient at a slip speed v is
+    kinetic + (static - kinetic) * exp(-(v / stribeck_speed)²).
+
+    Parameters
+    ----------
+    static, kinetic : float
+        Coefficients at little and at much slip, not negative; the static one is not below the
+        kinetic one.
+    stribeck_speed : float
+        Slip speed in m/s at which the drop has come down to 1/e, positive.
+    smoothing : float
+        As in `SmoothCoulomb`.
+    load : {"weight", "contact"}
+        See `FrictionLaw`.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    static: float = 0.45
+    kinetic: float = 0.3
+    stribeck_speed: float = 0.2
+    smoothing: float = 0.1
+
+    def __post_init__(self) -> None:
+        FrictionLaw.__post_init__(self)
+        check_coefficient(self, "static")
+        check_coefficient(self, "kinetic")
+        if self.kinetic > self.static:
+            raise ValueError(
+                f"kinetic must not exceed static = {self.static:g}, got {self.kinetic:g}"
+            )
+        speed = within(
+            "stribeck_speed", positive("stribeck_speed", self.stribeck_speed), *SMOOTHING_RANGE
+        )
+        object.__setattr__(self, "stribeck_speed", speed)
+        check_smoothing(self)
+
+    def per_speed(self, speed: float) -> float:
+        """Force for each newton of load and each m/s; see `FrictionLaw`."""
+        drop = exp(-((speed / self.stribeck_speed) ** 2))
+        coefficient = self.kinetic + (self.static - self.kinetic) * drop
+        return coefficient / (speed + self.smoothing)
+
+    @property
+    def finest_speed(self) -> float:
+        """Slip speed in m/s over which the law bends."""
+        return min(self.smoothing, self.stribeck_speed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TanhCoulomb(_Regularised):
+    """Coulomb friction regularised by force = -coefficient * load * tanh(|slip| / smoothing).
+
+    All its derivatives exist, at no slip too, where Eq. (3) has a kink in the second.
+
+    Parameters
+    ----------
+    coefficient : float
+        Friction coefficient, not negative.
+    smoothing : float
+        Slip speed in m/s at which 76 % of the full force acts, positive.
+    load : {"weight", "contact"}
+        See `FrictionLaw`.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    def per_speed(self, speed: float) -> float:
+        """Force for each newton of load and each m/s; see `FrictionLaw`."""
+        relative = speed / self.smoothing
+        if relative < 1e-4:
+            # Two terms of the series: the next one is below rounding.
+            return self.coefficient / self.smoothing * (1.0 - relative * relative / 3.0)
+        return self.coefficient * tanh(relative) / speed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ViscousFriction(FrictionLaw):
+    """Friction in proportion to slip: force = -viscosity * load * slip.
+
+    Parameters
+    ----------
+    viscosity : float
+        Force for each newton of load and each m/s, in s/m, not negative.
+    load : {"weight", "contact"}
+        See `FrictionLaw`.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    viscosity: float = 3.0
+
+    def __post_init__(self) -> None:
+        FrictionLaw.__post_init__(self)
+        viscosity = not_negative("viscosity", self.viscosity)
+        within("viscosity", viscosity, 0.0, STEEPEST_FRICTION)
+        object.__setattr__(self, "viscosity", viscosity)
+
+    def per_speed(self, speed: float) -> float:  # noqa: ARG002 - the same at every speed
+        """Force for each newton of load and each m/s; see `FrictionLaw`."""
+        return self.viscosity
+
+    @property
+    def finest_speed(self) -> float:
+        """Slip speed in m/s over which the law bends."""
+        # It bends nowhere: a slip speed of the motions of a disk.
+        return 1.0
+
+
+LAWS: dict[str, type[FrictionLaw]] = {
+    "smooth-coulomb": SmoothCoulomb,
+    "stribeck": Stribeck,
+    "tanh": TanhCoulomb,
+    "viscous": ViscousFriction,
+}
+"""Laws by name, as files and the command line know them; others are `module:class`."""
+
+
+def law_values(law: FrictionLaw) -> dict[str, Any]:
+    """Name and parameters of a law, to be stored; `law_from` makes it again."""
+    names = {kind: name for name, kind in LAWS.items()}
+    name = names.get(type(law), f"{type(law).__module__}:{type(law).__qualname__}")
+    return {"law": name} | asdict(law)
+
+
+def law_from(values: dict[str, Any], *, own: bool = True) -> FrictionLaw:
+    """Law from its name and parameters.
+
+    Parameters
+    ----------
+    values : dict
+        `law`, one of `LAWS` or `module:class`, and the parameters of that law.
+    own : bool
+        Whether a module that `values` names may be imported, which runs it. Otherwise a law of
+        one's own must have been imported before.
+
+    Raises
+    ------
+    ValueError
+        If the law is unknown or a parameter is not one of its own, or out of range.
+    """
+    parameters = dict(values)
+    name = parameters.pop("law", "smooth-coulomb")
+    kind = LAWS.get(name) or _own_law(name, own=own)
+    known = [field.name for field in fields(kind)]
+    for parameter in parameters:
+        choice(f"parameter of the friction law {name}", parameter, known)
+    return kind(**parameters)
+
+
+def _own_law(name: Any, *, own: bool) -> type[FrictionLaw]:
+    module, colon, attribute = str(name).partition(":")
+    if not colon:
+        listed = ", ".join(LAWS)
+        raise ValueError(f"friction law must be one of {listed} or module:class, got {name!r}")
+    if not own and module not in sys.modules:
+        raise ValueError(f"friction law {name!r} must be imported first")
+    try:
+        kind = getattr(import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"friction law {name!r} cannot be loaded: {error}") from error
+    if not isinstance(kind, type) or not issubclass(kind, FrictionLaw):
+        raise ValueError(f"friction law {name!r} must be a class derived from FrictionLaw")
+    return kind
+
+
+def check_coefficient(law: FrictionLaw, name: str) -> None:
+    """Raise if a coefficient of a law is out of range; keep it as a float."""
+    value = not_negative(name, getattr(law, name))
+    object.__setattr__(law, name, within(name, value, 0.0, LARGEST_FRICTION))
+
+
+def check_smoothing(law: Any) -> None:
+    """Raise if the smoothing of a law is out of range or too steep; keep it as a float."""
+    smoothing = within("smoothing", positive("smoothing", law.smoothing), *SMOOTHING_RANGE)
+    object.__setattr__(law, "smoothing", smoothing)
+    largest = law.gradient * smoothing
+    if largest > STEEPEST_FRICTION * smoothing:
+        raise ValueError(
+            f"smoothing must be at least coefficient / {STEEPEST_FRICTION:g} = "
+            f"{largest / STEEPEST_FRICTION:g}, got {smoothing:g}"
+        )

@@ -1,0 +1,299 @@
+"""Motions through every attitude, flat ones too: what a simulation until rest returns."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from analysis.data import frames
+from analysis.data.checks import Array, choice, increasing_times, number, real_array, settings
+from analysis.data.contact import PenaltyContact
+from analysis.data.disk import Disk
+from analysis.data.dissipation import CAUSES, Dissipation
+from analysis.data.files import read_archive, whole_file
+from analysis.data.friction import FrictionLaw, law_from, law_values
+from analysis.data.trajectory import SOURCES, Ending, Setting, Source, Trajectory
+
+_COLUMNS = {
+    "positions": 3,
+    "quaternions": 4,
+    "velocities": 3,
+    "angular_velocities": 3,
+    "contact_points": 3,
+    "slip_speeds": 0,
+    "contour_speeds": 0,
+    "normal_force": 0,
+    "energies": 3,
+    "dissipated": len(CAUSES),
+}
+"""Sampled arrays and how many columns each has; none for 0."""
+
+MOTION_COLUMNS = 1 + sum(max(1, columns) for columns in _COLUMNS.values())
+"""Numbers in each sample, the time included."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpatialMotion:
+    """A motion of the disk in inertial coordinates, sampled in time, and what produced it.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Strictly increasing times in s.
+    positions, velocities : ndarray, shape (n, 3)
+        Of the geometric centre G in m and m/s.
+    quaternions : ndarray, shape (n, 4)
+        Attitude of the body frame, scalar part first, of unit length.
+    angular_velocities : ndarray, shape (n, 3)
+        In rad/s, inertial components.
+    contact_points : ndarray, shape (n, 3)
+        Lowest point of the disk in m.
+    slip_speeds, contour_speeds : ndarray, shape (n,)
+        Speed of the material at the contact point, and of the contact point along the rim, m/s.
+    normal_force : ndarray, shape (n,)
+        Contact force in N.
+    energies : ndarray, shape (n, 3)
+        Kinetic, gravitational (from the table) and elastic energy in J.
+    dissipated : ndarray, shape (n, 6)
+        Energy in J taken since the start by each of `CAUSES`.
+    disk : Disk
+    friction : FrictionLaw
+    contact : PenaltyContact
+    dissipation : Dissipation
+    source : {"engine", "in-house"}
+    rest_time : float, optional
+        Time in s from which on the disk was at rest; None if it never was.
+    error_estimate : float, optional
+        Largest `deviation` from the true motion expected; None if it was not estimated.
+    ending : Ending, optional
+        Why it ends before the disk is at rest and before the end asked for, if it does.
+    method, counts, versions : mapping
+        As in `Trajectory`.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit, a number is not finite, a quaternion is not of unit length or the
+        rest time lies outside the samples.
+    """
+
+    times: Array
+    positions: Array
+    quaternions: Array
+    velocities: Array
+    angular_velocities: Array
+    contact_points: Array
+    slip_speeds: Array
+    contour_speeds: Array
+    normal_force: Array
+    energies: Array
+    dissipated: Array
+    disk: Disk
+    friction: FrictionLaw
+    contact: PenaltyContact
+    dissipation: Dissipation
+    source: Source
+    rest_time: float | None = None
+    error_estimate: float | None = None
+    ending: Ending | None = None
+    method: Mapping[str, Setting] = field(default_factory=dict)
+    counts: Mapping[str, int] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        times = increasing_times(self.times)
+        for name, columns in {"times": 0, **_COLUMNS}.items():
+            values = real_array(name, getattr(self, name))
+            shape = (times.size, columns) if columns else (times.size,)
+            if values.shape != shape:
+                raise ValueError(f"{name} must have shape {shape}, got {values.shape}")
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+        excess = float(np.max(np.abs(np.linalg.norm(self.quaternions, axis=1) - 1.0)))
+        if excess > 1e-9:
+            raise ValueError(f"quaternions must have unit length, got one off by {excess:.1e}")
+        choice("source", self.source, SOURCES)
+        for name in ("method", "counts", "versions"):
+            object.__setattr__(self, name, settings(name, getattr(self, name)))
+        if self.rest_time is not None:
+            rest = number("rest_time", self.rest_time)
+            if not times[0] <= rest <= times[-1]:
+                raise ValueError(
+                    f"rest_time must lie within the samples, from {times[0]:g} to {times[-1]:g} "
+                    f"s, got {rest:g}"
+                )
+            object.__setattr__(self, "rest_time", rest)
+
+    @property
+    def rotations(self) -> Array:
+        """Rotation matrices A_IB, shape (n, 3, 3)."""
+        return frames.rotations(self.quaternions)
+
+    @property
+    def tilt(self) -> Array:
+        """Inclination beta in rad from 0 to pi, both flat, shape (n,)."""
+        return frames.tilts(self.rotations)
+
+    @property
+    def leaning(self) -> Array:
+        """Angle in rad between the disk and the table, 0 flat on either face, shape (n,)."""
+        tilt = self.tilt
+        result: Array = np.minimum(tilt, np.pi - tilt)
+        return result
+
+    @property
+    def cog_height(self) -> Array:
+        """Height of the centre of gravity over the table in m, shape (n,)."""
+        result: Array = self.positions[:, 2] + self.disk.eccentricity * self.cog_direction
+        return result
+
+    @property
+    def cog_direction(self) -> Array:
+        """Vertical part of the unit vector from G to S, 1 upside down, shape (n,)."""
+        return self.rotations[:, 2, 0]
+
+    @property
+    def spin(self) -> Array:
+        """Vertical angular velocity in rad/s, shape (n,)."""
+        return self.angular_velocities[:, 2]
+
+    def energy_taken(self, cause: str) -> Array:
+        """Energy in J taken by this one of `CAUSES` over time, shape (n,)."""
+        return self.dissipated[:, CAUSES.index(choice("cause", cause, CAUSES))]
+
+    @property
+    def energy_residual(self) -> Array:
+        """Energy now and all that was taken, less the energy at the start, in J, shape (n,)."""
+        total = self.energies.sum(axis=1) + self.dissipated.sum(axis=1)
+        result: Array = total - total[0]
+        return result
+
+    def deviation(self, other: "SpatialMotion") -> float:
+        """Largest difference from another motion over the samples that both have.
+
+        It is that of the vertical's direction seen from the disk in rad, which beta and gamma
+        make up, or that of an energy as a part of the energy at the start, whichever is larger:
+        of all the energy left, and of that taken by any cause.
+
+        Parameters
+        ----------
+        other : SpatialMotion
+            Sampled at the same times.
+        """
+        count = min(self.times.size, other.times.size)
+        one, two = (
+            np.column_stack(
+                (
+                    motion.rotations[:count, 2] * motion.energies[0].sum(),
+                    motion.energies[:count].sum(axis=1),
+                    motion.dissipated[:count],
+                )
+            )
+            for motion in (self, other)
+        )
+        difference = np.abs(one - two)
+        turned = np.linalg.norm(difference[:, :3], axis=1)
+        largest = max(float(np.max(turned)), float(np.max(difference[:, 3:])))
+        return largest / float(self.energies[0].sum())
+
+    def to_trajectory(
+        self, end: float | None = None, *, least_leaning: float = 1e-3
+    ) -> Trajectory:
+        """The same motion in the paper's coordinates, as one of Model 1, up to time `end`.
+
+        Parameters
+        ----------
+        end : float, optional
+            In s; the last sample by default.
+        least_leaning : float
+            How close to flat in rad the disk may come; Euler angles end there.
+
+        Raises
+        ------
+        ValueError
+            If fewer than two samples lie before `end`, or the disk comes too close to flat.
+        """
+        count = int(np.searchsorted(self.times, np.inf if end is None else end, side="right"))
+        leaning = self.leaning[:count]
+        if np.any(leaning < least_leaning):
+            first = self.times[np.argmax(leaning < least_leaning)]
+            raise ValueError(
+                f"end must lie before the disk lies flat (leaning below {least_leaning:g} rad) "
+                f"at t = {first:g} s"
+            )
+        coordinates, rates = frames.from_poses(
+            self.positions[:count],
+            self.rotations[:count],
+            self.velocities[:count],
+            self.angular_velocities[:count],
+        )
+        coordinates[:, [3, 5]] = np.unwrap(coordinates[:, [3, 5]], axis=0)
+        return Trajectory(
+            times=self.times[:count],
+            coordinates=coordinates,
+            rates=rates,
+            multipliers=self.normal_force[:count, None],
+            level=1,
+            disk=self.disk,
+            friction=self.friction,
+            source=self.source,
+            # With them the trajectory knows what it does not hold; see `energy_residual` of one.
+            method={**self.method, **asdict(self.contact), **asdict(self.dissipation)},
+            counts=self.counts,
+            versions=self.versions,
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the motion to an `.npz` file, whole or not at all, without pickle.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        meta = {
+            "disk": asdict(self.disk),
+            "friction": law_values(self.friction),
+            "contact": asdict(self.contact),
+            "dissipation": asdict(self.dissipation),
+            "source": self.source,
+            "rest_time": self.rest_time,
+            "error_estimate": self.error_estimate,
+            "ending": None if self.ending is None else asdict(self.ending),
+            "method": dict(self.method),
+            "counts": dict(self.counts),
+            "versions": dict(self.versions),
+        }
+        arrays = {name: getattr(self, name) for name in ("times", *_COLUMNS)}
+        with whole_file(path) as stream:
+            np.savez(stream, **arrays, spatial_meta=np.array(json.dumps(meta)))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "SpatialMotion":
+        """Read a motion that `save` has written.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If the file is damaged, or is not a motion in inertial coordinates.
+        """
+        names = ("times", *_COLUMNS, "spatial_meta")
+        return read_archive(path, "spatial motion", names, cls._from_arrays)
+
+    @classmethod
+    def _from_arrays(cls, stored: Mapping[str, Any]) -> "SpatialMotion":
+        meta = json.loads(str(stored["spatial_meta"]))
+        return cls(
+            **{name: stored[name] for name in ("times", *_COLUMNS)},
+            disk=Disk(**meta.pop("disk")),
+            friction=law_from(meta.pop("friction"), own=False),
+            contact=PenaltyContact(**meta.pop("contact")),
+            dissipation=Dissipation(**meta.pop("dissipation")),
+            ending=None if (ending := meta.pop("ending")) is None else Ending(**ending),
+            **meta,
+        )

@@ -1,0 +1,259 @@
+"""Trajectories: what every simulation of the study returns, whoever made it."""
+
+import json
+import os
+import platform
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from analysis.data.checks import (
+    Array,
+    choice,
+    increasing_times,
+    not_negative,
+    number,
+    real_array,
+    settings,
+)
+from analysis.data.disk import Disk
+from analysis.data.files import read_archive, whole_file
+from analysis.data.friction import FrictionLaw, law_from, law_values
+from analysis.data.state import COORDINATES, LEVELS, Level, State, multiplier_names
+
+Source = Literal["engine", "in-house"]
+SOURCES: tuple[Source, ...] = get_args(Source)
+Setting = str | float | int | None
+
+
+EndingReason = Literal["contact would pull", "time limit"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ending:
+    """Why a motion ends before the last time asked for.
+
+    Parameters
+    ----------
+    reason : {"contact would pull", "time limit"}
+        An ideal contact would have to hold the disk down; or the run met its time limit.
+    time : float
+        Where the motion ends, in s.
+    value : float
+        Normal force there in N; or processor time taken, in s.
+
+    Raises
+    ------
+    ValueError
+        If the reason is unknown or a number is not finite.
+    """
+
+    reason: EndingReason
+    time: float
+    value: float
+
+    def __post_init__(self) -> None:
+        choice("reason", self.reason, get_args(EndingReason))
+        for name in ("time", "value"):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+
+    def __str__(self) -> str:
+        if self.reason == "time limit":
+            return f"ended at t = {self.time:.6g} s: time limit, after {self.value:.3g} s"
+        return f"ended at t = {self.time:.9g} s: beyond, the contact would have to pull"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trajectory:
+    """A motion of the disk, sampled in time, and what produced it.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Strictly increasing times in s.
+    coordinates, rates : ndarray, shape (n, 6)
+        Co-rotating coordinates, Eq. (8), in m and rad, and their time derivatives; alpha and
+        gamma are unwrapped.
+    multipliers : ndarray, shape (n, k)
+        Constraint forces in the order of `multiplier_names(level)`, in N and N m.
+    level : {1, 2, 3, 4}
+        Model of Table 2.
+    disk : Disk
+    friction : FrictionLaw
+    source : {"engine", "in-house"}
+    method : mapping
+        Formulation, integrator, step, tolerances: whatever is needed to run it again.
+    error_estimate : float, optional
+        Largest error expected in beta and gamma in rad; None if it was not estimated.
+    counts : mapping
+        Work done, such as right-hand-side evaluations or steps.
+    versions : mapping
+        Versions of the software that made it.
+    ending : Ending, optional
+        Why it ends before the last time asked for, if it does.
+    pulling : tuple of pairs of floats
+        Times in s between which an ideal contact pulls, if it was let.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit or a number is not finite.
+    """
+
+    times: Array
+    coordinates: Array
+    rates: Array
+    multipliers: Array
+    level: Level
+    disk: Disk
+    friction: FrictionLaw
+    source: Source
+    method: Mapping[str, Setting]
+    error_estimate: float | None = None
+    counts: Mapping[str, int] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    ending: Ending | None = None
+    pulling: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        choice("level", self.level, LEVELS)
+        choice("source", self.source, SOURCES)
+        times = increasing_times(self.times)
+        shapes = {
+            "times": (times.size,),
+            "coordinates": (times.size, 6),
+            "rates": (times.size, 6),
+            "multipliers": (times.size, len(multiplier_names(self.level))),
+        }
+        for name, shape in shapes.items():
+            values = real_array(name, getattr(self, name))
+            if values.shape != shape:
+                raise ValueError(f"{name} must have shape {shape}, got {values.shape}")
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+        for name in ("method", "counts", "versions"):
+            object.__setattr__(self, name, settings(name, getattr(self, name)))
+        if self.error_estimate is not None:
+            estimate = not_negative("error_estimate", self.error_estimate)
+            object.__setattr__(self, "error_estimate", estimate)
+        for interval in self.pulling:
+            first, last = (number("pulling", time) for time in interval)
+            if first > last:
+                raise ValueError(f"pulling must hold rising times, got {first:g} before {last:g}")
+
+    def coordinate(self, name: str) -> Array:
+        """Coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
+        return self.coordinates[:, _column(name)]
+
+    def rate(self, name: str) -> Array:
+        """Rate of the coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
+        return self.rates[:, _column(name)]
+
+    def multiplier(self, name: str) -> Array:
+        """Constraint force of this name over time, shape (n,).
+
+        Raises
+        ------
+        ValueError
+            If the model has no such constraint.
+        """
+        names = multiplier_names(self.level)
+        return self.multipliers[:, names.index(choice("multiplier", name, names))]
+
+    @property
+    def normal_force(self) -> Array:
+        """Normal contact force lambda_N over time in N, shape (n,)."""
+        return self.multipliers[:, 0]
+
+    @property
+    def cog_direction(self) -> Array:
+        """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
+        result: Array = np.sin(self.coordinate("beta")) * np.sin(self.coordinate("gamma"))
+        return result
+
+    def state(self, index: int) -> State:
+        """State at one sample."""
+        return State(
+            coordinates=tuple(self.coordinates[index].tolist()),
+            rates=tuple(self.rates[index].tolist()),
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the trajectory to an `.npz` file, whole or not at all, without pickle.
+
+        The file holds `t` (n,), `q` and `u` (n, 6), `normal_force` (n,), `multipliers` (n, k)
+        and `meta`, a JSON string with everything else.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        meta = {
+            "level": self.level,
+            "disk": asdict(self.disk),
+            "friction": law_values(self.friction),
+            "source": self.source,
+            "method": dict(self.method),
+            "error_estimate": self.error_estimate,
+            "counts": dict(self.counts),
+            "versions": dict(self.versions),
+            "ending": None if self.ending is None else asdict(self.ending),
+            "pulling": self.pulling,
+        }
+        with whole_file(path) as stream:
+            np.savez(
+                stream,
+                t=self.times,
+                q=self.coordinates,
+                u=self.rates,
+                normal_force=self.normal_force,
+                multipliers=self.multipliers,
+                meta=np.array(json.dumps(meta)),
+            )
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Trajectory":
+        """Read a trajectory that `save` has written.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If the file is truncated, or is not a trajectory.
+        """
+        names = ("t", "q", "u", "multipliers", "meta")
+        return read_archive(path, "trajectory", names, cls._from_arrays)
+
+    @classmethod
+    def _from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":
+        meta = json.loads(str(stored["meta"]))
+        return cls(
+            times=stored["t"],
+            coordinates=stored["q"],
+            rates=stored["u"],
+            multipliers=stored["multipliers"],
+            level=meta["level"],
+            disk=Disk(**meta["disk"]),
+            friction=law_from(meta["friction"], own=False),
+            source=meta["source"],
+            method=meta["method"],
+            error_estimate=meta["error_estimate"],
+            counts=meta["counts"],
+            versions=meta["versions"],
+            ending=None if meta["ending"] is None else Ending(**meta["ending"]),
+            pulling=tuple((first, last) for first, last in meta["pulling"]),
+        )
+
+
+def versions(*packages: str) -> dict[str, str]:
+    """Versions of Python and of these packages."""
+    return {"python": platform.python_version()} | {name: version(name) for name in packages}
+
+
+def _column(name: str) -> int:
+    return COORDINATES.index(choice("coordinate", name, COORDINATES))

@@ -1,0 +1,1 @@
+"""Equations of motion of all models, and their simulation."""

@@ -1,0 +1,132 @@
+"""How many steps an in-house run will take, told from its arguments before it starts.
+
+The numbers come from measured runs. A step resolves the fastest of what happens: the turning of
+the disk, as finely as the tolerance asks; friction at no slip, for explicit methods; and the
+Euler angles, which turn the faster the flatter the disk leans.
+"""
+
+from math import inf, sin, sqrt
+from typing import NamedTuple
+
+from analysis.data.checks import Array, positive
+from analysis.data.contact import PenaltyContact
+from analysis.data.disk import GRAVITY, Disk
+from analysis.data.friction import FrictionLaw
+from analysis.data.limits import Effort
+from analysis.data.state import State
+from analysis.models.integration import Method
+
+
+class _Method(NamedTuple):
+    """How steps fall with the tolerance, how long they may be, and what they take.
+
+    The step is as the tolerance to the power 1 / `order`; `stable` is the largest product of
+    step and decay rate, and a step takes so many evaluations of the right-hand side.
+    """
+
+    order: int
+    stable: float
+    evaluations: int
+
+
+METHODS: dict[Method, _Method] = {
+    "DOP853": _Method(10, 6.0, 12),
+    "RK45": _Method(7, 3.3, 6),
+    "RK23": _Method(5, 2.5, 3),
+    "Radau": _Method(5, inf, 10),
+    "BDF": _Method(4, inf, 2),
+    "LSODA": _Method(5, inf, 2),
+}
+"""Of SciPy, from measured runs."""
+
+_SECONDS = 4e-5
+"""Processor time of one evaluation of the index-1 system in s."""
+
+_REST_SECONDS = 1.2e-5
+"""The same of the free disk."""
+
+
+def longest_step(disk: Disk, start: State) -> float:
+    """Longest step in s: a part of a turn and of the time of a fall.
+
+    On an unstable equilibrium nothing but rounding moves, and steps without a bound would grow
+    past the time in which a deviation does.
+    """
+    fall = 0.5 * sqrt(disk.radius / GRAVITY)
+    return min(fall, 2.0 / max(abs(start.rates[3]), 1e-3))
+
+
+def simulation_effort(
+    times: Array,
+    disk: Disk,
+    friction: FrictionLaw,
+    start: State,
+    *,
+    method: Method = "DOP853",
+    tolerance: float | None = None,
+    local_tolerance: float | None = None,
+) -> Effort:
+    """Effort of `analysis.simulate` with these arguments.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        In s.
+    disk : Disk
+    friction : FrictionLaw
+    start : State
+    method : str
+        SciPy method.
+    tolerance, local_tolerance : float, optional
+        As in `analysis.simulate`; a tolerance takes two runs or more.
+
+    Raises
+    ------
+    ValueError
+        If a tolerance is not positive.
+    """
+    used = METHODS[method]
+    name, wanted = "tolerance", 1e-8 if tolerance is None else tolerance
+    if local_tolerance is not None:
+        name, wanted = "local_tolerance", local_tolerance
+    wanted = positive(name, wanted)
+    spin = abs(start.rates[3])
+    turning = sum(abs(rate) for rate in start.rates[3:])
+    sharpness = wanted ** (-1.0 / (used.order))
+    rates = {
+        "times": 1.0 / longest_step(disk, start),
+        f"{name} {wanted:g}": 0.4 * spin * sharpness,
+        f"friction gradient {friction.gradient:g} s/m": (
+            _friction_rate(disk, friction) / used.stable
+        ),
+        f"beta {start.coordinates[4]:g} rad": turning / abs(sin(start.coordinates[4])),
+    }
+    cause, fastest = max(rates.items(), key=lambda item: item[1])
+    steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
+    return Effort(
+        steps=steps,
+        seconds=steps * used.evaluations * _SECONDS,
+        cause=f"{cause} up to t = {times[-1]:g} s",
+    )
+
+
+def rest_effort(end: float, disk: Disk, contact: PenaltyContact) -> Effort:
+    """Effort of `analysis.simulate_to_rest` with LSODA, up to the time `end` in s."""
+    # The method changes to implicit steps where friction is stiff, and follows the contact.
+    evaluations = 3.0 * end * sqrt(contact.stiffness * _mobility(disk))
+    return Effort(
+        steps=evaluations / 2.0,
+        seconds=evaluations * _REST_SECONDS,
+        cause=f"stiffness {contact.stiffness:g} N/m until end = {end:g} s",
+    )
+
+
+def _mobility(disk: Disk) -> float:
+    """Acceleration of the contact point by a force on it, at most, in 1/kg."""
+    inertia = min(disk.inertia_about_cog[:2])
+    return 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
+
+
+def _friction_rate(disk: Disk, friction: FrictionLaw) -> float:
+    """Decay rate of slip in 1/s where friction is steepest, at no slip."""
+    return friction.gradient * disk.weight * _mobility(disk)

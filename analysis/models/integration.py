@@ -1,0 +1,243 @@
+"""Initial value problems, solved step by step with SciPy, watched on the way.
+
+`scipy.integrate.solve_ivp` throws away what it has reached when it is stopped from outside, so
+its solvers are stepped here.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
+from scipy.optimize import brentq
+
+from analysis.data.checks import Array
+from analysis.data.state import raise_flat
+from analysis.data.trajectory import EndingReason
+from analysis.data.watch import Watch
+
+Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA"]
+METHODS: tuple[Method, ...] = get_args(Method)
+
+_SOLVERS: dict[Method, Any] = {
+    "DOP853": DOP853,
+    "RK45": RK45,
+    "RK23": RK23,
+    "Radau": Radau,
+    "BDF": BDF,
+    "LSODA": LSODA,
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """An initial value problem of the disk.
+
+    Parameters
+    ----------
+    right_hand_side : callable
+        Time derivative of the state from time and state.
+    start : ndarray, shape (n,)
+    upright : callable
+        From a state to a number that is positive until the disk lies flat.
+    normal_force : callable
+        From a state to the normal contact force in N.
+    longest_step : float
+        In s.
+    """
+
+    right_hand_side: Callable[[float, Array], npt.ArrayLike]
+    start: Array
+    upright: Callable[[Array], float]
+    normal_force: Callable[[Array], float]
+    longest_step: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """What one integration has reached.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Those asked for, up to where the run ended, and the time of that ending.
+    states : ndarray, shape (n, m)
+    evaluations : int
+        Of the right-hand side.
+    ended : {"contact would pull", "time limit"} or None
+        Why it ended before the last time asked for.
+    pulling : tuple of pairs of floats
+        Times in s between which the contact has pulled.
+    """
+
+    times: Array
+    states: Array
+    evaluations: int
+    ended: EndingReason | None
+    pulling: tuple[tuple[float, float], ...]
+
+
+def integrate(
+    problem: Problem,
+    times: Array,
+    method: Method,
+    local_tolerance: float,
+    *,
+    allow_pulling: bool,
+    watch: Watch,
+) -> Run:
+    """Integrate a problem and sample it at `times`.
+
+    Parameters
+    ----------
+    problem : Problem
+    times : ndarray, shape (n,)
+        Increasing; the start is at the first.
+    method : str
+        One of `METHODS`.
+    local_tolerance : float
+        Relative and absolute tolerance of a step.
+    allow_pulling : bool
+        Whether to go on where the normal force turns negative.
+    watch : Watch
+
+    Raises
+    ------
+    ArithmeticError
+        If the disk comes to lie flat, or the solver gives up.
+    ValueError
+        If the contact would have to pull at the start and must not.
+    """
+    lookout = _Lookout(problem, float(times[0]), allow_pulling)
+    solver = _SOLVERS[method](
+        problem.right_hand_side,
+        times[0],
+        problem.start,
+        times[-1],
+        rtol=local_tolerance,
+        atol=local_tolerance,
+        max_step=problem.longest_step,
+        **_jacobian(problem, method),
+    )
+    ended: EndingReason | None = None
+    states, row = [problem.start], 1
+    while row < times.size and ended is None:
+        message = solver.step()
+        if solver.status == "failed":
+            raise ArithmeticError(f"{method} stopped after t = {solver.t:g} s: {message}")
+        within = times[row : np.searchsorted(times, solver.t, side="right")]
+        for moment, state in _states(solver, within):
+            if lookout.passes(moment, state, solver):
+                ended = "contact would pull"
+                break
+            if row < times.size and moment == times[row]:
+                states.append(state)
+                row += 1
+        else:
+            if watch.is_over(solver.t, times[-1]) and row < times.size:
+                ended = "time limit"
+    reached = times[:row]
+    if ended is not None:
+        last, state = lookout.end or (solver.t, solver.y)
+        if last > reached[-1]:
+            reached = np.append(reached, last)
+            states.append(state)
+    return Run(
+        reached, np.array(states), _evaluations(solver), ended, lookout.pulling(reached[-1])
+    )
+
+
+def _evaluations(solver: Any) -> int:
+    """Evaluations of the right-hand side, those for `_jacobian` among them."""
+    jacobians = solver.njev if isinstance(solver, (BDF, Radau)) else 0
+    return int(solver.nfev + jacobians * (1 + solver.n))
+
+
+def _jacobian(problem: Problem, method: Method) -> dict[str, Any]:
+    """Jacobian of the right-hand side by forward differences, for the methods that take one.
+
+    SciPy's own widens its steps for ever along coordinates that the right-hand side does not
+    depend on, such as alpha, until they overflow.
+    """
+    if method not in {"Radau", "BDF"}:
+        return {}
+
+    def jacobian(moment: float, state: Array) -> Array:
+        base = np.asarray(problem.right_hand_side(moment, state))
+        columns = []
+        for index, value in enumerate(state):
+            moved = state.copy()
+            moved[index] += 1e-8 * max(1.0, abs(value))
+            step = moved[index] - value
+            columns.append((np.asarray(problem.right_hand_side(moment, moved)) - base) / step)
+        return np.column_stack(columns)
+
+    return {"jac": jacobian}
+
+
+def _states(solver: Any, within: Array) -> Iterator[tuple[float, Array]]:
+    """Times and states within the last step, and those at its end."""
+    if within.size:
+        path = solver.dense_output()
+        for moment in within[within < solver.t]:
+            yield float(moment), path(moment)
+    yield solver.t, solver.y
+
+
+class _Lookout:
+    """Looks out for a disk that lies flat and for a contact that pulls.
+
+    Parameters
+    ----------
+    problem : Problem
+    begin : float
+        Time of the start in s.
+    allow_pulling : bool
+
+    Attributes
+    ----------
+    end : tuple of time and state, or None
+        Where the contact would have to pull.
+    """
+
+    def __init__(self, problem: Problem, begin: float, allow_pulling: bool) -> None:
+        self._problem, self._allow = problem, allow_pulling
+        self._time, self._force = begin, problem.normal_force(problem.start)
+        self._edges = [begin] if self._force < 0.0 else []
+        self.end: tuple[float, Array] | None = None
+        if self._force < 0.0 and not allow_pulling:
+            raise ValueError(
+                f"start needs a contact that pulls, with a normal force of {self._force:.3g} N; "
+                "allow_pulling lets it"
+            )
+
+    def passes(self, moment: float, state: Array, solver: Any) -> bool:
+        """Look at a state within the last step; returns whether the contact would pull there."""
+        problem = self._problem
+        if problem.upright(state) <= 0.0:
+            path = solver.dense_output()
+            raise_flat(_root(lambda t: problem.upright(path(t)), solver.t_old, moment))
+        force = problem.normal_force(state)
+        if (force < 0.0) != (self._force < 0.0) and moment > self._time:
+            path = solver.dense_output()
+            edge = _root(lambda t: problem.normal_force(path(t)), self._time, moment)
+            if not self._allow:
+                self.end = (edge, path(edge))
+                return True
+            self._edges.append(edge)
+        self._time, self._force = moment, force
+        return False
+
+    def pulling(self, last: float) -> tuple[tuple[float, float], ...]:
+        """Times between which the contact has pulled, up to `last`."""
+        edges = [*self._edges, last] if len(self._edges) % 2 else self._edges
+        return tuple(zip(edges[::2], edges[1::2], strict=True))
+
+
+def _root(function: Callable[[float], float], first: float, last: float) -> float:
+    """Where a function that is not negative at `first` and not positive at `last` is zero."""
+    if function(first) * function(last) >= 0.0:
+        return last
+    return float(brentq(function, first, last, xtol=1e-14, rtol=1e-14))

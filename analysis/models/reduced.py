@@ -1,0 +1,100 @@
+"""Model 4 in minimal coordinates, Eqs. (93)-(110)."""
+
+from collections.abc import Sequence
+from math import cos, sin
+
+import numpy as np
+
+from analysis.data.checks import Array
+from analysis.data.disk import GRAVITY, Disk
+from analysis.data.friction import FrictionLaw
+
+
+def acceleration(disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[float]) -> float:
+    """Second derivative of beta from Eqs. (102)-(108) in rad/s².
+
+    Parameters
+    ----------
+    disk : Disk
+    friction : FrictionLaw
+        The reduced system knows the weight as load only; `load` is not looked at.
+    spin : float
+        Constant spinning speed in rad/s (paper: Omega).
+    x : sequence of 3 floats
+        Minimal coordinates beta and gamma in rad and the minimal velocity, the rate of beta, in
+        rad/s.
+    """
+    m, r, e = disk.mass, disk.radius, disk.eccentricity
+    A, B_bar, Omega = disk.inertia_x, disk.inertia_y - m * e * e, spin
+    beta, gamma, bd = x
+    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    height = r + e * sg
+    M = A * cg * cg + B_bar * sg * sg + m * height**2 * cb * cb
+    h = (
+        (A * cg * cg + B_bar * sg * sg) * Omega**2 * sb * cb
+        - 2 * (A - B_bar) * Omega * bd * cb * sg * cg
+        + m * height**2 * bd * bd * sb * cb
+        + m * e * height * Omega**2 * sb * cb**3 * sg
+        - m * e * height * (3 * sb * sb - 2) * Omega * bd * cb * cg
+    )
+    f = -m * GRAVITY * height * cb
+    slip = height * bd * sb - e * Omega * sb * sb * cg
+    force = -m * GRAVITY * friction.per_speed(abs(slip)) * slip
+    return (h + f + height * sb * force) / M
+
+
+def normal_force(disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[float]) -> float:
+    """Normal contact force in N: the mass times gravity and the centre of gravity's rise.
+
+    Parameters are those of `acceleration`; the centre of gravity is (r + e sin(gamma)) sin(beta)
+    above the table, and gamma' = -Omega cos(beta).
+    """
+    e, Omega = disk.eccentricity, spin
+    beta, gamma, bd = x
+    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    gd, gdd, bdd = -Omega * cb, Omega * sb * bd, acceleration(disk, friction, spin, x)
+    rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
+    rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
+    return disk.mass * (GRAVITY + rise)
+
+
+def right_hand_side(
+    disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[float]
+) -> tuple[float, float, float]:
+    """Time derivative of the reduced state x = (beta, gamma, beta_rate), Eqs. (102), (109)."""
+    return x[2], -spin * cos(x[0]), acceleration(disk, friction, spin, x)
+
+
+def expand(disk: Disk, spin: float, alpha: Array, x: Array) -> tuple[Array, Array]:
+    """Co-rotating coordinates and rates from reduced states, Eqs. (94), (96), (97).
+
+    Parameters
+    ----------
+    disk : Disk
+    spin : float
+        Constant spinning speed in rad/s.
+    alpha : ndarray, shape (n,)
+        Angle of the R-frame in rad.
+    x : ndarray, shape (n, 3)
+        beta, gamma and the rate of beta.
+
+    Returns
+    -------
+    coordinates, rates : ndarray, shape (n, 6)
+    """
+    r, e = disk.radius, disk.eccentricity
+    beta, gamma, beta_rate = x.T
+    sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
+    coordinates = np.column_stack((-e * cg, -e * cb * sg, r * sb, alpha, beta, gamma))
+    rates = np.column_stack(
+        (
+            -e * spin * cb * sg,
+            # Eq. (97) prints sin(gamma) in the second term; the constraint (83) gives cos(gamma).
+            e * sb * sg * beta_rate + e * spin * cb * cb * cg,
+            r * cb * beta_rate,
+            np.full_like(beta, spin),
+            beta_rate,
+            -spin * cb,
+        )
+    )
+    return coordinates, rates

@@ -1,0 +1,98 @@
+"""Power laws fitted to the final stage, when the disk shudders to rest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from analysis.data.checks import Array, increasing_times
+from analysis.data.spatial_motion import SpatialMotion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PowerLaw:
+    """value = scale * (end - time) ** exponent, fitted to samples.
+
+    Parameters
+    ----------
+    exponent, scale : float
+    end : float
+        Time in s at which the law ends.
+    first, last : float
+        Times in s between which it was fitted.
+    error : float
+        Largest relative deviation of a sample.
+    """
+
+    exponent: float
+    scale: float
+    end: float
+    first: float
+    last: float
+    error: float
+
+    @property
+    def decades(self) -> float:
+        """Decades of time to go that the fit spans."""
+        return float(np.log10((self.end - self.first) / (self.end - self.last)))
+
+
+def fit_power_law(times: Array, values: Array, end: float | None = None) -> PowerLaw:
+    """Fit a power of the time to go by least squares in the logarithm of the values.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Increasing, in s.
+    values : ndarray, shape (n,)
+        Positive.
+    end : float, optional
+        Time at which the law ends; fitted too if it is not given.
+
+    Raises
+    ------
+    ValueError
+        If a value is not positive, or `end` does not lie behind all times.
+    """
+    times = increasing_times(times)
+    if np.any(values <= 0.0):
+        raise ValueError(f"values must be positive, got {np.min(values):g}")
+    if end is not None and end <= times[-1]:
+        raise ValueError(f"end must lie behind the last time {times[-1]:g}, got {end:g}")
+    logs, duration = np.log(values), times[-1] - times[0]
+
+    def line(candidate: float) -> tuple[Array, Array]:
+        matrix = np.column_stack((np.log(candidate - times), np.ones(times.size)))
+        solution: Array = np.linalg.lstsq(matrix, logs, rcond=None)[0]
+        return solution, matrix @ solution - logs
+
+    if end is None:
+        # The end may lie from close behind the last sample to a hundred durations away.
+        found = minimize_scalar(
+            lambda beyond: float(np.sum(line(times[-1] + duration * np.exp(beyond))[1] ** 2)),
+            bounds=(-9.0, 4.6),
+            method="bounded",
+            options={"xatol": 1e-8},
+        )
+        end = float(times[-1] + duration * np.exp(found.x))
+    (exponent, offset), residual = line(end)
+    return PowerLaw(
+        exponent=float(exponent),
+        scale=float(np.exp(offset)),
+        end=end,
+        first=float(times[0]),
+        last=float(times[-1]),
+        error=float(np.expm1(np.max(np.abs(residual)))),
+    )
+
+
+def precession(motion: SpatialMotion) -> Array:
+    """Rate in rad/s at which the disk's axis goes round the vertical, shape (n,).
+
+    Not defined for a disk that lies exactly flat.
+    """
+    axis, angular = motion.rotations[:, :, 2], motion.angular_velocities
+    along = np.sum(axis * angular, axis=1)
+    across = axis[:, 0] ** 2 + axis[:, 1] ** 2
+    result: Array = (angular[:, 2] - along * axis[:, 2]) / across
+    return result

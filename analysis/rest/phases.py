@@ -1,0 +1,85 @@
+"""When each phase of the motion until rest began."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.data.checks import Array
+from analysis.data.spatial_motion import SpatialMotion
+from analysis.models.inversion import judge_inversion
+
+Flags = npt.NDArray[np.bool_]
+
+ROLLING = 0.1
+"""Rolling: the slip speed stays below this part of the contour speed."""
+
+MEAN_TIME = 0.5
+"""Time in s over which both speeds are averaged; nutation takes either to zero at instants."""
+
+FLAT = 2.0
+"""Flat: leaning less than so often half_thickness / radius, where the spheroid's shape rules."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Phases:
+    """Times in s at which the phases begin, to the spacing of the samples; None if one never does.
+
+    Parameters
+    ----------
+    inversion : float, optional
+        The disk is inverted; see `analysis.models.inversion.DEFINITION`.
+    inversion_lost : float, optional
+        Its centre of gravity first comes below the geometric centre again.
+    rolling : float, optional
+        From here until flat, the mean slip speed over half a second is below a tenth of the mean
+        contour speed.
+    flat : float, optional
+        From here on the disk leans less than 2 half_thickness / radius.
+    rest : float, optional
+        From here on it is at rest.
+    """
+
+    inversion: float | None
+    inversion_lost: float | None
+    rolling: float | None
+    flat: float | None
+    rest: float | None
+
+
+def find_phases(motion: SpatialMotion) -> Phases:
+    """Find when the phases of a motion begin."""
+    times, inversion = motion.times, judge_inversion(motion)
+    limit = FLAT * motion.contact.half_thickness / motion.disk.radius
+    flat = _from_here_on(times, motion.leaning < limit)
+    upto = times <= (np.inf if flat is None else flat)
+    slip = _running_mean(times, motion.slip_speeds)
+    contour = _running_mean(times, motion.contour_speeds)
+    rolling = _from_here_on(times[upto], (slip < ROLLING * contour)[upto])
+    return Phases(
+        inversion=inversion.time,
+        inversion_lost=inversion.lost,
+        rolling=rolling,
+        flat=flat,
+        rest=motion.rest_time,
+    )
+
+
+def _from_here_on(times: Array, condition: Flags) -> float | None:
+    """First time from which on the condition holds to the end."""
+    if not condition[-1]:
+        return None
+    broken = np.flatnonzero(~condition)
+    return float(times[broken[-1] + 1 if broken.size else 0])
+
+
+def _running_mean(times: Array, values: Array) -> Array:
+    """Mean over `MEAN_TIME` around each sample; over what there is of it at the ends."""
+    integral = np.concatenate(
+        ([0.0], np.cumsum(0.5 * np.diff(times) * (values[1:] + values[:-1])))
+    )
+    low = np.maximum(times - 0.5 * MEAN_TIME, times[0])
+    high = np.minimum(times + 0.5 * MEAN_TIME, times[-1])
+    difference = np.interp(high, times, integral) - np.interp(low, times, integral)
+    result: Array = difference / (high - low)
+    return result

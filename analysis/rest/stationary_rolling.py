@@ -1,0 +1,144 @@
+"""Closed forms of a centred disk that rolls without slip, and of its final stage.
+
+Notation: A, C moments of inertia across and along the axis about the centre, m mass, r radius,
+beta inclination, Omega precession (rate of alpha), w3 = Omega cos(beta) + rate of gamma, the
+spin along the axis. The contact carries the weight m g in every stationary motion.
+"""
+
+from math import cos, pi, sin, sqrt
+
+from analysis.data.checks import number, positive
+from analysis.data.disk import Disk
+from analysis.data.dissipation import Dissipation
+from analysis.data.state import State
+
+
+def axial_spin(disk: Disk, beta: float, precession: float) -> float:
+    """Spin w3 in rad/s along the axis of a stationary rolling motion.
+
+    It solves A Omega² sin(beta) cos(beta) - (C + m r²) Omega w3 sin(beta) = m g r cos(beta),
+    the balance of angular momentum about the line through the contact point across the disk.
+
+    Parameters
+    ----------
+    disk : Disk
+        Without eccentricity.
+    beta : float
+        Inclination in rad, in the open interval (0, pi).
+    precession : float
+        Rate Omega of alpha in rad/s, not zero.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range or the disk is eccentric.
+    """
+    A, rolling = _across(disk), disk.inertia_z + disk.mass * disk.radius**2
+    sb, cb = sin(_inclination(beta)), cos(beta)
+    Omega = _precession(precession)
+    return (A * Omega**2 * sb * cb - disk.weight * disk.radius * cb) / (rolling * Omega * sb)
+
+
+def rolling_start(
+    disk: Disk, beta: float, precession: float, spin: float, beta_rate: float = 0.0
+) -> State:
+    """Start of a centred disk that rolls without slip on a circle about the origin.
+
+    Parameters
+    ----------
+    disk : Disk
+    beta : float
+        Inclination in rad.
+    precession, spin : float
+        Angular velocities in rad/s about the vertical and about the axis; see `axial_spin`.
+    beta_rate : float
+        Rate of the inclination in rad/s.
+
+    Raises
+    ------
+    ValueError
+        If the disk is not centred, or the precession is zero.
+    """
+    _across(disk)
+    rate = _precession(precession)
+    sine, cosine = sin(beta), cos(beta)
+    return State(
+        coordinates=(0.0, disk.radius * spin / rate, disk.radius * sine, 0.0, beta, 0.0),
+        rates=(
+            0.0,
+            -disk.radius * sine * beta_rate,
+            disk.radius * cosine * beta_rate,
+            rate,
+            beta_rate,
+            spin - rate * cosine,
+        ),
+    )
+
+
+def euler_disk_precession(disk: Disk, beta: float) -> float:
+    """Precession in rad/s with w3 = 0: Omega² = m g r / (A sin(beta)); `ValueError` as above."""
+    return sqrt(disk.weight * disk.radius / (_across(disk) * sin(_inclination(beta))))
+
+
+def euler_disk_energy(disk: Disk, beta: float) -> float:
+    """Energy in J with w3 = 0, from the table: E = 3/2 m g r sin(beta)."""
+    _across(disk)
+    return 1.5 * disk.weight * disk.radius * sin(_inclination(beta))
+
+
+def upright_rolling_spin(disk: Disk) -> float:
+    """Smallest stable spin in rad/s of a disk that rolls upright along a line.
+
+    w3² = A m g r / (C (C + m r²)), which is g / (3 r) for a thin disk.
+    """
+    A, C = _across(disk), disk.inertia_z
+    return sqrt(A * disk.weight * disk.radius / (C * (C + disk.mass * disk.radius**2)))
+
+
+def time_to_flat(disk: Disk, dissipation: Dissipation, beta: float) -> float:
+    """Time in s that a slowly sinking Euler's disk has left at a small inclination.
+
+    The energy 3/2 m g r beta falls by the power of one rolling resistance on the contour speed
+    r Omega. Viscous: beta² = 4/3 c m g r² / A * time to go, so that beta goes with its power
+    1/2 and Omega with -1/4. Dry: beta^(3/2) = c sqrt(m g r / A) * time to go, so that they go
+    with 2/3 and -1/3.
+
+    Raises
+    ------
+    ValueError
+        If not exactly one of the rolling resistances is on.
+    """
+    dry, viscous = dissipation.rolling_dry, dissipation.rolling_viscous
+    if (dry > 0.0) == (viscous > 0.0):
+        raise ValueError(
+            "dissipation must have either rolling_dry or rolling_viscous, "
+            f"got {dry:g} and {viscous:g}"
+        )
+    A, beta = _across(disk), positive("beta", beta)
+    if viscous:
+        return 0.75 * beta * beta * A / (viscous * disk.weight * disk.radius**2)
+    return beta * sqrt(beta * A / (disk.weight * disk.radius)) / dry
+
+
+def _across(disk: Disk) -> float:
+    """Moment of inertia A across the axis of a centred disk."""
+    if disk.eccentricity or abs(disk.inertia_x - disk.inertia_y) > 1e-9 * disk.inertia_x:
+        raise ValueError(
+            "disk must be centred with inertia_x = inertia_y, got eccentricity "
+            f"{disk.eccentricity:g}, inertia_x {disk.inertia_x:g}, inertia_y {disk.inertia_y:g}"
+        )
+    return disk.inertia_x
+
+
+def _precession(precession: float) -> float:
+    precession = number("precession", precession)
+    if precession == 0.0:
+        raise ValueError("precession must not be zero")
+    return precession
+
+
+def _inclination(beta: float) -> float:
+    beta = number("beta", beta)
+    if not 0.0 < beta < pi:
+        raise ValueError(f"beta must lie in the open interval (0, pi), got {beta:g}")
+    return beta

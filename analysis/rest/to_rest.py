@@ -1,0 +1,304 @@
+"""In-house simulation of the disk until it lies still, in any attitude."""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+from typing import Any, Literal, get_args
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from analysis.data import frames
+from analysis.data.agreement import TIGHTEST, until_agreement
+from analysis.data.checks import Array, TimeLimitError, choice, positive
+from analysis.data.contact import PenaltyContact
+from analysis.data.disk import STEEL_DISK, Disk
+from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
+from analysis.data.friction import FrictionLaw, SmoothCoulomb
+from analysis.data.limits import check_storage
+from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
+from analysis.data.state import State, consistent_start
+from analysis.data.trajectory import Ending, versions
+from analysis.data.watch import Progress, Watch
+from analysis.models.effort import rest_effort
+from analysis.rest.free_disk import FreeDisk, norm, to_inertial
+
+RestMethod = Literal["LSODA", "DOP853", "RK45"]
+REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
+"""SciPy's Radau and BDF overflow: their numerical Jacobian meets states nothing depends on."""
+
+LOCAL_PART = 1e-6
+"""Part of the tolerance that the first run allows in a step; the sum over a motion is larger."""
+
+LOOK = 1000
+"""Right-hand sides after which a run looks at the time."""
+
+STRETCH = 1.0
+"""Time in s after which the quaternion is normalised and rest is looked for."""
+
+ACTUAL = SmoothCoulomb(load="contact")
+
+
+def simulate_to_rest(
+    end: float,
+    *,
+    disk: Disk = STEEL_DISK,
+    friction: FrictionLaw = ACTUAL,
+    contact: PenaltyContact | None = None,
+    dissipation: Dissipation | None = None,
+    start: State | None = None,
+    spacing: float = 2e-3,
+    criterion: RestCriterion | None = None,
+    method: RestMethod = "LSODA",
+    tolerance: float | None = None,
+    local_tolerance: float | None = None,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
+) -> SpatialMotion:
+    """Simulate the disk on a compliant table until it rests, or until `end`.
+
+    With `tolerance`, the tolerance of a step is tightened tenfold until two runs agree. With
+    `local_tolerance`, there is a single run, and nobody looks at its error.
+
+    Parameters
+    ----------
+    end : float
+        Longest time in s.
+    disk : Disk
+    friction : FrictionLaw
+        The paper's values on the actual contact force by default.
+    contact : PenaltyContact, optional
+        With a rounded rim; by default `PenaltyContact.rounded`.
+    dissipation : Dissipation, optional
+        None besides sliding friction and the contact's damper by default.
+    start : State, optional
+        By default Table 3, lowered until the contact carries the weight. A given start is taken
+        as it is; `PenaltyContact.lowered` makes one that does not bounce.
+    spacing : float
+        Time between samples in s.
+    criterion : RestCriterion, optional
+    method : {"LSODA", "DOP853", "RK45"}
+        SciPy method. LSODA is fastest; the explicit ones slow down on a flat disk.
+    tolerance : float, optional
+        Largest error, see `SpatialMotion.deviation`; 1e-3 if neither tolerance is given.
+    local_tolerance : float, optional
+        Relative tolerance of a single step; the absolute one is a hundredth of the number.
+    time_limit : float, optional
+        Processor time in s after which the motion is returned as far as it has come, with its
+        `ending`.
+    progress : callable, optional
+        Called now and then with the time reached and `end`, anew for each run.
+
+    Returns
+    -------
+    SpatialMotion
+        With `error_estimate` if two runs could be compared: their whole difference.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, or the run would take more than `MOST_STEPS` or samples
+        than can be held.
+    ToleranceError
+        If runs of ever tighter steps do not agree, as after impacts that a small change turns
+        into another motion.
+    TimeLimitError
+        If the time limit is met in the first stretch.
+    ArithmeticError
+        If the integration fails on the way.
+    """
+    end, spacing = positive("end", end), positive("spacing", spacing)
+    if spacing > end:
+        raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
+    choice("method", method, REST_METHODS)
+    if tolerance is not None and local_tolerance is not None:
+        raise ValueError("give either tolerance or local_tolerance, not both")
+    contact = contact if contact is not None else PenaltyContact.rounded(disk)
+    if not contact.is_rounded:
+        raise ValueError("half_thickness must be positive for the disk to lie flat, got 0")
+    model = FreeDisk(
+        disk=disk,
+        friction=friction,
+        contact=contact,
+        dissipation=dissipation if dissipation is not None else Dissipation(),
+    )
+    if start is None:
+        start = contact.lowered(disk, consistent_start(1, disk))
+    check_storage("end", end / spacing, MOTION_COLUMNS)
+    rest_effort(end, disk, contact).check()
+    task = _Task(
+        model=model,
+        start=start_vector(disk, start),
+        times=np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing,
+        criterion=criterion if criterion is not None else RestCriterion(),
+        method=method,
+        watch=Watch(time_limit, progress),
+    )
+    if local_tolerance is not None:
+        local_tolerance = positive("local_tolerance", local_tolerance)
+        if local_tolerance < TIGHTEST:
+            raise ValueError(
+                f"local_tolerance must not be below {TIGHTEST:g}, got {local_tolerance:g}"
+            )
+        return task.run(local_tolerance)
+    tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
+    return until_agreement(task.run, LOCAL_PART * tolerance, tolerance)
+
+
+def start_vector(disk: Disk, start: State) -> Array:
+    """State of `FreeDisk` for a start in the paper's coordinates, shape (19,)."""
+    position, rotation = frames.poses(np.array([start.coordinates]))
+    velocity, angular = frames.twists(np.array([start.coordinates]), np.array([start.rates]))
+    A = rotation[0]
+    offset = disk.eccentricity * A[:, 0]
+    cog = position[0] + offset
+    cog_velocity = velocity[0] + np.cross(angular[0], offset)
+    return np.concatenate(
+        (
+            cog,
+            frames.quaternions(rotation)[0],
+            A.T @ cog_velocity,
+            A.T @ angular[0],
+            np.zeros(len(CAUSES)),
+        )
+    )
+
+
+class _OverError(Exception):
+    """The watch ends the run."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Task:
+    """What is to be integrated, and who watches."""
+
+    model: FreeDisk
+    start: Array
+    times: Array
+    criterion: RestCriterion
+    method: RestMethod
+    watch: Watch
+
+    def run(self, local_tolerance: float) -> SpatialMotion:
+        """Motion to this relative tolerance of a step, up to rest or as far as it comes."""
+        model, times = self.model, self.times
+        blocks, counts, rest, ending = [self.start[None]], {"right_hand_sides": 0}, None, None
+        stretch = max(1, round(STRETCH / times[1]))
+        for begin in range(0, times.size - 1, stretch):
+            span = times[begin : begin + stretch + 1]
+            try:
+                blocks.append(self._stretch(span, blocks[-1][-1], local_tolerance, counts))
+            except _OverError:
+                ending = self._ending(float(span[0]))
+                break
+            rest = self._rest(blocks)
+            if rest is not None:
+                break
+        states = np.concatenate(blocks)
+        if rest is not None:
+            states = states[: rest + self.criterion.samples(times[1])]
+        return SpatialMotion(
+            **_sampled(model, times[: len(states)], states),
+            disk=model.disk,
+            friction=model.friction,
+            contact=model.contact,
+            dissipation=model.dissipation,
+            source="in-house",
+            rest_time=None if rest is None else float(times[rest]),
+            ending=ending,
+            method={"method": self.method, "local_tolerance": local_tolerance},
+            counts=counts,
+            versions=versions("numpy", "scipy"),
+        )
+
+    def _stretch(
+        self, span: Array, first: Array, local_tolerance: float, counts: dict[str, int]
+    ) -> Array:
+        """States at all but the first of these times."""
+
+        def derivative(time: float, state: Array) -> list[float]:
+            counts["right_hand_sides"] += 1
+            if counts["right_hand_sides"] % LOOK == 0 and self.watch.is_over(time, self.times[-1]):
+                raise _OverError
+            return self.model.derivative(time, state)
+
+        result = solve_ivp(
+            derivative,
+            (span[0], span[-1]),
+            first,
+            method=self.method,
+            t_eval=span[1:],
+            rtol=local_tolerance,
+            atol=0.01 * local_tolerance,
+            max_step=_contact_time(self.model),
+        )
+        if not result.success:
+            raise ArithmeticError(f"{self.method} stopped at t = {span[0]:g} s: {result.message}")
+        block: Array = result.y.T
+        block[:, 3:7] /= np.linalg.norm(block[:, 3:7], axis=1)[:, None]
+        return block
+
+    def _rest(self, blocks: list[Array]) -> int | None:
+        """Number of the first sample at rest, seen from the last two stretches."""
+        recent = np.concatenate(blocks[-2:])
+        kinetic = np.array([self.model.energies(state)[0] for state in recent.tolist()])
+        rise = recent[:, 2] - self.model.contact.resting_height(self.model.disk)
+        found = self.criterion.first(kinetic, rise, self.times[1])
+        return None if found is None else sum(map(len, blocks[:-2])) + found
+
+    def _ending(self, time: float) -> Ending:
+        seconds = self.watch.seconds
+        if time == 0.0:
+            raise TimeLimitError(
+                f"time limit met after {seconds:.3g} s of processor time, in the first stretch "
+                "of the motion"
+            )
+        return Ending(reason="time limit", time=time, value=seconds)
+
+
+def _contact_time(model: FreeDisk) -> float:
+    """Half a period in s of the disk on its contact: steps no longer find every impact."""
+    disk = model.disk
+    inertia = min(disk.inertia_about_cog[:2])
+    mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
+    return pi / sqrt(model.contact.stiffness * mobility)
+
+
+def _sampled(model: FreeDisk, times: Array, states: Array) -> dict[str, Any]:
+    """Arrays of a `SpatialMotion` from states of `FreeDisk`."""
+    offset = [-model.disk.eccentricity, 0.0, 0.0]
+    rows = []
+    for state in states.tolist():
+        quaternion, angular = state[3:7], state[10:13]
+        touch = model.touch(state)
+        # From S to G the velocity changes by w x (-e, 0, 0).
+        centre_velocity = [
+            state[7],
+            state[8] + angular[2] * offset[0],
+            state[9] - angular[1] * offset[0],
+        ]
+        rows.append(
+            (
+                *to_inertial(quaternion, offset),
+                *to_inertial(quaternion, centre_velocity),
+                *to_inertial(quaternion, angular),
+                *to_inertial(quaternion, list(touch.point)),
+                norm(touch.slip),
+                norm(touch.contour),
+                touch.force,
+                *model.energies(state),
+            )
+        )
+    values = np.array(rows)
+    return {
+        "times": times,
+        "positions": states[:, :3] + values[:, :3],
+        "quaternions": states[:, 3:7],
+        "velocities": values[:, 3:6],
+        "angular_velocities": values[:, 6:9],
+        "contact_points": states[:, :3] + values[:, 9:12],
+        "slip_speeds": values[:, 12],
+        "contour_speeds": values[:, 13],
+        "normal_force": values[:, 14],
+        "energies": values[:, 15:18],
+        "dissipated": states[:, 13:],
+    }

@@ -1,0 +1,1 @@
+"""Linear systems, spectra and stability limits of the stationary motions."""

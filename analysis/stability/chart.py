@@ -1,0 +1,142 @@
+"""Stability of the full system over spin and friction gradient, beyond the paper.
+
+The linear system depends on friction through the gradient mu / epsilon of the friction law at
+zero slip alone.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.data.checks import Array
+from analysis.data.disk import GRAVITY, Disk
+from analysis.data.friction import SmoothCoulomb
+from analysis.stability.linear_full import (
+    Motion,
+    full_system,
+    signed_eccentricity,
+    spin_array,
+    without_drift,
+)
+
+_ROUND_OFF = 1e-11
+"""Real parts below this part of the largest eigenvalue count as zero."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StabilityChart:
+    """Number of unstable eigenvalues over a grid.
+
+    Parameters
+    ----------
+    motion : {"inverted", "noninverted"}
+    spins : ndarray, shape (n,)
+        Spinning speeds in rad/s.
+    gradients : ndarray, shape (m,)
+        Friction gradients mu / epsilon in s/m.
+    unstable : ndarray of int, shape (m, n)
+        Eigenvalues with positive real part; the drift pair +-i spin is no part of the count.
+    """
+
+    motion: Motion
+    spins: Array
+    gradients: Array
+    unstable: npt.NDArray[np.int_]
+
+
+def gradient_friction(gradient: float) -> SmoothCoulomb:
+    """Friction law of this gradient mu / epsilon in s/m at zero slip."""
+    return SmoothCoulomb(coefficient=gradient, smoothing=1.0)
+
+
+def gradient_matrices(disk: Disk, spins: Array, gradient: float, motion: Motion) -> Array:
+    """State matrices of the full system without the drift pair, shape (n, 6, 6)."""
+    matrices = full_system(disk, gradient_friction(gradient), spins, motion).state_matrices
+    return without_drift(spins, matrices)
+
+
+def stability_chart(
+    disk: Disk,
+    spins: npt.ArrayLike,
+    gradients: npt.ArrayLike,
+    motion: Motion = "inverted",
+) -> StabilityChart:
+    """Count the unstable eigenvalues of the full system over spin and friction gradient.
+
+    Parameters
+    ----------
+    disk : Disk
+    spins : array_like, shape (n,)
+        Spinning speeds in rad/s.
+    gradients : array_like, shape (m,)
+        Friction gradients mu / epsilon in s/m, not negative.
+    motion : {"inverted", "noninverted"}
+
+    Raises
+    ------
+    ValueError
+        If spins or gradients are empty or not finite, a gradient is negative, or the motion is
+        unknown.
+    """
+    spins = spin_array(spins)
+    gradients = _gradient_array(gradients)
+    unstable = np.empty((gradients.size, spins.size), dtype=int)
+    for row, gradient in enumerate(gradients.tolist()):
+        values = np.linalg.eigvals(gradient_matrices(disk, spins, gradient, motion))
+        floor = _ROUND_OFF * np.max(np.abs(values), axis=1, keepdims=True)
+        unstable[row] = np.sum(values.real > floor, axis=1)
+    return StabilityChart(motion=motion, spins=spins, gradients=gradients, unstable=unstable)
+
+
+def _gradient_array(gradients: npt.ArrayLike) -> Array:
+    result = np.atleast_1d(np.array(gradients, dtype=float))
+    if result.ndim != 1 or result.size == 0:
+        raise ValueError(
+            f"gradients must be one-dimensional with at least 1 entry, got shape {result.shape}"
+        )
+    bad = result[~(np.isfinite(result) & (result >= 0.0))]
+    if bad.size:
+        raise ValueError(f"gradients must be finite and not negative, got {bad[0]:g}")
+    return result
+
+
+def static_gradient(disk: Disk, spins: npt.ArrayLike, motion: Motion = "inverted") -> Array:
+    """Friction gradient at which a real eigenvalue is zero, in s/m, shape (n,), in closed form.
+
+    An eigenvalue is zero where det(K + N) = 0 in Eq. (55). The determinant is quadratic in
+    d = mu m g / epsilon without a linear term:
+
+        d² ((B - A + m e r) Omega² + m e g) ((C - A + 2 m e r + m r²) Omega² + m g (r + e))
+        = (m Omega)² ((A - B_bar) Omega² - m e g) ((C - A - m e²) Omega² + m g (r + e)).
+
+    Below the gradient found, an odd number of eigenvalues is unstable: inverted spinning falls
+    over without oscillating. Where there is no such gradient the result is nan; so it is at every
+    spin for noninverted spinning of a disk with A >= B_bar, whose right side is positive and
+    whose left side is not: it is unstable at every spin and with every friction.
+
+    Parameters
+    ----------
+    disk : Disk
+    spins : array_like, shape (n,)
+        Spinning speeds in rad/s.
+    motion : {"inverted", "noninverted"}
+
+    Raises
+    ------
+    ValueError
+        If a spin is not finite, there is none, or the motion is unknown.
+    """
+    Omega2 = spin_array(spins) ** 2
+    e = signed_eccentricity(disk, motion)
+    m, r, mg = disk.mass, disk.radius, disk.weight
+    A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
+    B_bar = disk.inertia_about_cog[1]
+    left = ((B - A + m * e * r) * Omega2 + mg * e) * (
+        (C - A + 2 * m * e * r + m * r**2) * Omega2 + mg * (r + e)
+    )
+    right = ((A - B_bar) * Omega2 - mg * e) * ((C - A - m * e**2) * Omega2 + mg * (r + e))
+    exists = left * right > 0.0
+    ratio = np.divide(right, left, out=np.full_like(left, np.nan), where=exists)
+    result: Array = np.sqrt(Omega2 * ratio) / GRAVITY
+    return result

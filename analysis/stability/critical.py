@@ -1,0 +1,306 @@
+"""Critical spins: where an eigenvalue crosses the imaginary axis, where a pair is born or dies.
+
+Candidates are bracketed on a grid of spins and refined by root finding on the eigenvalues
+themselves. Two crossings of the same branch within one step of that grid (0.05 rad/s; 0.25 rad/s
+for the numerically linearised models) would cancel out and be missed.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import brentq
+
+from analysis.data.checks import Array, choice, number
+from analysis.data.disk import Disk
+from analysis.data.friction import FrictionLaw
+from analysis.stability.linear_full import MOTIONS, Motion
+from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.spectra import (
+    SYSTEMS,
+    Branches,
+    System,
+    branches,
+    helper_spins,
+    relevant_matrices,
+)
+
+Side = Literal["below", "above"]
+Spectrum = Callable[[float], ComplexArray]
+
+_ROUND_OFF = 1e-12
+"""Real parts below this part of the largest eigenvalue have no sign."""
+
+_ZERO = 1e-8
+"""Eigenvalues and differences below this part of the largest eigenvalue count as zero."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crossing:
+    """A spin at which an eigenvalue or a pair crosses the imaginary axis.
+
+    Parameters
+    ----------
+    spin : float
+        Critical spinning speed in rad/s.
+    frequency : float
+        Imaginary part in rad/s; 0 for a static crossing.
+    kind : {"hopf", "static"}
+        A complex pair, or one real eigenvalue through zero.
+    stable_side : {"below", "above"}
+        Side on which this eigenvalue or pair is stable; others may be unstable there.
+    """
+
+    spin: float
+    frequency: float
+    kind: Literal["hopf", "static"]
+    stable_side: Side
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairChange:
+    """A spin at which two real eigenvalues collide and a complex pair is born or dies.
+
+    Parameters
+    ----------
+    spin : float
+        Spinning speed in rad/s.
+    value : float
+        The double real eigenvalue in 1/s.
+    complex_side : {"below", "above"}
+        Side on which the pair is complex: above if it is born with growing spin, below if it dies.
+    """
+
+    spin: float
+    value: float
+    complex_side: Side
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CriticalSpeeds:
+    """Critical spins of one system in an interval, each tuple by rising spin.
+
+    Parameters
+    ----------
+    system : {"full", "reduced", "model1", "model2", "model3", "model4"}
+    motion : {"inverted", "noninverted"}
+    interval : tuple of 2 floats
+        Spins searched in rad/s.
+    crossings : tuple of Crossing
+    pair_changes : tuple of PairChange
+    reason : str or None
+        Why there is no crossing, if there is none.
+    """
+
+    system: System
+    motion: Motion
+    interval: tuple[float, float]
+    crossings: tuple[Crossing, ...]
+    pair_changes: tuple[PairChange, ...]
+    reason: str | None = None
+
+    @property
+    def hopf(self) -> tuple[Crossing, ...]:
+        """Crossings of complex pairs only."""
+        return tuple(crossing for crossing in self.crossings if crossing.kind == "hopf")
+
+
+def spin_interval(interval: tuple[float, float]) -> tuple[float, float]:
+    """Return lowest and highest spin in rad/s; `ValueError` if they are no interval."""
+    low, high = (number("interval", end) for end in interval)
+    if not 0.0 <= low < high:
+        raise ValueError(f"interval must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
+    return low, high
+
+
+def critical_speeds(
+    system: System,
+    disk: Disk,
+    friction: FrictionLaw,
+    interval: tuple[float, float] = (0.0, 60.0),
+    motion: Motion = "inverted",
+) -> CriticalSpeeds:
+    """Find the critical spins of a linear system.
+
+    Without friction there is no damping and no crossing: the eigenvalues lie mirrored at both
+    axes. An eigenvalue that is zero at every spin, as for a round disk, does not count.
+
+    Parameters
+    ----------
+    system : {"full", "reduced", "model1", "model2", "model3", "model4"}
+    disk : Disk
+    friction : FrictionLaw
+    interval : tuple of 2 floats
+        Lowest and highest spin in rad/s, not negative: the spectra are even in the spin.
+    motion : {"inverted", "noninverted"}
+
+    Raises
+    ------
+    ValueError
+        If the interval is empty or not finite, or the system or the motion is unknown.
+    """
+    choice("system", system, SYSTEMS)
+    choice("motion", motion, MOTIONS)
+    low, high = spin_interval(interval)
+    followed = branches(system, disk, friction, helper_spins(system, low, high), motion)
+    values = np.delete(followed.values, followed.drift, axis=1)
+    relevant = Branches(spins=followed.spins, values=values)
+
+    spectrum = _spectrum(system, disk, friction, motion)
+    crossings: list[Crossing] = []
+    reason: str | None = "no friction: undamped, the eigenvalues lie mirrored at both axes"
+    if friction.is_on:
+        crossings = hopf_crossings(relevant, spectrum) + _static_crossings(relevant, spectrum)
+        nothing = f"no eigenvalue crosses the imaginary axis from {low:g} to {high:g} rad/s"
+        reason = None if crossings else nothing
+    return CriticalSpeeds(
+        system=system,
+        motion=motion,
+        interval=(low, high),
+        crossings=tuple(sorted(crossings, key=_spin)),
+        pair_changes=tuple(sorted(_pair_changes(relevant, spectrum), key=_spin)),
+        reason=reason,
+    )
+
+
+def _spectrum(system: System, disk: Disk, friction: FrictionLaw, motion: Motion) -> Spectrum:
+    def eigenvalues(spin: float) -> ComplexArray:
+        matrix = relevant_matrices(system, disk, friction, spin, motion)[0]
+        return np.linalg.eigvals(matrix).astype(complex)
+
+    return eigenvalues
+
+
+def _spin(event: Crossing | PairChange) -> float:
+    return event.spin
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Root between two spins; an end if round-off hides the change of sign there."""
+    at_low, at_high = function(low), function(high)
+    if at_low * at_high >= 0.0:
+        return low if abs(at_low) < abs(at_high) else high
+    return float(brentq(function, low, high, xtol=1e-13, rtol=1e-14, maxiter=200))
+
+
+def hopf_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
+    """Crossings of complex pairs: changes of sign of the real part along a branch.
+
+    Parameters
+    ----------
+    followed : Branches
+        Eigenvalue branches on a fine grid of spins.
+    spectrum : callable
+        Eigenvalues at any spin between, shape (k,).
+    """
+    largest = np.max(np.abs(followed.values))
+    spins = followed.spins.tolist()
+    result = []
+    for branch in followed.values.T:
+        clear = np.nonzero(np.abs(branch.real) > _ROUND_OFF * largest)[0].tolist()
+        for start, end in pairwise(clear):
+            changes = branch[start].real * branch[end].real < 0.0
+            if changes and np.all(branch.imag[start : end + 1] > _ZERO * largest):
+                around = (complex(branch[start]), complex(branch[end]))
+                result.append(_hopf_crossing((spins[start], spins[end]), around, spectrum))
+    return result
+
+
+def _hopf_crossing(
+    ends: tuple[float, float], around: tuple[complex, complex], spectrum: Spectrum
+) -> Crossing:
+    """Refine the crossing of the eigenvalue that is `around` at the `ends` of a short bracket."""
+
+    def eigenvalue(spin: float) -> complex:
+        found = spectrum(spin)
+        return complex(found[np.argmin(np.abs(found - _between(ends, around, spin)))])
+
+    spin = _root(lambda spin: eigenvalue(spin).real, *ends)
+    return Crossing(
+        spin=spin,
+        frequency=eigenvalue(spin).imag,
+        kind="hopf",
+        stable_side="above" if around[1].real < 0.0 else "below",
+    )
+
+
+def _between(ends: tuple[float, float], values: tuple[complex, complex], spin: float) -> complex:
+    part = (spin - ends[0]) / (ends[1] - ends[0])
+    return (1.0 - part) * values[0] + part * values[1]
+
+
+def _static_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
+    """Crossings of real eigenvalues through zero: changes of sign of the product of eigenvalues.
+
+    Eigenvalues that are zero at every spin do not count: the product of the others is the lowest
+    coefficient of the characteristic polynomial that does not vanish.
+    """
+    size = np.abs(followed.values)
+    spins = followed.spins.tolist()
+    neutral = int(np.min(np.sum(size < _ZERO * np.max(size), axis=1)))
+    others = np.argsort(size, axis=1)[:, neutral:]
+    unstable = np.sum(np.take_along_axis(followed.values, others, axis=1).real > 0.0, axis=1)
+    samples = _low_coefficient(followed.values, neutral)
+    clear = np.sort(size, axis=1)[:, neutral] > _ZERO * np.max(size)
+    result = []
+    for start, end in pairwise(np.nonzero(clear)[0].tolist()):
+        if samples[start] * samples[end] < 0.0:
+            spin = _root(
+                lambda spin: float(_low_coefficient(spectrum(spin)[None, :], neutral)[0]),
+                spins[start],
+                spins[end],
+            )
+            side: Side = "above" if unstable[end] < unstable[start] else "below"
+            result.append(Crossing(spin=spin, frequency=0.0, kind="static", stable_side=side))
+    return result
+
+
+def _low_coefficient(spectra: ComplexArray, power: int) -> Array:
+    """Coefficient of lambda^power of the polynomials with these roots, shape (n,) for (n, k)."""
+    coefficients = np.zeros((len(spectra), spectra.shape[1] + 1), dtype=complex)
+    coefficients[:, 0] = 1.0
+    for root in spectra.T:
+        coefficients[:, 1:] -= root[:, None] * coefficients[:, :-1]
+    result: Array = coefficients[:, spectra.shape[1] - power].real
+    return result
+
+
+def _pair_changes(followed: Branches, spectrum: Spectrum) -> list[PairChange]:
+    """Collisions of two real eigenvalues: changes between real and complex along a branch."""
+    values, spins = followed.values, followed.spins.tolist()
+    largest = np.max(np.abs(values))
+    result = []
+    for column, branch in enumerate(values.T):
+        is_complex = branch.imag > 0.0
+        changes: list[int] = np.nonzero(np.diff(is_complex))[0].tolist()
+        for start in changes:
+            inside = start if is_complex[start] else start + 1
+            partner = int(np.argmin(np.abs(values[inside] - np.conj(branch[inside]))))
+            pairs = values[start : start + 2, [column, partner]]
+            # A double zero that round-off splits into a pair is none.
+            if np.max(np.abs(pairs[:, 0] - pairs[:, 1])) > _ZERO * largest:
+                centres = pairs.mean(axis=1).real.tolist()
+                ends = (spins[start], spins[start + 1])
+                side: Side = "below" if is_complex[start] else "above"
+                result.append(_pair_change(ends, (centres[0], centres[1]), side, spectrum))
+    return result
+
+
+def _pair_change(
+    ends: tuple[float, float], centres: tuple[float, float], side: Side, spectrum: Spectrum
+) -> PairChange:
+    """Refine a collision; the squared difference of the two eigenvalues passes zero smoothly."""
+
+    def pair(spin: float) -> ComplexArray:
+        found = spectrum(spin)
+        nearest = np.argsort(np.abs(found - _between(ends, centres, spin)))[:2]
+        return found[nearest]
+
+    def squared_difference(spin: float) -> float:
+        one, other = pair(spin)
+        return float(((one - other) ** 2).real)
+
+    spin = _root(squared_difference, *ends)
+    return PairChange(spin=spin, value=float(pair(spin).mean().real), complex_side=side)

@@ -1,0 +1,203 @@
+"""Hopf curves of the full system over spin and friction gradient, traced as curves.
+
+Pseudo-arclength continuation of the Hopf points of `analysis.stability.hopf_points` in spin,
+logarithm of the friction gradient and frequency: it follows a curve through folds and ends where
+the curve does.
+"""
+
+from dataclasses import dataclass
+from math import log
+from typing import Literal
+
+import numpy as np
+
+from analysis.data.checks import Array, choice, number, positive
+from analysis.data.disk import Disk
+from analysis.stability.chart import gradient_friction
+from analysis.stability.critical import critical_speeds
+from analysis.stability.hopf_points import ExtendedSystem, spin_scale
+from analysis.stability.linear_full import MOTIONS, Motion
+
+End = Literal["spin", "gradient", "double zero"]
+
+_FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.02, 0.1, 1e-6
+_MOST_POINTS = 2000
+LEAST_FREQUENCY = 1e-3
+"""Frequency in rad/s at which a curve counts as having met a double zero eigenvalue."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HopfCurve:
+    """A curve of Hopf points of the full system.
+
+    Parameters
+    ----------
+    motion : {"inverted", "noninverted"}
+    spins : ndarray, shape (n,)
+        Spinning speeds in rad/s along the curve.
+    gradients : ndarray, shape (n,)
+        Friction gradients mu / epsilon in s/m.
+    frequencies : ndarray, shape (n,)
+        Imaginary part of the crossing pair in rad/s.
+    ends : tuple of 2 of {"spin", "gradient", "double zero"}
+        Why the curve ends: at a bound of the spin or of the gradient, or because the frequency
+        falls to zero where a static curve meets it (a Bogdanov-Takens point).
+    """
+
+    motion: Motion
+    spins: Array
+    gradients: Array
+    frequencies: Array
+    ends: tuple[End, End]
+
+
+def hopf_curves(
+    disk: Disk,
+    motion: Motion = "inverted",
+    *,
+    spins: tuple[float, float] = (0.0, 100.0),
+    gradients: tuple[float, float] = (0.1, 1000.0),
+    seeds: int = 9,
+) -> tuple[HopfCurve, ...]:
+    """Trace the Hopf curves of the full system inside a rectangle.
+
+    Curves start at the Hopf points found on `seeds` lines of constant gradient, so a closed curve
+    between two of those lines would be missed.
+
+    Parameters
+    ----------
+    disk : Disk
+    motion : {"inverted", "noninverted"}
+    spins : tuple of 2 floats
+        Lowest, not negative, and highest spin in rad/s.
+    gradients : tuple of 2 floats
+        Lowest, positive, and highest friction gradient mu / epsilon in s/m.
+    seeds : int
+        Number of lines, equally spaced in the logarithm of the gradient.
+
+    Returns
+    -------
+    tuple of HopfCurve
+        Each from its end with the lower gradient to the other; empty if there is none.
+
+    Raises
+    ------
+    ValueError
+        If a range is empty or out of bounds, or the motion is unknown.
+    ArithmeticError
+        If the continuation comes to a halt inside the rectangle.
+    """
+    choice("motion", motion, MOTIONS)
+    box = _box(disk, spins, gradients)
+    curves: list[HopfCurve] = []
+    for gradient in np.geomspace(*gradients, seeds + 2)[1:-1].tolist():
+        found = critical_speeds("full", disk, gradient_friction(gradient), spins, motion)
+        for point in found.hopf:
+            if not any(_passes(curve, point.spin, gradient, point.frequency) for curve in curves):
+                seed = np.array((point.spin, log(gradient), point.frequency))
+                curves.append(_trace(disk, motion, seed, box))
+    return tuple(sorted(curves, key=lambda curve: float(curve.frequencies.max())))
+
+
+def _box(disk: Disk, spins: tuple[float, float], gradients: tuple[float, float]) -> Array:
+    """Bounds of Omega / s and ln delta, shape (2, 2): lower ones, upper ones."""
+    low, high = (number("spins", end) for end in spins)
+    least, most = (positive("gradients", end) for end in gradients)
+    if not 0.0 <= low < high:
+        raise ValueError(f"spins must have 0 <= lowest < highest, got {low:g} to {high:g}")
+    if not least < most:
+        raise ValueError(f"gradients must have lowest < highest, got {least:g} to {most:g}")
+    scale = spin_scale(disk)
+    return np.array(((low / scale, log(least)), (high / scale, log(most))))
+
+
+def _passes(curve: HopfCurve, spin: float, gradient: float, frequency: float) -> bool:
+    """Whether the curve goes through a Hopf point, told from its chords."""
+    side = np.log(curve.gradients / gradient)
+    for index in np.nonzero(side[:-1] * side[1:] <= 0.0)[0]:
+        part = side[index] / (side[index] - side[index + 1])
+        chord = slice(index, index + 2)
+        for values, value in ((curve.spins, spin), (curve.frequencies, frequency)):
+            start, end = values[chord]
+            if abs(start + part * (end - start) - value) > 0.02 * value + abs(end - start):
+                break
+        else:
+            return True
+    return False
+
+
+def _trace(disk: Disk, motion: Motion, seed: Array, box: Array) -> HopfCurve:
+    """Follow a curve from a Hopf point (Omega, ln delta, omega) to both ends."""
+    scale = spin_scale(disk)
+    start = seed / np.array((scale, 1.0, scale))
+    one, one_end = _half(ExtendedSystem(disk, motion, start), start, box, -1.0)
+    other, other_end = _half(ExtendedSystem(disk, motion, start), start, box, 1.0)
+    points = np.array(one[:0:-1] + other)
+    ends = (one_end, other_end)
+    if points[0, 1] > points[-1, 1]:
+        points, ends = points[::-1], ends[::-1]
+    return HopfCurve(
+        motion=motion,
+        spins=points[:, 0] * scale,
+        gradients=np.exp(points[:, 1]),
+        frequencies=points[:, 2] * scale,
+        ends=ends,
+    )
+
+
+def _half(
+    system: ExtendedSystem, start: Array, box: Array, direction: float
+) -> tuple[list[Array], End]:
+    """Points from `start` to one end of the curve, and the kind of the end."""
+    found = system.correct(start, np.eye(3)[2], start[2])
+    if found is None:
+        raise ArithmeticError(f"no Hopf point near spin {start[0] * system.scale:g} rad/s")
+    point, tangent = found[0], found[1] * direction
+    points, step = [point], _FIRST_STEP
+    while step > _SMALLEST_STEP and len(points) < _MOST_POINTS:
+        guess = point + step * tangent
+        leaving = _leaving(point, guess, box, system.scale)
+        if leaving is None:
+            found = system.correct(guess, tangent, float(tangent @ guess))
+        else:
+            kind, guess, row = leaving
+            found = system.correct(guess, row, float(row @ guess))
+        if found is None or not _smooth(point, tangent, found, step):
+            step /= 2
+        elif leaving is not None:
+            return [*points, found[0]], kind
+        else:
+            point, tangent = found[0], found[1] * np.sign(found[1] @ tangent)
+            points.append(point)
+            system.renew(point)
+            largest = _LARGEST_STEP * (1.0 + 0.2 * float(np.linalg.norm(point)))
+            step = min(1.5 * step, largest) if found[2] <= 4 else step
+    raise ArithmeticError(
+        f"Hopf curve lost at spin {point[0] * system.scale:g} rad/s, "
+        f"gradient {np.exp(point[1]):g} s/m after {len(points)} points"
+    )
+
+
+def _smooth(point: Array, tangent: Array, found: tuple[Array, Array, int], step: float) -> bool:
+    """Whether a corrected point lies ahead, near and with nearly the same tangent."""
+    ahead = found[0] - point
+    return bool(abs(found[1] @ tangent) > 0.99 and np.linalg.norm(ahead - step * tangent) < step)
+
+
+def _leaving(
+    point: Array, guess: Array, box: Array, scale: float
+) -> tuple[End, Array, Array] | None:
+    """Kind of the bound between `point` and `guess`, the place on it and its normal, if any."""
+    least = LEAST_FREQUENCY / scale
+    bounds: tuple[tuple[End, int, float, bool], ...] = (
+        ("double zero", 2, least, bool(guess[2] < least)),
+        ("spin", 0, box[0, 0], bool(guess[0] < box[0, 0])),
+        ("spin", 0, box[1, 0], bool(guess[0] > box[1, 0])),
+        ("gradient", 1, box[0, 1], bool(guess[1] < box[0, 1])),
+        ("gradient", 1, box[1, 1], bool(guess[1] > box[1, 1])),
+    )
+    for kind, axis, value, crossed in bounds:
+        if crossed:
+            part = (value - point[axis]) / (guess[axis] - point[axis])
+            return kind, point + part * (guess - point), np.eye(3)[axis]
+    return None

@@ -1,0 +1,171 @@
+"""Attempts to reproduce the critical speeds of the full system printed in Sect. 3.2.
+
+The paper prints Omega_crit1 = 27.1 and Omega_crit2 = 30.2 rad/s; its equations, with the signs
+put right, give 26.87 and 30.10 rad/s. Each variant changes one thing that could have been chosen
+otherwise or slipped in by mistake. None of them gives both printed numbers.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import sqrt
+from types import MappingProxyType
+
+import numpy as np
+
+from analysis.data.checks import Array
+from analysis.data.disk import GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.data.friction import FrictionLaw, SmoothCoulomb
+from analysis.stability.critical import Crossing, hopf_crossings
+from analysis.stability.linear_full import FullLinearSystem, full_system
+from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.spectra import Branches, follow
+
+PRINTED = (27.1, 30.2)
+"""Omega_crit1 and Omega_crit2 of the full system as printed, in rad/s."""
+
+_SPINS = np.linspace(20.0, 36.0, 641)
+_FRICTION = SmoothCoulomb()
+
+
+Change = Callable[[FullLinearSystem, Array], FullLinearSystem]
+
+
+def hopf_speeds(
+    disk: Disk = STEEL_DISK,
+    friction: FrictionLaw = _FRICTION,
+    change: Change | None = None,
+) -> tuple[Crossing, ...]:
+    """Hopf crossings from 20 to 36 rad/s of the full system with changed matrices.
+
+    Parameters
+    ----------
+    disk : Disk
+    friction : FrictionLaw
+    change : callable, optional
+        Takes the linear system and its B_C, Eq. (54), shape (n, 4, 4); returns what to use.
+    """
+
+    def matrices(spins: Array) -> Array:
+        system = full_system(disk, friction, spins)
+        frictionless = full_system(disk, SmoothCoulomb(coefficient=0.0), spins)
+        B_C = system.stiffness - frictionless.stiffness + system.circulatory
+        return (system if change is None else change(system, B_C)).state_matrices
+
+    def spectrum(spin: float) -> ComplexArray:
+        return np.linalg.eigvals(matrices(np.array([spin]))[0]).astype(complex)
+
+    followed = Branches(spins=_SPINS, values=follow(matrices(_SPINS)))
+    found = hopf_crossings(followed, spectrum)
+    return tuple(sorted(found, key=lambda crossing: crossing.spin))
+
+
+def variants() -> dict[str, tuple[Crossing, ...]]:
+    """Hopf crossings from 20 to 36 rad/s of every variant, by its name."""
+    result = {name: hopf_speeds(disk) for name, disk in _disks().items()}
+    for gradient in (2.0, 2.5, 2.83, 4.0, 30.0):
+        friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
+        result[f"friction gradient {gradient:g} s/m"] = hopf_speeds(friction=friction)
+    for gravity in (9.8, 9.80665, 10.0):
+        result[f"gravity {gravity:g} m/s²"] = _other_gravity(gravity)
+    for name, change in MATRIX_CHANGES.items():
+        result[name] = hopf_speeds(change=change)
+    return result
+
+
+def reproduces(crossings: tuple[Crossing, ...]) -> bool:
+    """Whether the first two crossings round to the printed speeds with the printed directions."""
+    found = [(round(crossing.spin, 1), crossing.stable_side) for crossing in crossings]
+    return found == [(PRINTED[0], "below"), (PRINTED[1], "above")]
+
+
+def _disks() -> dict[str, Disk]:
+    steel = STEEL_DISK
+    shift = steel.mass * steel.eccentricity**2
+    B, C = steel.inertia_y, steel.inertia_z
+    heavy = 8000.0 / 7700.0
+    return {
+        "equations as they are": steel,
+        "Table 1 as printed": ROUNDED_STEEL_DISK,
+        "Table 1, rounded the other way": Disk(
+            radius=0.045,
+            mass=0.4355,
+            eccentricity=2.55e-3,
+            inertia_x=0.2485e-3,
+            inertia_y=0.2265e-3,
+            inertia_z=0.4675e-3,
+        ),
+        "density 8000 kg/m³": replace(
+            steel,
+            mass=heavy * steel.mass,
+            inertia_x=heavy * steel.inertia_x,
+            inertia_y=heavy * B,
+            inertia_z=heavy * C,
+        ),
+        "density 8000 kg/m³ for the mass alone": replace(steel, mass=heavy * steel.mass),
+        "infinitely thin disk": Disk.ring(
+            radius=0.045, hole_radius=0.015, hole_distance=0.02, thickness=1e-6, density=7.7e7
+        ),
+        "B about S": replace(steel, inertia_y=B - shift),
+        "C about S": replace(steel, inertia_z=C - shift),
+        "B and C about S": replace(steel, inertia_y=B - shift, inertia_z=C - shift),
+        "B and C shifted the wrong way": replace(steel, inertia_y=B + shift, inertia_z=C + shift),
+        "A and B exchanged": replace(steel, inertia_x=B, inertia_y=steel.inertia_x),
+    }
+
+
+def _other_gravity(gravity: float) -> tuple[Crossing, ...]:
+    """Crossings with another gravity: with the time rescaled, it is another friction gradient."""
+    faster = sqrt(gravity / GRAVITY)
+    friction = replace(_FRICTION, coefficient=_FRICTION.coefficient * faster)
+    return tuple(
+        replace(crossing, spin=faster * crossing.spin, frequency=faster * crossing.frequency)
+        for crossing in hopf_speeds(friction=friction)
+    )
+
+
+def _add(system: FullLinearSystem, change: Array) -> FullLinearSystem:
+    """System with `change` added to K + N."""
+    turned = np.swapaxes(change, 1, 2)
+    return replace(
+        system,
+        stiffness=system.stiffness + (change + turned) / 2,
+        circulatory=system.circulatory + (change - turned) / 2,
+    )
+
+
+def _undamp(system: FullLinearSystem) -> FullLinearSystem:
+    return replace(system, damping=-system.damping)
+
+
+def _abbreviation(system: FullLinearSystem, difference: float) -> FullLinearSystem:
+    """System with `difference` added to the abbreviation D = A - B - C of Eq. (50)."""
+    gyroscopic = system.gyroscopic.copy()
+    gyroscopic[:, 2, 3] -= difference * system.spins
+    gyroscopic[:, 3, 2] += difference * system.spins
+    return replace(system, gyroscopic=gyroscopic)
+
+
+_A, _B, _C = STEEL_DISK.inertia_x, STEEL_DISK.inertia_y, STEEL_DISK.inertia_z
+
+MATRIX_CHANGES: Mapping[str, Change] = MappingProxyType(
+    {
+        "(53) and (54) with the printed signs": lambda system, B_C: _add(
+            _undamp(system), -2 * B_C
+        ),
+        "(53) with the printed sign": lambda system, _: _undamp(system),
+        "(54) with the printed sign": lambda system, B_C: _add(system, -2 * B_C),
+        "without B_C": lambda system, B_C: _add(system, -B_C),
+        "without the symmetric part of B_C": lambda system, B_C: _add(
+            system, -(B_C + np.swapaxes(B_C, 1, 2)) / 2
+        ),
+        "without the skew part of B_C": lambda system, B_C: _add(
+            system, -(B_C - np.swapaxes(B_C, 1, 2)) / 2
+        ),
+        "D = -(A - B - C)": lambda system, _: _abbreviation(system, -2 * (_A - _B - _C)),
+        "D = A - B + C": lambda system, _: _abbreviation(system, 2 * _C),
+        "D = A + B - C": lambda system, _: _abbreviation(system, 2 * _B),
+        "D = B - A - C": lambda system, _: _abbreviation(system, 2 * (_B - _A)),
+        "D = -C": lambda system, _: _abbreviation(system, _B - _A),
+    }
+)
+"""Changes of the matrices by misprints or slips, by their names."""

@@ -1,0 +1,317 @@
+"""Eigenvalues of stacks of state matrices, and their branches over the spin.
+
+Branches are followed by continuity of eigenvalue and eigenvector, not by sorting. Between two
+neighbouring matrices every eigenvalue is matched to one of the next matrix so that the sum of
+the relative distances of the eigenvalues and of the angles between the eigenvectors is smallest.
+Where a second match is not much worse, the step is halved; where that does not help, because
+eigenvalues meet, the direction in which they moved decides. Where two real eigenvalues collide
+and leave as a complex pair, which of them becomes which is a convention: the larger one gets the
+positive imaginary part, here and on the way back.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import linear_sum_assignment
+
+from analysis.data.checks import Array, choice
+from analysis.data.disk import Disk
+from analysis.data.friction import FrictionLaw
+from analysis.data.state import Level
+from analysis.stability.linear_full import Motion, full_system, spin_array, without_drift
+from analysis.stability.linear_models import model_matrices
+from analysis.stability.linear_reduced import ComplexArray, reduced_matrices
+
+System = Literal["full", "reduced", "model1", "model2", "model3", "model4"]
+SYSTEMS: tuple[System, ...] = get_args(System)
+
+_MODEL_LEVELS: dict[System, Level] = {"model1": 1, "model2": 2, "model3": 3, "model4": 4}
+_WITH_DRIFT: tuple[System, ...] = ("full", "model1")
+_LARGEST_STEP = 0.05
+"""Branches are followed in steps of at most this many rad/s, whatever spins are asked for."""
+
+_MODEL_STEP = 0.25
+"""The same for the numerically linearised models, whose matrices are costlier."""
+
+_MOST_STEPS = 20_000
+"""Beyond some 1000 rad/s the steps grow, so that the work does not."""
+
+_BISECTIONS = 8
+"""How often a step is halved at most in which the matching is not clear."""
+
+_CLEAR = 0.3
+"""A match is clear if it costs at most this part of the eigenvalue's next best match."""
+
+_TIE_BREAK = 1e-6
+"""Weight of the convention for colliding eigenvalues against distance and angle."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Branches:
+    """Eigenvalues ordered into branches over the spin.
+
+    Parameters
+    ----------
+    spins : ndarray, shape (n,)
+        Strictly increasing spinning speeds in rad/s.
+    values : ndarray, shape (n, k)
+        Eigenvalues in 1/s; one column is one branch.
+    drift : tuple of 0 or 2 ints
+        Columns of the pair +-i spin that comes from the homogeneous table; it is exact, neutral
+        at every spin and says nothing about the stability of the spinning.
+    """
+
+    spins: Array
+    values: ComplexArray
+    drift: tuple[int, ...] = ()
+
+
+def state_matrices(
+    system: System,
+    disk: Disk,
+    friction: FrictionLaw,
+    spins: npt.ArrayLike,
+    motion: Motion = "inverted",
+) -> Array:
+    """State matrices of a linear system, shape (n, k, k), k = 8, 3, 8, 4, 3, 3 in order.
+
+    Parameters
+    ----------
+    system : {"full", "reduced", "model1", "model2", "model3", "model4"}
+        Eq. (55), Eq. (111), or a nonlinear model linearised numerically.
+    disk : Disk
+    friction : FrictionLaw
+    spins : array_like, shape (n,)
+        Spinning speeds in rad/s.
+    motion : {"inverted", "noninverted"}
+
+    Raises
+    ------
+    ValueError
+        If a spin is not finite, there is none, or the system or the motion is unknown.
+    """
+    choice("system", system, SYSTEMS)
+    if system == "full":
+        return full_system(disk, friction, spins, motion).state_matrices
+    if system == "reduced":
+        return reduced_matrices(disk, friction, spins, motion)
+    return model_matrices(_MODEL_LEVELS[system], disk, friction, spins, motion)
+
+
+def relevant_matrices(
+    system: System,
+    disk: Disk,
+    friction: FrictionLaw,
+    spins: npt.ArrayLike,
+    motion: Motion = "inverted",
+) -> Array:
+    """State matrices without the drift pair, shape (n, k, k), k = 6, 3, 6, 4, 3, 3 in order.
+
+    Arguments and errors are those of `state_matrices`.
+    """
+    matrices = state_matrices(system, disk, friction, spins, motion)
+    return without_drift(spin_array(spins), matrices) if system in _WITH_DRIFT else matrices
+
+
+def eigenvalues(
+    system: System,
+    disk: Disk,
+    friction: FrictionLaw,
+    spins: npt.ArrayLike,
+    motion: Motion = "inverted",
+) -> ComplexArray:
+    """Eigenvalues in 1/s at every spin, shape (n, k), by falling real and imaginary part.
+
+    The drift pair of "full" and "model1" is exactly +-i spin. Spins may come in any order;
+    arguments and errors are those of `state_matrices`.
+    """
+    spins = spin_array(spins)
+    matrices = relevant_matrices(system, disk, friction, spins, motion)
+    values: ComplexArray = np.linalg.eigvals(matrices).astype(complex)
+    if system in _WITH_DRIFT:
+        values = np.column_stack((values, 1j * spins, -1j * spins))
+    return np.take_along_axis(values, np.lexsort((-values.imag, -values.real)), axis=1)
+
+
+def branches(
+    system: System,
+    disk: Disk,
+    friction: FrictionLaw,
+    spins: npt.ArrayLike,
+    motion: Motion = "inverted",
+) -> Branches:
+    """Eigenvalue branches of a linear system over the spin.
+
+    A column means the same branch in every call: branches are followed from spin 0, where they
+    are numbered by falling real part, in steps fine enough whatever spins are asked for. For
+    "full" and "model1" the columns 2 and 3 hold the drift pair; for inverted spinning that is the
+    paper's numbering, lambda_1 to lambda_8 (Fig. 6).
+
+    Parameters
+    ----------
+    system : {"full", "reduced", "model1", "model2", "model3", "model4"}
+    disk : Disk
+    friction : FrictionLaw
+    spins : array_like, shape (n,)
+        Strictly increasing spinning speeds in rad/s.
+    motion : {"inverted", "noninverted"}
+
+    Raises
+    ------
+    ValueError
+        If spins are not finite or do not increase, or the system or the motion is unknown.
+    """
+    wanted = spin_array(spins)
+    check_increasing(wanted)
+    choice("system", system, SYSTEMS)
+    low, high = min(0.0, wanted[0]), max(0.0, wanted[-1])
+    every = np.union1d(np.append(helper_spins(system, low, high), 0.0), wanted)
+
+    def matrices(at: Array) -> Array:
+        return relevant_matrices(system, disk, friction, at, motion)
+
+    every, values, vectors = _refine(matrices, every)
+    start = int(np.searchsorted(every, 0.0))
+    order = _chain(_matches(every, values, vectors), _numbering(values[start]), start)
+    values = np.take_along_axis(values, order, axis=1)[np.searchsorted(every, wanted)]
+    if system not in _WITH_DRIFT:
+        return Branches(spins=wanted, values=values)
+    values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
+    return Branches(spins=wanted, values=values, drift=(2, 3))
+
+
+def helper_spins(system: System, low: float, high: float) -> Array:
+    """Equally spaced spins from `low` to `high` in rad/s, close enough to follow branches."""
+    step = _LARGEST_STEP if system in ("full", "reduced") else _MODEL_STEP
+    count = min(int(np.ceil((high - low) / step)), _MOST_STEPS)
+    return np.linspace(low, high, count + 1)
+
+
+def check_increasing(spins: Array) -> None:
+    """Raise `ValueError` unless `spins` increase strictly."""
+    steps = np.diff(spins)
+    if np.any(steps <= 0.0):
+        worst = int(np.argmax(steps <= 0.0))
+        raise ValueError(
+            f"spins must increase strictly, got {spins[worst]:g} before {spins[worst + 1]:g}"
+        )
+
+
+def follow(matrices: Array, start: int = 0) -> ComplexArray:
+    """Eigenvalues of a stack of real matrices ordered into branches, shape (n, k).
+
+    Parameters
+    ----------
+    matrices : ndarray, shape (n, k, k)
+        Matrices that change little from one to the next.
+    start : int
+        Index of the matrix whose eigenvalues number the branches, by falling real part; a
+        complex pair has neighbouring numbers, the positive imaginary part first.
+    """
+    values, vectors = _eigen(matrices)
+    at = np.arange(len(values), dtype=float)
+    order = _chain(_matches(at, values, vectors), _numbering(values[start]), start)
+    return np.take_along_axis(values, order, axis=1)
+
+
+def _eigen(matrices: Array) -> tuple[ComplexArray, ComplexArray]:
+    values, vectors = np.linalg.eig(matrices)
+    return values.astype(complex), vectors.astype(complex)
+
+
+def _numbering(values: ComplexArray) -> list[int]:
+    """Order by falling real part in which no complex pair starts at an odd position.
+
+    A real eigenvalue that would push a pair there takes the next real one to its side.
+    """
+    order: list[int] = np.lexsort((-values.imag, -values.real)).tolist()
+    for place in range(1, len(order), 2):
+        if values[order[place]].imag > 0.0:
+            later = (index for index in order[place:] if values[index].imag == 0.0)
+            real = next(later, None)
+            if real is not None:
+                order.remove(real)
+                order.insert(place, real)
+    return order
+
+
+def _refine(
+    matrices: Callable[[Array], Array], spins: Array
+) -> tuple[Array, ComplexArray, ComplexArray]:
+    """Spins, eigenvalues and eigenvectors, with steps halved where the matching is not clear."""
+    values, vectors = _eigen(matrices(spins))
+    for _ in range(_BISECTIONS):
+        doubtful = np.nonzero(_doubtful(_costs(values, vectors)))[0]
+        middle = (spins[doubtful] + spins[doubtful + 1]) / 2
+        if middle.size == 0:
+            break
+        more_values, more_vectors = _eigen(matrices(middle))
+        order = np.argsort(np.concatenate((spins, middle)))
+        spins = np.concatenate((spins, middle))[order]
+        values = np.concatenate((values, more_values))[order]
+        vectors = np.concatenate((vectors, more_vectors))[order]
+    return spins, values, vectors
+
+
+def _doubtful(cost: Array) -> npt.NDArray[np.bool_]:
+    """Whether some eigenvalue of a step has a second match not much worse, shape (n - 1,)."""
+    best, second = np.moveaxis(np.partition(cost, 1, axis=2)[:, :, :2], 2, 0)
+    result: npt.NDArray[np.bool_] = np.any(best > _CLEAR * second, axis=1)
+    return result
+
+
+def _matches(at: Array, values: ComplexArray, vectors: ComplexArray) -> npt.NDArray[np.intp]:
+    """Position in the next matrix of every eigenvalue, shape (n - 1, k)."""
+    cost = _costs(values, vectors)
+    result: npt.NDArray[np.intp] = np.argmin(cost, axis=2)
+    # Row by row the best choice: where that takes no eigenvalue twice, it is the best assignment.
+    taken_twice = np.any(np.diff(np.sort(result, axis=1), axis=1) == 0, axis=1)
+    for index in np.nonzero(taken_twice | _doubtful(cost))[0].tolist():
+        expected = values[index]
+        if index > 0:
+            origin = values[index - 1, np.argsort(result[index - 1])]
+            stretch = (at[index + 1] - at[index]) / (at[index] - at[index - 1])
+            expected = expected + stretch * (expected - origin)
+        step = slice(index, index + 2)
+        careful = _careful_cost(expected, values[step], vectors[step])
+        result[index] = linear_sum_assignment(careful)[1]
+    return result
+
+
+def _careful_cost(expected: ComplexArray, values: ComplexArray, vectors: ComplexArray) -> Array:
+    """Cost of the matches of one step, shape (k, k), from extrapolated eigenvalues.
+
+    Where eigenvalues meet, eigenvectors may be no guide and distances tie; the direction in which
+    an eigenvalue moved decides first.
+    """
+    distance = np.abs(expected[:, None] - values[None, 1])
+    # Differences below rounding are none, and their quotients would overflow.
+    rounding = np.finfo(float).eps * np.max(np.abs(values)) + np.finfo(float).tiny
+    next_best = np.maximum(np.partition(distance, 1, axis=1)[:, 1:2], rounding)
+    careful: Array = 3.0 * distance / next_best + _costs(values, vectors)[0]
+    return careful
+
+
+def _chain(steps: npt.NDArray[np.intp], first: list[int], start: int) -> npt.NDArray[np.intp]:
+    """Positions of the branches in every matrix, shape (n, k), from those in matrix `start`."""
+    after, before = [first], [first]
+    for step in steps[start:].tolist():
+        after.append([step[index] for index in after[-1]])
+    for step in np.argsort(steps[:start], axis=1)[::-1].tolist():
+        before.append([step[index] for index in before[-1]])
+    return np.array(before[:0:-1] + after, dtype=np.intp)
+
+
+def _costs(values: ComplexArray, vectors: ComplexArray) -> Array:
+    """Cost of matching eigenvalue i of a matrix to j of the next, shape (n - 1, k, k)."""
+    before, after = values[:-1, :, None], values[1:, None, :]
+    size = np.abs(before) + np.abs(after)
+    size += 1e-3 * np.max(size, axis=(1, 2), keepdims=True) + np.finfo(float).tiny
+    change = after - before
+    convention = np.square(change.real + change.imag) / size
+    overlap = np.abs(np.swapaxes(vectors[:-1].conj(), 1, 2) @ vectors[1:])
+    cost: Array = (np.abs(change) + _TIE_BREAK * convention) / size + 1.0 - overlap
+    return cost

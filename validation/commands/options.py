@@ -1,0 +1,195 @@
+"""From options of the command line, which several subcommands share, to what they mean."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any
+
+from analysis import (
+    Disk,
+    Dissipation,
+    FrictionLaw,
+    Level,
+    Load,
+    SmoothCoulomb,
+    State,
+    consistent_start,
+)
+from analysis.data.checks import number, positive, within
+from analysis.data.friction import law_from
+from analysis.data.limits import LONGEST_MOTION, Effort
+
+PICTURES = (".png", ".svg", ".pdf")
+"""Suffixes of pictures that can be written."""
+
+
+PATIENCE = 60.0
+"""Processor time in s from which on a run is announced before it starts."""
+
+
+def announce(command: str, effort: Effort, time_limit: float | None = None) -> None:
+    """Say on standard error what a run will take, if that is long and nothing ends it, or in vain.
+
+    Parameters
+    ----------
+    command : str
+        Name of the subcommand.
+    effort : Effort
+    time_limit : float, optional
+        Processor time in s that the run may take.
+
+    Raises
+    ------
+    ValueError
+        If the run would take more steps than are made.
+    """
+    effort.check()
+    endless = effort.seconds > PATIENCE and time_limit is None
+    if endless or effort.doubt:
+        hint = "; --time-limit ends it early" if endless else ""
+        with suppress(OSError, ValueError):
+            print(f"tippedisk {command}: {effort}{hint}", file=sys.stderr, flush=True)
+
+
+def output_path(name: str, value: str, suffixes: Sequence[str]) -> Path:
+    """Path of a file to write.
+
+    Parameters
+    ----------
+    name : str
+        Name of the option.
+    value : str
+        What was given.
+    suffixes : sequence of str
+        Allowed ones, with their dots.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is another, or the folder does not exist.
+    """
+    path = Path(value)
+    if path.suffix not in suffixes:
+        *others, last = suffixes
+        allowed = f"{', '.join(others)} or {last}" if others else last
+        raise ValueError(f"{name} must end in {allowed}, got {value!r}")
+    if not path.parent.is_dir():
+        raise ValueError(f"{name} must lie in an existing folder, got {value!r}")
+    return path
+
+
+def output_folder(name: str, value: str) -> Path:
+    """Folder to write to, made if it does not exist.
+
+    Parameters
+    ----------
+    name : str
+        Name of the option.
+    value : str
+        What was given.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be made or written to.
+    """
+    path = Path(value)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        raise ValueError(
+            f"{name} must be a folder that can be written to, got {value!r} ({error.strerror})"
+        ) from error
+    return path
+
+
+def chosen_friction(options: argparse.Namespace, load: Load = "weight") -> FrictionLaw:
+    """Friction law from --law, or the paper's from --mu and --eps.
+
+    Parameters
+    ----------
+    options : Namespace
+    load : {"weight", "contact"}
+
+    Raises
+    ------
+    ValueError
+        If the law or one of its parameters is unknown or out of range.
+    """
+    if options.law is None:
+        return SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load=load)
+    name, *parameters = options.law.split(",")
+    values: dict[str, Any] = {"law": name, "load": load}
+    for parameter in parameters:
+        key, equals, text = parameter.partition("=")
+        if not equals:
+            raise ValueError(f"--law must hold parameter=value behind its name, got {parameter!r}")
+        values[key.strip()] = written_number(f"--law: {key.strip()}", text)
+    sys.path.insert(0, "")
+    try:
+        return law_from(values)
+    finally:
+        sys.path.remove("")
+
+
+def written_number(name: str, text: str) -> float:
+    """Finite number from the text of an option.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"{name} must be a finite number, got {text!r}") from None
+    return number(name, value)
+
+
+def chosen_end(options: argparse.Namespace) -> float:
+    """Time in s from --end.
+
+    Raises
+    ------
+    ValueError
+        If it is not positive or beyond `LONGEST_MOTION`.
+    """
+    return within("--end", positive("--end", options.end), 0.0, LONGEST_MOTION)
+
+
+def chosen_start(options: argparse.Namespace, level: Level, disk: Disk) -> State:
+    """Start from --spin, --beta, --gamma and the rates of the two.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range or breaks a constraint of the model.
+    """
+    given = {
+        name: number(f"--{name.replace('_', '-')}", value)
+        for name in ("beta", "gamma", "gamma_rate")
+        if (value := getattr(options, name)) is not None
+    }
+    return consistent_start(level, disk, spin=options.spin, beta_rate=options.beta_rate, **given)
+
+
+def chosen_dissipation(options: argparse.Namespace) -> Dissipation:
+    """Dissipation from --rolling, --rolling-viscous, --pivoting and --air-drag.
+
+    Raises
+    ------
+    ValueError
+        If a value is negative or not finite.
+    """
+    return Dissipation(
+        rolling_dry=options.rolling,
+        rolling_viscous=options.rolling_viscous,
+        pivoting=options.pivoting,
+        air_drag=options.air_drag,
+    )

@@ -1,0 +1,1 @@
+"""What every study uses: tables, figures, pages, animations, processes."""

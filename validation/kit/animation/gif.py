@@ -1,0 +1,222 @@
+"""A motion of the disk as an animated GIF, for slides and wherever scripts do not run."""
+
+from collections.abc import Callable
+from typing import Any, BinaryIO
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from PIL import Image
+from tqdm import tqdm
+
+from analysis.data.checks import Array, positive
+from analysis.data.limits import SLOWEST_FRAMES, WIDEST_PICTURE
+from validation.kit import snapshots
+from validation.kit.animation.keyframes import Keyframes
+
+MOST_FRAMES = 2000
+FASTEST = 50.0
+"""Frames per second above which browsers slow a GIF down."""
+
+FRONT, BACK = ("#8cc6ee", "#0b5c97"), ("#f7cf86", "#b85300")
+"""Light and heavy half of each face, as in the player."""
+
+_PATH = "#00795b"
+_AZIMUTH = -1.25
+_TRAIL = 0.5
+_DPI = 100
+
+
+def frame_times(
+    poses: Keyframes, *, speed: float | None = None, fps: float = 20.0
+) -> tuple[Array, int]:
+    """Times of the frames in s, and how long each is shown in hundredths of a second.
+
+    A GIF counts in hundredths of a second; the frames lie such that the playback has the speed
+    asked for exactly, and `fps` at least nearly.
+
+    Parameters
+    ----------
+    poses : Keyframes
+    speed : float, optional
+        1 for real time; by default a tenth for up to 4 s, real time for longer motions.
+    fps : float
+        Frames per second, from `SLOWEST_FRAMES` to `FASTEST`.
+
+    Raises
+    ------
+    ValueError
+        If a number is not positive, `fps` is out of range, or these are more than `MOST_FRAMES`.
+    """
+    if positive("fps", fps) > FASTEST:
+        raise ValueError(f"fps must be at most {FASTEST:g} for a GIF, got {fps:g}")
+    if fps < SLOWEST_FRAMES:
+        raise ValueError(f"fps must be at least {SLOWEST_FRAMES:g} for a GIF, got {fps:g}")
+    begin, end = float(poses.times[0]), float(poses.times[-1])
+    if speed is None:
+        speed = 0.1 if end - begin <= 4.0 else 1.0
+    shown = max(2, round(100.0 / fps))
+    count = int(np.floor((end - begin) / (positive("speed", speed) * shown / 100.0) + 1e-9)) + 1
+    if count > MOST_FRAMES:
+        raise ValueError(
+            f"a GIF may have {MOST_FRAMES} frames, not {count}: raise the speed, lower fps, or "
+            "bring begin and end closer together"
+        )
+    return begin + speed * shown / 100.0 * np.arange(count, dtype=float), shown
+
+
+def write(
+    poses: Keyframes,
+    stream: BinaryIO,
+    *,
+    speed: float | None = None,
+    fps: float = 20.0,
+    width: int = 480,
+) -> int:
+    """Draw a GIF with a progress bar on a terminal, and return its number of frames.
+
+    Parameters
+    ----------
+    poses : Keyframes
+    stream : file
+        Open for writing bytes.
+    speed, fps : float
+        As in `frame_times`.
+    width : int
+        In pixels, from 100 to `WIDEST_PICTURE`; the height is as large.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range.
+    """
+    if not 100 <= width <= WIDEST_PICTURE:
+        raise ValueError(f"width must lie from 100 to {WIDEST_PICTURE} pixels, got {width}")
+    times, shown = frame_times(poses, speed=speed, fps=fps)
+    picture = _Picture(poses, width)
+    # One palette for all frames, from a few of them, keeps the colours from flickering.
+    sample = [picture.draw(time) for time in np.linspace(times[0], times[-1], 8)]
+    palette = Image.fromarray(np.vstack(sample)).quantize(128)
+
+    def frame(time: float) -> Image.Image:
+        image = Image.fromarray(picture.draw(time))
+        return image.quantize(palette=palette, dither=Image.Dither.NONE)
+
+    rest = tqdm(times[1:], desc="frames", disable=None, leave=False)
+    frame(times[0]).save(
+        stream,
+        format="GIF",
+        save_all=True,
+        append_images=(frame(time) for time in rest),
+        duration=10 * shown,
+        loop=0,
+    )
+    return times.size
+
+
+class _Picture:
+    """A figure that is drawn anew for each frame: the disk above, its story below."""
+
+    def __init__(self, poses: Keyframes, width: int) -> None:
+        self.poses, self.scale = poses, width / 480
+        self.figure = Figure(figsize=(width / _DPI, width / _DPI), dpi=_DPI)
+        self.canvas = FigureCanvasAgg(self.figure)
+        self.scene = self.figure.add_axes((0.0, 0.24, 1.0, 0.76))
+        self.cursor = self._draw_strip(self.figure.add_axes((0.1, 0.08, 0.86, 0.12)))
+        low, high = poses.contact_points.min(axis=0), poses.contact_points.max(axis=0)
+        self.follows = bool(np.max(high - low) > 2.0 * poses.disk.radius)
+        self.middle = 0.5 * (low + high)
+
+    def _draw_strip(self, axes: Axes) -> Line2D:
+        """Height of the centre of gravity over time; returns the cursor."""
+        poses, size, thin = self.poses, 8.0 * self.scale, 0.8 * self.scale
+        axes.plot(poses.times, 1e3 * poses.positions[:, 2], color="#999999", linewidth=thin)
+        axes.plot(poses.times, 1e3 * poses.cog_height, color="#222222", linewidth=1.5 * thin)
+        axes.set_xlim(poses.times[0], poses.times[-1])
+        title = "height of the COG in mm (grey: of the centre) over time in s"
+        axes.set_title(title, loc="left", pad=2.0 * self.scale, fontsize=size)
+        axes.tick_params(labelsize=size, length=2.0 * self.scale, pad=2.0 * self.scale)
+        axes.spines[["top", "right"]].set_visible(False)
+        return axes.axvline(poses.times[0], color="#d00000", linewidth=1.2 * self.scale)
+
+    def draw(self, time: float) -> np.ndarray:
+        """Pixels at a time in s, shape (width, width, 3)."""
+        self.scene.clear()
+        self.scene.set_axis_off()
+        self.scene.set_xlim(-2.04, 2.04)
+        self.scene.set_ylim(-1.25, 1.85)
+        self.cursor.set_xdata([time, time])
+        self._draw_scene(self.poses.at(np.array([time])))
+        canvas: Any = self.canvas  # its methods carry no types
+        canvas.draw()
+        return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+
+    def _draw_scene(self, pose: Keyframes) -> None:
+        radius, scale = pose.disk.radius, self.scale
+        place = pose.positions[0]
+        target = np.array([*(place[:2] if self.follows else self.middle), 0.75 * radius])
+        first, second, _ = pose.rotations[0].T
+
+        def project(points: Array) -> Array:
+            """Picture coordinates in radii, shape (2, n)."""
+            arms = (np.atleast_2d(points) - target) / radius
+            across, up = snapshots.project(arms, _AZIMUTH).T
+            return np.array((across, up))
+
+        def rim(begin: float, end: float) -> Array:
+            angle = np.linspace(begin, end, 73)[:, None]
+            points: Array = place + radius * (np.cos(angle) * first + np.sin(angle) * second)
+            return points
+
+        self._draw_table(target, project)
+        axes, whole = self.scene, rim(0.0, 2 * np.pi)
+        axes.fill(*project(whole * (1.0, 1.0, 0.0)), color="#000000", alpha=0.13, lw=0, zorder=2)
+        axes.plot(*project(self._path(pose.times[0])), color=_PATH, lw=1.6 * scale, zorder=2)
+        # The body's x axis turns into its y axis counterclockwise if its z axis points to the eye.
+        counterclockwise = np.linalg.det(project(target + np.array([first, second]))) > 0.0
+        light, heavy = FRONT if counterclockwise else BACK
+        axes.fill(*project(whole), color=light, lw=0, zorder=3)
+        if pose.disk.eccentricity:
+            axes.fill(*project(rim(-0.5 * np.pi, 0.5 * np.pi)), color=heavy, lw=0, zorder=3)
+        axes.plot(*project(whole), color=heavy, lw=2.0 * scale, zorder=4)
+        cog = pose.disk.eccentricity * first
+        for point, marker, face, edge in (
+            (rim(0.0, 0.0)[0], "o", "white", "#222222"),
+            (place + cog, "o", "black", "white"),
+            (place, "+", "none", "#222222"),
+        ):
+            axes.plot(
+                *project(point), marker, ms=7 * scale, mew=scale, mfc=face, mec=edge, zorder=5
+            )
+        lift = 1e3 * float(cog[2])
+        text = (
+            f"t = {pose.times[0]:.3f} s,  β = {pose.tilt[0]:.2f} rad,  "
+            f"spin {pose.spins[0]:.1f} rad/s\n"
+            f"COG {abs(lift):.1f} mm {'above' if lift >= 0.0 else 'below'} the centre"
+        )
+        axes.text(-1.95, 1.78, text, va="top", fontsize=9.0 * scale)
+
+    def _draw_table(self, target: Array, project: Callable[[Array], Array]) -> None:
+        radius = self.poses.disk.radius
+        reach, cell = 3.0 * radius, 0.5 * radius
+        middle = np.array([target[0], target[1], 0.0])
+        edge = snapshots.outline(reach) + middle
+        self.scene.fill(*project(edge), color="#f3f3f0", lw=0, zorder=0)
+        for axis in (0, 1):
+            lowest = np.ceil((middle[axis] - reach) / cell)
+            for value in cell * np.arange(lowest, (middle[axis] + reach) / cell):
+                half = np.sqrt(max(0.0, reach**2 - (value - middle[axis]) ** 2))
+                line = np.tile(middle, (2, 1))
+                line[:, axis] = value
+                line[:, 1 - axis] += (-half, half)
+                self.scene.plot(*project(line), color="#d9d9d4", lw=0.7 * self.scale, zorder=1)
+
+    def _path(self, now: float) -> Array:
+        """Path of the contact point over the last moments, shape (n, 3)."""
+        times = self.poses.times
+        since = max(float(times[0]), now - _TRAIL)
+        inside = times[(times > since) & (times < now)]
+        points = self.poses.at(np.concatenate(([since], inside, [now]))).contact_points
+        return np.column_stack((points, np.zeros(len(points))))

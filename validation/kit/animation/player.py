@@ -1,0 +1,162 @@
+"""A player for any motion of the disk, as a part of a page or as a page of its own.
+
+The page needs no network and no other file. The motion lies in it as 16-bit integers: each
+column (three of the position, four of the quaternion, two of the contact point, the spin) is
+rounded to a 65535th of its range. That is at most 0.5 / 65535 of the range off, so 1 µm in a
+motion 0.13 m wide, and at most 7e-5 rad in attitude. Times are 32-bit floats, counted from the
+first, and good to 6e-8 of the duration.
+"""
+
+import base64
+import html
+import json
+from dataclasses import dataclass
+from importlib.resources import files
+
+import numpy as np
+
+from validation.kit.animation.keyframes import Keyframes, Motion, keyframes
+
+LEVELS = 65535
+"""Largest integer of a column."""
+
+COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "contactX", "contactY", "spin")
+"""What is stored per keyframe besides the time."""
+
+SHORT = 5.0
+"""Longest motion in s that is played slowly from begin to end."""
+
+SLOW = 0.1
+"""Speed at which the eye can follow a disk that turns six times a second."""
+
+KEY = "● centre of gravity, + centre, ○ mark on the rim, green: path of the contact point"
+HEAVY_KEY = "Dark half: the heavy side. "
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Animation:
+    """A player that is ready to be put on a page.
+
+    Parameters
+    ----------
+    name : str
+        Used for its file and as the identifier of its element.
+    title : str
+    fragment : str
+        HTML element with everything the player needs; several may share a page.
+    """
+
+    name: str
+    title: str
+    fragment: str
+
+    @property
+    def page(self) -> str:
+        """The player as an HTML page of its own, which begins to play when it is opened."""
+        fragment = self.fragment.replace("<figure ", "<figure data-alone ", 1)
+        return (
+            '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+            '<meta name="viewport" content="width=device-width, initial-scale=1">'
+            f"<title>{html.escape(self.title)}</title>"
+            "<style>body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; "
+            "max-width: 50rem; margin: 1rem auto; padding: 0 1rem; }</style></head><body>"
+            f"{fragment}</body></html>\n"
+        )
+
+
+def player(
+    motion: Motion | Keyframes,
+    *,
+    name: str,
+    title: str,
+    caption: str = "",
+    speed: float | None = None,
+) -> Animation:
+    """Player for a motion.
+
+    Parameters
+    ----------
+    motion : Trajectory, SpatialMotion or Keyframes
+    name : str
+        Identifier: a letter first, then letters, digits and hyphens.
+    title, caption : str
+        Plain text.
+    speed : float, optional
+        Playback speed at first, 1 for real time. By default a tenth for motions up to `SHORT`;
+        longer ones are played slowly until the disk is upside down and in real time from there.
+
+    Raises
+    ------
+    ValueError
+        If the disk of a spatial motion turns by about half a turn between samples.
+    """
+    poses = motion if isinstance(motion, Keyframes) else keyframes(motion)
+    # Within a script element, only "</" could end it early.
+    data = json.dumps(encode(poses) | _playback(poses, speed)).replace("</", "<\\/")
+    text = html.escape(f"{title}. {caption}".strip())
+    fragment = (
+        f'<figure class="disk-player" id="{html.escape(name)}">'
+        f"<style>{_asset('player.css')}</style>"
+        f"<figcaption><b>{html.escape(title)}.</b> {html.escape(caption)} "
+        f"<small>Simulated by: {html.escape(poses.source)}.</small></figcaption>"
+        f'<div class="scene"><canvas tabindex="0" role="img" aria-label="{text} Space plays, left '
+        'and right move in time, up and down tilt the view, plus and minus zoom."></canvas>'
+        '<p class="readout"></p><div class="zoom">'
+        '<button type="button" aria-label="Zoom in">+</button>'
+        '<button type="button" aria-label="Zoom out">−</button></div></div>'
+        '<div class="controls"><button type="button" class="play">Play</button>'
+        '<label>Speed <select class="speed"></select></label><span class="jumps"></span></div>'
+        '<input class="time" type="range" min="0" max="1" step="any" value="0" aria-label="Time">'
+        '<canvas class="strip" role="img" aria-label="Inclination and height of the centre of '
+        'gravity over time"></canvas>'
+        f'<p class="key">{HEAVY_KEY if poses.disk.eccentricity else ""}{KEY}.</p>'
+        "<noscript>The animation needs JavaScript.</noscript>"
+        f'<script type="application/json">{data}</script>'
+        f"<script>{_asset('player.js')}</script></figure>"
+    )
+    return Animation(name=name, title=title, fragment=fragment)
+
+
+def encode(poses: Keyframes) -> dict[str, object]:
+    """The motion as JSON holds it.
+
+    Returns
+    -------
+    dict
+        `begin` in s; `times`, base64 of little-endian 32-bit floats from there; `columns`, base64
+        of little-endian 16-bit integers, one of `COLUMNS` after the other; `low` and `step`, so
+        that a value is low + step * integer; `radius` and `eccentricity` in m; `marks`.
+    """
+    table = np.column_stack(
+        (poses.positions, poses.quaternions, poses.contact_points, poses.spins)
+    )
+    low, step = table.min(axis=0), np.ptp(table, axis=0) / LEVELS
+    integers = np.rint((table - low) / np.where(step > 0.0, step, 1.0))
+    return {
+        "begin": float(poses.times[0]),
+        "times": _base64((poses.times - poses.times[0]).astype("<f4")),
+        "columns": _base64(integers.T.astype("<u2")),
+        "low": dict(zip(COLUMNS, low.tolist(), strict=True)),
+        "step": dict(zip(COLUMNS, step.tolist(), strict=True)),
+        "radius": poses.disk.radius,
+        "eccentricity": poses.disk.eccentricity,
+        "marks": [list(mark) for mark in poses.marks],
+    }
+
+
+def _playback(poses: Keyframes, speed: float | None) -> dict[str, object]:
+    """Speed at first, or None for the one that changes at the time `slowUntil`."""
+    inversion = dict(poses.marks).get("inversion")
+    short = poses.times[-1] - poses.times[0] <= SHORT
+    until = None if short or inversion is None else inversion + 0.2
+    if speed is None and until is None:
+        speed = SLOW if short else 1.0
+    return {"speed": speed, "slow": SLOW, "slowUntil": until}
+
+
+def _base64(values: np.ndarray) -> str:
+    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+
+
+def _asset(name: str) -> str:
+    return files("validation.kit.animation").joinpath(name).read_text(encoding="utf-8")

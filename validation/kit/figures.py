@@ -1,0 +1,268 @@
+"""Figures 7, 8 and 9 of the paper: engine as lines, in-house as markers.
+
+Each function draws into given axes and returns them. Colours and line styles stay apart in grey
+and for the colour-blind.
+"""
+
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MultipleLocator
+
+from analysis import Trajectory
+from analysis.data.checks import Array
+
+COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73")
+"""Black, blue, vermilion and green of the Okabe-Ito palette, darkest first."""
+
+STYLES = ("-", "--", "-.", ":")
+MARKERS = ("o", "s", "^", "D")
+
+_MARKED = 12
+
+_RC: Any = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "figure.constrained_layout.use": True,
+    "font.size": 10,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "svg.hashsalt": "tippedisk",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """A rendered figure with its caption.
+
+    Parameters
+    ----------
+    name : str
+        Used for its files.
+    title, caption : str
+    png : bytes
+    svg : str
+    """
+
+    name: str
+    title: str
+    caption: str
+    png: bytes
+    svg: str
+
+
+def new_figure(
+    rows: int = 1,
+    *,
+    columns: int = 1,
+    width: float = 7.5,
+    height: float = 4.2,
+    share: bool = True,
+) -> tuple[Figure, Any]:
+    """Figure without a window, and its axes, which may share the horizontal one in a column."""
+    with mpl.rc_context(_RC):
+        figure = Figure(figsize=(width, height))
+        axes = figure.subplots(rows, columns, sharex="col" if share else False)
+    return figure, axes
+
+
+def render(figure: Figure, *, name: str, title: str, caption: str) -> Picture:
+    """Render a figure to PNG and SVG."""
+    png, svg = io.BytesIO(), io.StringIO()
+    with mpl.rc_context(_RC):
+        figure.savefig(png, format="png", dpi=150)
+        figure.savefig(svg, format="svg", metadata={"Date": None})
+    return Picture(name=name, title=title, caption=caption, png=png.getvalue(), svg=svg.getvalue())
+
+
+def legend_above(axes: Axes, columns: int = 4) -> None:
+    """Put the legend above the axes, where it hides nothing."""
+    axes.legend(ncols=columns, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
+
+
+def angle_axis(axes: Axes) -> None:
+    """Mark the vertical axis at multiples of a quarter of pi."""
+    axes.yaxis.set_major_locator(MultipleLocator(np.pi / 4))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: pi_label(value)))
+
+
+def pi_label(value: float) -> str:
+    """Label such as −π/2 for a multiple of a quarter of pi."""
+    quarters = round(value / (np.pi / 4))
+    if quarters == 0:
+        return "0"
+    sign = "−" if quarters < 0 else ""
+    number = abs(quarters)
+    for divisor in (4, 2, 1):
+        if (number * divisor) % 4 == 0:
+            top = number * divisor // 4
+            denominator = "" if divisor == 1 else f"/{divisor}"
+    return f"{sign}{'' if top == 1 else top}π{denominator}"
+
+
+def pair(
+    axes: Axes,
+    engine: tuple[Trajectory, Array],
+    inhouse: tuple[Trajectory, Array],
+    *,
+    index: int,
+    label: str,
+) -> None:
+    """Draw one quantity of an engine run as a line and of an in-house run as sparse markers."""
+    axes.plot(
+        engine[0].times, engine[1], color=COLOURS[index], linestyle=STYLES[index], label=label
+    )
+    every = max(1, inhouse[0].times.size // _MARKED)
+    # Markers of different curves are shifted, so that they do not hide each other.
+    axes.plot(
+        inhouse[0].times,
+        inhouse[1],
+        linestyle="none",
+        marker=MARKERS[index],
+        markersize=5,
+        markerfacecolor="white",
+        markeredgecolor=COLOURS[index],
+        markevery=(index * every // 4, every),
+    )
+
+
+def figure_7(
+    engine: Mapping[str, Trajectory], inhouse: Mapping[str, Trajectory], axes: Any = None
+) -> Any:
+    """Model 1: beta, gamma, the normal force, and what the load law changes.
+
+    Parameters
+    ----------
+    engine, inhouse : mapping
+        Runs by load law, "weight" and "contact".
+    axes : sequence of 3 Axes, optional
+    """
+    axes = new_figure(3, height=7.5)[1] if axes is None else axes
+    for index, (name, symbol) in enumerate((("beta", "β"), ("gamma", "γ"))):
+        for load, shift in (("contact", 1), ("weight", 0)):
+            run = engine[load]
+            if load == "contact":
+                values = run.coordinate(name)
+                other = inhouse[load]
+                pair(
+                    axes[0],
+                    (run, values),
+                    (other, other.coordinate(name)),
+                    index=index + shift,
+                    label=f"{symbol}, load $λ_N$",
+                )
+            else:
+                axes[0].plot(run.times, run.coordinate(name), color="#999999", linewidth=0.8)
+        difference = engine["weight"].coordinate(name) - engine["contact"].coordinate(name)
+        axes[2].plot(
+            engine["weight"].times,
+            difference,
+            color=COLOURS[index + 1],
+            linestyle=STYLES[index + 1],
+            label=f"Δ{symbol}",
+        )
+    axes[0].plot([], [], color="#999999", linewidth=0.8, label="both, load $m g$")
+    axes[0].plot([], [], "o", color="black", markerfacecolor="white", label="in-house")
+    angle_axis(axes[0])
+    axes[0].set(ylabel="angle in rad")
+    weight = engine["contact"].disk.weight
+    pair(
+        axes[1],
+        (engine["contact"], engine["contact"].normal_force),
+        (inhouse["contact"], inhouse["contact"].normal_force),
+        index=0,
+        label="$λ_N$",
+    )
+    axes[1].axhline(weight, color="#999999", linewidth=0.8, label="$m g$")
+    axes[1].set(ylabel="normal force in N", ylim=(0.0, 1.6 * weight))
+    axes[2].set(xlabel="time in s", ylabel="load $m g$ less load $λ_N$\nin rad")
+    for each in axes:
+        legend_above(each)
+    return axes
+
+
+def figure_8(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory], axes: Any = None) -> Any:
+    """Beta and gamma of Models 1 to 4.
+
+    Parameters
+    ----------
+    engine, inhouse : sequence of 4 trajectories
+    axes : sequence of 2 Axes, optional
+    """
+    axes = new_figure(2, height=6.0)[1] if axes is None else axes
+    for each, name, symbol in zip(axes, ("beta", "gamma"), "βγ", strict=True):
+        for index, (run, other) in enumerate(zip(engine, inhouse, strict=True)):
+            pair(
+                each,
+                (run, run.coordinate(name)),
+                (other, other.coordinate(name)),
+                index=index,
+                label=f"Model {run.level}",
+            )
+        each.set(ylabel=f"{symbol} in rad")
+    angle_axis(axes[1])
+    axes[0].axhline(np.pi / 2, color="#999999", linewidth=0.8, zorder=0)
+    axes[0].annotate(
+        "upright",
+        (1.0, np.pi / 2),
+        xycoords=axes[0].get_yaxis_transform(),
+        ha="left",
+        va="center",
+        annotation_clip=False,
+    )
+    legend_above(axes[0])
+    axes[1].set(xlabel="time in s")
+    return axes
+
+
+def figure_9(
+    engine: Sequence[Trajectory], inhouse: Sequence[Trajectory], axes: Axes | None = None
+) -> Axes:
+    """Spinning velocity of Models 1 to 4; the arguments are those of `figure_8`."""
+    axes = new_figure()[1] if axes is None else axes
+    for index, (run, other) in enumerate(zip(engine, inhouse, strict=True)):
+        pair(
+            axes,
+            (run, run.rate("alpha")),
+            (other, other.rate("alpha")),
+            index=index,
+            label=f"Model {run.level}",
+        )
+    axes.set(xlabel="time in s", ylabel="spinning velocity $\\dotα$ in rad/s")
+    legend_above(axes)
+    return axes
+
+
+def comparison(runs: Sequence[tuple[str, Trajectory]], axes: Any = None) -> Any:
+    """beta, gamma, spinning velocity and normal force of several labelled runs.
+
+    Parameters
+    ----------
+    runs : sequence of (label, Trajectory)
+    axes : sequence of 4 Axes, optional
+    """
+    axes = new_figure(4, height=8.5)[1] if axes is None else axes
+    for index, (label, run) in enumerate(runs):
+        look = {
+            "color": COLOURS[index % len(COLOURS)],
+            "linestyle": STYLES[index % len(STYLES)],
+            "linewidth": 2.2 - 0.4 * min(index, 3),
+        }
+        axes[0].plot(run.times, run.coordinate("beta"), label=label, **look)
+        axes[1].plot(run.times, run.coordinate("gamma"), **look)
+        axes[2].plot(run.times, run.rate("alpha"), **look)
+        axes[3].plot(run.times, run.normal_force, **look)
+    angle_axis(axes[1])
+    axes[0].set(ylabel="β in rad")
+    axes[1].set(ylabel="γ in rad")
+    axes[2].set(ylabel="$\\dotα$ in rad/s")
+    axes[3].set(ylabel="normal force in N", xlabel="time in s")
+    legend_above(axes[0], columns=1 + (len(runs) > 1))
+    return axes

@@ -1,0 +1,113 @@
+"""The disk seen at a few instants, drawn from any trajectory."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from analysis import Trajectory
+from analysis.data import frames
+from analysis.data.checks import Array
+from validation.kit import figures
+from validation.kit.figures import Picture
+
+_VIEW_ELEVATION = np.radians(14.0)
+_HOLE = (0.015, 0.02)
+
+
+def outline(radius: float, centre: float = 0.0) -> Array:
+    """Points of a circle in the disk's plane, shape (n, 3); its centre lies on the x axis."""
+    angle = np.linspace(0.0, 2 * np.pi, 121)
+    return np.column_stack(
+        (centre + radius * np.cos(angle), radius * np.sin(angle), np.zeros_like(angle))
+    )
+
+
+def project(points: Array, azimuth: float) -> Array:
+    """Orthographic picture coordinates, shape (n, 2), of inertial points, shape (n, 3)."""
+    c, s = np.cos(azimuth), np.sin(azimuth)
+    across = -s * points[:, 0] + c * points[:, 1]
+    depth = c * points[:, 0] + s * points[:, 1]
+    up = np.cos(_VIEW_ELEVATION) * points[:, 2] - np.sin(_VIEW_ELEVATION) * depth
+    return np.column_stack((across, up))
+
+
+def draw_disk(trajectory: Trajectory, index: int, axes: Any) -> Any:
+    """Draw the disk at one sample, seen from a camera that turns with it.
+
+    The hole is drawn where the paper's disk has it, scaled with the radius.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+    index : int
+        Sample.
+    axes : Axes
+    """
+    disk = trajectory.disk
+    position, rotation = frames.poses(trajectory.coordinates[index : index + 1])
+    # From a quarter to the side, so that the disk shows its face whatever its spin.
+    azimuth = trajectory.coordinates[index, 3] - np.pi / 2 + 0.35
+    scale = disk.radius / 0.045
+    centre = np.array([0.0, 0.0, position[0, 2]])
+
+    def place(points: Array) -> Array:
+        return project(points @ rotation[0].T + centre, azimuth)
+
+    edge, hole = place(outline(disk.radius)), place(outline(_HOLE[0] * scale, -_HOLE[1] * scale))
+    middle = place(np.zeros((1, 3)))[0]
+    cog = place(np.array([[disk.eccentricity, 0.0, 0.0]]))[0]
+    table = project(outline(1.6 * disk.radius), azimuth)
+    axes.fill(*table.T, color="#eeeeee", zorder=0)
+    axes.fill(*edge.T, facecolor="#9fc5e8", edgecolor="#0b3d61", linewidth=1.2)
+    axes.fill(*hole.T, facecolor="white", edgecolor="#0b3d61", linewidth=0.8)
+    axes.plot(*middle, marker="+", color="#0b3d61", markersize=6)
+    axes.plot(*cog, marker="o", color="black", markersize=5)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.set_xlim(-1.65 * disk.radius, 1.65 * disk.radius)
+    axes.set_ylim(-0.5 * disk.radius, 2.3 * disk.radius)
+    return axes
+
+
+def strip(trajectory: Trajectory, times: Sequence[float]) -> Picture:
+    """Render the disk at some instants side by side, above the angle gamma over time.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+    times : sequence of float
+        Instants in s; the nearest samples are drawn.
+    """
+    figure, _ = figures.new_figure(width=9.0, height=4.0)
+    figure.clear()
+    upper, lower = figure.subfigures(2, 1, height_ratios=(0.8, 1.0), squeeze=False)[:, 0]
+    indices = [int(np.argmin(np.abs(trajectory.times - time))) for time in times]
+    for index, axes in zip(indices, upper.subplots(1, len(indices)), strict=True):
+        draw_disk(trajectory, index, axes)
+        axes.set_title(f"{trajectory.times[index]:.2f} s", fontsize=10)
+    axes = lower.subplots()
+    until = max(indices) + 1
+    axes.plot(trajectory.times[:until], trajectory.coordinate("gamma")[:until], color="#0072b2")
+    axes.plot(
+        trajectory.times[indices], trajectory.coordinate("gamma")[indices], "o", color="black"
+    )
+    axes.axhline(-np.pi / 2, color="#999999", linewidth=0.8)
+    axes.axhline(np.pi / 2, color="#999999", linewidth=0.8)
+    axes.annotate(
+        "COG below the centre",
+        (trajectory.times[until - 1], -np.pi / 2),
+        ha="right",
+        va="bottom",
+        fontsize=9,
+    )
+    axes.annotate("COG above the centre", (0.0, np.pi / 2), va="bottom", fontsize=9)
+    figures.angle_axis(axes)
+    axes.set(xlabel="time in s", ylabel="γ in rad")
+    return figures.render(
+        figure,
+        name="snapshots",
+        title="The tippedisk turns itself upside down",
+        caption="Model 1 in the engine. Black dot: centre of gravity; cross: geometric centre. "
+        "The camera turns with the disk; the white circle is the hole that makes it eccentric.",
+    )

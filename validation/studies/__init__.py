@@ -1,0 +1,1 @@
+"""The studies: each compares, measures and draws one part of the report."""

@@ -1,0 +1,317 @@
+"""Whether inverted spinning attracts nearly all trajectories (Sections 1 and 3.2).
+
+`python -m validation.studies.claims.attraction` runs random starts of Models 1 and 4 over the
+spin and writes what became of each to `attraction.csv` beside this file, which the report reads.
+It takes some minutes on two cores.
+"""
+
+import argparse
+import csv
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import acos, pi
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+
+import analysis
+import mbs_models
+from analysis import STEEL_DISK, FlatError, Level, State, consistent_start, judge_inversion
+from analysis.data.files import whole_file
+from analysis.data.trajectory import Source
+from analysis.stability import linear_reduced
+from mbs_models import Scene
+from validation.kit import figures
+from validation.kit.figures import Picture
+from validation.kit.report import Job, run_jobs
+from validation.kit.tables import Cell, Table
+from validation.studies.claims.claim import Claim, grade, listed
+
+Tilt = Literal["near upright", "any tilt"]
+TILTS: tuple[Tilt, ...] = get_args(Tilt)
+
+Outcome = Literal["inverted", "lost", "not inverted", "not decided", "flat", "contact would pull"]
+OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
+
+MODELS: tuple[Level, ...] = (1, 4)
+SPINS = (25.0, 31.0, 33.0, 36.0, 40.0, 50.0, 60.0, 80.0, 100.0)
+"""Spins at the start in rad/s."""
+
+STARTS = 100
+"""Random starts at each spin."""
+
+END = 10.0
+"""End of each run in s."""
+
+STORED = Path(__file__).with_name("attraction.csv")
+"""Where the outcomes are kept."""
+
+CONFIRMED = (31.0, 36.0, 50.0)
+"""Spins in rad/s at which the engine repeats starts."""
+
+COLUMNS = ("model", "tilt", "spin in rad/s", "start", "outcome")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Start:
+    """A random start, given by its number.
+
+    Parameters
+    ----------
+    level : {1, 4}
+    tilt : {"near upright", "any tilt"}
+        beta within 0.2 rad of pi / 2; or every direction of the axis equally likely, up to
+        0.1 rad from flat. gamma is anything in both.
+    spin : float
+        In rad/s.
+    number : int
+        Seed. Starts of the same number and tilt have the same position at every spin and model.
+    """
+
+    level: Level
+    tilt: Tilt
+    spin: float
+    number: int
+
+    def state(self) -> State:
+        """Upright or tilted, spinning about the vertical, without slip along the edge."""
+        rng = np.random.default_rng((TILTS.index(self.tilt), self.number))
+        gamma = rng.uniform(-pi, pi)
+        if self.tilt == "near upright":
+            beta = pi / 2 + rng.uniform(-0.2, 0.2)
+        else:
+            beta = acos(rng.uniform(-1.0, 1.0) * np.cos(0.1))
+        return consistent_start(self.level, STEEL_DISK, beta=beta, gamma=gamma, spin=self.spin)
+
+
+def outcome(start: Start, source: Source = "in-house") -> Outcome:
+    """What becomes of a start until `END`."""
+    state = start.state()
+    times = np.linspace(0.0, END, round(100 * END) + 1)
+    try:
+        if source == "engine":
+            run = mbs_models.simulate(Scene(level=start.level, start=state), times, tolerance=1e-4)
+        else:
+            form: analysis.Form = "reduced" if start.level == 4 else "index-1"
+            run = analysis.simulate(
+                start.level, times, start=state, form=form, local_tolerance=1e-6
+            )
+    except FlatError:
+        return "flat"
+    if run.ending is not None and run.ending.reason == "contact would pull":
+        return "contact would pull"
+    return judge_inversion(run).outcome
+
+
+def outcomes(level: Level, tilt: Tilt, spin: float, numbers: Sequence[int]) -> list[Outcome]:
+    """Outcomes of several starts."""
+    return [outcome(Start(level=level, tilt=tilt, spin=spin, number=number)) for number in numbers]
+
+
+Results = dict[Start, Outcome]
+
+
+def run(count: int, workers: int | None = None) -> Results:
+    """Run `count` starts of every model, tilt and spin, in `workers` processes."""
+    numbers = range(count)
+    cases = [(level, tilt, spin) for level in MODELS for tilt in TILTS for spin in SPINS]
+    done = run_jobs(
+        [Job(case, outcomes, (*case, numbers)) for case in cases],
+        workers=workers,
+        title="attraction",
+    )
+    return {
+        Start(level=level, tilt=tilt, spin=spin, number=number): result
+        for level, tilt, spin in cases
+        for number, result in zip(numbers, done[level, tilt, spin], strict=True)
+    }
+
+
+def store(results: Results, path: Path) -> None:
+    """Write one line for each start; `OSError` if that cannot be done."""
+    lines = [
+        ",".join(COLUMNS),
+        *(f"{s.level},{s.tilt},{s.spin:g},{s.number},{result}" for s, result in results.items()),
+    ]
+    with whole_file(path) as stream:
+        stream.write("".join(f"{line}\n" for line in lines).encode())
+
+
+def load(path: Path = STORED) -> Results | None:
+    """Read what `store` has written; None if there is no such file.
+
+    Raises
+    ------
+    ValueError
+        If the file holds something else.
+    """
+    if not path.exists():
+        return None
+    known: dict[str, Outcome] = {name: name for name in OUTCOMES}
+    tilts: dict[str, Tilt] = {name: name for name in TILTS}
+    levels: dict[str, Level] = {str(level): level for level in MODELS}
+    results: Results = {}
+    with path.open(newline="") as stream:
+        lines = csv.reader(stream)
+        if tuple(next(lines, ())) != COLUMNS:
+            raise ValueError(f"{path} must begin with the columns {', '.join(COLUMNS)}")
+        try:
+            for level, tilt, spin, number, result in lines:
+                start = Start(
+                    level=levels[level], tilt=tilts[tilt], spin=float(spin), number=int(number)
+                )
+                results[start] = known[result]
+        except (KeyError, ValueError) as error:
+            raise ValueError(f"{path} has a line that is no start: {error}") from error
+    return results
+
+
+def counts(results: Results) -> dict[tuple[Level, Tilt, float], Counter[Outcome]]:
+    """How often each outcome is reached, by model, tilt and spin."""
+    found: dict[tuple[Level, Tilt, float], Counter[Outcome]] = {}
+    for start, result in results.items():
+        found.setdefault((start.level, start.tilt, start.spin), Counter())[result] += 1
+    return found
+
+
+def share(count: Counter[Outcome]) -> float:
+    """Part of the starts that are inverted, kept or lost later."""
+    return (count["inverted"] + count["lost"]) / count.total()
+
+
+def claim(results: Results | None) -> Claim:
+    """Sections 1 and 3.2: inverted spinning attracts nearly all trajectories."""
+    critical = linear_reduced.critical_speed(STEEL_DISK).spin
+    criterion = (
+        f"at every spin above {critical:.2f} rad/s at least 95 % of random starts of Model 1, of "
+        f"any tilt, are inverted within {END:g} s; partly: of those near upright"
+    )
+    shown = {
+        "place": "Sect. 1, 3.2",
+        "statement": "inverted spinning of a fast disk attracts nearly all trajectories",
+        "criterion": criterion,
+    }
+    if results is None:
+        return Claim(
+            **shown,
+            measured="run python -m validation.studies.claims.attraction",
+            verdict="not tried",
+        )
+    shares = {
+        (level, tilt, spin): share(count)
+        for (level, tilt, spin), count in counts(results).items()
+        if spin > critical
+    }
+    upright, tilted = (
+        min(value for (level, each, _), value in shares.items() if (level, each) == (1, tilt))
+        for tilt in TILTS
+    )
+    told = "; ".join(
+        f"Model {level}, {tilt}: "
+        + listed([100 * shares[key] for key in shares if key[:2] == (level, tilt)], ".0f")
+        + " %"
+        for level in MODELS
+        for tilt in TILTS
+    )
+    spins = ", ".join(f"{spin:g}" for spin in SPINS if spin > critical)
+    return Claim(
+        **shown,
+        measured=f"at {spins} rad/s: {told}",
+        verdict=grade(yes=tilted >= 0.95, partly=upright >= 0.95),
+    )
+
+
+def table(results: Results) -> Table:
+    """Outcomes by model, tilt and spin."""
+    rows: list[list[Cell]] = [
+        [f"Model {level}", tilt, spin, count.total(), share(count), *(count[o] for o in OUTCOMES)]
+        for (level, tilt, spin), count in counts(results).items()
+    ]
+    return Table(
+        name="attraction",
+        title="What becomes of random starts",
+        columns=("model", "starts", "spin in rad/s", "number", "share inverted", *OUTCOMES),
+        rows=rows,
+        note=f"Runs of {END:g} s, in-house to a local tolerance of 1e-6. Near upright: β within "
+        "0.2 rad of π/2, any γ. Any tilt: every direction of the axis equally likely, up to 0.1 "
+        "rad from flat. The share counts what is lost later as inverted.",
+    )
+
+
+def repeated() -> list[Start]:
+    """Starts that the engine repeats."""
+    return [
+        Start(level=1, tilt="any tilt", spin=spin, number=number)
+        for spin in CONFIRMED
+        for number in range(3)
+    ]
+
+
+def confirm(start: Start) -> tuple[Outcome, Outcome]:
+    """Outcomes of a start in the engine and in-house."""
+    return outcome(start, "engine"), outcome(start)
+
+
+def confirmation(results: dict[Start, tuple[Outcome, Outcome]], stored: Results | None) -> Table:
+    """Outcomes in the engine and in-house, and what is stored."""
+    rows: list[list[Cell]] = []
+    for start, (engine, inhouse) in results.items():
+        kept = None if stored is None else stored.get(start)
+        agrees = engine == inhouse and kept in (None, inhouse)
+        rows.append([start.spin, start.number, engine, inhouse, kept, agrees])
+    return Table(
+        name="attraction-engine",
+        title="Random starts of Model 1, any tilt, repeated in the engine",
+        columns=("spin in rad/s", "start", "engine", "in-house", "stored", "the same"),
+        rows=rows,
+    )
+
+
+def draw(results: Results) -> Picture:
+    """Share of the starts that are inverted over the spin."""
+    figure, axes = figures.new_figure(height=3.8)
+    found = counts(results)
+    for index, (level, tilt) in enumerate((level, tilt) for level in MODELS for tilt in TILTS):
+        spins = [spin for each, kind, spin in found if (each, kind) == (level, tilt)]
+        axes.plot(
+            spins,
+            [100 * share(found[level, tilt, spin]) for spin in spins],
+            color=figures.COLOURS[index],
+            linestyle=figures.STYLES[index],
+            marker=figures.MARKERS[index],
+            label=f"Model {level}, {tilt}",
+        )
+    critical = linear_reduced.critical_speed(STEEL_DISK).spin
+    axes.axvline(critical, color="#999999", linewidth=0.8, label="$Ω_{crit}$")
+    axes.set(xlabel="spin at the start in rad/s", ylabel="inverted in %", ylim=(-3.0, 103.0))
+    figures.legend_above(axes, columns=3)
+    return figures.render(
+        figure,
+        name="attraction",
+        title="How many random starts are inverted",
+        caption=f"Part of {min(count.total() for count in found.values())} random starts at each "
+        f"spin that are inverted within {END:g} s, also if they lose it later.",
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the study and store it."""
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.studies.claims.attraction",
+        description=(__doc__ or "").split("\n")[0],
+    )
+    parser.add_argument("--starts", type=int, default=STARTS, help="at each spin (%(default)s)")
+    parser.add_argument("--workers", type=int, default=2, help="processes (%(default)s)")
+    parser.add_argument("--out", type=Path, default=STORED, metavar="FILE", help="%(default)s")
+    options = parser.parse_args(arguments)
+    results = run(options.starts, options.workers)
+    store(results, options.out)
+    sys.stdout.write(f"{table(results).to_text()}\n\n{claim(results).measured}\n{options.out}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

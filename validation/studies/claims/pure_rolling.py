@@ -1,0 +1,159 @@
+"""Whether a disk that rolls without slip inverts (Sect. 4.3)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import analysis
+import mbs_models
+from analysis import Inversion, SmoothCoulomb, Trajectory, judge_inversion
+from analysis.data.checks import Array
+from analysis.models.pure_rolling import simulate_pure_rolling
+from mbs_models import Scene
+from validation.kit import figures
+from validation.kit.figures import Picture
+from validation.kit.tables import Cell, Table
+from validation.studies.claims.claim import Claim, grade, listed
+
+SPINS = (20.0, 30.0, 40.0, 60.0, 80.0, 100.0)
+"""Spins at the start in rad/s."""
+
+COEFFICIENTS = (0.3, 3.0, 30.0, 300.0, 3000.0)
+"""Friction coefficients with the paper's smoothing, on the way to the limit."""
+
+ENGINE_STEP = 2e-3
+"""Step in s of the engine's runs."""
+
+TIMES = np.linspace(0.0, 5.0, 1001)
+"""Times of all runs in s."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rolling:
+    """A run from Table 3 without slip.
+
+    `direction` is the height of the centre of gravity over the geometric centre as a part of its
+    largest, shape (n,), over `TIMES`.
+    """
+
+    spin: float
+    direction: Array
+    inversion: Inversion
+
+    @property
+    def longest(self) -> float:
+        """Longest time in s for which the centre of gravity stays above the geometric centre."""
+        change = np.diff(np.concatenate(([0], self.direction > 0.0, [0])).astype(int))
+        begins, ends = np.flatnonzero(change == 1), np.flatnonzero(change == -1)
+        return float(np.max(ends - begins, initial=0) * (TIMES[1] - TIMES[0]))
+
+
+def roll(spin: float) -> Rolling:
+    """Roll without slip from Table 3's position with this spin."""
+    coordinates, _ = simulate_pure_rolling(TIMES, spin)
+    direction = np.sin(coordinates[:, 4]) * np.sin(coordinates[:, 5])
+    return Rolling(
+        spin=spin, direction=direction, inversion=Inversion.of_direction(TIMES, direction)
+    )
+
+
+def slip(coefficient: float) -> tuple[Trajectory, Trajectory]:
+    """Model 1 from Table 3 with this friction coefficient, engine and in-house."""
+    friction = SmoothCoulomb(coefficient=coefficient)
+    scene = Scene(level=1, formulation="euler-tree", friction=friction)
+    return (
+        mbs_models.simulate(scene, TIMES, step=ENGINE_STEP),
+        analysis.simulate(1, TIMES, friction=friction, method="LSODA", local_tolerance=1e-8),
+    )
+
+
+def claim(rolled: Sequence[Rolling]) -> Claim:
+    """Section 4.3: pure rolling does not lead to the inversion."""
+    outcomes = [each.inversion.outcome for each in rolled]
+    return Claim(
+        place="Sect. 4.3",
+        statement="pure rolling (v_C = 0) does not lead to the inversion",
+        criterion="no start of Table 3 with spins of "
+        f"{', '.join(f'{each.spin:g}' for each in rolled)} rad/s is inverted within "
+        f"{TIMES[-1]:g} s; partly: some",
+        measured=f"{sum(outcome == 'not inverted' for outcome in outcomes)} of {len(rolled)} are "
+        f"not inverted; the centre of gravity rises to {listed(_highest(rolled))} of its height "
+        f"and stays above the geometric centre for at most "
+        f"{max(each.longest for each in rolled):.2f} s",
+        verdict=grade(
+            yes=all(outcome == "not inverted" for outcome in outcomes),
+            partly="not inverted" in outcomes,
+        ),
+    )
+
+
+def table(results: Mapping[Any, Any]) -> Table:
+    """On the way to pure rolling: the same start with more and more friction."""
+    limit: Rolling = results["pure rolling", 40.0]
+    rows: list[list[Cell]] = []
+    for coefficient in COEFFICIENTS:
+        engine, inhouse = results["slip", coefficient]
+        rows.append(
+            [
+                f"μ = {coefficient:g}",
+                coefficient / engine.friction.smoothing,
+                float(np.max(engine.cog_direction)),
+                float(np.max(inhouse.cog_direction)),
+                judge_inversion(engine).outcome,
+                judge_inversion(inhouse).outcome,
+            ]
+        )
+    highest = float(np.max(limit.direction))
+    rows.append(["pure rolling", None, None, highest, None, limit.inversion.outcome])
+    return Table(
+        name="pure-rolling",
+        title="From the paper's friction to pure rolling, Table 3's start",
+        columns=(
+            "friction",
+            "μ/ε in s/m",
+            "highest place of the COG, engine",
+            "in-house",
+            "outcome, engine",
+            "in-house",
+        ),
+        rows=rows,
+        note="Highest place: part of the eccentricity above the geometric centre. Pure rolling is "
+        "its own system, in which both components of the slip are constraints. Engine: steps of "
+        f"{1e3 * ENGINE_STEP:g} ms.",
+    )
+
+
+def draw(results: Mapping[Any, Any]) -> Picture:
+    """Where the centre of gravity goes, with the paper's friction and without slip."""
+    figure, axes = figures.new_figure(height=3.6)
+    engine, _ = results["slip", COEFFICIENTS[0]]
+    limit: Rolling = results["pure rolling", 40.0]
+    shown = TIMES <= 2.0
+    for index, (values, label) in enumerate(
+        ((engine.cog_direction, "Model 1, μ = 0.3 (engine)"), (limit.direction, "pure rolling"))
+    ):
+        axes.plot(
+            TIMES[shown],
+            values[shown],
+            color=figures.COLOURS[index],
+            linestyle=figures.STYLES[index],
+            label=label,
+        )
+    axes.axhline(0.9, color="#999999", linewidth=0.8)
+    axes.annotate("0.9", (0.0, 0.9), va="bottom", fontsize=9)
+    axes.set(xlabel="time in s", ylabel="height of the COG over\nthe centre / eccentricity")
+    figures.legend_above(axes)
+    return figures.render(
+        figure,
+        name="pure-rolling",
+        title="Rolling without slip swings up and falls back",
+        caption=f"Start of Table 3. Without slip the centre of gravity reaches "
+        f"{np.max(limit.direction):.2f} of its height and is below the geometric centre again "
+        f"within {limit.longest:.2f} s.",
+    )
+
+
+def _highest(rolled: Sequence[Rolling]) -> list[float]:
+    return [float(np.max(each.direction)) for each in rolled]

@@ -1,0 +1,195 @@
+"""The least spin from which each model inverts (Sect. 7), beside its critical speed (Sect. 6)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+import analysis
+import mbs_models
+from analysis import STEEL_DISK, FlatError, Level, SmoothCoulomb, consistent_start, judge_inversion
+from analysis.data.trajectory import Source
+from analysis.models.inversion import STAYING
+from analysis.stability import linear_reduced
+from analysis.stability.critical import critical_speeds
+from analysis.stability.spectra import System
+from mbs_models import Scene
+from validation.kit.tables import Cell, Table
+from validation.studies.claims.claim import Claim, grade, listed
+
+END = 10.0
+"""Time in s within which the disk has to be inverted."""
+
+BRACKET = (29.0, 33.0)
+"""Spins in rad/s between which the bisection looks."""
+
+WIDTH = 0.04
+"""Width in rad/s of what is left of the bracket."""
+
+SCANNED = (20.0, 40.0, 100.0)
+"""Further spins in rad/s: none below the bracket may invert, and all above have to."""
+
+ENGINE_STEP = 2e-3
+"""Step in s of the engine's runs."""
+
+_SYSTEMS: dict[Level, System] = {1: "model1", 2: "model2", 3: "model3", 4: "model4"}
+
+
+def outcome(level: Level, spin: float, source: Source = "in-house") -> str:
+    """What becomes of the start of Table 3 with this spin; "flat" if the disk lies flat.
+
+    Parameters
+    ----------
+    level : {1, 2, 3, 4}
+    spin : float
+        Spin at the start in rad/s.
+    source : {"engine", "in-house"}
+    """
+    times = np.linspace(0.0, END + STAYING, round(100 * (END + STAYING)) + 1)
+    start = consistent_start(level, STEEL_DISK, spin=spin)
+    try:
+        if source == "engine":
+            run = mbs_models.simulate(Scene(level=level, start=start), times, step=ENGINE_STEP)
+        else:
+            form: analysis.Form = "reduced" if level == 4 else "index-1"
+            run = analysis.simulate(level, times, start=start, form=form, local_tolerance=1e-6)
+    except FlatError:
+        return "flat"
+    return judge_inversion(run).outcome
+
+
+def inverts(result: str) -> bool:
+    """Whether an outcome is an inversion, kept or lost later."""
+    return result in ("inverted", "lost")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LeastSpin:
+    """Between which spins the inversion from Table 3's start begins.
+
+    Parameters
+    ----------
+    level : {1, 2, 3, 4}
+    below, above : float
+        Spins in rad/s without and with inversion.
+    outcomes : tuple of 2 str
+        In-house, at `below` and `above`.
+    engine : tuple of 2 str
+        The same in the engine.
+    scan : tuple of str
+        In-house, at the spins of `SCANNED`.
+    critical, lost : tuple of float
+        Spins in rad/s at which a pair of the model's own linearisation gains or loses stability.
+    """
+
+    level: Level
+    below: float
+    above: float
+    outcomes: tuple[str, str]
+    engine: tuple[str, str]
+    scan: tuple[str, ...]
+    critical: tuple[float, ...]
+    lost: tuple[float, ...]
+
+    @property
+    def monotone(self) -> bool:
+        """Whether none of the spins scanned below inverts and all above do."""
+        return all(
+            inverts(result) == (spin > self.above)
+            for spin, result in zip(SCANNED, self.scan, strict=True)
+        )
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the engine's outcomes are the in-house ones."""
+        return self.engine == self.outcomes
+
+
+def find_least_spin(level: Level) -> LeastSpin:
+    """Bisect the bracket for the spin from which the model inverts.
+
+    Raises
+    ------
+    ArithmeticError
+        If the ends of the bracket do not differ.
+    """
+    low, high = BRACKET
+    results = {spin: outcome(level, spin) for spin in BRACKET}
+    if inverts(results[low]) or not inverts(results[high]):
+        raise ArithmeticError(f"Model {level}: no change between {low:g} and {high:g} rad/s")
+    while high - low > WIDTH:
+        middle = 0.5 * (low + high)
+        results[middle] = outcome(level, middle)
+        low, high = (low, middle) if inverts(results[middle]) else (middle, high)
+    found = critical_speeds(_SYSTEMS[level], STEEL_DISK, SmoothCoulomb(), (20.0, 40.0))
+    return LeastSpin(
+        level=level,
+        below=low,
+        above=high,
+        outcomes=(results[low], results[high]),
+        engine=(outcome(level, low, "engine"), outcome(level, high, "engine")),
+        scan=tuple(outcome(level, spin) for spin in SCANNED),
+        critical=tuple(each.spin for each in found.hopf if each.stable_side == "above"),
+        lost=tuple(each.spin for each in found.hopf if each.stable_side == "below"),
+    )
+
+
+def claim(found: Sequence[LeastSpin]) -> Claim:
+    """Section 7: inversion only from supercritical spins."""
+    critical = linear_reduced.critical_speed(STEEL_DISK).spin
+    least = [each.above for each in found]
+    own = [each.above > max(each.critical) for each in found]
+    paper = [spin > critical for spin in least]
+    monotone = all(each.monotone for each in found)
+    return Claim(
+        place="Sect. 7",
+        statement="the inversion occurs only for supercritical initial spins",
+        criterion=f"the least spin from which Table 3's start is inverted within {END:g} s lies "
+        f"above Ω_crit = {critical:.2f} rad/s and above the model's own critical speed in all "
+        "models; partly: above Ω_crit in some; no: also if inversion comes and goes over the spin",
+        measured=f"least spins of Models 1 to 4: {listed(least)} rad/s; the models' own critical "
+        f"speeds: {listed(max(each.critical) for each in found)} rad/s",
+        verdict=grade(yes=all(paper) and all(own) and monotone, partly=any(paper) and monotone),
+    )
+
+
+def table(found: Sequence[LeastSpin]) -> Table:
+    """Least spins and critical speeds by model."""
+    rows: list[list[Cell]] = [
+        [
+            f"Model {each.level}",
+            listed(each.critical, ".4f"),
+            listed(each.lost, ".4f") or "–",
+            each.below,
+            each.outcomes[0],
+            each.above,
+            each.outcomes[1],
+            ", ".join(
+                f"{spin:g}: {result}" for spin, result in zip(SCANNED, each.scan, strict=True)
+            ),
+            each.confirmed,
+        ]
+        for each in found
+    ]
+    closed = linear_reduced.critical_speed(STEEL_DISK).spin
+    return Table(
+        name="start-spins",
+        title="Critical speeds of inverted spinning, and least spins from which Table 3 inverts",
+        columns=(
+            "model",
+            "critical speed in rad/s",
+            "another pair unstable above",
+            "no inversion at rad/s",
+            "outcome",
+            "inversion at rad/s",
+            "outcome",
+            "outcome at further spins in rad/s",
+            "engine has the same two outcomes",
+        ),
+        rows=rows,
+        note="Critical: above it the slow pair of the model's linearisation has a negative real "
+        f"part. The closed form of the reduced system, Eq. (126), is {closed:.4f} rad/s. "
+        f"Inverted: within {END:g} s; lost: below the centre again before {END + STAYING:g} s; "
+        "not decided: up at the end, for too short a time. In-house to a local tolerance of 1e-6; "
+        f"engine with steps of {ENGINE_STEP:g} s.",
+    )

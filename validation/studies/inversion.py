@@ -1,0 +1,131 @@
+"""The inversion from Table 3: Figures 7 to 9, engine against in-house equations."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+import analysis
+import mbs_models
+from analysis import LEVELS, LOADS, Level, Load, SmoothCoulomb, Trajectory, find_inversion
+from mbs_models import Scene
+from validation.kit import figures
+from validation.kit.figures import Picture
+from validation.kit.tables import Table
+from validation.studies.claims import motion
+from validation.studies.claims.claim import listed
+
+TOLERANCE = 1e-7
+"""Tolerance of all runs behind the figures in rad."""
+
+
+def run_pair(level: Level, load: Load, end: float) -> tuple[Trajectory, Trajectory]:
+    """Engine and in-house run from Table 3 until `end`, sampled every 5 ms."""
+    friction = SmoothCoulomb(load=load)
+    times = np.linspace(0.0, end, round(end * 200) + 1)
+    scene = Scene(level=level, friction=friction)
+    return (
+        mbs_models.simulate(scene, times, tolerance=TOLERANCE),
+        analysis.simulate(level, times, friction=friction, tolerance=TOLERANCE),
+    )
+
+
+def draw(
+    loads: Mapping[Load, tuple[Trajectory, Trajectory]],
+    levels: Sequence[tuple[Trajectory, Trajectory]],
+) -> list[Picture]:
+    """Figures 7 to 9.
+
+    Parameters
+    ----------
+    loads : mapping
+        Engine and in-house run of Model 1 over 2 s by load law.
+    levels : sequence
+        Engine and in-house run of Models 1 to 4 over 4 s.
+    """
+    engine, inhouse = ([pair[index] for pair in levels] for index in (0, 1))
+    return [_figure_7(loads), _figure_8(engine, inhouse), _figure_9(engine, inhouse)]
+
+
+_LOOK = "Lines: engine; markers: in-house equations. "
+
+
+def _figure_7(loads: Mapping[Load, tuple[Trajectory, Trajectory]]) -> Picture:
+    figure, axes = figures.new_figure(3, height=8.0)
+    figures.figure_7(
+        {load: loads[load][0] for load in LOADS}, {load: loads[load][1] for load in LOADS}, axes
+    )
+    contact, weight = loads["contact"][0], loads["weight"][0]
+    short = np.pi / 2 - motion.value_at(contact, contact.coordinate("gamma"), 0.5)
+    force = np.max(np.abs(contact.normal_force / contact.disk.weight - 1.0))
+    change = np.max(np.abs(weight.coordinates - contact.coordinates)[:, 4:6])
+    return figures.render(
+        figure,
+        name="figure-7",
+        title="Figure 7: Model 1 turns itself upside down",
+        caption=_LOOK + "γ passes from below the centre (−π/2) to above it (π/2); after 0.5 s it "
+        f"is {short:.2f} rad short of π/2 and then goes {motion.overshoot(contact):.2f} rad "
+        f"beyond. The normal force stays within {100 * force:.0f} % of the weight; taking the "
+        f"weight as the load of the friction law changes the angles by up to {change:.1e} rad.",
+    )
+
+
+def _figure_8(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory]) -> Picture:
+    figure, axes = figures.new_figure(2, height=6.5)
+    figures.figure_8(engine, inhouse, axes)
+    axes[1].set_xlim(0.0, 2.0)
+    inverted = ["–" if time is None else f"{time:.2f}" for time in map(find_inversion, engine)]
+    return figures.render(
+        figure,
+        name="figure-8",
+        title="Figure 8: Models 1 to 4",
+        caption=_LOOK + f"The models are inverted after {', '.join(inverted)} s. Turning points "
+        f"of β from 0.5 s to {engine[0].times[-1]:g} s: "
+        f"{', '.join(str(motion.turning_points(run)) for run in engine)}; overshoot of γ: "
+        f"{listed(map(motion.overshoot, engine))} rad.",
+    )
+
+
+def _figure_9(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory]) -> Picture:
+    figure, axes = figures.new_figure()
+    figures.figure_9(engine, inhouse, axes)
+    shares = [100 * motion.potential_share(run) for run in engine[:3]]
+    return figures.render(
+        figure,
+        name="figure-9",
+        title="Figure 9: the spinning velocity falls while the centre of gravity rises",
+        caption=_LOOK + "Model 4 holds it constant. Of the kinetic energy lost within 2 s, "
+        f"{listed(shares, '.0f')} % went into height in Models 1 to 3, the rest into friction.",
+    )
+
+
+def agreement(levels: Sequence[tuple[Trajectory, Trajectory]]) -> Table:
+    """Engine against in-house in the runs behind the figures."""
+    rows = [
+        [
+            f"Model {engine.level}",
+            str(engine.method["formulation"]),
+            float(np.max(np.abs(engine.coordinates - inhouse.coordinates)[:, 4:6])),
+            float(np.max(np.abs(engine.rate("alpha") - inhouse.rate("alpha")))),
+            float(np.max(np.abs(engine.normal_force - inhouse.normal_force))),
+            engine.error_estimate,
+        ]
+        for engine, inhouse in levels
+    ]
+    return Table(
+        name="figure-agreement",
+        title="Engine against in-house equations in the runs of Figures 8 and 9",
+        columns=(
+            "model",
+            "formulation",
+            "max difference of β, γ in rad",
+            "of spin in rad/s",
+            "of normal force in N",
+            "engine's own error estimate in rad",
+        ),
+        rows=rows,
+    )
+
+
+def level_jobs() -> list[tuple[Level, Load, float]]:
+    """Arguments of `run_pair` for Figures 7 to 9."""
+    return [(1, load, 2.0) for load in LOADS] + [(level, "weight", 4.0) for level in LEVELS]

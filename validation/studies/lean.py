@@ -1,0 +1,301 @@
+"""The price of carrying what a scene does not need, and of starting a command."""
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from statistics import median
+
+from analysis import SmoothCoulomb
+from mbs_models import Scene
+from mbs_models.ballast import BALLAST, Ballast, six_axes
+from mbs_models.build import build
+from mbs_models.integrators import IntegratorName, find_integrator
+from mbs_models.model import Model
+from mbs_models.runs import run
+from validation.kit.report import Job, Section
+from validation.kit.tables import Table
+
+SMOOTH = SmoothCoulomb(coefficient=0.0)
+DURATION = 0.5
+STEP = 5e-4
+
+Build = Callable[[], Model]
+
+START_UPS: dict[str, str] = {
+    "report": "validation.studies.full_report",
+    "simulate --source engine": "validation.commands.basic, mbs_models",
+    "simulate --source in-house": "validation.commands.basic",
+    "show": "validation.commands.basic, validation.kit.figures",
+    "eigenvalues --source engine": (
+        "validation.commands.stability, validation.studies.stability.eigenvalue_check"
+    ),
+    "eigenvalues --source in-house": "validation.commands.stability",
+    "critical": "validation.commands.stability, validation.studies.stability.tables",
+    "scene": "validation.commands.scene",
+    "work-precision": (
+        "validation.commands.work_precision, validation.studies.work_precision.study"
+    ),
+    "robustness": "validation.commands.robustness, validation.studies.robustness.section",
+    "animate": "validation.commands.animate, validation.kit.animation.player",
+    "rest --source engine": "validation.commands.rest, mbs_models",
+    "rest --source in-house": "validation.commands.rest",
+}
+"""From each subcommand, with its source if that matters, to what it imports when it runs."""
+
+HEAVY = ("numpy", "scipy", "exudyn", "matplotlib")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Price:
+    """Run times with and without a part.
+
+    Parameters
+    ----------
+    part : str
+    scene : str
+    carried, left_out : float
+        Engine time of a run in s, the least over the repeats.
+    spread : float
+        Median of the runs without the part over the least of them.
+    """
+
+    part: str
+    scene: str
+    carried: float
+    left_out: float
+    spread: float
+
+
+def price(
+    part: str,
+    scene: str,
+    carried: Build,
+    left_out: Build,
+    *,
+    repeats: int,
+    integrator: IntegratorName | None = None,
+) -> Price:
+    """Measure two models against each other, in turns, after a warm-up each."""
+    times: list[list[float]] = [[], []]
+    for _ in range(repeats + 1):
+        for which, make in enumerate((carried, left_out)):
+            times[which].append(_seconds(make(), integrator))
+    return Price(
+        part=part,
+        scene=scene,
+        carried=min(times[0][1:]),
+        left_out=min(times[1][1:]),
+        spread=median(times[1][1:]) / min(times[1][1:]),
+    )
+
+
+def _seconds(model: Model, name: IntegratorName | None) -> float:
+    scene = model.scene
+    integrator = find_integrator(scene.formulation, name, constrained=scene.has_constraints)
+    spacing = 5e-3
+    samples = run(
+        model,
+        integrator,
+        spacing=spacing,
+        intervals=round(DURATION / spacing),
+        substeps=round(spacing / STEP),
+    )
+    return samples.seconds
+
+
+def _with(scene: Scene, ballast: Ballast) -> Model:
+    model = build(scene)
+    ballast(model)
+    return model
+
+
+def prices(repeats: int) -> list[Price]:
+    """Measure every part that could be left out.
+
+    Parameters
+    ----------
+    repeats : int
+        Runs of each kind, of which the fastest counts.
+    """
+    result = [
+        price(
+            part,
+            f"{scene.formulation}, Model {scene.level}, "
+            f"{'with' if scene.friction.is_on else 'without'} friction",
+            partial(_with, scene, BALLAST[part]),
+            partial(build, scene),
+            repeats=repeats,
+        )
+        for part, scene in _ballast_cases()
+    ]
+    return result + _alternatives(repeats)
+
+
+def _ballast_cases() -> list[tuple[str, Scene]]:
+    bare = [
+        Scene(level=1, formulation="contact-tree", friction=SMOOTH),
+        Scene(level=2, formulation="euler-tree", friction=SMOOTH),
+        Scene(level=2, formulation="floating", friction=SMOOTH),
+    ]
+    rough = [
+        Scene(level=2, formulation="euler-tree"),
+        Scene(level=2, formulation="floating"),
+    ]
+    first, *others = BALLAST
+    return [(first, scene) for scene in bare] + [
+        (part, scene) for part in others for scene in rough
+    ]
+
+
+def _alternatives(repeats: int) -> list[Price]:
+    """Costlier ways to the same motion, or to the next simpler model.
+
+    Each is a pair of scenes, the costlier one first, or the same scene built in two ways.
+    """
+    tree = Scene(level=2)
+    pairs: list[tuple[str, str, Build, Build]] = [
+        (
+            "six joint axes where three do",
+            "euler-tree, Model 2",
+            partial(_with, tree, six_axes),
+            partial(build, tree),
+        ),
+    ]
+    scenes: list[tuple[str, str, Scene, Scene]] = [
+        (
+            "contact as a constraint, not by topology",
+            "euler-tree and contact-tree, Model 1",
+            Scene(level=1, formulation="euler-tree"),
+            Scene(level=1, formulation="contact-tree"),
+        ),
+        (
+            "Euler parameters, not a rotation vector",
+            "floating and floating-lie, Model 2",
+            Scene(level=2, formulation="floating"),
+            Scene(level=2, formulation="floating-lie"),
+        ),
+        (
+            "constraint of the spin (Model 4 against 3)",
+            "euler-tree",
+            Scene(level=4),
+            Scene(level=3),
+        ),
+        (
+            "carrier and constraint of the spin (Model 4 against 3)",
+            "floating",
+            Scene(level=4, formulation="floating"),
+            Scene(level=3, formulation="floating"),
+        ),
+    ]
+    pairs += [(part, name, partial(build, a), partial(build, b)) for part, name, a, b in scenes]
+    return [
+        price(part, name, carried, left_out, repeats=repeats, integrator="TrapezoidalIndex2")
+        for part, name, carried, left_out in pairs
+    ]
+
+
+def price_table(found: Sequence[Price]) -> Table:
+    """Table of run times with against without."""
+    return Table(
+        name="lean-scenes",
+        title="The price of carrying what a scene does not need",
+        columns=(
+            "part carried",
+            "scene",
+            "run time with in ms",
+            "without in ms",
+            "price in %",
+            "scatter in %",
+        ),
+        rows=[
+            [
+                each.part,
+                each.scene,
+                1e3 * each.carried,
+                1e3 * each.left_out,
+                round(100.0 * (each.carried / each.left_out - 1.0), 1),
+                round(100.0 * (each.spread - 1.0), 1),
+            ]
+            for each in found
+        ],
+        note=f"Engine time of {DURATION:g} s from Table 3 at step {STEP:g} s, sampled every 5 ms, "
+        "the fastest of the repeats; scatter is how far their median lies above the fastest. A "
+        "price within the scatter is none.",
+    )
+
+
+def start_up(repeats: int) -> Table:
+    """Time until each subcommand answers `--help`, and of the imports it makes when it runs.
+
+    Parameters
+    ----------
+    repeats : int
+        Processes of each kind, of which the fastest counts.
+    """
+    rows = []
+    for command, modules in {"(Python alone)": "", **START_UPS}.items():
+        code = "import sys" + (f", {modules}" if modules else "")
+        code += f"; print(*(name for name in {HEAVY!r} if name in sys.modules))"
+        seconds, loaded = _fastest([sys.executable, "-c", code], repeats)
+        answer = None
+        if modules:
+            answer = 1e3 * _fastest(help_call(command), repeats)[0]
+        rows.append([command, answer, 1e3 * seconds, loaded or "none of them"])
+    return Table(
+        name="start-up",
+        title="Start-up of each subcommand",
+        columns=(
+            "subcommand",
+            "answer to --help in ms",
+            "imports when it runs in ms",
+            f"of {', '.join(HEAVY)} it loads",
+        ),
+        rows=rows,
+        note="Whole processes, from start to end, the fastest of the repeats.",
+    )
+
+
+def help_call(command: str) -> list[str]:
+    """Call that asks a subcommand for help."""
+    code = "from validation.cli import main; main()"
+    return [sys.executable, "-c", code, command.split(maxsplit=1)[0], "--help"]
+
+
+def _fastest(command: Sequence[str], repeats: int) -> tuple[float, str]:
+    """Least time of whole processes in s, and what they print."""
+    seconds = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        seconds.append(time.perf_counter() - begin)
+    return min(seconds), done.stdout.strip()
+
+
+def jobs(*, quick: bool) -> list[Job]:
+    """Jobs for `run_jobs`; the keys start with "lean"."""
+    return [
+        Job(("lean", "prices"), prices, (2 if quick else 9,)),
+        Job(("lean", "start-up"), start_up, (1 if quick else 5,)),
+    ]
+
+
+def section(results: dict[tuple[str, ...], object]) -> Section:
+    """Section of the report from the results of `jobs`."""
+    found, start = results["lean", "prices"], results["lean", "start-up"]
+    assert isinstance(found, list)
+    assert isinstance(start, Table)
+    return Section(
+        name="lean",
+        title="Lean scenes",
+        paragraphs=[
+            (
+                "A scene holds what its model, contact, friction and outputs call for and nothing "
+                "else; `tippedisk scene` lists it with the reason for each item. What follows is "
+                "the price of carrying more."
+            )
+        ],
+        tables=[price_table(found), start],
+    )

@@ -1,0 +1,253 @@
+"""The creep that sliding friction alone leaves, and its law.
+
+A disk without loss would roll as Euler's disk does: its centre of gravity at rest, the contact
+point running round it with the precession rate, Omega² = m g r / (A sin(beta)). With its centre
+of gravity off its centre by e, it cannot do that without slip. Friction so weak that the centre of
+gravity stays at rest leaves a slip of amplitude e Omega sin²(beta). Far below epsilon the law is
+viscous and takes 1/2 (mu m g / epsilon) times its square, in proportion to beta³ at small beta.
+With an energy of 3/2 m g r sin(beta),
+
+    1 / beta² = 1 / beta_0² + k t,  where k = 2 mu m g e² / (3 epsilon A) for weak friction.
+
+Friction that drags the centre of gravity along makes k smaller, but keeps the law.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import sin, sqrt
+from typing import Any
+
+import numpy as np
+
+from analysis import (
+    STEEL_DISK,
+    Disk,
+    PenaltyContact,
+    SmoothCoulomb,
+    SpatialMotion,
+    consistent_start,
+    simulate_to_rest,
+)
+from analysis.data.checks import Array
+from validation.kit import figures
+from validation.kit.figures import Picture
+from validation.kit.report import Job
+from validation.kit.tables import Cell, Table
+
+START = 0.28
+"""Inclination in rad at which the runs of the law start, about where the fall ends."""
+
+TIMES = (30.0, 45.0, 60.0)
+"""In s: what is left of the start has died away, end of the fit, end of its check."""
+
+SMOOTHINGS = (0.1, 0.3, 3.0)
+"""Of the friction in m/s."""
+
+MEAN_TIME = 2.5
+"""Time in s over which the energy is averaged."""
+
+DEVIATION = 2e-4
+"""Largest relative deviation of a run from the law fitted to the stretch before."""
+
+FAR = 0.05
+"""Inclination in rad to which the law is extrapolated."""
+
+WINDOWS = ((24.0, 30.0), (45.0, 55.0), (70.0, 80.0))
+"""Times in s of the run from Table 3 over which its loss is averaged."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Creep:
+    """A creeping disk and the law fitted to it.
+
+    Parameters
+    ----------
+    friction : SmoothCoulomb
+    times, tilts : ndarray, shape (n,)
+        Times in s, and inclinations in rad of Euler's disk of the same mean energy. The disk
+        itself nods about them as it turns.
+    offset, rate : float
+        Of the fitted 1 / beta² = offset + rate * t.
+    error : float
+        Largest relative deviation of the inclination from the law behind the time of the fit.
+    """
+
+    friction: SmoothCoulomb
+    times: Array
+    tilts: Array
+    offset: float
+    rate: float
+    error: float
+
+    def time_between(self, first: float, last: float) -> float:
+        """Time in s that the law takes from one inclination to another."""
+        return (last**-2 - first**-2) / self.rate
+
+
+def run_creep(smoothing: float) -> Creep:
+    """Run the disk as Euler's would roll, on friction of this smoothing, and fit the law."""
+    disk = STEEL_DISK
+    friction = SmoothCoulomb(smoothing=smoothing, load="contact")
+    contact = PenaltyContact.rounded(disk)
+    precession = sqrt(disk.weight * disk.radius / (_across(disk) * sin(START)))
+    # Model 2 keeps the centre of gravity over its place.
+    start = consistent_start(2, disk, beta=START, gamma=0.0, spin=precession)
+    motion = simulate_to_rest(
+        TIMES[-1],
+        contact=contact,
+        friction=friction,
+        start=contact.lowered(disk, start),
+        spacing=1e-2,
+        local_tolerance=1e-9,
+    )
+    return fit(motion)
+
+
+def fit(motion: SpatialMotion) -> Creep:
+    """Fit the law to the second part of a motion and check it with the third."""
+    block = round(MEAN_TIME / (motion.times[1] - motion.times[0]))
+    count = motion.times.size // block * block
+    times = motion.times[:count].reshape(-1, block).mean(axis=1)
+    energy = motion.energies.sum(axis=1)[:count].reshape(-1, block).mean(axis=1)
+    tilts = np.arcsin(energy / (1.5 * motion.disk.weight * motion.disk.radius))
+    settled, end, _ = TIMES
+    fitted = (times >= settled) & (times < end)
+    rate, offset = np.polyfit(times[fitted], tilts[fitted] ** -2, 1)
+    checked = times >= end
+    law = (offset + rate * times[checked]) ** -0.5
+    assert isinstance(motion.friction, SmoothCoulomb)
+    return Creep(
+        friction=motion.friction,
+        times=times,
+        tilts=tilts,
+        offset=float(offset),
+        rate=float(rate),
+        error=float(np.max(np.abs(tilts[checked] / law - 1.0))),
+    )
+
+
+def weak_friction_rate(disk: Disk, friction: SmoothCoulomb) -> float:
+    """Rate k of the law in 1/s for friction so weak that the centre of gravity stays at rest."""
+    viscosity = friction.gradient * disk.weight
+    return 2.0 / 3.0 * viscosity * disk.eccentricity**2 / _across(disk)
+
+
+def _across(disk: Disk) -> float:
+    """Mean moment of inertia across the axis about the centre of gravity in kg m²."""
+    return sum(disk.inertia_about_cog[:2]) / 2.0
+
+
+def jobs() -> list[Job]:
+    """Runs behind the law."""
+    return [Job(("rest creep", smoothing), run_creep, (smoothing,)) for smoothing in SMOOTHINGS]
+
+
+def law_table(results: Mapping[Any, Any]) -> Table:
+    """The law for each smoothing, and how long it takes."""
+    rows: list[tuple[Cell, ...]] = []
+    largest = 0.0
+    for smoothing in SMOOTHINGS:
+        found: Creep = results["rest creep", smoothing]
+        share = found.rate / weak_friction_rate(STEEL_DISK, found.friction)
+        rows.append(
+            (
+                smoothing / found.friction.coefficient,
+                found.rate,
+                share,
+                # Friction drags the centre of gravity along, the less the weaker it is.
+                largest < share < 1.0,
+                found.error,
+                found.error < DEVIATION,
+                found.time_between(START, 0.5 * START) / 60.0,
+                found.time_between(START, FAR) / 3600.0,
+            )
+        )
+        largest = share
+    return Table(
+        name="rest-creep-law",
+        title="The creep goes on: 1 / β² grows in proportion to time",
+        columns=(
+            "ε/μ in m/s",
+            "growth in 1/s, fitted",
+            "part of that for weak friction",
+            "more than for stronger, below 1",
+            "largest relative deviation in β",
+            f"below {DEVIATION:g}",
+            f"from {START:g} to {0.5 * START:g} rad in min",
+            f"to {FAR:g} rad in h",
+        ),
+        rows=rows,
+        note=f"In-house runs, fitted from {TIMES[0]:g} to {TIMES[1]:g} s, deviation from "
+        f"{TIMES[1]:g} to {TIMES[2]:g} s. Weak friction: 2 μ m g e² / (3 ε A), with the centre of "
+        "gravity at rest; friction that drags it along slips less. The last two columns "
+        "extrapolate the law. A centred disk would not creep at all.",
+    )
+
+
+def draw(results: Mapping[Any, Any]) -> Picture:
+    """1 / beta² over time, with the fitted lines."""
+    figure, axes = figures.new_figure()
+    for index, smoothing in enumerate(SMOOTHINGS):
+        found: Creep = results["rest creep", smoothing]
+        look: dict[str, Any] = {"color": figures.COLOURS[index]}
+        name = f"ε/μ = {smoothing / found.friction.coefficient:.3g} m/s"
+        axes.plot(
+            found.times, found.tilts**-2, marker=figures.MARKERS[index], linestyle="",
+            label=name, **look,
+        )  # fmt: skip
+        axes.plot(found.times, found.offset + found.rate * found.times, linestyle=":", **look)
+    axes.axvspan(*TIMES[:2], color="#dddddd", zorder=0)
+    axes.set(xlabel="time in s", ylabel="1/β² in 1/rad²")
+    axes.legend()
+    return figures.render(
+        figure,
+        name="rest-creep",
+        title="With sliding friction alone the disk sinks ever more slowly",
+        caption="Dotted: fitted over the grey range. Before it, what is left of the start dies "
+        "away.",
+    )
+
+
+def creep_of(motion: SpatialMotion, begin: float, end: float) -> tuple[float, float]:
+    """Mean energy in J and its mean loss in W between two times."""
+    energy, times = motion.energies.sum(axis=1), motion.times
+    first, last = np.searchsorted(times, (begin, end))
+    loss = (energy[first] - energy[last]) / (times[last] - times[first])
+    return float(np.mean(energy[first : last + 1])), float(loss)
+
+
+def loss_table(motion: SpatialMotion) -> Table:
+    """How slowly the disk loses energy by sliding alone."""
+    viscosity = motion.friction.gradient
+    rows = []
+    for begin, end in WINDOWS:
+        part = (motion.times >= begin) & (motion.times <= end)
+        slip, force = motion.slip_speeds[part], motion.normal_force[part]
+        energy, loss = creep_of(motion, begin, end)
+        rows.append(
+            (
+                f"{begin:g} to {end:g}",
+                float(np.mean(motion.leaning[part])),
+                float(np.mean(slip)),
+                energy,
+                loss,
+                float(np.mean(viscosity * force * slip**2)),
+                energy / loss,
+            )
+        )
+    return Table(
+        name="rest-creep",
+        title="With sliding friction alone the disk creeps",
+        columns=(
+            "time in s",
+            "mean lean in rad",
+            "mean slip speed in m/s",
+            "energy in J",
+            "loss in W",
+            "loss by μ λ_N s² / ε in W",
+            "energy over loss in s",
+        ),
+        rows=rows,
+        note="In-house run from Table 3, which goes on creeping. The slip is far below ε, so that "
+        "the friction law is viscous with μ/ε and its loss grows with the square of the slip.",
+    )

@@ -1,0 +1,157 @@
+"""Figures of the way to rest."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.interpolate import CubicSpline
+
+from analysis import CAUSES, Dissipation, SpatialMotion, find_phases
+from analysis.data.checks import Array
+from validation.kit import figures
+from validation.kit.figures import Picture
+
+CAUSE_NAMES = {
+    "damping": "contact's damper",
+    "sliding": "sliding",
+    "rolling_dry": "dry rolling",
+    "rolling_viscous": "viscous rolling",
+    "pivoting": "pivoting",
+    "air_drag": "air",
+}
+
+_SHADES = (
+    "#0072b2", "#56b4e9", "#000000", "#d55e00", "#e69f00", "#f0e442", "#cc79a7", "#009e73"
+)  # fmt: skip
+"""Okabe and Ito's palette: kinetic, potential, then the causes."""
+
+
+def draw(motion: SpatialMotion) -> list[Picture]:
+    """The whole story over time, and the path on the table."""
+    figure, axes = figures.new_figure(5, height=11.0)
+    draw_story(motion, axes)
+    story = figures.render(
+        figure,
+        name="rest-story",
+        title="From Table 3 to rest",
+        caption=f"With {_described(motion.dissipation)}. Dotted: beginnings of the phases.",
+    )
+    path = figures.render(
+        draw_path(motion),
+        name="rest-path",
+        title="Path of the contact point on the table",
+        caption="Upside down, after the fall, and to the end; from the circle to the square.",
+    )
+    return [story, path]
+
+
+def draw_story(motion: SpatialMotion, axes: Any) -> Any:
+    """Draw tilt, COG height, spin, energies and contact force into five axes; returns them."""
+    times, colours = motion.times, figures.COLOURS
+    axes[0].plot(times, np.degrees(motion.tilt), color=colours[0])
+    # Room above for the names of the phases.
+    axes[0].set(ylabel="tilt β in °", ylim=(0, 250), yticks=range(0, 181, 45))
+    axes[1].plot(times, 1e3 * motion.cog_height, color=colours[0])
+    axes[1].set(ylabel="COG height in mm", ylim=(0, None))
+    axes[2].plot(times, motion.spin, color=colours[0])
+    axes[2].set(ylabel="vertical spin in rad/s")
+    labels = ["kinetic", "potential", *(CAUSE_NAMES[c] for c in CAUSES)]
+    parts = np.column_stack(
+        (motion.energies[:, 0], motion.energies[:, 1:].sum(axis=1), motion.dissipated)
+    )
+    used = [i for i in range(len(labels)) if i < 2 or parts[-1, i] > 1e-6 * parts[0].sum()]
+    axes[3].stackplot(
+        times,
+        parts[:, used].T,
+        labels=[labels[i] for i in used],
+        colors=[_SHADES[i] for i in used],
+    )
+    axes[3].set(ylabel="energy in J")
+    axes[3].legend(ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0), fontsize=8, frameon=False)
+    axes[4].plot(times, motion.normal_force, color=colours[0], linewidth=0.5)
+    axes[4].set(ylabel="contact force in N", xlabel="time in s", xlim=(times[0], times[-1]))
+    _mark_phases(motion, axes)
+    return axes
+
+
+def draw_path(motion: SpatialMotion) -> Figure:
+    """Draw the path of the contact point upside down, falling and rolling, and near rest."""
+    phases = find_phases(motion)
+    fall = phases.inversion_lost or motion.times[-1] / 3
+    late = 0.5 * (fall + (phases.flat or motion.times[-1]))
+    ends = (0.0, fall, late, motion.times[-1])
+    path = CubicSpline(motion.times, 1e3 * motion.contact_points[:, :2])
+    figure, axes = figures.new_figure(1, columns=3, height=3.1)
+    for panel, (begin, end) in zip(axes, pairwise(ends), strict=True):
+        x, y = path(np.arange(begin, end, 1e-3)).T
+        panel.plot(x, y, color=figures.COLOURS[1], linewidth=0.3)
+        panel.plot(x[0], y[0], "o", color=figures.COLOURS[0], markersize=5)
+        panel.plot(x[-1], y[-1], "s", color=figures.COLOURS[2], markersize=5)
+        panel.set(title=f"{begin:.1f} s to {end:.1f} s", xlabel="x in mm", box_aspect=1)
+        panel.set_aspect("equal", adjustable="datalim")
+    axes[0].set(ylabel="y in mm")
+    return figure
+
+
+def draw_dependence(base: SpatialMotion, variants: Mapping[str, SpatialMotion]) -> Picture:
+    """How far the tilt of variants departs from that of a motion over time."""
+    figure, axes = figures.new_figure(height=4.6)
+    for index, (name, motion) in enumerate(variants.items()):
+        count = min(base.times.size, motion.times.size)
+        change = np.abs(motion.tilt[:count] - base.tilt[:count])
+        axes.semilogy(
+            base.times[:count],
+            _largest_around(change, 41),
+            label=name,
+            color=_SHADES[(2, 0, 3, 7, 6)[index]],
+            linestyle=("-", "--", "-", "-", "-.")[index],
+        )
+    _mark_phases(base, [axes])
+    axes.set(
+        xlabel="time in s",
+        ylabel="change of β in rad",
+        xlim=(0.0, base.times[-1]),
+        ylim=(1e-10, 10.0),
+    )
+    figures.legend_above(axes, columns=3)
+    return figures.render(
+        figure,
+        name="rest-dependence",
+        title="What the way to rest depends on",
+        caption="Largest change of β within a fifth of a second against the in-house run. Dotted: "
+        "beginnings of its phases.",
+    )
+
+
+def _largest_around(values: Array, width: int) -> Array:
+    """Largest of so many values around each."""
+    padded = np.pad(values, width // 2, mode="edge")
+    result: Array = np.lib.stride_tricks.sliding_window_view(padded, width).max(axis=1)
+    return result
+
+
+def _mark_phases(motion: SpatialMotion, panels: Sequence[Any]) -> None:
+    """Draw dotted lines where phases begin, named in the first of the axes."""
+    phases = find_phases(motion)
+    for field in fields(phases):
+        begin = getattr(phases, field.name)
+        if begin is not None:
+            for panel in panels:
+                panel.axvline(begin, color="#888888", linestyle=":", linewidth=1.0)
+            panels[0].text(
+                begin,
+                0.98,
+                field.name.replace("_", " "),
+                transform=panels[0].get_xaxis_transform(),
+                rotation=90,
+                va="top",
+                fontsize=7,
+            )
+
+
+def _described(dissipation: Dissipation) -> str:
+    on = [name for name in CAUSES[2:] if getattr(dissipation, name)]
+    return ", ".join(["sliding friction", *(CAUSE_NAMES[name] for name in on)])

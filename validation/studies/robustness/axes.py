@@ -1,0 +1,293 @@
+"""The axes of the study: along each, motions become extreme in one respect."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import pi, sqrt
+
+from analysis import LEVELS, STEEL_DISK, Disk, Level, PenaltyContact, SmoothCoulomb
+from analysis import consistent_start as start_of
+from validation.studies.robustness.cases import Problem
+
+QUICK: dict[str, tuple[str, ...]] = {
+    "smoothing ε in m/s": ("1", "1e-2"),
+    "contact stiffness in N/m": ("1e4",),
+    "start above the table": ("5 mm, undamped",),
+    "spin in rad/s": ("0", "-40"),
+    "contact load: spin, μ": ("200 rad/s, 0.3",),
+    "tilt β in rad": ("π − 0.01",),
+    "eccentricity in m": ("1e-9",),
+    "inertia about the COG": ("lamina",),
+    "radius of the disk in m": ("0.001",),
+    "friction μ": ("0",),
+    "start": ("inverted, below critical spin",),
+    "sampling, duration": ("2 samples, 0.5 s", "2 samples, rolling fast"),
+}
+"""Labels of the sample of each axis, in Model 1, that the quick version runs."""
+
+
+def problems(*, quick: bool) -> list[Problem]:
+    """All problems, or the sample `QUICK` of them."""
+    found: list[Problem] = []
+    for level in LEVELS:
+        found += _smoothing(level)
+        found += [*_stiffness(), *_drops()] if level == 1 else ()
+        found += _spin(level)
+        found += _contact_load(level)
+        found += _tilt(level)
+        found += _eccentricity(level)
+        found += _inertia(level)
+        found += [scaled(level, size) for size in (1e-3, 10.0)]
+        found += _friction(level)
+        found += _rest(level)
+        found += _sampling(level)
+        found += _long(level)
+    if quick:
+        return [each for each in found if each.level == 1 and each.label in QUICK[each.axis]]
+    return found
+
+
+def _smoothing(level: Level) -> Iterator[Problem]:
+    for digits in (0, 2, 3, 4, 5, 6, 8) if level == 1 else (0, 2, 3, 4, 5, 8):
+        yield Problem(
+            axis="smoothing ε in m/s",
+            label=f"1e-{digits}" if digits else "1",
+            level=level,
+            friction=SmoothCoulomb(smoothing=10.0**-digits),
+            start=start_of(level, STEEL_DISK),
+            cover="all" if digits < 3 else "first",
+        )
+
+
+def _stiffness() -> Iterator[Problem]:
+    for digits in (4, 6, 9):
+        contact = PenaltyContact.damped(10.0**digits, STEEL_DISK)
+        yield Problem(
+            axis="contact stiffness in N/m",
+            label=f"1e{digits}",
+            level=1,
+            friction=SmoothCoulomb(load="contact"),
+            contact=contact,
+            start=contact.lowered(STEEL_DISK, start_of(1, STEEL_DISK)),
+            cover="all",
+        )
+
+
+def _drops() -> Iterator[Problem]:
+    undamped, damped = PenaltyContact(stiffness=1e5), PenaltyContact.damped(1e5, STEEL_DISK)
+    for height, contact, label in (
+        (1e-3, undamped, "1 mm, undamped"),
+        (5e-3, undamped, "5 mm, undamped"),
+        (1e-3, damped, "1 mm, damped"),
+        (5e-3, damped, "5 mm, damped"),
+    ):
+        start = start_of(1, STEEL_DISK)
+        x, y, z, *angles = start.coordinates
+        yield Problem(
+            axis="start above the table",
+            label=label,
+            level=1,
+            friction=SmoothCoulomb(load="contact"),
+            contact=contact,
+            start=replace(start, coordinates=(x, y, z + height, *angles)),
+            end=0.1,
+        )
+
+
+def _spin(level: Level) -> Iterator[Problem]:
+    for spin in (0.0, 100.0, 300.0, 1000.0, -40.0):
+        yield Problem(
+            axis="spin in rad/s",
+            label=f"{spin:g}",
+            level=level,
+            start=start_of(level, STEEL_DISK, spin=spin),
+            end=0.05 if spin == 1000.0 else 0.5,
+            cover="all" if spin == 100.0 else "first",
+        )
+
+
+def _contact_load(level: Level) -> Iterator[Problem]:
+    """Friction by the contact force; the fast ones end where the contact would pull."""
+    for spin, coefficient in ((100, 0.3), (200, 0.3), (300, 0.3), (40, 2), (40, 3), (300, 3)):
+        yield Problem(
+            axis="contact load: spin, μ",
+            label=f"{spin:g} rad/s, {coefficient:g}",
+            level=level,
+            friction=SmoothCoulomb(coefficient=coefficient, load="contact"),
+            start=start_of(level, STEEL_DISK, spin=spin),
+            cover="all" if spin == 200 or coefficient == 3 else "first",
+        )
+
+
+def _tilt(level: Level) -> Iterator[Problem]:
+    for beta, label, end, samples in (
+        (1e-4, "1e-4", 4e-4, 101),
+        (0.01, "0.01", 4e-3, 101),
+        (pi - 0.01, "π − 0.01", 4e-3, 101),
+        *([(1e-4, "1e-4, beyond the fall", 0.1, 11)] if level == 1 else []),
+    ):
+        yield Problem(
+            axis="tilt β in rad",
+            label=label,
+            level=level,
+            start=start_of(level, STEEL_DISK, beta=beta, spin=40.0),
+            end=end,
+            samples=samples,
+        )
+
+
+def body(moments: tuple[float, float, float], eccentricity: float) -> Disk:
+    """The steel disk with other moments about the COG, and the COG elsewhere.
+
+    Parameters
+    ----------
+    moments : tuple of 3 floats
+        About the COG in kg m², so that a rigid body exists for every eccentricity.
+    eccentricity : float
+        In m.
+    """
+    disk = STEEL_DISK
+    shift = disk.mass * eccentricity**2
+    a, b, c = moments
+    return replace(
+        disk, eccentricity=eccentricity, inertia_x=a, inertia_y=b + shift, inertia_z=c + shift
+    )
+
+
+def _eccentricity(level: Level) -> Iterator[Problem]:
+    radius = STEEL_DISK.radius
+    for value, label in ((0.0, "0"), (1e-9, "1e-9"), (0.99 * radius, "0.99 r")):
+        disk = body(STEEL_DISK.inertia_about_cog, value)
+        yield Problem(
+            axis="eccentricity in m",
+            label=label,
+            level=level,
+            disk=disk,
+            start=start_of(level, disk),
+            end=0.25,
+        )
+
+
+def _inertia(level: Level) -> Iterator[Problem]:
+    """Flat bodies, in which one moment is the sum of the others, and rods, in which one is none.
+
+    A rod of no moment at all is no rigid body: one in a thousand is left.
+    """
+    e, r = STEEL_DISK.eccentricity, STEEL_DISK.radius
+    for label, parts, eccentricity in (
+        ("lamina", (0.25, 0.25, 0.5), 0.0),
+        ("lamina, COG at 0.9 r", (0.25, 0.25, 0.5), 0.9 * r),
+        ("flat across x", (0.5, 0.25, 0.25), e),
+        ("flat across y", (0.25, 0.5, 0.25), e),
+        ("rod along x", (3e-4, 0.3, 0.3), e),
+        ("rod along y", (0.3, 3e-4, 0.3), e),
+        ("rod along z", (0.3, 0.3, 3e-4), e),
+    ):
+        a, b, c = (part * STEEL_DISK.mass * r**2 for part in parts)
+        disk = body((a, b, c), eccentricity)
+        yield Problem(
+            axis="inertia about the COG",
+            label=label,
+            level=level,
+            disk=disk,
+            start=start_of(level, disk),
+            end=0.25,
+        )
+
+
+def scaled(level: Level, radius: float) -> Problem:
+    """Table 3 for a steel disk of another size, at the same Froude number.
+
+    Lengths are scaled by s, times by the root of s, speeds and smoothing likewise, so that the
+    angles of the motion are those of the original.
+    """
+    scale = radius / STEEL_DISK.radius
+    disk = Disk.ring(
+        radius=radius,
+        hole_radius=0.015 * scale,
+        hole_distance=0.02 * scale,
+        thickness=0.01 * scale,
+        density=7700.0,
+    )
+    return Problem(
+        axis="radius of the disk in m",
+        label=f"{radius:g}",
+        level=level,
+        disk=disk,
+        friction=SmoothCoulomb(smoothing=0.1 * sqrt(scale)),
+        start=start_of(level, disk, spin=40.0 / sqrt(scale)),
+        end=0.5 * sqrt(scale),
+        cover="all" if scale < 1.0 else "first",
+    )
+
+
+def _friction(level: Level) -> Iterator[Problem]:
+    for coefficient in (0.0, 10.0):
+        yield Problem(
+            axis="friction μ",
+            label=f"{coefficient:g}",
+            level=level,
+            friction=SmoothCoulomb(coefficient=coefficient),
+            start=start_of(level, STEEL_DISK),
+        )
+
+
+def _rest(level: Level) -> Iterator[Problem]:
+    for label, gamma, spin in (
+        ("at rest", -pi / 2 + 0.1, 0.0),
+        ("at rest, COG above", pi / 2, 0.0),
+        ("noninverted spinning", -pi / 2, 40.0),
+        ("inverted, below critical spin", pi / 2, 20.0),
+    ):
+        yield Problem(
+            axis="start",
+            label=label,
+            level=level,
+            start=start_of(level, STEEL_DISK, gamma=gamma, spin=spin),
+        )
+
+
+def _sampling(level: Level) -> Iterator[Problem]:
+    for samples, end in ((2, 0.5), (3, 2.0)):
+        yield Problem(
+            axis="sampling, duration",
+            label=f"{samples} samples, {end:g} s",
+            level=level,
+            start=start_of(level, STEEL_DISK),
+            end=end,
+            samples=samples,
+        )
+    yield Problem(
+        axis="sampling, duration",
+        label="2 samples, rolling fast",
+        level=level,
+        start=start_of(level, STEEL_DISK, beta=1.0, gamma=0.0, spin=50.0),
+        end=0.3,
+        samples=2,
+    )
+
+
+def _long(level: Level) -> Iterator[Problem]:
+    """Through inversion and fall; tens of seconds in Model 1, and inverted for longer."""
+    for end in (5.0, 10.0, 20.0) if level == 1 else (5.0, 10.0):
+        yield Problem(
+            axis="sampling, duration",
+            label=f"{end:g} s",
+            level=level,
+            start=start_of(level, STEEL_DISK),
+            end=end,
+            samples=round(100 * end) + 1,
+            cover="first" if end == 5.0 else "fastest",
+        )
+    if level > 1:
+        return
+    yield Problem(
+        axis="sampling, duration",
+        label="50 s, to inverted spinning",
+        level=level,
+        # With this friction inverted spinning is stable.
+        friction=SmoothCoulomb(smoothing=0.2),
+        start=start_of(level, STEEL_DISK, gamma=pi / 2 - 0.1, spin=40.0),
+        end=50.0,
+        samples=5001,
+        cover="fastest",
+    )

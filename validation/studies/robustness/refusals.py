@@ -1,0 +1,87 @@
+"""What cannot work, asked for, and how it is refused."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, nan
+
+import numpy as np
+
+import analysis
+import mbs_models
+from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb, State, consistent_start
+from mbs_models import Scene
+from validation.kit.tables import Cell, Table
+
+TIMES = (0.0, 0.1)
+LIMIT = 2.0
+"""Time in s within which a refusal comes, so that nothing has run."""
+
+
+def _above_the_table() -> State:
+    start = consistent_start(1, STEEL_DISK)
+    x, y, z, *angles = start.coordinates
+    return replace(start, coordinates=(x, y, z + 1e-3, *angles))
+
+
+REQUESTS: dict[str, Callable[[], object]] = {
+    "smoothing of zero": lambda: SmoothCoulomb(smoothing=0.0),
+    "friction coefficient below zero": lambda: SmoothCoulomb(coefficient=-0.1),
+    "friction coefficient not a number": lambda: SmoothCoulomb(coefficient=nan),
+    "start lying flat": lambda: consistent_start(1, STEEL_DISK, beta=0.0),
+    "endless spin": lambda: consistent_start(1, STEEL_DISK, spin=inf),
+    "COG at the rim": lambda: replace(STEEL_DISK, eccentricity=STEEL_DISK.radius),
+    "COG far out, moments about the centre kept": lambda: replace(
+        STEEL_DISK, eccentricity=0.99 * STEEL_DISK.radius
+    ),
+    "slip along the edge in Model 3": lambda: consistent_start(3, STEEL_DISK, gamma_rate=1.0),
+    "start above the table, engine": lambda: mbs_models.simulate(
+        Scene(start=_above_the_table()), TIMES
+    ),
+    "start above the table, in-house": lambda: analysis.simulate(
+        1, TIMES, start=_above_the_table()
+    ),
+    "explicit integrator on constraints": lambda: mbs_models.simulate(
+        Scene(level=2), TIMES, integrator="RK44"
+    ),
+    "contact tree in Model 2": lambda: Scene(level=2, formulation="contact-tree"),
+    "contact tree with the contact force as load": lambda: Scene(
+        formulation="contact-tree", friction=SmoothCoulomb(load="contact")
+    ),
+    "penalty contact on a contact tree": lambda: Scene(
+        formulation="contact-tree", contact=PenaltyContact(stiffness=1e5)
+    ),
+    "penalty contact in Model 2": lambda: Scene(level=2, contact=PenaltyContact(stiffness=1e5)),
+    "penalty contact that is too soft": lambda: Scene(contact=PenaltyContact(stiffness=1e3)),
+    "damping below zero": lambda: PenaltyContact(stiffness=1e5, damping=-1.0),
+    "minimal coordinates in Model 3": lambda: analysis.simulate(3, TIMES, form="reduced"),
+    "minimal coordinates with the contact force as load": lambda: analysis.simulate(
+        4, TIMES, form="reduced", friction=SmoothCoulomb(load="contact")
+    ),
+    "times that do not increase": lambda: mbs_models.simulate(Scene(), (0.0, 0.0)),
+    "step of zero": lambda: mbs_models.simulate(Scene(), TIMES, step=0.0),
+    "step and tolerance": lambda: mbs_models.simulate(Scene(), TIMES, step=1e-3, tolerance=1e-6),
+}
+
+
+def refusals() -> Table:
+    """Ask for each of `REQUESTS`; each must be refused at once, in one line."""
+    Scene()
+    rows: list[list[Cell]] = []
+    for name, ask in REQUESTS.items():
+        begin = time.perf_counter()
+        reason, refused = "", False
+        try:
+            with np.errstate(all="raise"):
+                ask()
+        except ValueError as error:
+            reason, refused = str(error), True
+        seconds = time.perf_counter() - begin
+        rows.append([name, refused and "\n" not in reason and seconds < LIMIT, reason])
+    return Table(
+        name="refusals",
+        title="What cannot work is refused before it runs",
+        columns=("asked for", "refused at once", "reason given"),
+        rows=rows,
+        note=f"At once: by a ValueError of one line within {LIMIT:g} s.",
+    )

@@ -1,0 +1,81 @@
+"""Put the cases of a full study into the package, and print what the README says of them.
+
+    python -m validation.studies.robustness.ship DIR
+
+DIR is the folder of a finished `tippedisk robustness --out DIR`.
+"""
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from validation.studies.robustness.axes import problems
+from validation.studies.robustness.cases import ways
+from validation.studies.robustness.causes import GOOD, cause
+from validation.studies.robustness.run import Outcome
+from validation.studies.robustness.stored import (
+    FULL_STUDY,
+    SHIPPED,
+    Study,
+    key,
+    read_study,
+    write_study,
+)
+
+
+def check_complete(study: Study) -> None:
+    """Refuse a study that is not the whole one.
+
+    Raises
+    ------
+    ValueError
+        If a case is missing, or there is one that the study does not have.
+    """
+    wanted = {
+        (problem.axis, problem.label, problem.level, way.name)
+        for problem in problems(quick=False)
+        for way in ways(problem, quick=False)
+    }
+    other = wanted ^ {key(outcome) for outcome in study.outcomes}
+    if other:
+        raise ValueError(
+            "the study must hold the cases that `tippedisk robustness` computes now, and differs "
+            f"in {len(other)}, such as {min(other)}"
+        )
+
+
+def summary(outcomes: Sequence[Outcome]) -> str:
+    """Counts of the verdicts and of the causes in a few lines."""
+    verdicts = Counter(outcome.verdict for outcome in outcomes)
+    causes = Counter(cause(each) for each in outcomes if each.verdict not in GOOD)
+    broken = sum(each.broken for each in outcomes)
+    return "\n".join(
+        [
+            f"{len(outcomes)} cases, {broken} crashed or broke a promise",
+            *(f"{number:5d} {verdict}" for verdict, number in verdicts.most_common()),
+            "what is not accurate, by cause:",
+            *(f"{number:5d} {name}" for name, number in causes.most_common()),
+        ]
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Ship the study of a folder; its exit code."""
+    parser = argparse.ArgumentParser(prog="python -m validation.studies.robustness.ship")
+    parser.add_argument("folder", metavar="DIR", type=Path, help="folder of a full study")
+    folder: Path = parser.parse_args(arguments).folder
+    try:
+        study = read_study(folder / FULL_STUDY)
+        check_complete(study)
+        write_study(study, SHIPPED)
+    except (OSError, ValueError) as error:
+        print(f"cannot ship: {error}", file=sys.stderr)
+        return 1
+    print(f"{summary(study.outcomes)}\n{study.provenance.text()}")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
