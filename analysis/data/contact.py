@@ -1,12 +1,11 @@
 """The penalty form of the contact, on a thin disk or on one with a rounded rim."""
 
-from dataclasses import dataclass, replace
-from math import cos, hypot, sin, sqrt
+from dataclasses import dataclass
+from math import sqrt
 
 from analysis.data.checks import not_negative, positive, within
 from analysis.data.disk import Disk
 from analysis.data.limits import LARGEST_DAMPING, STIFFEST_CONTACT, THINNEST_RIM
-from analysis.data.state import State
 
 LARGEST_PART = 0.01
 """Largest resting penetration as a part of the radius; beyond, it is another disk's motion."""
@@ -99,11 +98,11 @@ class PenaltyContact:
         """Whether the lowest point is defined in every attitude."""
         return self.half_thickness > 0.0
 
-    def resting_penetration(self, disk: Disk) -> float:
-        """Penetration in m at which the contact carries the weight of the disk."""
-        return disk.weight / self.stiffness
+    def resting_penetration(self, weight: float) -> float:
+        """Penetration in m at which the contact carries this weight in N."""
+        return weight / self.stiffness
 
-    def resting_height(self, disk: Disk) -> float:
+    def resting_height(self, disk: Disk, weight: float) -> float:
         """Height in m of the centre of gravity of the disk where it lies stable.
 
         That is the lowest there is, at the least potential energy; the weight presses the contact
@@ -113,6 +112,8 @@ class PenaltyContact:
         Parameters
         ----------
         disk : Disk
+        weight : float
+            In N.
         """
         eccentricity, square = disk.eccentricity, self.half_thickness**2
         flattening = disk.radius**2 - square
@@ -123,25 +124,10 @@ class PenaltyContact:
             lean = eccentricity * sqrt(square / (flattening * (flattening - eccentricity**2)))
             lean = min(lean, 1.0)
         height = sqrt(square + flattening * lean**2) - eccentricity * lean
-        return height - self.resting_penetration(disk)
+        return height - self.resting_penetration(weight)
 
-    def lowered(self, disk: Disk, start: State) -> State:
-        """The start, at the height at which the contact carries the weight.
-
-        A start that just touches the table would fall into it and bounce.
-
-        Parameters
-        ----------
-        disk : Disk
-        start : State
-        """
-        x, y, _, *angles = start.coordinates
-        height = hypot(disk.radius * sin(angles[1]), self.half_thickness * cos(angles[1]))
-        height -= self.resting_penetration(disk)
-        return replace(start, coordinates=(x, y, height, *angles))
-
-    def check(self, disk: Disk) -> None:
-        """Check the contact against the disk that is to lie on it.
+    def check(self, disk: Disk, weight: float) -> None:
+        """Check the contact against the disk that is to lie on it, of this weight in N.
 
         Raises
         ------
@@ -149,7 +135,7 @@ class PenaltyContact:
             If the disk sinks in by more than a small part of its radius, or would be thicker
             than it is wide.
         """
-        least = disk.weight / (LARGEST_PART * disk.radius)
+        least = weight / (LARGEST_PART * disk.radius)
         if self.stiffness < least:
             raise ValueError(
                 f"stiffness must be at least weight / ({LARGEST_PART:g} radius) = {least:.4g} N/m "

@@ -5,9 +5,6 @@ from math import pi
 
 from analysis.data.checks import not_negative, number, positive
 
-GRAVITY = 9.81
-"""Gravitational acceleration in m/s²; the value behind the paper's printed results."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Disk:
@@ -75,11 +72,6 @@ class Disk:
         """Principal moments of inertia about S in kg m²."""
         shift = self.mass * self.eccentricity**2
         return self.inertia_x, self.inertia_y - shift, self.inertia_z - shift
-
-    @property
-    def weight(self) -> float:
-        """Weight m g in N."""
-        return self.mass * GRAVITY
 
     @classmethod
     def ring(

@@ -50,6 +50,9 @@ LARGEST_ANGLE = 1e6
 LEAST_TILT = 1e-6
 """Angle in rad by which a start must differ from flat, where the Euler angles are singular."""
 
+STRONGEST_GRAVITY = 1e6
+"""Gravitational acceleration in m/s²; a centrifuge has as much."""
+
 STIFFEST_CONTACT = 1e12
 """Contact stiffness in N/m; solid steel of the disk's size has some 1e10."""
 

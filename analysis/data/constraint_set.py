@@ -1,0 +1,97 @@
+"""Constraints that may hold the disk, and the sets of them that make a model."""
+
+from collections.abc import Iterable
+from itertools import combinations
+from typing import Literal, get_args
+
+from analysis.data.checks import choice
+
+Constraint = Literal["contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin"]
+CONSTRAINTS: tuple[Constraint, ...] = get_args(Constraint)
+"""In the order of their rows and multipliers.
+
+The disk touches the table; its centre of gravity stays above one point; its contact point does
+not slip along the edge (the direction e_x of the R-frame), or across it; its spin is constant.
+"""
+
+ConstraintSet = tuple[Constraint, ...]
+"""Distinct constraints in the order of `CONSTRAINTS`, as `constraint_set` makes them."""
+
+Level = Literal[1, 2, 3, 4]
+LEVELS: tuple[Level, ...] = get_args(Level)
+
+MODELS: dict[Level, ConstraintSet] = {
+    1: ("contact",),
+    2: ("contact", "fixed-cog"),
+    3: ("contact", "fixed-cog", "no-slip-along"),
+    4: ("contact", "fixed-cog", "no-slip-along", "constant-spin"),
+}
+"""The paper's models, Table 2."""
+
+_FORCES: dict[Constraint, tuple[str, ...]] = {
+    "contact": ("normal_force",),
+    "fixed-cog": ("cog_force_x", "cog_force_y"),
+    "no-slip-along": ("tangential_force",),
+    "no-slip-across": ("lateral_force",),
+    "constant-spin": ("spin_torque",),
+}
+
+MULTIPLIERS = tuple(name for names in _FORCES.values() for name in names)
+"""Constraint forces in order, all in R-frame axes."""
+
+
+def constraint_set(constraints: Iterable[Constraint]) -> ConstraintSet:
+    """Check a set of constraints and put it in order.
+
+    Parameters
+    ----------
+    constraints : iterable of str
+        Some of `CONSTRAINTS`, in any order.
+
+    Raises
+    ------
+    ValueError
+        If one is unknown or named twice, if the contact is missing, or if no freedom is left.
+    """
+    if isinstance(constraints, str | int):
+        raise ValueError(f"constraints must be a list of names, got {constraints!r}")
+    given = list(constraints)
+    for each in given:
+        choice("constraints", each, CONSTRAINTS)
+        if given.count(each) > 1:
+            raise ValueError(f"constraints must name each constraint once, got {each!r} twice")
+    if "contact" not in given:
+        raise ValueError(
+            "constraints must hold 'contact': without it the disk falls freely and has no contact "
+            f"point to slip or to rub, got {', '.join(given) or 'none'}"
+        )
+    if len(given) == len(CONSTRAINTS):
+        raise ValueError(
+            "constraints must leave the disk a freedom: all of them are six conditions on its six "
+            "velocities, so that forces no longer matter; leave one out"
+        )
+    return tuple(each for each in CONSTRAINTS if each in given)
+
+
+POSSIBLE_SETS: tuple[ConstraintSet, ...] = tuple(
+    constraint_set(("contact", *others))
+    for count in range(len(CONSTRAINTS) - 1)
+    for others in combinations(CONSTRAINTS[1:], count)
+)
+"""All sets that leave the disk on the table and a freedom of motion, smaller ones first."""
+
+
+def multiplier_names(constraints: ConstraintSet) -> tuple[str, ...]:
+    """Names of the constraint forces of a set, in order."""
+    return tuple(name for each in constraints for name in _FORCES[each])
+
+
+def model_of(constraints: ConstraintSet) -> Level | None:
+    """Number of the paper's model with these constraints, if there is one."""
+    return next((level for level, each in MODELS.items() if each == constraints), None)
+
+
+def set_name(constraints: ConstraintSet) -> str:
+    """What to call a set: "Model 3", or its constraints."""
+    level = model_of(constraints)
+    return " + ".join(constraints) if level is None else f"Model {level}"

@@ -1,0 +1,161 @@
+"""Starts, told by what a user would choose; the rest follows from the constraints."""
+
+from dataclasses import dataclass
+from math import cos, hypot, isclose, pi, sin
+from typing import Literal, get_args
+
+from analysis.data.checks import choice, not_negative, number, within
+from analysis.data.constraint_set import ConstraintSet, set_name
+from analysis.data.disk import Disk
+from analysis.data.limits import FASTEST_TURN, LARGEST_ANGLE, LEAST_TILT
+from analysis.data.state import State, check_tilt
+
+Motion = Literal["inverted", "noninverted"]
+MOTIONS: tuple[Motion, ...] = get_args(Motion)
+"""The stationary motions, Eq. (5): the centre of gravity above or below the geometric centre."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Start:
+    """A start that meets every constraint; the defaults are those of Table 3.
+
+    What is None follows from the others and from the constraints. A held centre of gravity lies
+    above the origin (Table 3 itself has x = 0, which breaks that constraint by e cos(gamma));
+    without that constraint the geometric centre does.
+
+    Parameters
+    ----------
+    beta, gamma : float
+        Inclination and rotation angle in rad.
+    spin : float
+        Rate of alpha in rad/s.
+    alpha : float
+        In rad.
+    beta_rate : float, optional
+        In rad/s; by default 0, or what the constraints leave.
+    gamma_rate : float, optional
+        In rad/s; by default -spin cos(beta), as in Table 3.
+    x, y : float, optional
+        Position of the geometric centre in the R-frame in m.
+    x_rate, y_rate : float, optional
+        Their rates in m/s; by default 0, or what the constraints leave.
+    height : float, optional
+        Of the disk's lowest point over the table in m, on a penalty contact. By default it
+        presses into such a contact until that carries the weight; on an ideal one it is 0.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    beta: float = pi / 2
+    gamma: float = -pi / 2 + 0.1
+    spin: float = 40.0
+    alpha: float = 0.0
+    beta_rate: float | None = None
+    gamma_rate: float | None = None
+    x: float | None = None
+    y: float | None = None
+    x_rate: float | None = None
+    y_rate: float | None = None
+    height: float | None = None
+
+    def __post_init__(self) -> None:
+        beta = check_tilt("beta", number("beta", self.beta))
+        if not LEAST_TILT <= beta <= pi - LEAST_TILT:
+            raise ValueError(
+                f"beta must keep {LEAST_TILT:g} rad from 0 and pi, where the disk lies flat and "
+                f"the Euler angles are singular, got {min(beta, pi - beta):g} rad of it"
+            )
+        object.__setattr__(self, "beta", beta)
+        for name in ("alpha", "gamma"):
+            value = within(name, getattr(self, name), -LARGEST_ANGLE, LARGEST_ANGLE)
+            object.__setattr__(self, name, value)
+        for name in ("spin", "beta_rate", "gamma_rate"):
+            if (value := getattr(self, name)) is not None:
+                value = within(name, value, -FASTEST_TURN, FASTEST_TURN)
+                object.__setattr__(self, name, value)
+        for name in ("x", "y", "x_rate", "y_rate"):
+            if (value := getattr(self, name)) is not None:
+                object.__setattr__(self, name, number(name, value))
+        if self.height is not None:
+            object.__setattr__(self, "height", not_negative("height", self.height))
+
+    @classmethod
+    def stationary(cls, spin: float, motion: Motion = "inverted") -> "Start":
+        """Start on inverted or noninverted spinning, Eq. (5).
+
+        Parameters
+        ----------
+        spin : float
+            In rad/s.
+        motion : {"inverted", "noninverted"}
+        """
+        choice("motion", motion, MOTIONS)
+        return cls(beta=pi / 2, gamma=pi / 2 if motion == "inverted" else -pi / 2, spin=spin)
+
+    def state(
+        self,
+        constraints: ConstraintSet,
+        disk: Disk,
+        *,
+        half_thickness: float = 0.0,
+        height: float = 0.0,
+    ) -> State:
+        """State of the disk at this start.
+
+        Parameters
+        ----------
+        constraints : tuple of str
+        disk : Disk
+        half_thickness : float
+            Of a rounded rim in m.
+        height : float
+            Of the disk's lowest point over the table in m, unless the start tells its own.
+
+        Raises
+        ------
+        ValueError
+            If the start breaks a constraint.
+        """
+        r, e, name = disk.radius, disk.eccentricity, set_name(constraints)
+        sb, cb, sg, cg = sin(self.beta), cos(self.beta), sin(self.gamma), cos(self.gamma)
+
+        def settled(field: str, value: float, why: str) -> float:
+            """What the constraints demand of a field, which must not ask for anything else."""
+            given = getattr(self, field)
+            if given is not None and not isclose(given, value, rel_tol=1e-12, abs_tol=1e-12):
+                raise ValueError(f"{field} must be {value:g} in {name} ({why}), got {given:g}")
+            return value
+
+        held = "fixed-cog" in constraints
+        along, across = "no-slip-along" in constraints, "no-slip-across" in constraints
+        gamma_rate = -self.spin * cb
+        if held and along:
+            gamma_rate = settled("gamma_rate", gamma_rate, "no tangential slip: -spin * cos(beta)")
+        elif self.gamma_rate is not None:
+            gamma_rate = self.gamma_rate
+        beta_rate = self.beta_rate or 0.0
+        if held and across:
+            turn = e * cg * (cb * gamma_rate + self.spin) / (sb * (r + e * sg))
+            beta_rate = settled("beta_rate", turn, "no lateral slip")
+        if held:
+            why = "the centre of gravity held above the origin"
+            x, y = settled("x", -e * cg, why), settled("y", -e * cb * sg, why)
+            x_rate = settled("x_rate", e * sg * gamma_rate, why)
+            y_rate = settled("y_rate", e * (sb * sg * beta_rate - cb * cg * gamma_rate), why)
+        else:
+            x, y = self.x or 0.0, self.y or 0.0
+            x_rate, y_rate = self.x_rate or 0.0, self.y_rate or 0.0
+            if along:
+                rolling = -(r * cb - y) * self.spin - r * gamma_rate
+                x_rate = settled("x_rate", rolling, "no tangential slip")
+            if across:
+                y_rate = settled("y_rate", -x * self.spin - r * sb * beta_rate, "no lateral slip")
+        lift = height if self.height is None else self.height
+        z = hypot(r * sb, half_thickness * cb) + lift
+        return State(
+            coordinates=(x, y, z, self.alpha, self.beta, self.gamma),
+            rates=(x_rate, y_rate, r * cb * beta_rate, self.spin, beta_rate, gamma_rate),
+        )
