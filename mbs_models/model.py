@@ -121,11 +121,8 @@ class Model(ABC):
         if self._cog is not None:
             force = -algebraic[:, self._equations(self._cog)]
             columns += list(turn_about_vertical(-coordinates[:, 3], force).T[:2])
-        if "no-slip-along" in self.scenario.constraints:
-            # The joint's forward axis points against e_x of the R-frame.
-            columns.append(contact[:, 1])
-        if "no-slip-across" in self.scenario.constraints:
-            columns.append(-contact[:, 0])
+        # The joint's forward and lateral axes point against e_x and e_y of the R-frame.
+        columns += [contact[:, axis] for axis in self._slip_axes().values()]
         if self._spin is not None:
             columns.append(-algebraic[:, self._equations(self._spin)[0]])
         return np.column_stack(columns)
@@ -181,9 +178,10 @@ class Model(ABC):
                 Residual("fixed-cog", "position", float(np.hypot(*place[:2]))),
                 Residual("fixed-cog", "velocity", float(np.hypot(*speed[:2]))),
             ]
-        for name, axis in _SLIP_AXES.items():
-            if name in self.scenario.constraints:
-                residuals.append(Residual(name, "velocity", float(contact[axis])))
+        residuals += [
+            Residual(name, "velocity", float(contact[axis]))
+            for name, axis in self._slip_axes().items()
+        ]
         return residuals
 
     @property
@@ -256,6 +254,11 @@ class Model(ABC):
         *others, last = [name for name, present in parts.items() if present]
         return f"{', '.join(others)} and {last}" if others else last
 
+    def _slip_axes(self) -> dict[Constraint, int]:
+        """Axes of the rolling joint along which the constraints hold slip at zero."""
+        held = self.scenario.constraints
+        return {name: axis for name, axis in _SLIP_AXES.items() if name in held}
+
     def _equations(self, joint: int) -> list[int]:
         return list(self.system.systemData.GetObjectLTGAE(joint))
 
@@ -277,9 +280,9 @@ class Model(ABC):
     def _add_contact(self, table: int, centre: int) -> None:
         """Close the contact, without the slip that is held at zero."""
         axes, why = [0, 0, 1], "contact with the table"
-        held = [name for name in _SLIP_AXES if name in self.scenario.constraints]
-        for name in held:
-            axes[_SLIP_AXES[name]] = 1
+        held = self._slip_axes()
+        for axis in held.values():
+            axes[axis] = 1
         if held:
             directions = " and ".join(name.removeprefix("no-slip-") for name in held)
             why += f", without slip {directions} the edge"
