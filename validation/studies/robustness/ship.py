@@ -34,7 +34,7 @@ def check_complete(study: Study) -> None:
         If a case is missing, or there is one that the study does not have.
     """
     wanted = {
-        (problem.axis, problem.label, problem.level, way.name)
+        (problem.axis, problem.label, problem.scenario.model, way.name)
         for problem in problems(quick=False)
         for way in ways(problem, quick=False)
     }

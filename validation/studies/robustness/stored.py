@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from analysis import Level
 from analysis.data.files import whole_file
 from validation.kit.provenance import Provenance
 from validation.studies.robustness.cases import Way
@@ -23,7 +24,7 @@ DIGITS = 3
 
 _COLUMNS = tuple(field.name for field in fields(Outcome))
 
-Key = tuple[str, str, int, str]
+Key = tuple[str, str, Level | None, str]
 
 
 def key(outcome: Outcome) -> Key:

@@ -20,7 +20,7 @@ from validation.kit.report import Job, Section, run_jobs, write
 from validation.kit.tables import Table
 from validation.studies.work_precision import measure, prices
 from validation.studies.work_precision.methods import Method, label, methods
-from validation.studies.work_precision.prices import Case, Price
+from validation.studies.work_precision.prices import Comparison, Price
 from validation.studies.work_precision.problems import PROBLEMS, Agreement, ProblemName, agreement
 from validation.studies.work_precision.runs import Curve
 from validation.studies.work_precision.section import make_section
@@ -59,7 +59,7 @@ def agreement_job(store: Path | None, conditions: dict[str, Any], name: ProblemN
     return Agreement(problem=name, others=others)
 
 
-def price_job(store: Path | None, conditions: dict[str, Any], case: Case) -> Price:
+def price_job(store: Path | None, conditions: dict[str, Any], case: Comparison) -> Price:
     """`prices.measure_price`, or what it has left in `store`."""
     found = _kept_or_made(
         store,
