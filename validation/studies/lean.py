@@ -95,7 +95,7 @@ def overhead(
 
 def _seconds(model: Model, name: IntegratorName | None) -> float:
     scene = model.scene
-    integrator = find_integrator(scene.formulation, name, constrained=scene.has_constraints)
+    integrator = find_integrator(scene.built_as, name, constrained=scene.has_constraints)
     spacing = 5e-3
     samples = run(
         model,
@@ -124,7 +124,7 @@ def overheads(repeats: int) -> list[Overhead]:
     result = [
         overhead(
             part,
-            f"{scene.formulation}, {scene.scenario.name}, "
+            f"{scene.built_as}, {scene.scenario.name}, "
             f"{'with' if scene.scenario.rubs else 'without'} friction",
             partial(_with, scene, BALLAST[part]),
             partial(build, scene),
