@@ -20,6 +20,7 @@ from analysis import (
     Trajectory,
 )
 from analysis.data.trajectory import Ending
+from validation.kit.full_study import FULL_STUDY
 from validation.kit.provenance import Provenance
 from validation.studies.robustness import random_scenarios, ship, stored, tables
 from validation.studies.robustness import run as runs
@@ -268,19 +269,19 @@ def study_of(*outcomes: Outcome) -> stored.Study:
 
 
 def test_study_is_read_as_it_was_written(tmp_path: Path) -> None:
-    path = tmp_path / stored.FULL_STUDY
+    path = tmp_path / FULL_STUDY
     wrong = replace(BLANK, verdict="inaccurate", error=1.25e-3, ending_error=inf, steps=12)
     study = study_of(BLANK, replace(wrong, reason='a "quoted" ε'))
-    stored.write_study(study, path)
-    read = stored.read_study(path)
+    stored.FILE.write(study, path)
+    read = stored.FILE.read(path)
     assert read.provenance == study.provenance
     assert read.outcomes[0] == BLANK
     assert read.outcomes[1].reason == 'a "quoted" ε'
     assert read.outcomes[1].broken == study.outcomes[1].broken
     assert cause(read.outcomes[1]) == "wrong angles or ending"
     path.write_text('{"provenance": {}}')
-    with pytest.raises(ValueError, match="is not a study of robustness"):
-        stored.read_study(path)
+    with pytest.raises(ValueError, match="does not hold a robustness study"):
+        stored.FILE.read(path)
 
 
 def test_confirmation_counts_what_has_the_verdict_of_the_study() -> None:
@@ -305,7 +306,7 @@ def test_study_that_lacks_a_case_is_not_shipped() -> None:
         for way in ways(problem, quick=False)
     ]
     ship.check_complete(study_of(*cases))
-    assert "accurate" in ship.summary(cases)
+    assert "accurate" in ship.summary(study_of(*cases))
     with pytest.raises(ValueError, match="differs in 1, such as"):
         ship.check_complete(study_of(*cases[1:]))
 
