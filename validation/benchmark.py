@@ -170,7 +170,7 @@ def stability(repeats: int) -> Table:
             "stability chart, 200 x 200",
             partial(
                 stability_chart,
-                MODEL_4,
+                MODEL_1,
                 np.linspace(0.0, 80.0, 200),
                 np.geomspace(0.3, 30.0, 200),
             ),

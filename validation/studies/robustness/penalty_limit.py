@@ -8,7 +8,7 @@ import analysis
 import mbs_models
 from analysis import STEEL_DISK, Load, PenaltyContact, Scenario, SmoothCoulomb
 from mbs_models import Scene
-from validation.studies.crosscheck import angle_error
+from validation.studies.robustness.reference import deviation
 
 STIFFNESSES = (1e4, 1e5, 1e6, 1e7)
 """In N/m; beyond, the error meets that of the integration."""
@@ -62,7 +62,7 @@ def penalty_error(stiffness: float, load: Load) -> PenaltyError:
     return PenaltyError(
         stiffness=stiffness,
         load=load,
-        angles=angle_error(run, truth),
+        angles=deviation(run, truth),
         normal_force=float(np.max(difference)),
         estimate=float(run.error_estimate or 0.0),
         step=float(run.method["step"] or 0.0),

@@ -14,8 +14,8 @@ from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.spectra import state_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
-from validation.studies.crosscheck import angle_error
 from validation.studies.robustness.cases import STIFF, Way
+from validation.studies.robustness.reference import deviation
 
 Axis = Literal["smoothing", "stiffness"]
 
@@ -241,6 +241,6 @@ def _largest_accurate(
             run = mbs_models.simulate(scene, truth.times, step=step, integrator=integrator)
         except ArithmeticError:
             continue
-        if run.ending is None and angle_error(run, truth) <= ACCURACY:
+        if run.ending is None and deviation(run, truth) <= ACCURACY:
             return step
     return None
