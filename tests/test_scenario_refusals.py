@@ -209,14 +209,19 @@ REFUSED_SETS = [
     ),
 ]
 
-ALL_REFUSED: list[tuple[Scenario, list[Entry], str, str]] = [
+Case = tuple[Scenario, list[Entry], str, str]
+
+
+def set_case(given: str, message: str) -> Case:
+    scenario = Scenario(constraints=POSSIBLE_SETS[4])
+    return scenario, [("", "constraints", given)], message, "constraints"
+
+
+ALL_REFUSED: list[Case] = [
     *((Scenario(), *case) for case in REFUSED),
     *((Scenario.rest(), *case) for case in REFUSED_OF_CONTACT),
     *REFUSED_OF_OTHERS,
-    *(
-        (Scenario(constraints=POSSIBLE_SETS[4]), [("", "constraints", given)], said, "constraints")
-        for given, said in REFUSED_SETS
-    ),
+    *(set_case(given, message) for given, message in REFUSED_SETS),
 ]
 
 
