@@ -5,8 +5,19 @@ path to the full analysis", Nonlinear Dynamics 105 (2021).
 """
 
 from analysis.data.checks import TimeLimitError, ToleranceError
+from analysis.data.constraint_set import (
+    CONSTRAINTS,
+    LEVELS,
+    MODELS,
+    MULTIPLIERS,
+    POSSIBLE_SETS,
+    Constraint,
+    ConstraintSet,
+    Level,
+    multiplier_names,
+)
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import CENTRED_DISK, DISKS, GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.data.disk import CENTRED_DISK, DISKS, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.data.friction import (
     LAWS,
@@ -18,29 +29,25 @@ from analysis.data.friction import (
     TanhCoulomb,
     ViscousFriction,
 )
+from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
-from analysis.data.state import (
-    COORDINATES,
-    LEVELS,
-    MULTIPLIERS,
-    FlatError,
-    Level,
-    State,
-    consistent_start,
-    multiplier_names,
-)
+from analysis.data.start import MOTIONS, Motion, Start
+from analysis.data.state import COORDINATES, FlatError, State
+from analysis.data.table import GRAVITY, Table
 from analysis.data.trajectory import Ending, Trajectory
 from analysis.data.watch import Progress
 from analysis.models.balance import constraint_drift, energies, energy_residual, power
+from analysis.models.forms import FORMS, Form
 from analysis.models.integration import METHODS, Method
 from analysis.models.inversion import Inversion, find_inversion, judge_inversion
-from analysis.models.simulation import FORMS, Form, simulate
+from analysis.models.simulation import simulate
 from analysis.rest.phases import Phases, find_phases
 from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 
 __all__ = [
     "CAUSES",
     "CENTRED_DISK",
+    "CONSTRAINTS",
     "COORDINATES",
     "DISKS",
     "FORMS",
@@ -49,10 +56,15 @@ __all__ = [
     "LEVELS",
     "LOADS",
     "METHODS",
+    "MODELS",
+    "MOTIONS",
     "MULTIPLIERS",
+    "POSSIBLE_SETS",
     "REST_METHODS",
     "ROUNDED_STEEL_DISK",
     "STEEL_DISK",
+    "Constraint",
+    "ConstraintSet",
     "Disk",
     "Dissipation",
     "Ending",
@@ -63,21 +75,24 @@ __all__ = [
     "Level",
     "Load",
     "Method",
+    "Motion",
     "PenaltyContact",
     "Phases",
     "Progress",
     "RestCriterion",
     "RestMethod",
+    "Scenario",
     "SmoothCoulomb",
     "SpatialMotion",
+    "Start",
     "State",
     "Stribeck",
+    "Table",
     "TanhCoulomb",
     "TimeLimitError",
     "ToleranceError",
     "Trajectory",
     "ViscousFriction",
-    "consistent_start",
     "constraint_drift",
     "energies",
     "energy_residual",

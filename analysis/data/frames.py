@@ -81,6 +81,24 @@ def from_poses(
     return coordinates, rates
 
 
+def follow_turns(times: Array, coordinates: Array, rates: Array) -> None:
+    """Make alpha and gamma continuous from their first values on, in place.
+
+    Their mean rates predict each sample, so that coarse sampling of a fast spin does not lose
+    turns as long as it is off by less than half of one.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+    coordinates, rates : ndarray, shape (n, 6)
+    """
+    for column in (3, 5):
+        angle, rate = coordinates[:, column], rates[:, column]
+        predicted = 0.5 * np.diff(times) * (rate[1:] + rate[:-1])
+        turns = np.round((predicted - np.diff(angle)) / (2 * np.pi))
+        angle[1:] += 2 * np.pi * np.cumsum(turns)
+
+
 def accelerations_from_inertial(
     coordinates: Array, rates: Array, acceleration: Array, angular: Array
 ) -> Array:

@@ -130,6 +130,13 @@ class Scenario:
         return self.friction.is_on and not held
 
     @property
+    def penalty_contact(self) -> PenaltyContact:
+        """The compliant contact; `ValueError` if there is none."""
+        if self.contact is None:
+            raise ValueError("contact must be a PenaltyContact, got None, the ideal contact")
+        return self.contact
+
+    @property
     def initial_state(self) -> State:
         """State at the start, consistent with the constraints unless given as a `State`."""
         if isinstance(self.start, State):

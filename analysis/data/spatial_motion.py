@@ -10,12 +10,18 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.checks import Array, choice, increasing_times, number, real_array, settings
-from analysis.data.contact import PenaltyContact
-from analysis.data.disk import Disk
-from analysis.data.dissipation import CAUSES, Dissipation
+from analysis.data.dissipation import CAUSES
 from analysis.data.files import read_archive, whole_file
-from analysis.data.friction import FrictionLaw, law_from, law_values
-from analysis.data.trajectory import SOURCES, Ending, Setting, Source, Trajectory
+from analysis.data.scenario import Scenario
+from analysis.data.trajectory import (
+    FORMAT,
+    SOURCES,
+    Ending,
+    Setting,
+    Source,
+    Trajectory,
+    stored_meta,
+)
 
 _COLUMNS = {
     "positions": 3,
@@ -59,10 +65,8 @@ class SpatialMotion:
         Kinetic, gravitational (from the table) and elastic energy in J.
     dissipated : ndarray, shape (n, 6)
         Energy in J taken since the start by each of `CAUSES`.
-    disk : Disk
-    friction : FrictionLaw
-    contact : PenaltyContact
-    dissipation : Dissipation
+    scenario : Scenario
+        What was simulated, with its penalty contact.
     source : {"engine", "in-house"}
     rest_time : float, optional
         Time in s from which on the disk was at rest; None if it never was.
@@ -91,10 +95,7 @@ class SpatialMotion:
     normal_force: Array
     energies: Array
     dissipated: Array
-    disk: Disk
-    friction: FrictionLaw
-    contact: PenaltyContact
-    dissipation: Dissipation
+    scenario: Scenario
     source: Source
     rest_time: float | None = None
     error_estimate: float | None = None
@@ -147,7 +148,7 @@ class SpatialMotion:
     @property
     def cog_height(self) -> Array:
         """Height of the centre of gravity over the table in m, shape (n,)."""
-        result: Array = self.positions[:, 2] + self.disk.eccentricity * self.cog_direction
+        result: Array = self.positions[:, 2] + self.scenario.disk.eccentricity * self.cog_direction
         return result
 
     @property
@@ -230,18 +231,15 @@ class SpatialMotion:
             self.velocities[:count],
             self.angular_velocities[:count],
         )
-        coordinates[:, [3, 5]] = np.unwrap(coordinates[:, [3, 5]], axis=0)
+        frames.follow_turns(self.times[:count], coordinates, rates)
         return Trajectory(
             times=self.times[:count],
             coordinates=coordinates,
             rates=rates,
             multipliers=self.normal_force[:count, None],
-            level=1,
-            disk=self.disk,
-            friction=self.friction,
+            scenario=self.scenario,
             source=self.source,
-            # With them the trajectory knows what it does not hold; see `energy_residual` of one.
-            method={**self.method, **asdict(self.contact), **asdict(self.dissipation)},
+            method=self.method,
             counts=self.counts,
             versions=self.versions,
         )
@@ -255,10 +253,8 @@ class SpatialMotion:
             If the file cannot be written.
         """
         meta = {
-            "disk": asdict(self.disk),
-            "friction": law_values(self.friction),
-            "contact": asdict(self.contact),
-            "dissipation": asdict(self.dissipation),
+            "format": FORMAT,
+            "scenario": self.scenario.values(),
             "source": self.source,
             "rest_time": self.rest_time,
             "error_estimate": self.error_estimate,
@@ -287,13 +283,10 @@ class SpatialMotion:
 
     @classmethod
     def _from_arrays(cls, stored: Mapping[str, Any]) -> "SpatialMotion":
-        meta = json.loads(str(stored["spatial_meta"]))
+        meta = stored_meta(stored["spatial_meta"])
         return cls(
             **{name: stored[name] for name in ("times", *_COLUMNS)},
-            disk=Disk(**meta.pop("disk")),
-            friction=law_from(meta.pop("friction"), own=False),
-            contact=PenaltyContact(**meta.pop("contact")),
-            dissipation=Dissipation(**meta.pop("dissipation")),
+            scenario=Scenario.from_values(meta.pop("scenario"), own=False),
             ending=None if (ending := meta.pop("ending")) is None else Ending(**ending),
             **meta,
         )

@@ -19,10 +19,13 @@ from analysis.data.checks import (
     real_array,
     settings,
 )
-from analysis.data.disk import Disk
+from analysis.data.constraint_set import multiplier_names
 from analysis.data.files import read_archive, whole_file
-from analysis.data.friction import FrictionLaw, law_from, law_values
-from analysis.data.state import COORDINATES, LEVELS, Level, State, multiplier_names
+from analysis.data.scenario import Scenario
+from analysis.data.state import COORDINATES, State
+
+FORMAT = 2
+"""Of the files of motions; the first held no whole scenario."""
 
 Source = Literal["engine", "in-house"]
 SOURCES: tuple[Source, ...] = get_args(Source)
@@ -78,11 +81,9 @@ class Trajectory:
         Co-rotating coordinates, Eq. (8), in m and rad, and their time derivatives; alpha and
         gamma are unwrapped.
     multipliers : ndarray, shape (n, k)
-        Constraint forces in the order of `multiplier_names(level)`, in N and N m.
-    level : {1, 2, 3, 4}
-        Model of Table 2.
-    disk : Disk
-    friction : FrictionLaw
+        Constraint forces in the order of `multiplier_names(scenario.constraints)`, in N and N m.
+    scenario : Scenario
+        What was simulated.
     source : {"engine", "in-house"}
     method : mapping
         Formulation, integrator, step, tolerances: whatever is needed to run it again.
@@ -107,9 +108,7 @@ class Trajectory:
     coordinates: Array
     rates: Array
     multipliers: Array
-    level: Level
-    disk: Disk
-    friction: FrictionLaw
+    scenario: Scenario
     source: Source
     method: Mapping[str, Setting]
     error_estimate: float | None = None
@@ -119,14 +118,13 @@ class Trajectory:
     pulling: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
-        choice("level", self.level, LEVELS)
         choice("source", self.source, SOURCES)
         times = increasing_times(self.times)
         shapes = {
             "times": (times.size,),
             "coordinates": (times.size, 6),
             "rates": (times.size, 6),
-            "multipliers": (times.size, len(multiplier_names(self.level))),
+            "multipliers": (times.size, len(multiplier_names(self.scenario.constraints))),
         }
         for name, shape in shapes.items():
             values = real_array(name, getattr(self, name))
@@ -158,9 +156,9 @@ class Trajectory:
         Raises
         ------
         ValueError
-            If the model has no such constraint.
+            If the scenario has no such constraint.
         """
-        names = multiplier_names(self.level)
+        names = multiplier_names(self.scenario.constraints)
         return self.multipliers[:, names.index(choice("multiplier", name, names))]
 
     @property
@@ -193,9 +191,8 @@ class Trajectory:
             If the file cannot be written.
         """
         meta = {
-            "level": self.level,
-            "disk": asdict(self.disk),
-            "friction": law_values(self.friction),
+            "format": FORMAT,
+            "scenario": self.scenario.values(),
             "source": self.source,
             "method": dict(self.method),
             "error_estimate": self.error_estimate,
@@ -231,15 +228,13 @@ class Trajectory:
 
     @classmethod
     def _from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":
-        meta = json.loads(str(stored["meta"]))
+        meta = stored_meta(stored["meta"])
         return cls(
             times=stored["t"],
             coordinates=stored["q"],
             rates=stored["u"],
             multipliers=stored["multipliers"],
-            level=meta["level"],
-            disk=Disk(**meta["disk"]),
-            friction=law_from(meta["friction"], own=False),
+            scenario=Scenario.from_values(meta["scenario"], own=False),
             source=meta["source"],
             method=meta["method"],
             error_estimate=meta["error_estimate"],
@@ -248,6 +243,19 @@ class Trajectory:
             ending=None if meta["ending"] is None else Ending(**meta["ending"]),
             pulling=tuple((first, last) for first, last in meta["pulling"]),
         )
+
+
+def stored_meta(text: Any) -> dict[str, Any]:
+    """What a file says of its motion; `ValueError` if it is of another format than `FORMAT`."""
+    meta: dict[str, Any] = json.loads(str(text))
+    found = meta.pop("format", 1)
+    if found != FORMAT:
+        age = "a newer" if isinstance(found, int) and found > FORMAT else "an older"
+        raise ValueError(
+            f"format must be {FORMAT}, got {found!r}: the file comes from {age} version of this "
+            "project"
+        )
+    return meta
 
 
 def versions(*packages: str) -> dict[str, str]:

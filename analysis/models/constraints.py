@@ -1,18 +1,21 @@
-"""The constraints of Table 2 on position, velocity and acceleration level.
+"""The constraints of Table 2, and no lateral slip, on position, velocity and acceleration level.
 
 Rows are in the order of `analysis.MULTIPLIERS`: contact g_N, horizontally fixed centre of
-gravity g_S (two rows), no tangential slip gamma_x, constant spinning speed gamma_alpha. The slip
-constraint is nonholonomic, and the last one is used on velocity level, so neither has a
-position-level row.
+gravity g_S (two rows), no tangential slip gamma_x, no lateral slip gamma_y, constant spinning
+speed gamma_alpha. The slip constraints are nonholonomic, and the last one is used on velocity
+level, so none of them has a position-level row.
 """
 
+from functools import cache
 from math import cos, sin
 
 import numpy as np
 
 from analysis.data.checks import Array
+from analysis.data.constraint_set import MULTIPLIERS, ConstraintSet, multiplier_names
 from analysis.data.disk import Disk
-from analysis.data.state import Level, State, multiplier_names
+from analysis.data.scenario import Scenario
+from analysis.data.state import State
 from analysis.models.equations import Vector
 
 LABELS = {
@@ -20,66 +23,78 @@ LABELS = {
     "cog_force_x": "fixed centre of gravity g_Sx = x + e cos(gamma) = 0",
     "cog_force_y": "fixed centre of gravity g_Sy = y + e cos(beta) sin(gamma) = 0",
     "tangential_force": "no tangential slip gamma_x = 0",
+    "lateral_force": "no lateral slip gamma_y = 0",
     "spin_torque": "constant spin gamma_alpha = 0",
 }
 """What each constraint demands, by the name of its multiplier."""
 
 
-def positions(level: Level, disk: Disk, z: Vector) -> Array:
+_POSITIONAL = 3
+"""Number of rows that have a position level, the first ones of `MULTIPLIERS`."""
+
+
+@cache
+def rows(constraints: ConstraintSet) -> list[int]:
+    """Numbers of the rows of a set, among those of all constraints."""
+    return [MULTIPLIERS.index(name) for name in multiplier_names(constraints)]
+
+
+def positions(constraints: ConstraintSet, disk: Disk, z: Vector) -> Array:
     """Position-level residuals of Eqs. (66) and (83) in m, shape (1,) or (3,)."""
     r, e = disk.radius, disk.eccentricity
     x, y, height, _, beta, gamma = z
-    rows = (
+    every = (
         height - r * sin(beta),
         x + e * cos(gamma),
         y + e * cos(beta) * sin(gamma),
     )
-    return np.array(rows[: min(len(multiplier_names(level)), 3)])
+    return np.array([every[row] for row in rows(constraints) if row < _POSITIONAL])
 
 
-def directions(level: Level, disk: Disk, z: Vector) -> Array:
+def directions(constraints: ConstraintSet, disk: Disk, z: Vector) -> Array:
     """Matrix W^T of Eqs. (31), (84), (87) and (88), shape (n, 6).
 
-    Velocity-level residuals are W^T u, less the prescribed spin in the last row of Model 4.
+    Velocity-level residuals are W^T u, less the prescribed spin in the row of a constant spin.
     """
     r, e = disk.radius, disk.eccentricity
-    y, beta, gamma = z[1], z[4], z[5]
+    x, y, beta, gamma = z[0], z[1], z[4], z[5]
     sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
-    rows = (
+    every = (
         (0.0, 0.0, 1.0, 0.0, -r * cb, 0.0),
         (1.0, 0.0, 0.0, 0.0, 0.0, -e * sg),
         (0.0, 1.0, 0.0, 0.0, -e * sb * sg, e * cb * cg),
         (1.0, 0.0, 0.0, r * cb - y, 0.0, r),
+        (0.0, 1.0, 0.0, x, r * sb, 0.0),
         (0.0, 0.0, 0.0, 1.0, 0.0, 0.0),
     )
-    return np.array(rows[: len(multiplier_names(level))])
+    return np.array([every[row] for row in rows(constraints)])
 
 
-def acceleration_terms(level: Level, disk: Disk, z: Vector, u: Vector) -> Array:
+def acceleration_terms(constraints: ConstraintSet, disk: Disk, z: Vector, u: Vector) -> Array:
     """Terms chi = (d/dt W^T) u of the acceleration-level constraints, Eq. (59), shape (n,)."""
     r, e = disk.radius, disk.eccentricity
     beta, gamma = z[4], z[5]
-    _, yd, _, ad, bd, gd = u
+    xd, yd, _, ad, bd, gd = u
     sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
-    rows = (
+    every = (
         r * sb * bd * bd,
         -e * cg * gd * gd,
         -e * (cb * sg * (bd * bd + gd * gd) + 2 * sb * cg * bd * gd),
         -(r * sb * bd + yd) * ad,
+        xd * ad + r * cb * bd * bd,
         0.0,
     )
-    return np.array(rows[: len(multiplier_names(level))])
+    return np.array([every[row] for row in rows(constraints)])
 
 
-def check_admissible(level: Level, disk: Disk, state: State, tolerance: float = 1e-9) -> None:
-    """Raise if `state` breaks a constraint of Model `level`.
+def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) -> None:
+    """Raise if `state` breaks a constraint of the scenario.
 
-    The constant spin of Model 4 is that of the state itself, so no state can break it.
+    A constant spin is that of the state itself, so no state can break it.
 
     Parameters
     ----------
-    level : {1, 2, 3, 4}
-    disk : Disk
+    scenario : Scenario
     state : State
     tolerance : float
         Largest residual let through, in m on position level; on velocity level in m/s for a spin
@@ -90,16 +105,17 @@ def check_admissible(level: Level, disk: Disk, state: State, tolerance: float = 
     ValueError
         Naming the first broken constraint, its level and by how much it is broken.
     """
-    names = multiplier_names(level)
-    velocities = directions(level, disk, state.coordinates) @ np.array(state.rates)
+    constraints, disk = scenario.constraints, scenario.disk
+    names = multiplier_names(constraints)
+    velocities = directions(constraints, disk, state.coordinates) @ np.array(state.rates)
     checks = (
-        ("position", "m", positions(level, disk, state.coordinates), tolerance),
-        ("velocity", "m/s", velocities[:4], tolerance * max(1.0, abs(state.rates[3]))),
+        ("position", "m", positions(constraints, disk, state.coordinates), tolerance),
+        ("velocity", "m/s", velocities, tolerance * max(1.0, abs(state.rates[3]))),
     )
     for kind, unit, residuals, allowed in checks:
         for name, residual in zip(names, residuals, strict=False):
-            if abs(residual) > allowed:
+            if abs(residual) > allowed and name != "spin_torque":
                 raise ValueError(
-                    f"start breaks '{LABELS[name]}' of Model {level} on {kind} level "
+                    f"start breaks '{LABELS[name]}' of {scenario.name} on {kind} level "
                     f"by {residual:.3e} {unit}, allowed is {allowed:.1e}"
                 )

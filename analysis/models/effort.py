@@ -9,11 +9,9 @@ from math import inf, sin, sqrt
 from typing import NamedTuple
 
 from analysis.data.checks import Array, positive
-from analysis.data.contact import PenaltyContact
-from analysis.data.disk import GRAVITY, Disk
-from analysis.data.friction import FrictionLaw
+from analysis.data.disk import Disk
 from analysis.data.limits import Effort
-from analysis.data.state import State
+from analysis.data.scenario import Scenario
 from analysis.models.integration import Method
 
 
@@ -46,21 +44,19 @@ _REST_SECONDS = 1.2e-5
 """The same of the free disk."""
 
 
-def longest_step(disk: Disk, start: State) -> float:
+def longest_step(scenario: Scenario) -> float:
     """Longest step in s: a part of a turn and of the time of a fall.
 
     On an unstable equilibrium nothing but rounding moves, and steps without a bound would grow
     past the time in which a deviation does.
     """
-    fall = 0.5 * sqrt(disk.radius / GRAVITY)
-    return min(fall, 2.0 / max(abs(start.rates[3]), 1e-3))
+    fall = 0.5 * sqrt(scenario.disk.radius / scenario.table.gravity)
+    return min(fall, 2.0 / max(abs(scenario.initial_state.rates[3]), 1e-3))
 
 
 def simulation_effort(
+    scenario: Scenario,
     times: Array,
-    disk: Disk,
-    friction: FrictionLaw,
-    start: State,
     *,
     method: Method = "DOP853",
     tolerance: float | None = None,
@@ -70,11 +66,9 @@ def simulation_effort(
 
     Parameters
     ----------
+    scenario : Scenario
     times : ndarray, shape (n,)
         In s.
-    disk : Disk
-    friction : FrictionLaw
-    start : State
     method : str
         SciPy method.
     tolerance, local_tolerance : float, optional
@@ -90,17 +84,22 @@ def simulation_effort(
     if local_tolerance is not None:
         name, wanted = "local_tolerance", local_tolerance
     wanted = positive(name, wanted)
+    start, gradient = scenario.initial_state, scenario.friction.gradient
     spin = abs(start.rates[3])
     turning = sum(abs(rate) for rate in start.rates[3:])
     sharpness = wanted ** (-1.0 / (used.order))
     rates = {
-        "times": 1.0 / longest_step(disk, start),
+        "times": 1.0 / longest_step(scenario),
         f"{name} {wanted:g}": 0.4 * spin * sharpness,
-        f"friction gradient {friction.gradient:g} s/m": (
-            _friction_rate(disk, friction) / used.stable
+        f"friction gradient {gradient:g} s/m": (
+            gradient * scenario.weight * _mobility(scenario.disk) / used.stable
         ),
         f"beta {start.coordinates[4]:g} rad": turning / abs(sin(start.coordinates[4])),
     }
+    if scenario.contact is not None:
+        stiffness = scenario.contact.stiffness
+        swinging = sqrt(stiffness * _mobility(scenario.disk)) / min(used.stable, 3.0)
+        rates[f"stiffness {stiffness:g} N/m"] = swinging
     cause, fastest = max(rates.items(), key=lambda item: item[1])
     steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
     return Effort(
@@ -110,10 +109,17 @@ def simulation_effort(
     )
 
 
-def rest_effort(end: float, disk: Disk, contact: PenaltyContact) -> Effort:
-    """Effort of `analysis.simulate_to_rest` with LSODA, up to the time `end` in s."""
+def rest_effort(scenario: Scenario, end: float) -> Effort:
+    """Effort of `analysis.simulate_to_rest` with LSODA, up to the time `end` in s.
+
+    Raises
+    ------
+    ValueError
+        If the scenario has no penalty contact.
+    """
+    contact = scenario.penalty_contact
     # The method changes to implicit steps where friction is stiff, and follows the contact.
-    evaluations = 3.0 * end * sqrt(contact.stiffness * _mobility(disk))
+    evaluations = 3.0 * end * sqrt(contact.stiffness * _mobility(scenario.disk))
     return Effort(
         steps=evaluations / 2.0,
         seconds=evaluations * _REST_SECONDS,
@@ -125,8 +131,3 @@ def _mobility(disk: Disk) -> float:
     """Acceleration of the contact point by a force on it, at most, in 1/kg."""
     inertia = min(disk.inertia_about_cog[:2])
     return 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
-
-
-def _friction_rate(disk: Disk, friction: FrictionLaw) -> float:
-    """Decay rate of slip in 1/s where friction is steepest, at no slip."""
-    return friction.gradient * disk.weight * _mobility(disk)

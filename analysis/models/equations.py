@@ -11,7 +11,8 @@ from math import cos, sin
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.disk import GRAVITY, Disk
+from analysis.data.disk import Disk
+from analysis.data.table import Table
 
 Vector = Sequence[float] | Array
 
@@ -99,20 +100,31 @@ def gyroscopic_forces(disk: Disk, z: Vector, u: Vector) -> Array:
     return np.array((h1, h2, h3, h4, h5, h6))
 
 
-def gravity_forces(disk: Disk, z: Vector) -> Array:
-    """Generalised gravitational force f, Eq. (30), shape (6,)."""
-    beta, gamma = z[4], z[5]
-    weight, e = disk.mass * GRAVITY, disk.eccentricity
-    return np.array(
-        (
-            0.0,
-            0.0,
-            -weight,
-            0.0,
-            -weight * e * cos(beta) * sin(gamma),
-            -weight * e * sin(beta) * cos(gamma),
-        )
-    )
+def gravity_forces(disk: Disk, table: Table, z: Vector) -> Array:
+    """Generalised gravitational force f, Eq. (30), shape (6,); on a leaning table, too.
+
+    Parameters
+    ----------
+    disk : Disk
+    table : Table
+    z : array_like, shape (6,)
+        Co-rotating coordinates.
+    """
+    x, y, _, alpha, beta, gamma = z
+    m, e = disk.mass, disk.eccentricity
+    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    weight = m * table.pressing
+    f5, f6 = -weight * e * cb * sg, -weight * e * sb * cg
+    if table.is_horizontal:
+        return np.array((0.0, 0.0, -weight, 0.0, f5, f6))
+    # Gravity along the table in axes of the R-frame; it acts at S = (x + e cg, y + e cb sg).
+    gx, gy, _ = table.vector
+    sa, ca = sin(alpha), cos(alpha)
+    fx, fy = m * (ca * gx + sa * gy), m * (ca * gy - sa * gx)
+    f4 = (x + e * cg) * fy - (y + e * cb * sg) * fx
+    f5 -= e * sb * sg * fy
+    f6 += e * (cb * cg * fy - sg * fx)
+    return np.array((fx, fy, -weight, f4, f5, f6))
 
 
 def normal_direction(disk: Disk, z: Vector) -> Array:

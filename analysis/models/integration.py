@@ -5,7 +5,7 @@ its solvers are stepped here.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -32,7 +32,7 @@ _SOLVERS: dict[Method, Any] = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Problem:
+class InitialValueProblem:
     """An initial value problem of the disk.
 
     Parameters
@@ -53,6 +53,10 @@ class Problem:
     upright: Callable[[Array], float]
     normal_force: Callable[[Array], float]
     longest_step: float
+
+    def with_steps_up_to(self, part: float) -> "InitialValueProblem":
+        """The same problem with this part of its longest step."""
+        return replace(self, longest_step=part * self.longest_step)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +84,7 @@ class Run:
 
 
 def integrate(
-    problem: Problem,
+    problem: InitialValueProblem,
     times: Array,
     method: Method,
     local_tolerance: float,
@@ -92,7 +96,7 @@ def integrate(
 
     Parameters
     ----------
-    problem : Problem
+    problem : InitialValueProblem
     times : ndarray, shape (n,)
         Increasing; the start is at the first.
     method : str
@@ -155,7 +159,7 @@ def _evaluations(solver: Any) -> int:
     return int(solver.nfev + jacobians * (1 + solver.n))
 
 
-def _jacobian(problem: Problem, method: Method) -> dict[str, Any]:
+def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
     """Jacobian of the right-hand side by forward differences, for the methods that take one.
 
     SciPy's own widens its steps for ever along coordinates that the right-hand side does not
@@ -191,7 +195,7 @@ class _Lookout:
 
     Parameters
     ----------
-    problem : Problem
+    problem : InitialValueProblem
     begin : float
         Time of the start in s.
     allow_pulling : bool
@@ -202,7 +206,7 @@ class _Lookout:
         Where the contact would have to pull.
     """
 
-    def __init__(self, problem: Problem, begin: float, allow_pulling: bool) -> None:
+    def __init__(self, problem: InitialValueProblem, begin: float, allow_pulling: bool) -> None:
         self._problem, self._allow = problem, allow_pulling
         self._time, self._force = begin, problem.normal_force(problem.start)
         self._edges = [begin] if self._force < 0.0 else []

@@ -80,7 +80,7 @@ class Inversion:
 
 def judge_inversion(motion: Trajectory | SpatialMotion) -> Inversion:
     """What became of the inversion in a motion; a disk without eccentricity is never inverted."""
-    if not motion.disk.eccentricity:
+    if not motion.scenario.disk.eccentricity:
         return Inversion(outcome="not inverted")
     return Inversion.of_direction(motion.times, motion.cog_direction)
 

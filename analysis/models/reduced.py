@@ -6,24 +6,25 @@ from math import cos, sin
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.disk import GRAVITY, Disk
-from analysis.data.friction import FrictionLaw
+from analysis.data.disk import Disk
+from analysis.data.scenario import Scenario
 
 
-def acceleration(disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[float]) -> float:
+def acceleration(scenario: Scenario, spin: float, x: Sequence[float]) -> float:
     """Second derivative of beta from Eqs. (102)-(108) in rad/s².
 
     Parameters
     ----------
-    disk : Disk
-    friction : FrictionLaw
-        The reduced system knows the weight as load only; `load` is not looked at.
+    scenario : Scenario
+        On a horizontal table; the reduced system knows the weight as load only, and neither the
+        constraints nor `friction.load` is looked at.
     spin : float
         Constant spinning speed in rad/s (paper: Omega).
     x : sequence of 3 floats
         Minimal coordinates beta and gamma in rad and the minimal velocity, the rate of beta, in
         rad/s.
     """
+    disk, weight = scenario.disk, scenario.weight
     m, r, e = disk.mass, disk.radius, disk.eccentricity
     A, B_bar, Omega = disk.inertia_x, disk.inertia_y - m * e * e, spin
     beta, gamma, bd = x
@@ -37,32 +38,33 @@ def acceleration(disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[flo
         + m * e * height * Omega**2 * sb * cb**3 * sg
         - m * e * height * (3 * sb * sb - 2) * Omega * bd * cb * cg
     )
-    f = -m * GRAVITY * height * cb
+    f = -weight * height * cb
     slip = height * bd * sb - e * Omega * sb * sb * cg
-    force = -m * GRAVITY * friction.per_speed(abs(slip)) * slip
+    force = -weight * scenario.friction.per_speed(abs(slip)) * slip
     return (h + f + height * sb * force) / M
 
 
-def normal_force(disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[float]) -> float:
+def normal_force(scenario: Scenario, spin: float, x: Sequence[float]) -> float:
     """Normal contact force in N: the mass times gravity and the centre of gravity's rise.
 
     Parameters are those of `acceleration`; the centre of gravity is (r + e sin(gamma)) sin(beta)
     above the table, and gamma' = -Omega cos(beta).
     """
+    disk = scenario.disk
     e, Omega = disk.eccentricity, spin
     beta, gamma, bd = x
     sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
-    gd, gdd, bdd = -Omega * cb, Omega * sb * bd, acceleration(disk, friction, spin, x)
+    gd, gdd, bdd = -Omega * cb, Omega * sb * bd, acceleration(scenario, spin, x)
     rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
     rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
-    return disk.mass * (GRAVITY + rise)
+    return scenario.weight + disk.mass * rise
 
 
 def right_hand_side(
-    disk: Disk, friction: FrictionLaw, spin: float, x: Sequence[float]
+    scenario: Scenario, spin: float, x: Sequence[float]
 ) -> tuple[float, float, float]:
     """Time derivative of the reduced state x = (beta, gamma, beta_rate), Eqs. (102), (109)."""
-    return x[2], -spin * cos(x[0]), acceleration(disk, friction, spin, x)
+    return x[2], -spin * cos(x[0]), acceleration(scenario, spin, x)
 
 
 def expand(disk: Disk, spin: float, alpha: Array, x: Array) -> tuple[Array, Array]:

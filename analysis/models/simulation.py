@@ -1,9 +1,8 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from math import inf, sin
-from typing import Literal, get_args
+from dataclasses import replace
+from math import inf
 
 import numpy as np
 import numpy.typing as npt
@@ -16,18 +15,12 @@ from analysis.data.checks import (
     increasing_times,
     positive,
 )
-from analysis.data.disk import STEEL_DISK, Disk
-from analysis.data.friction import FrictionLaw, SmoothCoulomb
-from analysis.data.state import Level, State, consistent_start, multiplier_names
+from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Ending, Setting, Trajectory, versions
 from analysis.data.watch import Progress, Watch
-from analysis.models import index1, reduced
-from analysis.models.constraints import check_admissible
-from analysis.models.effort import longest_step, simulation_effort
-from analysis.models.integration import METHODS, Method, Problem, Run, integrate
-
-Form = Literal["index-1", "reduced"]
-FORMS: tuple[Form, ...] = get_args(Form)
+from analysis.models.effort import simulation_effort
+from analysis.models.forms import Form, default_form, pose
+from analysis.models.integration import METHODS, Method, Run, integrate
 
 TIGHTEST_LOCAL_TOLERANCE = 3e-14
 """SciPy's solvers do not go below 100 machine precisions."""
@@ -36,23 +29,11 @@ CAUTION = 2.0
 """Estimated error over the difference of two runs that it is taken from."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Form:
-    """An initial value problem and the way back from its states to a trajectory."""
-
-    problem: Problem
-    expand: Callable[[Array, Array], tuple[Array, Array]]
-    angles: tuple[int, int]
-
-
 def simulate(
-    level: Level,
+    scenario: Scenario,
     times: npt.ArrayLike,
     *,
-    disk: Disk = STEEL_DISK,
-    friction: FrictionLaw | None = None,
-    start: State | None = None,
-    form: Form = "index-1",
+    form: Form | None = None,
     method: Method = "DOP853",
     tolerance: float | None = None,
     local_tolerance: float | None = None,
@@ -60,7 +41,7 @@ def simulate(
     time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
-    """Simulate Model `level` with the in-house equations.
+    """Simulate a scenario with the in-house equations.
 
     Accuracy is asked for in one of two ways. With `tolerance`, the run is repeated with tighter
     local tolerances until two runs agree; the difference is returned as `error_estimate`. With
@@ -71,17 +52,12 @@ def simulate(
 
     Parameters
     ----------
-    level : {1, 2, 3, 4}
-        Model of Table 2.
+    scenario : Scenario
     times : array_like, shape (n,)
         Strictly increasing times in s at which the motion is wanted; it starts at the first.
-    disk : Disk
-    friction : FrictionLaw, optional
-        The paper's values by default.
-    start : State, optional
-        Must meet the constraints of the model; by default Table 3, made consistent.
-    form : {"index-1", "reduced"}
-        Index-1 system (80), (79) or (92), or the minimal coordinates (102) of Model 4.
+    form : {"index-1", "reduced", "free-body"}, optional
+        Index-1 system (80), (79) or (92); the minimal coordinates (102) of Model 4; or the
+        Newton-Euler equations of a free body on a penalty contact. By default that of the contact.
     method : {"DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA"}
         SciPy method; Radau, BDF and LSODA are for stiff problems.
     tolerance : float, optional
@@ -114,19 +90,22 @@ def simulate(
         If the integration fails on the way.
     """
     times = increasing_times(times)
-    friction = friction if friction is not None else SmoothCoulomb()
-    start = start if start is not None else consistent_start(level, disk)
     choice("method", method, METHODS)
-    check_admissible(level, disk, start)
-    posed = _pose(level, disk, friction, start, choice("form", form, FORMS))
+    form = default_form(scenario) if form is None else form
+    posed = pose(scenario, form)
     watch = Watch(time_limit, progress)
 
     def check_effort(**accuracy: float) -> None:
-        simulation_effort(times, disk, friction, start, method=method, **accuracy).check()
+        simulation_effort(scenario, times, method=method, **accuracy).check()
 
-    def run(local: float) -> Run:
+    def run(local: float, longest: float = 1.0) -> Run:
         return integrate(
-            posed.problem, times, method, local, allow_pulling=allow_pulling, watch=watch
+            posed.problem.with_steps_up_to(longest),
+            times,
+            method,
+            local,
+            allow_pulling=allow_pulling,
+            watch=watch,
         )
 
     if local_tolerance is not None:
@@ -140,10 +119,9 @@ def simulate(
         tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
         check_effort(tolerance=tolerance)
         result, evaluations, local_tolerance, estimate = _integrate_to(
-            run, posed.angles, tolerance, method
+            run, posed.attitudes, tolerance, method
         )
-    coordinates, rates = posed.expand(result.times, result.states)
-    multipliers = _multipliers(level, disk, friction, coordinates, rates)
+    coordinates, rates, multipliers = posed.expand(result.times, result.states)
     settings: dict[str, Setting] = {
         "form": form,
         "method": method,
@@ -155,9 +133,7 @@ def simulate(
         coordinates=coordinates,
         rates=rates,
         multipliers=multipliers,
-        level=level,
-        disk=disk,
-        friction=friction,
+        scenario=scenario,
         source="in-house",
         method=settings,
         error_estimate=estimate,
@@ -175,65 +151,24 @@ def _ending(run: Run, multipliers: Array, watch: Watch) -> Ending | None:
     return Ending(reason=run.ended, time=float(run.times[-1]), value=value)
 
 
-def _pose(level: Level, disk: Disk, friction: FrictionLaw, start: State, form: Form) -> _Form:
-    if form == "index-1":
-
-        def full(_: float, state: Array) -> Array:
-            values = state.tolist()
-            z, u = values[:6], values[6:]
-            acceleration, _multiplier = index1.accelerations(level, disk, friction, z, u)
-            return np.concatenate((u, acceleration))
-
-        def full_normal_force(state: Array) -> float:
-            values = state.tolist()
-            return float(index1.accelerations(level, disk, friction, values[:6], values[6:])[1][0])
-
-        def split(_: Array, states: Array) -> tuple[Array, Array]:
-            return states[:, :6], states[:, 6:]
-
-        problem = Problem(
-            full,
-            start.vector,
-            lambda state: sin(state[4]),
-            full_normal_force,
-            longest_step(disk, start),
-        )
-        return _Form(problem, split, (4, 5))
-    if level != 4:
-        raise ValueError(f"form 'reduced' exists for Model 4 alone, got level {level}")
-    if friction.load != "weight":
-        raise ValueError(f"form 'reduced' takes the load 'weight' alone, got {friction.load!r}")
-    spin, alpha = start.rates[3], start.coordinates[3]
-
-    def minimal(_: float, state: Array) -> tuple[float, float, float]:
-        return reduced.right_hand_side(disk, friction, spin, state.tolist())
-
-    def expand(times: Array, states: Array) -> tuple[Array, Array]:
-        return reduced.expand(disk, spin, alpha + spin * (times - times[0]), states)
-
-    problem = Problem(
-        minimal,
-        np.array((*start.coordinates[4:6], start.rates[4])),
-        lambda state: sin(state[0]),
-        lambda state: reduced.normal_force(disk, friction, spin, state.tolist()),
-        longest_step(disk, start),
-    )
-    return _Form(problem, expand, (0, 1))
-
-
 def _integrate_to(
-    run: Callable[[float], Run], angles: tuple[int, int], tolerance: float, method: Method
+    run: Callable[[float, float], Run],
+    attitudes: Callable[[Array], Array],
+    tolerance: float,
+    method: Method,
 ) -> tuple[Run, int, float, float]:
     """Tighten the local tolerance until the estimated error of beta and gamma is small enough."""
     # Two runs of nearly the same local tolerance would agree without being right.
     local = max(min(tolerance / 3.0, 1e-3), 10.0 * TIGHTEST_LOCAL_TOLERANCE)
-    coarse = run(_floor(local))
+    longest = 1.0
+    coarse = run(_floor(local), longest)
     evaluations, estimate = coarse.evaluations, inf
     while local >= 3.0 * TIGHTEST_LOCAL_TOLERANCE and coarse.ended != "time limit":
-        local /= 10.0
-        fine = run(_floor(local))
+        # Nor may both take the longest steps there are.
+        local, longest = local / 10.0, 0.8 * longest
+        fine = run(_floor(local), longest)
         evaluations += fine.evaluations
-        fine, estimate = _compare(fine, coarse, list(angles))
+        fine, estimate = _compare(fine, coarse, attitudes)
         if estimate <= tolerance:
             return fine, evaluations, _floor(local), estimate
         coarse = fine
@@ -248,7 +183,7 @@ def _integrate_to(
     )
 
 
-def _compare(fine: Run, coarse: Run, angles: list[int]) -> tuple[Run, float]:
+def _compare(fine: Run, coarse: Run, attitudes: Callable[[Array], Array]) -> tuple[Run, float]:
     """The finer run as far as it can be judged, and its estimated error.
 
     The error in beta and gamma is infinite if the two do not end alike. Where the contact
@@ -261,7 +196,7 @@ def _compare(fine: Run, coarse: Run, angles: list[int]) -> tuple[Run, float]:
     common = fine.times.size
     if coarse.times.size < common:
         return fine, inf
-    apart = np.abs(fine.states - coarse.states[:common])[:, angles]
+    apart = np.abs(attitudes(fine.states) - attitudes(coarse.states[:common]))
     return fine, CAUTION * float(np.max(apart))
 
 
@@ -274,14 +209,3 @@ def _check_local_tolerance(name: str, value: float) -> float:
     if not TIGHTEST_LOCAL_TOLERANCE <= value < 1.0:
         raise ValueError(f"{name} must lie in [{TIGHTEST_LOCAL_TOLERANCE:g}, 1), got {value:g}")
     return value
-
-
-def _multipliers(
-    level: Level, disk: Disk, friction: FrictionLaw, coordinates: Array, rates: Array
-) -> Array:
-    """Constraint forces at every sample, shape (n, k)."""
-    result = np.empty((len(coordinates), len(multiplier_names(level))))
-    pairs = zip(coordinates.tolist(), rates.tolist(), strict=True)
-    for row, (z, u) in enumerate(pairs):
-        result[row] = index1.accelerations(level, disk, friction, z, u)[1]
-    return result

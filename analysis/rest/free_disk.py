@@ -6,15 +6,11 @@ in the body frame, and the energy taken so far by each of `dissipation.CAUSES` (
 the vertical in the body frame enters the forces, so that no frame is built for the contact.
 """
 
-from dataclasses import dataclass
 from math import pi, sqrt
 from typing import NamedTuple
 
 from analysis.data.checks import Array
-from analysis.data.contact import PenaltyContact
-from analysis.data.disk import GRAVITY, Disk
-from analysis.data.dissipation import Dissipation
-from analysis.data.friction import FrictionLaw
+from analysis.data.scenario import Scenario
 from analysis.rest.spheroid import Vector3, contact_point, contour_velocity, support_height
 
 
@@ -36,31 +32,29 @@ class Contact(NamedTuple):
     force: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FreeDisk:
     """A disk on a table with what acts on it.
 
     Parameters
     ----------
-    disk : Disk
-    friction : FrictionLaw
-        Sliding friction; its load is the weight or the actual contact force.
-    contact : PenaltyContact
-    dissipation : Dissipation
+    scenario : Scenario
+        With a penalty contact.
 
     Raises
     ------
     ValueError
-        If the contact does not fit the disk.
+        If the contact is the ideal one.
     """
 
-    disk: Disk
-    friction: FrictionLaw
-    contact: PenaltyContact
-    dissipation: Dissipation
-
-    def __post_init__(self) -> None:
-        self.contact.check(self.disk)
+    def __init__(self, scenario: Scenario) -> None:
+        self.contact = scenario.penalty_contact
+        self.disk, self.friction, self.dissipation = (
+            scenario.disk,
+            scenario.friction,
+            scenario.dissipation,
+        )
+        self._weight, self._gravity = scenario.weight, scenario.table.vector
+        self._leans = not scenario.table.is_horizontal
 
     def touch(self, state: list[float]) -> Contact:
         """Contact in this state."""
@@ -111,12 +105,15 @@ class FreeDisk:
         upward, normal = contact.upward, contact.force
         load = max(0.0, normal)
         if self.friction.load == "weight" and (normal > 0.0 or self.contact.bilateral):
-            load = self.disk.weight
+            load = self._weight
         speed = norm(contact.slip)
         factor = load * self.friction.per_speed(speed)
         at_point = add_scaled(scaled(normal, upward), -factor, contact.slip)
         torque = cross(contact.point, at_point)
-        force = add_scaled(at_point, -self.disk.weight, upward)
+        force = add_scaled(at_point, -self._weight, upward)
+        if self._leans:
+            along = to_body(values[3:7], (self._gravity[0], self._gravity[1], 0.0))
+            force = add_scaled(force, self.disk.mass, along)
         powers = [self._damping(contact), factor * speed * speed, 0.0, 0.0, 0.0, 0.0]
         loss = self.dissipation
         if loss.rolling_dry or loss.rolling_viscous:
@@ -173,7 +170,9 @@ class FreeDisk:
         gap = self.touch(state).gap
         touching = self.contact.bilateral or gap < 0.0
         elastic = 0.5 * self.contact.stiffness * gap * gap if touching else 0.0
-        return kinetic, disk.mass * GRAVITY * state[2], elastic
+        gx, gy, gz = self._gravity
+        potential = -disk.mass * (gx * state[0] + gy * state[1] + gz * state[2])
+        return kinetic, potential, elastic
 
 
 def vertical(state: list[float]) -> Vector3:
@@ -199,6 +198,12 @@ def to_inertial(quaternion: list[float], v: list[float]) -> Vector3:
         v[1] + w * ty + z * tx - x * tz,
         v[2] + w * tz + x * ty - y * tx,
     )
+
+
+def to_body(quaternion: list[float], v: Vector3) -> Vector3:
+    """Components in the body frame of an inertial vector."""
+    w, x, y, z = quaternion
+    return to_inertial([w, -x, -y, -z], list(v))
 
 
 def quaternion_rate(quaternion: list[float], w: list[float]) -> tuple[float, float, float, float]:

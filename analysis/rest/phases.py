@@ -50,7 +50,8 @@ class Phases:
 def find_phases(motion: SpatialMotion) -> Phases:
     """Find when the phases of a motion begin."""
     times, inversion = motion.times, judge_inversion(motion)
-    limit = FLAT * motion.contact.half_thickness / motion.disk.radius
+    scenario = motion.scenario
+    limit = FLAT * scenario.penalty_contact.half_thickness / scenario.disk.radius
     flat = _from_here_on(times, motion.leaning < limit)
     upto = times <= (np.inf if flat is None else flat)
     slip = _running_mean(times, motion.slip_speeds)

@@ -9,11 +9,11 @@ from math import cos, pi, sin, sqrt
 
 from analysis.data.checks import number, positive
 from analysis.data.disk import Disk
-from analysis.data.dissipation import Dissipation
+from analysis.data.scenario import Scenario
 from analysis.data.state import State
 
 
-def axial_spin(disk: Disk, beta: float, precession: float) -> float:
+def axial_spin(scenario: Scenario, beta: float, precession: float) -> float:
     """Spin w3 in rad/s along the axis of a stationary rolling motion.
 
     It solves A Omega² sin(beta) cos(beta) - (C + m r²) Omega w3 sin(beta) = m g r cos(beta),
@@ -21,8 +21,8 @@ def axial_spin(disk: Disk, beta: float, precession: float) -> float:
 
     Parameters
     ----------
-    disk : Disk
-        Without eccentricity.
+    scenario : Scenario
+        With a centred disk on a horizontal table; that it rolls without slip is taken for granted.
     beta : float
         Inclination in rad, in the open interval (0, pi).
     precession : float
@@ -33,10 +33,11 @@ def axial_spin(disk: Disk, beta: float, precession: float) -> float:
     ValueError
         If an argument is out of range or the disk is eccentric.
     """
+    disk = scenario.disk
     A, rolling = _across(disk), disk.inertia_z + disk.mass * disk.radius**2
     sb, cb = sin(_inclination(beta)), cos(beta)
     Omega = _precession(precession)
-    return (A * Omega**2 * sb * cb - disk.weight * disk.radius * cb) / (rolling * Omega * sb)
+    return (A * Omega**2 * sb * cb - _tipping(scenario) * cb) / (rolling * Omega * sb)
 
 
 def rolling_start(
@@ -75,27 +76,28 @@ def rolling_start(
     )
 
 
-def euler_disk_precession(disk: Disk, beta: float) -> float:
+def euler_disk_precession(scenario: Scenario, beta: float) -> float:
     """Precession in rad/s with w3 = 0: Omega² = m g r / (A sin(beta)); `ValueError` as above."""
-    return sqrt(disk.weight * disk.radius / (_across(disk) * sin(_inclination(beta))))
+    return sqrt(_tipping(scenario) / (_across(scenario.disk) * sin(_inclination(beta))))
 
 
-def euler_disk_energy(disk: Disk, beta: float) -> float:
+def euler_disk_energy(scenario: Scenario, beta: float) -> float:
     """Energy in J with w3 = 0, from the table: E = 3/2 m g r sin(beta)."""
-    _across(disk)
-    return 1.5 * disk.weight * disk.radius * sin(_inclination(beta))
+    _across(scenario.disk)
+    return 1.5 * _tipping(scenario) * sin(_inclination(beta))
 
 
-def upright_rolling_spin(disk: Disk) -> float:
+def upright_rolling_spin(scenario: Scenario) -> float:
     """Smallest stable spin in rad/s of a disk that rolls upright along a line.
 
     w3² = A m g r / (C (C + m r²)), which is g / (3 r) for a thin disk.
     """
+    disk = scenario.disk
     A, C = _across(disk), disk.inertia_z
-    return sqrt(A * disk.weight * disk.radius / (C * (C + disk.mass * disk.radius**2)))
+    return sqrt(A * _tipping(scenario) / (C * (C + disk.mass * disk.radius**2)))
 
 
-def time_to_flat(disk: Disk, dissipation: Dissipation, beta: float) -> float:
+def time_to_flat(scenario: Scenario, beta: float) -> float:
     """Time in s that a slowly sinking Euler's disk has left at a small inclination.
 
     The energy 3/2 m g r beta falls by the power of one rolling resistance on the contour speed
@@ -108,6 +110,7 @@ def time_to_flat(disk: Disk, dissipation: Dissipation, beta: float) -> float:
     ValueError
         If not exactly one of the rolling resistances is on.
     """
+    disk, dissipation = scenario.disk, scenario.dissipation
     dry, viscous = dissipation.rolling_dry, dissipation.rolling_viscous
     if (dry > 0.0) == (viscous > 0.0):
         raise ValueError(
@@ -116,8 +119,14 @@ def time_to_flat(disk: Disk, dissipation: Dissipation, beta: float) -> float:
         )
     A, beta = _across(disk), positive("beta", beta)
     if viscous:
-        return 0.75 * beta * beta * A / (viscous * disk.weight * disk.radius**2)
-    return beta * sqrt(beta * A / (disk.weight * disk.radius)) / dry
+        return 0.75 * beta * beta * A / (viscous * _tipping(scenario) * disk.radius)
+    return beta * sqrt(beta * A / _tipping(scenario)) / dry
+
+
+def _tipping(scenario: Scenario) -> float:
+    """Moment m g r in N m of the weight about the rim of a flat disk."""
+    scenario.require_horizontal_table("a closed form of rolling")
+    return scenario.weight * scenario.disk.radius
 
 
 def _across(disk: Disk) -> float:

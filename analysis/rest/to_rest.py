@@ -10,13 +10,12 @@ from scipy.integrate import solve_ivp
 from analysis.data import frames
 from analysis.data.agreement import TIGHTEST, until_agreement
 from analysis.data.checks import Array, TimeLimitError, choice, positive
-from analysis.data.contact import PenaltyContact
-from analysis.data.disk import STEEL_DISK, Disk
-from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
-from analysis.data.friction import FrictionLaw, SmoothCoulomb
+from analysis.data.disk import Disk
+from analysis.data.dissipation import CAUSES, RestCriterion
 from analysis.data.limits import check_storage
+from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
-from analysis.data.state import State, consistent_start
+from analysis.data.state import State
 from analysis.data.trajectory import Ending, versions
 from analysis.data.watch import Progress, Watch
 from analysis.models.effort import rest_effort
@@ -35,17 +34,11 @@ LOOK = 1000
 STRETCH = 1.0
 """Time in s after which the quaternion is normalised and rest is looked for."""
 
-ACTUAL = SmoothCoulomb(load="contact")
-
 
 def simulate_to_rest(
+    scenario: Scenario,
     end: float,
     *,
-    disk: Disk = STEEL_DISK,
-    friction: FrictionLaw = ACTUAL,
-    contact: PenaltyContact | None = None,
-    dissipation: Dissipation | None = None,
-    start: State | None = None,
     spacing: float = 2e-3,
     criterion: RestCriterion | None = None,
     method: RestMethod = "LSODA",
@@ -61,18 +54,10 @@ def simulate_to_rest(
 
     Parameters
     ----------
+    scenario : Scenario
+        With a rounded rim, such as `Scenario.rest` makes.
     end : float
         Longest time in s.
-    disk : Disk
-    friction : FrictionLaw
-        The paper's values on the actual contact force by default.
-    contact : PenaltyContact, optional
-        With a rounded rim; by default `PenaltyContact.rounded`.
-    dissipation : Dissipation, optional
-        None besides sliding friction and the contact's damper by default.
-    start : State, optional
-        By default Table 3, lowered until the contact carries the weight. A given start is taken
-        as it is; `PenaltyContact.lowered` makes one that does not bounce.
     spacing : float
         Time between samples in s.
     criterion : RestCriterion, optional
@@ -112,22 +97,14 @@ def simulate_to_rest(
     choice("method", method, REST_METHODS)
     if tolerance is not None and local_tolerance is not None:
         raise ValueError("give either tolerance or local_tolerance, not both")
-    contact = contact if contact is not None else PenaltyContact.rounded(disk)
-    if not contact.is_rounded:
+    if not scenario.penalty_contact.is_rounded:
         raise ValueError("half_thickness must be positive for the disk to lie flat, got 0")
-    model = FreeDisk(
-        disk=disk,
-        friction=friction,
-        contact=contact,
-        dissipation=dissipation if dissipation is not None else Dissipation(),
-    )
-    if start is None:
-        start = contact.lowered(disk, consistent_start(1, disk))
     check_storage("end", end / spacing, MOTION_COLUMNS)
-    rest_effort(end, disk, contact).check()
+    rest_effort(scenario, end).check()
     task = _Task(
-        model=model,
-        start=start_vector(disk, start),
+        scenario=scenario,
+        model=FreeDisk(scenario),
+        start=start_vector(scenario.disk, scenario.initial_state),
         times=np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing,
         criterion=criterion if criterion is not None else RestCriterion(),
         method=method,
@@ -171,6 +148,7 @@ class _OverError(Exception):
 class _Task:
     """What is to be integrated, and who watches."""
 
+    scenario: Scenario
     model: FreeDisk
     start: Array
     times: Array
@@ -197,11 +175,8 @@ class _Task:
         if rest is not None:
             states = states[: rest + self.criterion.samples(times[1])]
         return SpatialMotion(
-            **_sampled(model, times[: len(states)], states),
-            disk=model.disk,
-            friction=model.friction,
-            contact=model.contact,
-            dissipation=model.dissipation,
+            **sampled(model, times[: len(states)], states),
+            scenario=self.scenario,
             source="in-house",
             rest_time=None if rest is None else float(times[rest]),
             ending=ending,
@@ -229,7 +204,7 @@ class _Task:
             t_eval=span[1:],
             rtol=local_tolerance,
             atol=0.01 * local_tolerance,
-            max_step=_contact_time(self.model),
+            max_step=contact_time(self.model),
         )
         if not result.success:
             raise ArithmeticError(f"{self.method} stopped at t = {span[0]:g} s: {result.message}")
@@ -241,7 +216,9 @@ class _Task:
         """Number of the first sample at rest, seen from the last two stretches."""
         recent = np.concatenate(blocks[-2:])
         kinetic = np.array([self.model.energies(state)[0] for state in recent.tolist()])
-        rise = recent[:, 2] - self.model.contact.resting_height(self.model.disk)
+        rise = recent[:, 2] - self.model.contact.resting_height(
+            self.scenario.disk, self.scenario.weight
+        )
         found = self.criterion.first(kinetic, rise, self.times[1])
         return None if found is None else sum(map(len, blocks[:-2])) + found
 
@@ -255,7 +232,7 @@ class _Task:
         return Ending(reason="time limit", time=time, value=seconds)
 
 
-def _contact_time(model: FreeDisk) -> float:
+def contact_time(model: FreeDisk) -> float:
     """Half a period in s of the disk on its contact: steps no longer find every impact."""
     disk = model.disk
     inertia = min(disk.inertia_about_cog[:2])
@@ -263,7 +240,7 @@ def _contact_time(model: FreeDisk) -> float:
     return pi / sqrt(model.contact.stiffness * mobility)
 
 
-def _sampled(model: FreeDisk, times: Array, states: Array) -> dict[str, Any]:
+def sampled(model: FreeDisk, times: Array, states: Array) -> dict[str, Any]:
     """Arrays of a `SpatialMotion` from states of `FreeDisk`."""
     offset = [-model.disk.eccentricity, 0.0, 0.0]
     rows = []
