@@ -103,7 +103,6 @@ def run(
         If the run did not reach its end with finite results, or step control gave up.
     """
     system = model.system
-    sensor = model.add_sensor()
     start = start or _start(model, integrator)
     if integrator.implicit:
         complete_jacobian(model)
@@ -139,7 +138,7 @@ def run(
         failure = error
     if raised:
         raise raised[0]
-    samples = _samples(model, integrator, sensor, start, spacing)
+    samples = _samples(model, integrator, start, spacing)
     complete = len(samples.records) == intervals + 1 or bool(stopped)
     samples = replace(
         samples, seconds=time.process_time() - begin, stopped=stopped[0] if stopped else None
@@ -156,22 +155,20 @@ class Start(NamedTuple):
     algebraic: Array = np.zeros(0)
 
 
-def _samples(
-    model: Model, integrator: Integrator, sensor: int, start: Start, spacing: float
-) -> Samples:
-    """What the sensor has stored at multiples of `spacing`, as far as it is finite."""
-    stored = np.atleast_2d(np.array(model.system.GetSensorStoredData(sensor)))
+def _samples(model: Model, integrator: Integrator, start: Start, spacing: float) -> Samples:
+    """What the sensors have stored at multiples of `spacing`, as far as it is finite."""
+    times, stored = model.samples()
     places = spacing * np.arange(len(stored))
-    good = np.all(np.isfinite(stored), axis=1) & (np.abs(stored[:, 0] - places) < 0.5 * spacing)
+    good = np.all(np.isfinite(stored), axis=1) & (np.abs(times - places) < 0.5 * spacing)
     stored = stored[: len(good) if np.all(good) else int(np.argmin(good))]
     unknowns = len(model.record())
     # The engine's own first sample holds neither.
-    stored[:1, 1 + unknowns :] = start.algebraic
+    stored[:1, unknowns:] = start.algebraic
     if model.closes_contact:
-        stored[:1, 1 + unknowns - start.accelerations.size : 1 + unknowns] = start.accelerations
+        stored[:1, unknowns - start.accelerations.size : unknowns] = start.accelerations
     return Samples(
-        records=stored[:, 1 : 1 + unknowns],
-        algebraic=stored[:, 1 + unknowns :],
+        records=stored[:, :unknowns],
+        algebraic=stored[:, unknowns:],
         counts=_counts(model.system.sys["dynamicSolver"], integrator),
     )
 

@@ -22,7 +22,8 @@ from validation.commands.scene import scene_table
 from validation.studies import lean
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
-SENSOR = ["sensor UserFunction"]
+READ = ["sensor Node"]
+FORCES = ["sensor UserFunction"]
 
 TREE = ["node GenericODE2", "object KinematicTree"]
 TABLE = ["object Ground", "marker BodyRigid"]
@@ -36,19 +37,20 @@ SPIN = [
 ]
 BODY = ["object RigidBody", "marker BodyMass", "load MassProportional"]
 FRICTION = ["marker BodyRigid", "object ConnectorRigidBodySpringDamper"]
+HELD_BODY = [*BODY, *TABLE, "marker BodyRigid", FRICTION[1], *(4 * READ)]
 CARRIER = ["node 1D", "object RotationalMass1D", "marker BodyRigid", "object JointGeneric"]
 
 
 def expected(level: Level, formulation: Formulation, *, rough: bool) -> list[str]:
     if formulation == "contact-tree":
-        return TREE + SENSOR
+        return TREE + 3 * READ
     if formulation == "euler-tree":
         marker = ["marker KinematicTreeRigid"]
-        listed = TREE + SENSOR + TABLE + CONTACT + marker
+        listed = TREE + 2 * READ + FORCES + TABLE + CONTACT + marker
         listed += COG + marker if level >= 2 else []
         return listed + (SPIN if level >= 4 else [])
     node = "RigidBodyEP" if formulation == "floating" else "RigidBodyRotVecLG"
-    listed = [f"node {node}", *BODY, *SENSOR, *TABLE, *CONTACT, "marker BodyRigid"]
+    listed = [f"node {node}", *BODY, *(4 * READ), *FORCES, *TABLE, *CONTACT, "marker BodyRigid"]
     listed += FRICTION if rough else []
     listed += [*COG, "marker BodyRigid"] if level >= 2 else []
     return listed + (CARRIER + SPIN if level >= 4 else [])
@@ -74,7 +76,7 @@ def test_scene_holds_what_it_needs_and_nothing_else(
     scene = scene_of(level, formulation, friction=friction)
     found = inventory(scene)
     assert listed(found) == sorted(expected(level, formulation, rough=rough))
-    assert found.user_functions == 1 + rough
+    assert found.user_functions == scene.has_constraints + rough
     assert not unused_markers(scene)
 
 
@@ -98,12 +100,9 @@ def test_counts_are_those_of_the_assembled_system(
 @pytest.mark.parametrize(
     ("formulation", "items"),
     [
-        ("euler-tree", TREE),
-        ("floating", ["node RigidBodyEP", *BODY, *TABLE, "marker BodyRigid", FRICTION[1]]),
-        (
-            "floating-lie",
-            ["node RigidBodyRotVecLG", *BODY, *TABLE, "marker BodyRigid", FRICTION[1]],
-        ),
+        ("euler-tree", [*TREE, *(2 * READ)]),
+        ("floating", ["node RigidBodyEP", *HELD_BODY, *FORCES]),
+        ("floating-lie", ["node RigidBodyRotVecLG", *HELD_BODY]),
     ],
 )
 def test_penalty_contact_needs_one_force_law_and_no_joint(
@@ -115,7 +114,7 @@ def test_penalty_contact_needs_one_force_law_and_no_joint(
         contact=PenaltyContact(stiffness=1e5),
         friction=SmoothCoulomb() if rough else SMOOTH,
     )
-    assert listed(inventory(scene)) == sorted(items + SENSOR)
+    assert listed(inventory(scene)) == sorted(items)
     assert not unused_markers(scene)
 
 
@@ -134,7 +133,7 @@ def test_rest_scene_has_one_connector_which_names_what_is_on(
     dissipation: Dissipation, named: str
 ) -> None:
     found = inventory(rest_scene(dissipation=dissipation))
-    items = ["node RigidBodyRotVecLG", *BODY, *TABLE, "marker BodyRigid", FRICTION[1], *SENSOR]
+    items = ["node RigidBodyRotVecLG", *HELD_BODY]
     assert listed(found) == sorted(items)
     assert found.equations == 0
     assert sum(item.why.startswith(named) for item in found.items) == 1
