@@ -19,7 +19,7 @@ from analysis import (
     Start,
     Trajectory,
 )
-from analysis.data.trajectory import Ending
+from analysis.data.endings import Ending
 from validation.kit.full_study import FULL_STUDY
 from validation.kit.provenance import Provenance
 from validation.studies.robustness import random_scenarios, ship, stored, tables
