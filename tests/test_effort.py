@@ -9,19 +9,19 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import LEVELS, STEEL_DISK, Level, PenaltyContact, SmoothCoulomb, consistent_start
+from analysis import LEVELS, STEEL_DISK, Level, PenaltyContact, Scenario, SmoothCoulomb, Start
 from analysis.data.limits import MOST_STEPS, Effort
 from analysis.models import effort
 from analysis.models.integration import METHODS, Method
 from mbs_models import Integrator, Scene, rest_run
 from mbs_models import effort as engine_effort
+from tests.scenes import rest_scene, scenario_of, scene_of
 from validation.commands import options
 
 FACTOR = 4.0
 """How far a prediction may be off."""
 
 FRICTION = SmoothCoulomb()
-START = consistent_start(1, STEEL_DISK)
 
 
 def in_house(
@@ -33,12 +33,11 @@ def in_house(
     method: Method = "DOP853",
     **accuracy: float,
 ) -> tuple[dict[str, Any], Effort]:
-    start = consistent_start(1, STEEL_DISK, spin=spin, beta=beta)
+    start = Start(spin=spin, beta=beta)
+    scenario = Scenario(friction=friction, start=start)
     times = np.array([0.0, end])
-    predicted = effort.simulation_effort(
-        times, STEEL_DISK, friction, start, method=method, **accuracy
-    )
-    call = {"level": 1, "times": times, "friction": friction, "start": start, "method": method}
+    predicted = effort.simulation_effort(scenario, times, method=method, **accuracy)
+    call: dict[str, Any] = {"scenario": scenario, "times": times, "method": method}
     return call | accuracy, predicted
 
 
@@ -75,13 +74,13 @@ def test_evaluations_of_in_house_runs_are_predicted(given: dict[str, Any]) -> No
         (Scene(), 1e-3),
         (Scene(), 1e-6),
         (Scene(), 1e-11),
-        (Scene(friction=SmoothCoulomb(smoothing=1e-3)), 1e-8),
-        (Scene(start=consistent_start(1, STEEL_DISK, spin=100.0)), 1e-8),
-        (Scene(level=2), 1e-4),
-        (Scene(level=4), 1e-6),
-        (Scene(level=3, formulation="floating"), 1e-4),
+        (scene_of(friction=SmoothCoulomb(smoothing=1e-3)), 1e-8),
+        (scene_of(start=Start(spin=100.0)), 1e-8),
+        (scene_of(2), 1e-4),
+        (scene_of(4), 1e-6),
+        (scene_of(3, formulation="floating"), 1e-4),
     ],
-    ids=lambda value: value.formulation if isinstance(value, Scene) else str(value),
+    ids=lambda value: value.built_as if isinstance(value, Scene) else str(value),
 )
 def test_steps_of_engine_runs_are_predicted(scene: Scene, tolerance: float) -> None:
     times = np.linspace(0.0, 0.5, 51)
@@ -98,43 +97,41 @@ def test_steps_of_a_given_length_are_counted(times: list[float], step: float) ->
 
 
 def test_steps_to_rest_are_predicted_on_both_sides() -> None:
-    contact = PenaltyContact.rounded(STEEL_DISK)
-    scene = Scene.rest(contact=contact)
+    scene = rest_scene()
     step = rest_run.SAFETY * rest_run.largest_step(scene)
     predicted = engine_effort.rest_effort(scene, 0.1, step).steps
     assert predicted == pytest.approx(
         mbs_models.simulate_to_rest(scene, 0.1, step=step).counts["steps"], rel=0.2
     )
-    taken = analysis.simulate_to_rest(0.2, contact=contact, local_tolerance=1e-9).counts[
-        "right_hand_sides"
-    ]
-    evaluations = 2.0 * effort.rest_effort(0.2, STEEL_DISK, contact).steps
+    motion = analysis.simulate_to_rest(scene.scenario, 0.2, local_tolerance=1e-9)
+    taken = motion.counts["right_hand_sides"]
+    evaluations = 2.0 * effort.rest_effort(scene.scenario, 0.2).steps
     assert 1.0 / FACTOR < evaluations / taken < FACTOR
 
 
 TWO_SECONDS: dict[str, Any] = {"times": [0.0, 2.0]}
-DEFAULTS: dict[str, Any] = {"level": 1} | TWO_SECONDS
-FLAT = consistent_start(1, STEEL_DISK, beta=1.1e-6)
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("fields", "end", "message"),
     [
         (
             {"friction": SmoothCoulomb(smoothing=1e-12)},
+            2.0,
             r"friction gradient 3e\+11 s/m .* would take about",
         ),
-        ({"friction": SmoothCoulomb(coefficient=1e9)}, r"friction gradient 1e\+10 s/m up to"),
-        ({"times": [0.0, 1e9]}, "tolerance 1e-08 up to t = 1e.09 s would take about"),
         (
-            {"start": FLAT, "times": [0.0, 10.0]},
-            "beta 1.1e-06 rad up to t = 10 s would take",
+            {"friction": SmoothCoulomb(coefficient=1e9)},
+            2.0,
+            r"friction gradient 1e\+10 s/m up to",
         ),
+        ({}, 1e9, "tolerance 1e-08 up to t = 1e.09 s would take about"),
+        ({"start": Start(beta=1.1e-6)}, 10.0, "beta 1.1e-06 rad up to t = 10 s would take"),
     ],
 )
-def test_endless_in_house_run_is_refused(given: dict[str, Any], message: str) -> None:
+def test_endless_in_house_run_is_refused(fields: dict[str, Any], end: float, message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}"):
-        analysis.simulate(**DEFAULTS | given)
+        analysis.simulate(Scenario(**fields), [0.0, end])
 
 
 @pytest.mark.parametrize(
@@ -142,13 +139,13 @@ def test_endless_in_house_run_is_refused(given: dict[str, Any], message: str) ->
     [
         (Scene(), {"step": 1e-12}, "step 1e-12 s up to t = 2 s would take about 2.0e"),
         (
-            Scene(level=3),
+            scene_of(3),
             {"times": [0.0, 5e5, 1e6]},
             "tolerance 1e-08 rad up to t = 1e.06 s",
         ),
         (Scene(), {"times": [0.0, 1e9], "step": 1.0}, "step 1 s up to t = 1e.09 s would take"),
         (
-            Scene(friction=SmoothCoulomb(smoothing=1e-10)),
+            scene_of(friction=SmoothCoulomb(smoothing=1e-10)),
             {"times": [0.0, 1e4]},
             r"friction gradient 3e\+09 s/m .* would take about",
         ),
@@ -162,16 +159,16 @@ def test_endless_engine_run_is_refused(scene: Scene, given: dict[str, Any], mess
 def test_endless_way_to_rest_is_refused() -> None:
     contact = PenaltyContact.rounded(STEEL_DISK, stiffness=1e12)
     with pytest.raises(ValueError, match=r"^end = 80 s .* stiffness 1e\+12 N/m .* would take"):
-        mbs_models.simulate_to_rest(Scene.rest(contact=contact), 80.0)
+        mbs_models.simulate_to_rest(rest_scene(contact=contact), 80.0)
     with pytest.raises(ValueError, match=r"^stiffness 1e\+12 N/m until end = 80 s would take"):
-        analysis.simulate_to_rest(80.0, contact=contact)
+        analysis.simulate_to_rest(Scenario.rest(contact=contact), 80.0)
 
 
 def test_way_to_rest_that_no_memory_holds_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^end asks for 5e\+11 samples"):
-        analysis.simulate_to_rest(1e9)
+        analysis.simulate_to_rest(Scenario.rest(), 1e9)
     with pytest.raises(ValueError, match=r"^end asks for 5e\+11 samples"):
-        mbs_models.simulate_to_rest(Scene.rest(), 1e9)
+        mbs_models.simulate_to_rest(rest_scene(), 1e9)
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -187,11 +184,12 @@ def test_way_to_rest_that_no_memory_holds_is_refused() -> None:
 def test_honest_runs_are_not_refused(
     level: Level, friction: SmoothCoulomb, spin: float, tolerance: float
 ) -> None:
-    start = consistent_start(level, STEEL_DISK, spin=spin)
+    start = Start(spin=spin)
     times = np.linspace(0.0, 2.0, 201)
-    effort.simulation_effort(times, STEEL_DISK, friction, start, tolerance=tolerance).check()
-    for formulation in mbs_models.formulations(level):
-        scene = Scene(level=level, formulation=formulation, friction=friction, start=start)
+    scenario = scenario_of(level, friction=friction, start=start)
+    effort.simulation_effort(scenario, times, tolerance=tolerance).check()
+    for formulation in mbs_models.formulations(scenario):
+        scene = Scene(scenario, formulation)
         engine_effort.simulation_effort(scene, times, tolerance=tolerance).check()
 
 
@@ -207,7 +205,7 @@ def test_every_method_has_its_numbers() -> None:
 
 
 def test_step_control_does_not_go_below_its_minimum() -> None:
-    scene = Scene(friction=SmoothCoulomb(smoothing=1e-12))
+    scene = scene_of(friction=SmoothCoulomb(smoothing=1e-12))
     found = engine_effort.simulation_effort(
         scene, np.array([0.0, 0.01]), Integrator(name="DOPRI5")
     )
@@ -215,7 +213,7 @@ def test_step_control_does_not_go_below_its_minimum() -> None:
 
 
 def test_smoothing_below_every_step_is_said_to_be_in_vain() -> None:
-    scene = Scene(friction=SmoothCoulomb(smoothing=1e-7))
+    scene = scene_of(friction=SmoothCoulomb(smoothing=1e-7))
     found = engine_effort.simulation_effort(scene, np.linspace(0.0, 2.0, 201))
     assert "it needs steps of 8e-09 s, the shortest tried is 2e-06 s" in str(found)
 
