@@ -121,14 +121,19 @@ class Disk:
         )
 
 
-STEEL_DISK = Disk.ring(
-    radius=0.045, hole_radius=0.015, hole_distance=0.02, thickness=0.01, density=7700.0
-)
+STEEL_RING = {
+    "radius": 0.045,
+    "hole_radius": 0.015,
+    "hole_distance": 0.02,
+    "thickness": 0.01,
+    "density": 7700.0,
+}
+"""Arguments of `Disk.ring` for the paper's disk."""
+
+STEEL_DISK = Disk.ring(**STEEL_RING)
 """The paper's disk, unrounded: the printed eigenvalues and critical speed come from it."""
 
-CENTRED_DISK = Disk.ring(
-    radius=0.045, hole_radius=0.015, hole_distance=0.0, thickness=0.01, density=7700.0
-)
+CENTRED_DISK = Disk.ring(**(STEEL_RING | {"hole_distance": 0.0}))
 """The same with its hole in the middle, for which textbooks have closed forms."""
 
 ROUNDED_STEEL_DISK = Disk(

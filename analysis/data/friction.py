@@ -266,14 +266,20 @@ def law_from(values: dict[str, Any], *, own: bool = True) -> FrictionLaw:
     """
     parameters = dict(values)
     name = parameters.pop("law", "smooth-coulomb")
-    kind = LAWS.get(name) or _own_law(name, own=own)
+    kind = law_class(name, own=own)
     known = [field.name for field in fields(kind)]
     for parameter in parameters:
         choice(f"parameter of the friction law {name}", parameter, known)
-    return kind(**parameters)
+    try:
+        return kind(**parameters)
+    except TypeError as error:
+        raise ValueError(f"friction law {name!r} cannot be made: {error}") from error
 
 
-def _own_law(name: Any, *, own: bool) -> type[FrictionLaw]:
+def law_class(name: Any, *, own: bool = True) -> type[FrictionLaw]:
+    """Class of a law by its name; see `law_from`."""
+    if isinstance(name, str) and name in LAWS:
+        return LAWS[name]
     module, colon, attribute = str(name).partition(":")
     if not colon:
         listed = ", ".join(LAWS)
@@ -282,7 +288,7 @@ def _own_law(name: Any, *, own: bool) -> type[FrictionLaw]:
         raise ValueError(f"friction law {name!r} must be imported first")
     try:
         kind = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError) as error:
+    except (ImportError, AttributeError, TypeError, SyntaxError) as error:
         raise ValueError(f"friction law {name!r} cannot be loaded: {error}") from error
     if not isinstance(kind, type) or not issubclass(kind, FrictionLaw):
         raise ValueError(f"friction law {name!r} must be a class derived from FrictionLaw")

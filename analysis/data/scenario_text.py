@@ -1,0 +1,144 @@
+"""The commented text of a scenario's file."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from math import isfinite
+from numbers import Integral, Real
+from typing import Any
+
+from analysis.data.angles import spelled_angle
+from analysis.data.constraint_set import CONSTRAINTS, MODELS
+from analysis.data.contact import PenaltyContact
+from analysis.data.disk import STEEL_DISK, STEEL_RING, Disk
+from analysis.data.friction import law_values
+from analysis.data.scenario import Scenario
+from analysis.data.scenario_keys import KEYS, RING, SIX
+from analysis.data.start import Start
+from analysis.data.state import COORDINATES
+
+FORMAT = 1
+"""Of the files written here."""
+
+_HEAD = f"""\
+# A problem of the tippedisk, whole: tippedisk simulate --scenario FILE --out run.npz
+# Angles are in rad, or text: "pi/2", "-pi/2 + 0.1", "90deg".
+format = {FORMAT}
+"""
+
+_IDEAL = """\
+# Without this table the disk neither leaves the table nor sinks into it (ideal contact).
+# With it, the contact is a spring and a damper at the lowest point; for Model 1.
+"""
+
+_START = """\
+# What is left out follows from the rest and from the constraints. A start may also be told by
+# all of its coordinates and rates: coordinates = [{}] and rates = [...].
+"""
+
+
+def scenario_text(scenario: Scenario) -> str:
+    """TOML text of a scenario, with every key, its unit and what is allowed.
+
+    `load_scenario` makes an equal scenario from it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+
+    Raises
+    ------
+    ValueError
+        If a friction law of one's own has a parameter that TOML cannot hold.
+    """
+    parts = (
+        _HEAD + "\n" + _constraints(scenario),
+        "[disk]\n" + "".join(_disk(scenario.disk)),
+        "[friction]\n" + "".join(_friction(law_values(scenario.friction))),
+        "[table]\n" + _lines("table", asdict(scenario.table)),
+        _contact(scenario),
+        "# What else takes energy, on the contact of [contact].\n[dissipation]\n"
+        + _lines("dissipation", asdict(scenario.dissipation)),
+        "".join(_start(scenario)),
+    )
+    return "\n".join(parts)
+
+
+def _constraints(scenario: Scenario) -> str:
+    model = ", ".join(f"{level} {each[-1]}" for level, each in MODELS.items())
+    others = ", ".join(f'"{each}"' for each in CONSTRAINTS[1:])
+    names = _literal("constraints", list(scenario.constraints))
+    level = scenario.model
+    return (
+        "# What holds the disk: a model of the paper, each of which adds a constraint\n"
+        f"# ({model}), or in place of it\n"
+        f'# "contact" with some of, but not all of {others}.\n'
+        f"{'# ' if level is None else ''}model = {level or 1}\n"
+        f"{'' if level is None else '# '}constraints = {names}\n"
+    )
+
+
+def _disk(disk: Disk) -> Iterator[str]:
+    is_ring = disk == STEEL_DISK
+    yield "# A disk of uniform density with a round hole:\n"
+    yield _lines("disk", {key: STEEL_RING[key] for key in RING}, off=not is_ring)
+    yield "# In place of it, any disk:\n"
+    yield _lines("disk", {key: getattr(disk, key) for key in SIX}, off=is_ring)
+    yield f"# Or a disk by name: name = {KEYS['disk']['name'].meaning}\n"
+
+
+def _friction(values: dict[str, Any]) -> Iterator[str]:
+    yield _lines("friction", {name: value for name, value in values.items() if value is not None})
+
+
+def _contact(scenario: Scenario) -> str:
+    contact = scenario.contact
+    shown = PenaltyContact.rounded(scenario.disk) if contact is None else contact
+    mark = "# " if contact is None else ""
+    return f"{_IDEAL}{mark}[contact]\n" + _lines("contact", asdict(shown), off=contact is None)
+
+
+def _start(scenario: Scenario) -> Iterator[str]:
+    yield _START.format(", ".join(COORDINATES))
+    yield "[start]\n"
+    if not isinstance(scenario.start, Start):
+        state = scenario.start
+        yield _lines("start", {"coordinates": state.coordinates, "rates": state.rates})
+        return
+    # A key that is left out shows what follows from the rest: to take it in changes nothing.
+    state = scenario.initial_state
+    follows = dict(zip(COORDINATES, state.coordinates, strict=True)) | {
+        f"{name}_rate": rate for name, rate in zip(COORDINATES, state.rates, strict=True)
+    }
+    for name, value in asdict(scenario.start).items():
+        left_out = value is None
+        shown = follows.get(name, 0.0) if left_out else value
+        yield _lines("start", {name: shown}, off=left_out)
+
+
+def _lines(table: str, values: dict[str, Any], *, off: bool = False) -> str:
+    mark = "# " if off else ""
+    lines = []
+    for name, value in values.items():
+        key = KEYS[table].get(name)
+        about = "of this law" if key is None else str(key)
+        spelled = spelled_angle(value) if key is not None and key.unit == "rad" else None
+        literal = _literal(name, value if spelled is None else spelled)
+        lines.append(f"{mark}{name} = {literal}  # {about}\n")
+    return "".join(lines)
+
+
+def _literal(name: str, value: Any) -> str:
+    """A value as TOML writes it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Integral):
+        return str(int(value))
+    if isinstance(value, Real):
+        number = float(value)
+        return repr(number) if isfinite(number) else str(number)
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_literal(name, each) for each in value)}]"
+    raise ValueError(f"{name} cannot be written to a scenario's file: {value!r}")

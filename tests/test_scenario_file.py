@@ -1,0 +1,295 @@
+"""Scenarios as TOML files."""
+
+import re
+import sys
+from dataclasses import dataclass, fields, replace
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from analysis.data.angles import angle, spelled_angle
+from analysis.data.constraint_set import MODELS, POSSIBLE_SETS
+from analysis.data.contact import PenaltyContact
+from analysis.data.disk import DISKS, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.data.dissipation import Dissipation
+from analysis.data.friction import LAWS, LOADS, FrictionLaw, Stribeck, TanhCoulomb
+from analysis.data.scenario import Scenario
+from analysis.data.scenario_file import LARGEST_FILE, load_scenario, scenario_text
+from analysis.data.scenario_keys import KEYS
+from analysis.data.start import Start
+from analysis.data.state import State
+from analysis.data.table import Table
+from tests.scenario_texts import with_key
+
+QUICK = settings(
+    max_examples=100,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Own(FrictionLaw):
+    """A law of one's own, with a parameter of each kind."""
+
+    strength: float = 0.3
+    kind: str = 'quoted "so" \\ and\tso'
+    order: int = 2
+    smooth: bool = True
+    nothing: float | None = None
+
+    def per_speed(self, speed: float) -> float:
+        return self.strength / (1.0 + speed)
+
+    @property
+    def finest_speed(self) -> float:
+        return 1.0
+
+
+def reals(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(low, high, allow_nan=False)
+
+
+RINGS = st.builds(
+    Disk.ring,
+    radius=reals(0.04, 2.0),
+    hole_radius=reals(0.0, 0.01),
+    hole_distance=reals(0.0, 0.02),
+    thickness=reals(1e-3, 0.01),
+    density=reals(100.0, 2e4),
+)
+TEXT = st.text(st.characters(exclude_categories=["Cs"]))
+LAW_OF: dict[str, dict[str, st.SearchStrategy[Any]]] = {
+    "smooth-coulomb": {"coefficient": reals(0.0, 2.0), "smoothing": reals(1e-3, 1e3)},
+    "stribeck": {"static": reals(0.5, 1.0), "kinetic": reals(0.0, 0.5)},
+    "tanh": {"coefficient": reals(0.0, 2.0), "smoothing": reals(1e-3, 1e3)},
+    "viscous": {"viscosity": reals(0.0, 10.0)},
+    "own": {
+        "strength": reals(0.0, 2.0),
+        "kind": st.text(st.characters(exclude_categories=["Cs"])),
+    },
+}
+FRICTION: st.SearchStrategy[FrictionLaw] = st.one_of(
+    [
+        st.builds(LAWS.get(name, Own), load=st.sampled_from(LOADS), **parameters)
+        for name, parameters in LAW_OF.items()
+    ]
+)
+TABLES = st.builds(
+    Table, gravity=reals(0.1, 30.0), inclination=reals(0.0, 1.5), downhill=reals(-7.0, 7.0)
+)
+ANGLES = st.one_of(
+    reals(-7.0, 7.0), st.sampled_from((0.0, pi / 2, -pi / 2, pi / 90, -pi / 2 + 0.1))
+)
+STARTS = st.builds(
+    Start,
+    beta=reals(0.1, 3.0),
+    gamma=ANGLES,
+    alpha=ANGLES,
+    spin=reals(-1e5, 1e5),
+    beta_rate=st.none() | reals(-10.0, 10.0),
+    x=st.none() | reals(-1.0, 1.0),
+)
+STATES = st.builds(
+    State,
+    coordinates=st.tuples(*[reals(-1.0, 1.0)] * 4, reals(0.1, 3.0), ANGLES),
+    rates=st.tuples(*[reals(-1e3, 1e3)] * 6),
+)
+DISKS_ANY = st.sampled_from(list(DISKS.values())) | RINGS
+
+
+def free(start: Start) -> Start:
+    """The same start without what a constraint may contradict."""
+    return Start(beta=start.beta, gamma=start.gamma, spin=start.spin, alpha=start.alpha)
+
+
+IDEAL = st.one_of(
+    st.builds(
+        Scenario, disk=DISKS_ANY, friction=FRICTION, table=TABLES, start=st.one_of(STARTS, STATES)
+    ),
+    st.builds(
+        Scenario,
+        constraints=st.sampled_from(POSSIBLE_SETS),
+        disk=DISKS_ANY,
+        friction=FRICTION,
+        start=STARTS.map(free),
+    ),
+)
+COMPLIANT = st.builds(
+    Scenario,
+    friction=FRICTION,
+    contact=st.builds(
+        PenaltyContact,
+        stiffness=reals(1e5, 1e9),
+        damping=reals(0.0, 1e4),
+        half_thickness=reals(1e-6, 0.02),
+        bilateral=st.booleans(),
+    ),
+    dissipation=st.builds(
+        Dissipation, rolling_dry=reals(0.0, 1.0), pivoting=reals(0.0, 1.0), air_drag=reals(0, 10)
+    ),
+    start=st.builds(Start, height=st.none() | reals(0.0, 1.0)),
+)
+
+
+@QUICK
+@given(IDEAL | COMPLIANT)
+def test_scenario_comes_back_from_its_text(tmp_path: Path, scenario: Scenario) -> None:
+    path = tmp_path / "my.toml"
+    path.write_text(scenario_text(scenario), encoding="utf-8")
+    assert load_scenario(path) == scenario
+
+
+def test_text_explains_every_key() -> None:
+    for scenario in (Scenario(), Scenario.rest(), Scenario(friction=Stribeck())):
+        text = scenario_text(scenario)
+        assert max(len(line) for line in text.split("\n")) <= 120
+        for kind in (scenario.disk, scenario.friction, scenario.table, scenario.start):
+            for field in fields(kind):
+                assert re.search(rf"^(# )?{field.name} = \S.*  # \S.*$", text, re.MULTILINE)
+    for name in KEYS:
+        assert f"[{name}]\n" in text
+
+
+@pytest.mark.parametrize("level", MODELS)
+def test_taking_in_a_key_that_was_left_out_changes_nothing(level: Any, tmp_path: Path) -> None:
+    scenario = Scenario(constraints=MODELS[level], start=Start(beta=1.2, gamma=0.3))
+    text = scenario_text(scenario)
+    begin = text.index("[start]")
+    path = tmp_path / "my.toml"
+    path.write_text(text[:begin] + re.sub(r"^# (?=\w+ =)", "", text[begin:], flags=re.MULTILINE))
+    full = load_scenario(path)
+    assert isinstance(full.start, Start)
+    assert None not in (full.start.x, full.start.gamma_rate, full.start.height)
+    assert full.initial_state == scenario.initial_state
+
+
+def test_contact_that_is_taken_in_is_that_of_the_way_to_rest(tmp_path: Path) -> None:
+    text = scenario_text(Scenario())
+    begin, end = text.index("# [contact]"), text.index("# What else")
+    path = tmp_path / "my.toml"
+    taken_in = re.sub(r"^# (?=\[|\w+ =)", "", text[begin:end], flags=re.MULTILINE)
+    path.write_text(text[:begin] + taken_in + text[end:])
+    assert load_scenario(path).contact == Scenario.rest().contact
+
+
+def test_short_file_holds_what_it_must(tmp_path: Path) -> None:
+    path = tmp_path / "my.toml"
+    path.write_text(
+        'format = 1\nmodel = 3\ndisk.name = "steel-rounded"\n[friction]\n[table]\n[start]'
+    )
+    assert load_scenario(path) == Scenario(constraints=MODELS[3], disk=ROUNDED_STEEL_DISK)
+
+
+def test_angles_may_be_text(tmp_path: Path) -> None:
+    text = with_key(scenario_text(Scenario()), "start", "beta", '"80 deg"')
+    text = with_key(text, "table", "inclination", '"2deg"')
+    text = with_key(text, "table", "downhill", '"pi/2"')
+    path = tmp_path / "my.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
+    read = load_scenario(path)
+    assert read.table == Table(inclination=pi / 90, downhill=pi / 2)
+    assert isinstance(read.start, Start)
+    assert read.start.beta == 80 * pi / 180
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("pi/2", pi / 2),
+        ("-pi/2 + 0.1", -pi / 2 + 0.1),
+        ("90deg", pi / 2),
+        ("2pi", 2 * pi),
+        ("2*pi/3 - 45 deg", 2 * pi / 3 - 45 * pi / 180),
+        ("1E-3", 1e-3),
+        ("+.5", 0.5),
+        ("3", 3.0),
+    ],
+)
+def test_angle_is_a_sum_of_products(text: str, value: float) -> None:
+    assert angle("beta", text) == value
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x", "--1", "1 2", "deg", "pi pi", "3-", "nan", "1_0", "١", "1/0", "1e400", "(1)"]
+)
+def test_what_is_no_angle_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"beta must be (an angle|finite|a finite number)"):
+        angle("beta", text)
+
+
+@given(ANGLES)
+def test_angle_is_spelled_exactly_or_not_at_all(value: float) -> None:
+    text = spelled_angle(value)
+    assert text is None or angle("beta", text) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("format = 1\nmodel = \n", 2, "not TOML: Invalid value"),
+        ("format = 1\nmodel = 1\nmodel = 2\n", 3, "not TOML: Cannot overwrite a value"),
+        ("format = 1\n[disk\n", 2, "not TOML: Expected ']'"),
+        ('format = 1\nlaw = """\n\n', 2, "not TOML: "),
+        ("a = " + "[" * 5000, 1, "not TOML: nested too deeply"),
+        ("a = " + "9" * 5000, 1, "not TOML: "),
+        ("", 1, "format is missing; it must be 1"),
+        ("format = 1\nmodel = 1\ndisk = 3\n", 3, "disk must be a table, got 3"),
+        ("format = 1\nmodel = 1\ndisk = {name = 'gold'}\n", 3, "name must be one of steel"),
+        ("format = 1\nmodel = 1\n[disk]\n\"name\" = 'gold'\n", 4, "name must be one of steel"),
+        ("format = 1\nmodel = 1\n[[disk]]\nname = 'steel'\n", 3, "disk must be a table, got ["),
+    ],
+)
+def test_text_that_is_no_scenario_is_refused_with_its_line(
+    text: str, line: int, message: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "my.toml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=re.escape(f"my.toml, line {line}: {message}")):
+        load_scenario(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"PK\x03\x04\xff\xfe", "is no scenario: not text in UTF-8"),
+        (b"#" * (LARGEST_FILE + 1), "is no scenario: more than 1000000 bytes"),
+    ],
+)
+def test_file_that_is_no_text_is_refused(content: bytes, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "my.toml"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=message):
+        load_scenario(path)
+
+
+def test_file_runs_the_module_of_its_law_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "own_law.py").write_text(
+        "from tests.test_scenario_file import Own\n\nclass Rough(Own):\n    pass\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    text = scenario_text(Scenario(friction=TanhCoulomb()))
+    path = tmp_path / "my.toml"
+    path.write_text(with_key(text, "start", "gamma", '"own_law:Rough"'))
+    with pytest.raises(ValueError, match="gamma must be an angle"):
+        load_scenario(path)
+    assert "own_law" not in sys.modules
+    for key in ("coefficient", "smoothing"):
+        text = with_key(text, "friction", key, None)
+    path.write_text(with_key(text, "friction", "law", '"own_law:Rough"'))
+    try:
+        assert type(load_scenario(path).friction).__module__ == "own_law"
+    finally:
+        sys.modules.pop("own_law", None)
+
+
+def test_law_that_toml_cannot_hold_is_refused() -> None:
+    law = Own(strength={1})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"strength cannot be written to a scenario's file"):
+        scenario_text(replace(Scenario(), disk=STEEL_DISK, friction=law))
