@@ -7,11 +7,8 @@ from mbs_models.integrators import (
     integrators,
 )
 from mbs_models.linearization import (
-    MOTIONS,
-    Motion,
     eigenvalues,
     state_matrix,
-    stationary_scene,
     stock_eigenvalues,
 )
 from mbs_models.newton import Newton
@@ -24,12 +21,10 @@ from mbs_models.simulation import simulate
 __all__ = [
     "FORMULATIONS",
     "INTEGRATORS",
-    "MOTIONS",
     "EngineError",
     "Formulation",
     "Integrator",
     "IntegratorName",
-    "Motion",
     "Newton",
     "Scene",
     "acceleration",
@@ -39,6 +34,5 @@ __all__ = [
     "simulate",
     "simulate_to_rest",
     "state_matrix",
-    "stationary_scene",
     "stock_eigenvalues",
 ]

@@ -1,7 +1,7 @@
 """What else to try where a run of the engine has not got there."""
 
 from mbs_models.integrators import Integrator
-from mbs_models.scene import Scene
+from mbs_models.scene import Scene, formulations
 
 
 def advice(scene: Scene, integrator: Integrator) -> str:
@@ -14,9 +14,9 @@ def advice(scene: Scene, integrator: Integrator) -> str:
         What has been tried.
     """
     ways = []
-    if scene.contact is None:
-        if scene.level == 1 and scene.friction.load == "weight":
-            if scene.formulation != "contact-tree":
+    if scene.scenario.contact is None:
+        if "contact-tree" in formulations(scene.scenario):
+            if scene.built_as != "contact-tree":
                 ways.append("formulation 'contact-tree', which has no constraints")
             elif not integrator.controls_step:
                 ways.append("integrator 'DOPRI5', which controls its step")

@@ -23,12 +23,12 @@ Ballast = Callable[[Model], None]
 
 def idle_friction(model: Model) -> None:
     """Friction of coefficient zero, as a connector or in the tree's user function."""
-    scene, system = model.scene, model.system
+    scenario, system = model.scenario, model.system
 
     def nothing(_system: Any) -> float:
         return 0.0
 
-    if scene.formulation.startswith("floating"):
+    if model.scene.built_as.startswith("floating"):
         table, body = _object_of(model, "Ground"), _object_of(model, "RigidBody")
         upward = system.AddMarker(
             items.MarkerBodyRigid(
@@ -40,15 +40,15 @@ def idle_friction(model: Model) -> None:
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[upward, centre],
                 useIntrinsicFormulation=False,
-                springForceTorqueUserFunction=connector_force(scene, nothing),
+                springForceTorqueUserFunction=connector_force(scenario, nothing),
             )
         )
     else:
-        law = contact_tree_force if scene.formulation == "contact-tree" else euler_tree_force
+        law = contact_tree_force if model.scene.built_as == "contact-tree" else euler_tree_force
         system.SetObjectParameter(
             _object_of(model, "KinematicTree"),
             "forceUserFunction",
-            law(scene, nothing),
+            law(scenario, nothing),
         )
     system.Assemble()
 
@@ -120,4 +120,4 @@ def _object_of(model: Model, kind: str) -> int:
     for number in range(system.systemData.NumberOfObjects()):
         if system.GetObject(number)["objectType"] == kind:
             return number
-    raise LookupError(f"no object of type {kind!r} in formulation {model.scene.formulation!r}")
+    raise LookupError(f"no object of type {kind!r} in formulation {model.scene.built_as!r}")

@@ -20,4 +20,4 @@ def build(scene: Scene) -> Model:
     ----------
     scene : Scene
     """
-    return _MODELS[scene.formulation](scene)
+    return _MODELS[scene.built_as](scene)

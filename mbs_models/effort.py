@@ -55,7 +55,7 @@ def simulation_effort(
         step = within("step", positive("step", step), SHORTEST_STEP, inf)
     tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
     if integrator is None:
-        integrator = find_integrator(scene.formulation, None, constrained=scene.has_constraints)
+        integrator = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
     spacings = np.diff(times)
     cost = _SECONDS["implicit" if integrator.implicit else "explicit"]
     until = f"up to t = {times[-1]:g} s"
@@ -94,7 +94,7 @@ def rest_effort(scene: Scene, end: float, step: float) -> Effort:
     step : float
         As it starts, in s.
     """
-    friction, contact = scene.friction, scene.contact
+    friction, contact = scene.scenario.friction, scene.scenario.contact
     stiffness = 0.0 if contact is None else contact.stiffness
     return Effort(
         steps=end / step,
@@ -111,20 +111,21 @@ def _count(spacings: Array, step: float) -> float:
 
 def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tuple[str, float]:
     """Step in s that gives the tolerance in rad, and what makes it so short."""
-    disk, friction, start = scene.disk, scene.friction, scene.start
+    scenario = scene.scenario
+    disk, friction, start = scenario.disk, scenario.friction, scenario.initial_state
     turning = sum(abs(rate) for rate in start.rates[3:])
     sine = abs(sin(start.coordinates[4]))
-    attitude = turning / sine if scene.formulation.endswith("tree") else turning
+    attitude = turning / sine if scene.built_as.endswith("tree") else turning
     inertia = min(disk.inertia_about_cog[:2])
     mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
-    decay = friction.gradient * disk.weight * mobility
+    decay = friction.gradient * scenario.weight * mobility
     # Angle turned in a step; fall and friction turn even a disk that starts at rest.
     angle = (
         0.025 * (tolerance / 1e-8) ** (1 / 8)
         if integrator.implicit
         else 0.06 * (tolerance / 1e-8) ** (1 / 6)
     )
-    turning = max(turning, sqrt(disk.weight / (disk.mass * disk.radius)))
+    turning = max(turning, sqrt(scenario.table.gravity / disk.radius))
     steps = {
         f"tolerance {tolerance:g} rad": angle / turning,
         f"friction gradient {friction.gradient:g} s/m": (
@@ -132,7 +133,7 @@ def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tupl
         ),
         f"beta {start.coordinates[4]:g} rad": 1.0 / attitude if attitude else inf,
     }
-    if scene.contact is not None:
-        frequency = sqrt(scene.contact.stiffness * mobility)
-        steps[f"stiffness {scene.contact.stiffness:g} N/m"] = 0.3 / frequency
+    if scenario.contact is not None:
+        frequency = sqrt(scenario.contact.stiffness * mobility)
+        steps[f"stiffness {scenario.contact.stiffness:g} N/m"] = 0.3 / frequency
     return min(steps.items(), key=lambda item: item[1])

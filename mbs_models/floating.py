@@ -18,7 +18,7 @@ from mbs_models.friction import (
     friction_load,
 )
 from mbs_models.loads import Loads
-from mbs_models.model import GRAVITY_VECTOR, Model
+from mbs_models.model import Model
 from mbs_models.scene import Scene
 
 _OUTPUT = exu.OutputVariableType
@@ -37,12 +37,12 @@ class Floating(Model):
 
     def __init__(self, scene: Scene) -> None:
         self.loads: Loads | None = None
-        if scene.contact is not None:
-            self.loads = Loads(scene.disk, scene.friction, scene.contact, scene.dissipation)
+        if scene.scenario.contact is not None:
+            self.loads = Loads(scene.scenario, scene.scenario.contact)
         super().__init__(scene)
 
     def _build(self) -> None:
-        start, disk = self.scene.start, self.scene.disk
+        start, disk = self.scenario.initial_state, self.scenario.disk
         coordinates, rates = np.array([start.coordinates]), np.array([start.rates])
         position, rotation = frames.poses(coordinates)
         velocity, angular = frames.twists(coordinates, rates)
@@ -57,7 +57,7 @@ class Floating(Model):
             referenceRotationMatrix=rotation[0],
             initialVelocity=velocity[0],
             initialAngularVelocity=angular[0],
-            gravity=GRAVITY_VECTOR,
+            gravity=list(self.scenario.table.vector),
         )
         self._node = self.system.GetObject(self._body)["nodeNumber"]
         # The engine adds these four at once.
@@ -75,14 +75,16 @@ class Floating(Model):
         centre = self._disk_marker(0.0, "the disk's centre")
         if self.has_force:
             self._add_force(table, centre)
-        if self.scene.contact is not None:
+        if self.scenario.contact is not None:
             return
         origin = self._add_origin(table)
         self._add_contact(origin, centre)
-        if self.scene.level >= 2:
-            cog = self._disk_marker(self.scene.disk.eccentricity, "the disk's centre of gravity")
+        if "fixed-cog" in self.scenario.constraints:
+            cog = self._disk_marker(
+                self.scenario.disk.eccentricity, "the disk's centre of gravity"
+            )
             self._add_fixed_cog(origin, cog)
-        if self.scene.level >= 4:
+        if "constant-spin" in self.scenario.constraints:
             self._add_carrier(centre)
 
     def _disk_marker(self, offset: float, why: str) -> int:
@@ -105,7 +107,7 @@ class Floating(Model):
                 ),
                 f"the table's side of {self.force_name}, turned to where its angles are regular",
             )
-            force = connector_force(self.scene, friction_load(self.scene, self._contact))
+            force = connector_force(self.scenario, friction_load(self.scenario, self._contact))
         self._friction = self._add(
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[side, centre],
@@ -161,7 +163,7 @@ class Floating(Model):
 
     def _add_carrier(self, centre: int) -> None:
         """Add a carrier that turns at the prescribed spin and takes the disk's axis along."""
-        start = self.scene.start
+        start = self.scenario.initial_state
         node = self._add(
             items.Node1D(
                 referenceCoordinates=[0.0],
@@ -172,7 +174,7 @@ class Floating(Model):
         )
         carrier = self._add(
             # Its motion is prescribed, so that its inertia matters to nothing.
-            items.ObjectRotationalMass1D(nodeNumber=node, inertia=self.scene.disk.inertia_z),
+            items.ObjectRotationalMass1D(nodeNumber=node, inertia=self.scenario.disk.inertia_z),
             "carrier that turns at the constant spin",
         )
         # The joint wants its y axis along e_x of the R-frame, across the disk's axis.

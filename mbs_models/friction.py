@@ -17,7 +17,7 @@ from analysis.data.friction import (
     TanhCoulomb,
     ViscousFriction,
 )
-from mbs_models.scene import Scene
+from analysis.data.scenario import Scenario
 
 Load = Callable[[Any], float]
 """From the engine's system to what presses the disk on the table, in N."""
@@ -58,17 +58,17 @@ def per_speed(law: FrictionLaw) -> PerSpeed:
     return law.per_speed
 
 
-def friction_load(scene: Scene, contact: list[int]) -> Load:
+def friction_load(scenario: Scenario, contact: list[int]) -> Load:
     """What presses the disk on the table, constant or from the contact joint's multiplier.
 
     Parameters
     ----------
-    scene : Scene
+    scenario : Scenario
     contact : list of int
         Holds the object number of the contact joint once that is built; read at run time.
     """
-    if scene.friction.load == "weight":
-        weight = scene.disk.weight
+    if scenario.friction.load == "weight":
+        weight = scenario.weight
         return lambda _system: weight
     force = exu.OutputVariableType.ForceLocal
 
@@ -80,13 +80,13 @@ def friction_load(scene: Scene, contact: list[int]) -> Load:
     return from_contact
 
 
-def contact_tree_force(scene: Scene, load: Load) -> Force:
+def contact_tree_force(scenario: Scenario, load: Load) -> Force:
     """Generalised friction force on the joints (alpha, x_C, y_C, beta, gamma) of a contact tree.
 
     The contact point moves with the joints before gamma, so the slip velocity is the velocity of
     that point plus the rim speed r gamma'.
     """
-    r, factor_at = scene.disk.radius, per_speed(scene.friction)
+    r, factor_at = scenario.disk.radius, per_speed(scenario.friction)
 
     def force(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         x, y, spin = q[1], q[2], u[0]
@@ -99,9 +99,9 @@ def contact_tree_force(scene: Scene, load: Load) -> Force:
     return force
 
 
-def euler_tree_force(scene: Scene, load: Load) -> Force:
+def euler_tree_force(scenario: Scenario, load: Load) -> Force:
     """Generalised friction force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
-    r, factor_at = scene.disk.radius, per_speed(scene.friction)
+    r, factor_at = scenario.disk.radius, per_speed(scenario.friction)
 
     def sliding(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         x, arm, lift = q[1], r * cos(q[4]) - q[2], r * sin(q[4])
@@ -111,16 +111,24 @@ def euler_tree_force(scene: Scene, load: Load) -> Force:
         fx, fy = factor * slip_x, factor * slip_y
         return [arm * fx + x * fy, fx, fy, 0.0, lift * fy, r * fx]
 
-    def lateral(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
+    def along(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
+        arm = r * cos(q[4]) - q[2]
+        slip_x = u[1] + arm * u[0] + r * u[5]
+        fx = -load(system) * factor_at(abs(slip_x)) * slip_x
+        return [arm * fx, fx, 0.0, 0.0, 0.0, r * fx]
+
+    def across(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         x, lift = q[1], r * sin(q[4])
         slip_y = u[2] + x * u[0] + lift * u[4]
         fy = -load(system) * factor_at(abs(slip_y)) * slip_y
         return [x * fy, 0.0, fy, 0.0, lift * fy, 0.0]
 
-    return sliding if scene.level <= 2 else lateral
+    if "no-slip-along" in scenario.constraints:
+        return across
+    return along if "no-slip-across" in scenario.constraints else sliding
 
 
-def connector_force(scene: Scene, load: Load) -> Force:
+def connector_force(scenario: Scenario, load: Load) -> Force:
     """Force and torque of a connector between the table and the disk's centre.
 
     The table's marker is turned so that its x axis points up (`UPWARD`). The disk's attitude then
@@ -128,7 +136,9 @@ def connector_force(scene: Scene, load: Load) -> Force:
     second is its elevation; they are regular unless the disk lies flat. The connector wants the
     force on the table.
     """
-    r, factor_at, rolls = scene.disk.radius, per_speed(scene.friction), scene.level >= 3
+    r, factor_at = scenario.disk.radius, per_speed(scenario.friction)
+    only_across = "no-slip-along" in scenario.constraints
+    only_along = "no-slip-across" in scenario.constraints
 
     def force(
         system: Any,
@@ -149,9 +159,12 @@ def connector_force(scene: Scene, load: Load) -> Force:
         c0, c1, c2 = -r * cos(rotation[1]), rise * n1, rise * n2
         slip_1 = velocity[1] + angular[2] * c0 - angular[0] * c2
         slip_2 = velocity[2] + angular[0] * c1 - angular[1] * c0
-        if rolls:
-            lateral = slip_1 * n1 + slip_2 * n2
-            slip_1, slip_2 = lateral * n1, lateral * n2
+        if only_across:
+            across = slip_1 * n1 + slip_2 * n2
+            slip_1, slip_2 = across * n1, across * n2
+        elif only_along:
+            along = slip_2 * n1 - slip_1 * n2
+            slip_1, slip_2 = -along * n2, along * n1
         factor = load(system) * factor_at(hypot(slip_1, slip_2))
         f1, f2 = factor * slip_1, factor * slip_2
         return [0.0, f1, f2, c1 * f2 - c2 * f1, -c0 * f2, c0 * f1]

@@ -2,64 +2,20 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, pi, sin
-from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, choice, number
-from analysis.data.disk import STEEL_DISK, Disk
-from analysis.data.friction import FrictionLaw, SmoothCoulomb
-from analysis.data.state import Level, State, consistent_start
+from analysis.data.checks import Array
+from analysis.data.constraint_set import ConstraintSet
+from analysis.data.start import Start
+from analysis.data.state import COORDINATES
 from mbs_models.build import build
 from mbs_models.probe import acceleration
 from mbs_models.quiet import quiet
-from mbs_models.scene import Formulation, Scene, default_formulation
-
-Motion = Literal["inverted", "noninverted"]
-MOTIONS: tuple[Motion, ...] = get_args(Motion)
+from mbs_models.scene import Scene
 
 ComplexArray = npt.NDArray[np.complex128]
-
-
-def stationary_scene(
-    level: Level,
-    spin: float,
-    *,
-    motion: Motion = "inverted",
-    formulation: Formulation | None = None,
-    disk: Disk = STEEL_DISK,
-    friction: FrictionLaw | None = None,
-) -> Scene:
-    """Scene that starts on inverted or noninverted spinning, Eq. (5).
-
-    Parameters
-    ----------
-    level : {1, 2, 3, 4}
-    spin : float
-        Spinning speed in rad/s.
-    motion : {"inverted", "noninverted"}
-        Centre of gravity above or below the geometric centre.
-    formulation, disk, friction
-        See `Scene`.
-
-    Raises
-    ------
-    ValueError
-        If an argument is out of range.
-    """
-    choice("motion", motion, MOTIONS)
-    gamma = pi / 2 if motion == "inverted" else -pi / 2
-    start = consistent_start(level, disk, beta=pi / 2, gamma=gamma, spin=number("spin", spin))
-    friction = friction if friction is not None else SmoothCoulomb()
-    return Scene(
-        level=level,
-        formulation=formulation or default_formulation(level, friction),
-        disk=disk,
-        friction=friction,
-        start=start,
-    )
 
 
 def eigenvalues(scene: Scene) -> ComplexArray:
@@ -73,13 +29,18 @@ def eigenvalues(scene: Scene) -> ComplexArray:
     Parameters
     ----------
     scene : Scene
-        As `stationary_scene` makes it.
+        On a horizontal table with the ideal contact, such as one with `Start.stationary`.
 
     Returns
     -------
-    ndarray, complex, shape (8,), (4,), (3,) or (3,)
-        For Model 1 (x, y, beta, gamma and their rates), Model 2 (beta, gamma and their rates),
-        Models 3 and 4 (beta, gamma, rate of beta).
+    ndarray, complex, shape (n,)
+        In the coordinates of `independent_coordinates`: 8 for Model 1, 4 for Model 2, 3 for
+        Models 3 and 4.
+
+    Raises
+    ------
+    ValueError
+        If the table leans, the contact is one of penalty, or the start is not stationary.
     """
     return np.linalg.eigvals(state_matrix(scene)).astype(complex)
 
@@ -107,7 +68,7 @@ def stock_eigenvalues(scene: Scene) -> ComplexArray:
             computeComplexEigenvalues=True, useAbsoluteValues=False
         )
     result = np.asarray(values, dtype=complex)
-    if scene.formulation == "contact-tree":
+    if scene.built_as == "contact-tree":
         result = result[np.argsort(np.abs(result))][2:]
     return result
 
@@ -121,52 +82,67 @@ class _Chart:
     steps: Array
 
 
+def independent_coordinates(constraints: ConstraintSet) -> tuple[str, ...]:
+    """Fields of a `Start` that are free under constraints, the spin and alpha left out.
+
+    Positions, and then the rates that the constraints leave; a start follows from them.
+
+    Parameters
+    ----------
+    constraints : tuple of str
+    """
+    held, along, across = (
+        name in constraints for name in ("fixed-cog", "no-slip-along", "no-slip-across")
+    )
+    free = {
+        "x": not held,
+        "y": not held,
+        "beta": True,
+        "gamma": True,
+        "x_rate": not held and not along,
+        "y_rate": not held and not across,
+        "beta_rate": not (held and across),
+        "gamma_rate": not (held and along),
+    }
+    return tuple(name for name, is_free in free.items() if is_free)
+
+
 def _chart(scene: Scene) -> _Chart:
-    level, disk = scene.level, scene.disk
-    spin = scene.start.rates[3]
-    beta, gamma = scene.start.coordinates[4:6]
-    r = disk.radius
+    scenario = scene.scenario
+    scenario.require_horizontal_table("the linearisation of a spinning motion")
+    if scenario.contact is not None:
+        raise ValueError("contact must be left out: a penalty contact is not linearised")
+    disk, constraints = scenario.disk, scenario.constraints
+    start = scenario.initial_state
+    spin = start.rates[3]
+    names = independent_coordinates(constraints)
+    places = [COORDINATES.index(name.removesuffix("_rate")) for name in names]
+    moves = np.array([name.endswith("_rate") for name in names])
     # Steps keep the slip below a thousandth of its finest speed, since the friction law's
     # derivative has a kink at zero slip, and below 1e-4 of the size of the disk and of a turn.
-    slip = 1e-3 * scene.friction.finest_speed
+    slip = 1e-3 * scenario.friction.finest_speed
     turning = abs(spin) + 1.0
-    length, angle = min(1e-4 * r, slip / turning), min(1e-4, slip / (turning * r))
-    speed, rate = slip, slip / r
+    length = min(1e-4 * disk.radius, slip / turning)
+    angle = min(1e-4, slip / (turning * disk.radius))
+    steps = {"x": length, "y": length, "beta": angle, "gamma": angle}
+    steps |= {"x_rate": slip, "y_rate": slip}
+    steps |= {"beta_rate": slip / disk.radius, "gamma_rate": slip / disk.radius}
 
-    def accelerations(state: State) -> Array:
-        return acceleration(scene, state)[0]
+    def rates(values: Array) -> Array:
+        fields = dict(zip(names, values.tolist(), strict=True))
+        state = Start(spin=spin, **fields).state(constraints, disk)
+        first, second = np.array(state.rates)[places], acceleration(scene, state)[0][places]
+        return np.where(moves, second, first)
 
-    if level == 1:
-
-        def sliding(v: Array) -> Array:
-            x, y, b, c, xd, yd, bd, cd = v
-            state = State(
-                coordinates=(x, y, r * sin(b), 0.0, b, c),
-                rates=(xd, yd, r * cos(b) * bd, spin, bd, cd),
-            )
-            return np.concatenate((v[4:], accelerations(state)[[0, 1, 4, 5]]))
-
-        steps = (length, length, angle, angle, speed, speed, rate, rate)
-        return _Chart(np.array((0, 0, beta, gamma, 0, 0, 0, 0.0)), sliding, np.array(steps))
-    if level == 2:
-
-        def pivoting(v: Array) -> Array:
-            b, c, bd, cd = v.tolist()
-            state = consistent_start(
-                level, disk, beta=b, gamma=c, spin=spin, beta_rate=bd, gamma_rate=cd
-            )
-            return np.concatenate((v[2:], accelerations(state)[4:]))
-
-        return _Chart(
-            np.array((beta, gamma, 0, 0.0)), pivoting, np.array((angle, angle, rate, rate))
+    coordinates = np.array(start.coordinates)[places]
+    origin = np.where(moves, np.array(start.rates)[places], coordinates)
+    largest = float(np.max(np.abs(rates(origin))))
+    if largest > 1e-6 * turning**2:
+        raise ValueError(
+            "start must be a stationary motion to linearise about, got one with rates or "
+            f"accelerations of up to {largest:.3g}"
         )
-
-    def rolling(v: Array) -> Array:
-        b, c, bd = v.tolist()
-        state = consistent_start(level, disk, beta=b, gamma=c, spin=spin, beta_rate=bd)
-        return np.array((bd, state.rates[5], accelerations(state)[4]))
-
-    return _Chart(np.array((beta, gamma, 0.0)), rolling, np.array((angle, angle, rate)))
+    return _Chart(origin, rates, np.array([steps[name] for name in names]))
 
 
 def _derivative(rates: Callable[[Array], Array], origin: Array, index: int, step: float) -> Array:

@@ -11,8 +11,8 @@ import numpy as np
 from analysis.data.checks import Array
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import Disk
-from analysis.data.dissipation import CAUSES, Dissipation
-from analysis.data.friction import FrictionLaw
+from analysis.data.dissipation import CAUSES
+from analysis.data.scenario import Scenario
 from mbs_models.friction import per_speed
 
 Triple = tuple[float, float, float]
@@ -23,22 +23,16 @@ class Loads:
 
     Parameters
     ----------
-    disk : Disk
-    friction : FrictionLaw
+    scenario : Scenario
     contact : PenaltyContact
-        At a thickness of zero, the disk must not lie flat.
-    dissipation : Dissipation
+        That of the scenario. At a thickness of zero, the disk must not lie flat.
     """
 
-    def __init__(
-        self,
-        disk: Disk,
-        friction: FrictionLaw,
-        contact: PenaltyContact,
-        dissipation: Dissipation,
-    ) -> None:
-        self._friction, self._contact, self._loss = friction, contact, dissipation
-        self._weight, self._per_speed = disk.weight, per_speed(friction)
+    def __init__(self, scenario: Scenario, contact: PenaltyContact) -> None:
+        disk, dissipation = scenario.disk, scenario.dissipation
+        self._contact, self._loss = contact, dissipation
+        self._by_weight = scenario.friction.load == "weight"
+        self._weight, self._per_speed = scenario.weight, per_speed(scenario.friction)
         self._square = disk.radius**2
         self._flattening = self._square - contact.half_thickness**2
         self._rolls = dissipation.rolling_dry > 0.0 or dissipation.rolling_viscous > 0.0
@@ -108,7 +102,7 @@ class Loads:
 
     def _friction_load(self, normal: float) -> float:
         """What presses on the table; the weight does wherever there is contact at all."""
-        if self._friction.load == "weight":
+        if self._by_weight:
             touches = normal > 0.0 or self._contact.bilateral
             return self._weight if touches else 0.0
         return max(0.0, normal)

@@ -10,21 +10,22 @@ import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.disk import GRAVITY
+from analysis.data.constraint_set import Constraint
 from analysis.data.frames import turn_about_vertical
 from mbs_models.loads import normal_forces
 from mbs_models.scene import Scene
 
-GRAVITY_VECTOR = [0.0, 0.0, -GRAVITY]
-
-
 Kind = Literal["node", "object", "marker", "load", "sensor"]
+
+
+_SLIP_AXES: dict[Constraint, int] = {"no-slip-along": 1, "no-slip-across": 0}
+"""Axes of the engine's rolling joint: it holds slip forward and sideways; 2 is the contact."""
 
 
 class Residual(NamedTuple):
     """By how much a start breaks a constraint, in m or m/s."""
 
-    constraint: str
+    constraint: Constraint
     level: Literal["position", "velocity"]
     value: float
 
@@ -38,6 +39,8 @@ class Model(ABC):
 
     Attributes
     ----------
+    scene : Scene
+    scenario : Scenario
     system : exudyn.MainSystem
         Assembled, with the start of the scene as its initial state.
     reasons : dict
@@ -51,7 +54,7 @@ class Model(ABC):
     """Whether records need accelerations at the end of every step."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+        self.scene, self.scenario = scene, scene.scenario
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
         # Joints by what they hold; the friction functions read the contact's number at run time.
@@ -109,18 +112,17 @@ class Model(ABC):
         coordinates, rates : ndarray, shape (n, 6)
             Co-rotating coordinates and their rates, as `decode` makes them.
         """
-        if self.scene.contact is not None:
-            disk = self.scene.disk
-            return normal_forces(self.scene.contact, disk, coordinates, rates)[:, None]
+        if self.scenario.contact is not None:
+            disk = self.scenario.disk
+            return normal_forces(self.scenario.contact, disk, coordinates, rates)[:, None]
         # The engine's constraint forces act with a minus sign on the second body.
         contact = algebraic[:, self._equations(self._contact[0])]
         columns = [-contact[:, 2]]
         if self._cog is not None:
             force = -algebraic[:, self._equations(self._cog)]
             columns += list(turn_about_vertical(-coordinates[:, 3], force).T[:2])
-        if self.scene.level >= 3:
-            # The joint's forward axis points against e_x of the R-frame.
-            columns.append(contact[:, 1])
+        # The joint's forward and lateral axes point against e_x and e_y of the R-frame.
+        columns += [contact[:, axis] for axis in self._slip_axes().values()]
         if self._spin is not None:
             columns.append(-algebraic[:, self._equations(self._spin)[0]])
         return np.column_stack(columns)
@@ -161,23 +163,25 @@ class Model(ABC):
         velocity_residuals : ndarray, shape (m,)
             The engine's algebraic equations on velocity level.
         """
-        if self.scene.contact is not None:
+        if self.scenario.contact is not None:
             return []
         contact = velocity_residuals[self._equations(self._contact[0])]
         height = self.system.GetObjectOutput(self._contact[0], exu.OutputVariableType.Position)[2]
         residuals = [
-            Residual("contact g_N", "position", float(height)),
-            Residual("contact g_N", "velocity", float(contact[2])),
+            Residual("contact", "position", float(height)),
+            Residual("contact", "velocity", float(contact[2])),
         ]
         if self._cog is not None:
             place = self.system.GetObjectOutput(self._cog, exu.OutputVariableType.Displacement)
             speed = velocity_residuals[self._equations(self._cog)]
             residuals += [
-                Residual("fixed centre of gravity g_S", "position", float(np.hypot(*place[:2]))),
-                Residual("fixed centre of gravity g_S", "velocity", float(np.hypot(*speed[:2]))),
+                Residual("fixed-cog", "position", float(np.hypot(*place[:2]))),
+                Residual("fixed-cog", "velocity", float(np.hypot(*speed[:2]))),
             ]
-        if self.scene.level >= 3:
-            residuals.append(Residual("no tangential slip", "velocity", float(contact[1])))
+        residuals += [
+            Residual(name, "velocity", float(contact[axis]))
+            for name, axis in self._slip_axes().items()
+        ]
         return residuals
 
     @property
@@ -188,7 +192,7 @@ class Model(ABC):
     @property
     def may_pull(self) -> bool:
         """Whether the contact holds the disk down as well as up."""
-        return self.scene.contact is None or self.scene.contact.bilateral
+        return self.scenario.contact is None or self.scenario.contact.bilateral
 
     def pulls(self) -> bool:
         """Whether the contact's constraint pulls in the engine's current state."""
@@ -214,18 +218,19 @@ class Model(ABC):
         Euler parameters, which is one. On a light disk their last digits are larger than those
         of the forces.
         """
-        disk, friction, contact = self.scene.disk, self.scene.friction, self.scene.contact
-        rates = self.scene.start.rates[3:]
-        fastest = sqrt(sum(rate * rate for rate in rates) + GRAVITY / disk.radius)
+        scenario = self.scenario
+        disk, friction, contact = scenario.disk, scenario.friction, scenario.contact
+        gravity, rates = scenario.table.gravity, scenario.initial_state.rates[3:]
+        fastest = sqrt(sum(rate * rate for rate in rates) + gravity / disk.radius)
         rim_speed = disk.radius * fastest
-        largest = [disk.weight + disk.mass * rim_speed * fastest]
+        largest = [disk.mass * (gravity + rim_speed * fastest)]
         if self.scene.has_constraints:
             largest.append(rim_speed)
-            if self.scene.level == 4:
+            if "constant-spin" in scenario.constraints:
                 largest.append(abs(rates[0]))
-            if self.scene.formulation == "floating":
+            if self.scene.built_as == "floating":
                 largest.append(1.0)
-        lost = friction.gradient * disk.weight * rim_speed
+        lost = friction.gradient * scenario.weight * rim_speed
         if contact is not None:
             lost += contact.stiffness * disk.radius
         return 4.0 * float(np.finfo(float).eps) * max(lost, *largest)
@@ -233,21 +238,26 @@ class Model(ABC):
     @property
     def has_force(self) -> bool:
         """Whether the table acts on the disk by a force law, in a user function."""
-        return self.scene.contact is not None or self.scene.friction.is_on
+        return self.scenario.contact is not None or self.scenario.rubs
 
     @property
     def force_name(self) -> str:
         """What that force law covers."""
-        scene, loss = self.scene, self.scene.dissipation
+        scenario, loss = self.scenario, self.scenario.dissipation
         parts = {
-            "penalty contact": scene.contact is not None,
-            "friction": scene.friction.is_on,
+            "penalty contact": scenario.contact is not None,
+            "friction": scenario.rubs,
             "rolling resistance": loss.rolling_dry > 0.0 or loss.rolling_viscous > 0.0,
             "pivoting friction": loss.pivoting > 0.0,
             "air drag": loss.air_drag > 0.0,
         }
         *others, last = [name for name, present in parts.items() if present]
         return f"{', '.join(others)} and {last}" if others else last
+
+    def _slip_axes(self) -> dict[Constraint, int]:
+        """Axes of the rolling joint along which the constraints hold slip at zero."""
+        held = self.scenario.constraints
+        return {name: axis for name, axis in _SLIP_AXES.items() if name in held}
 
     def _equations(self, joint: int) -> list[int]:
         return list(self.system.systemData.GetObjectLTGAE(joint))
@@ -268,17 +278,23 @@ class Model(ABC):
         return self._add(items.MarkerBodyRigid(bodyNumber=table), "the table's side of the joints")
 
     def _add_contact(self, table: int, centre: int) -> None:
-        """Close the contact; from Model 3 on without slip along e_x of the R-frame."""
-        rolls = self.scene.level >= 3
+        """Close the contact, without the slip that is held at zero."""
+        axes, why = [0, 0, 1], "contact with the table"
+        held = self._slip_axes()
+        for axis in held.values():
+            axes[axis] = 1
+        if held:
+            directions = " and ".join(name.removeprefix("no-slip-") for name in held)
+            why += f", without slip {directions} the edge"
         self._contact.append(
             self._add(
                 items.ObjectJointRollingDisc(
                     markerNumbers=[table, centre],
-                    constrainedAxes=[0, int(rolls), 1],
-                    discRadius=self.scene.disk.radius,
+                    constrainedAxes=axes,
+                    discRadius=self.scenario.disk.radius,
                     discAxis=[0.0, 0.0, 1.0],
                 ),
-                "contact with the table" + (", without slip along the edge" if rolls else ""),
+                why,
             )
         )
 
@@ -301,10 +317,10 @@ class Model(ABC):
         self._spin = self._add(
             items.ObjectConnectorCoordinate(
                 markerNumbers=[fixed, turning],
-                offset=self.scene.start.rates[3],
+                offset=self.scenario.initial_state.rates[3],
                 velocityLevel=True,
             ),
-            "holds the spin constant; its torque is an output of Model 4",
+            "holds the spin constant; its torque is an output",
         )
 
 

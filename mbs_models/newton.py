@@ -51,7 +51,7 @@ class Newton:
         newton.useModifiedNewton = self.modified
         newton.maxIterations = MOST_ITERATIONS
         newton.relativeTolerance = self.relative
-        wanted = (self.absolute or 0.0) * model.scene.disk.weight
+        wanted = (self.absolute or 0.0) * model.scenario.weight
         newton.absoluteTolerance = max(wanted, model.force_rounding)
 
 
@@ -63,8 +63,8 @@ def complete_jacobian(model: Model) -> None:
     iteration, however short the step.
     """
     contact = model.contact_equation
-    friction = model.scene.friction
-    if contact is None or friction.load != "contact" or not friction.is_on:
+    scenario = model.scenario
+    if contact is None or scenario.friction.load != "contact" or not scenario.rubs:
         return
     data = model.system.systemData
     equations = len(data.GetAECoordinates())

@@ -3,13 +3,12 @@
 import time
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import sin
 
 import numpy as np
 
 from analysis.data.checks import Array, TimeLimitError
-from analysis.data.disk import GRAVITY
 from analysis.data.state import COORDINATES, FlatError, State, check_upright
 from analysis.data.trajectory import EndingReason
 from analysis.data.watch import Watch
@@ -89,7 +88,7 @@ def one_pass(
     longest = 0.0
     for first, intervals, spacing in _even_stretches(times):
         if blocks:
-            scene = replace(scene, start=_restart(blocks[-1].values))
+            scene = scene.starting_at(_restart(blocks[-1].values))
         substeps = max(1, int(np.ceil(spacing / step - 1e-9))) << halvings
         longest = max(longest, spacing / substeps)
         block = runner.stretch(scene, float(times[first]), intervals, spacing, substeps)
@@ -211,7 +210,7 @@ class _Runner:
             raise EngineError(f"{failure} ({place})") from failure
         check_upright(moments, values[:, :6])
         if not model.continuous_angles:
-            _unwrap(values, moments, scene.start)
+            _unwrap(values, moments, scene.scenario.initial_state)
         self.moments += moments.tolist()
         self.forces += values[:, 12].tolist()
         if ended is None and len(values) <= intervals * finer:
@@ -244,7 +243,7 @@ class _Runner:
             check_upright(moments[: row + 1], values[: row + 1, :6])
             # From one record earlier: very short steps would make the forces noisy.
             first = max(0, row - 1)
-            start = replace(scene, start=_restart(values[first : first + 1]))
+            start = scene.starting_at(_restart(values[first : first + 1]))
             steps = (int(np.ceil(width)) + row - first) * substeps
             lead = period * (row - first)
 
@@ -289,8 +288,9 @@ class _Runner:
         that pulls are missed. That is estimated from the rates at the start, and from those that
         the fall of the disk can add.
         """
-        fall = np.sqrt(GRAVITY / scene.disk.radius)
-        fastest = 2.0 * (sum(abs(rate) for rate in scene.start.rates[3:]) + fall)
+        scenario = scene.scenario
+        fall = np.sqrt(scenario.table.gravity / scenario.disk.radius)
+        fastest = 2.0 * (sum(abs(rate) for rate in scenario.initial_state.rates[3:]) + fall)
         needed = int(np.ceil(fastest * spacing))
         if self._integrator.controls_step:
             return needed, int(np.ceil(substeps / needed))

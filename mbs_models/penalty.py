@@ -8,16 +8,16 @@ from math import cos, hypot, sin
 from typing import Any
 
 from analysis.data.contact import PenaltyContact
+from analysis.data.scenario import Scenario
 from mbs_models.friction import Force, per_speed
-from mbs_models.scene import Scene
 
 
-def euler_tree_contact(scene: Scene, contact: PenaltyContact) -> Force:
+def euler_tree_contact(scenario: Scenario, contact: PenaltyContact) -> Force:
     """Generalised contact force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
-    r, factor_at = scene.disk.radius, per_speed(scene.friction)
+    r, factor_at = scenario.disk.radius, per_speed(scenario.friction)
     stiffness, damping = contact.stiffness, contact.damping
-    by_weight, weight = scene.friction.load == "weight", scene.disk.weight
-    rough, always = scene.friction.is_on, contact.bilateral
+    by_weight, weight = scenario.friction.load == "weight", scenario.weight
+    rough, always = scenario.rubs, contact.bilateral
 
     def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         side, lift = r * cos(q[4]), r * sin(q[4])

@@ -1,7 +1,5 @@
 """The engine's own accelerations and multipliers at a given state."""
 
-from dataclasses import replace
-
 import exudyn as exu
 import numpy as np
 
@@ -31,14 +29,14 @@ def acceleration(scene: Scene, state: State | None = None) -> tuple[Array, Array
     accelerations : ndarray, shape (6,)
         Second derivatives of the co-rotating coordinates.
     multipliers : ndarray, shape (k,)
-        Constraint forces in the order of `multiplier_names(scene.level)`.
+        Constraint forces in the order of `multiplier_names(scene.scenario.constraints)`.
 
     Raises
     ------
     ValueError
         If the state breaks a constraint.
     """
-    model = build(scene if state is None else replace(scene, start=state))
+    model = build(scene if state is None else scene.starting_at(state))
     probe = Probe(model)
     probe.check_start()
     second_derivatives, algebraic = probe.solve()
@@ -81,14 +79,15 @@ class Probe:
         tolerance : float
             Largest residual let through in m, and in m/s for a spin up to 1 rad/s.
         """
-        scene = self._model.scene
+        scenario = self._model.scenario
+        spin = abs(scenario.initial_state.rates[3])
         for residual in self._model.start_residuals(self._velocity_residuals()):
             unit, allowed = "m", tolerance
             if residual.level == "velocity":
-                unit, allowed = "m/s", tolerance * max(1.0, abs(scene.start.rates[3]))
+                unit, allowed = "m/s", tolerance * max(1.0, spin)
             if abs(residual.value) > allowed:
                 raise ValueError(
-                    f"start breaks the constraint '{residual.constraint}' of Model {scene.level} "
+                    f"start breaks the constraint '{residual.constraint}' of {scenario.name} "
                     f"on {residual.level} level by {residual.value:.3e} {unit}, allowed is "
                     f"{allowed:.1e}"
                 )
@@ -102,8 +101,8 @@ class Probe:
         if m:
             right[n:] = -self._residual_rate()
         contact = self._model.contact_equation
-        friction = self._model.scene.friction
-        if contact is None or friction.load != "contact" or not friction.is_on:
+        scenario = self._model.scenario
+        if contact is None or scenario.friction.load != "contact" or not scenario.rubs:
             solution = np.asarray(np.linalg.solve(matrix, right), dtype=float)
             return solution[:n], solution[n:]
         per_newton = np.zeros(n + m)

@@ -43,7 +43,7 @@ def simulate_to_rest(
     Parameters
     ----------
     scene : Scene
-        Of formulation "floating-lie" and with a rounded rim, such as `Scene.rest` makes.
+        Of formulation "floating-lie" and with a rounded rim, such as `Scene(Scenario.rest())`.
     end : float
         Longest time in s.
     step : float, optional
@@ -110,18 +110,18 @@ def _check_step(scene: Scene, step: float) -> None:
             f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
             f"{rounded_contact(scene).stiffness:g}, damping {rounded_contact(scene).damping:g} "
             "and friction gradient "
-            f"{scene.friction.gradient:g}, got {step:g}"
+            f"{scene.scenario.friction.gradient:g}, got {step:g}"
         )
 
 
 def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
     """Motion over so many samples; at rest from the sample of number `still` on."""
-    scene = run.scene
-    contact = rounded_contact(scene)
+    scenario = run.scene.scenario
+    disk = scenario.disk
     records = run.records[:count]
     times: Array = np.arange(count, dtype=float) * run.spacing
     rotation = records[:, 3:12].reshape(-1, 3, 3)
-    loads = Loads(scene.disk, scene.friction, contact, scene.dissipation)
+    loads = Loads(scenario, rounded_contact(run.scene))
     rows = []
     for record in records.tolist():
         axis = (record[5], record[8], record[11])
@@ -130,7 +130,8 @@ def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
         contour = hypot(*loads.contour(axis, angular, load.point))
         rows.append((*load.point, load.slip, contour, load.force[2], load.elastic))
     values = np.array(rows)
-    height = records[:, 2] + scene.disk.eccentricity * rotation[:, 2, 0]
+    cog = records[:, :3] + disk.eccentricity * rotation[:, :, 0]
+    potential = -disk.mass * cog @ np.array(scenario.table.vector)
     return SpatialMotion(
         times=times,
         positions=records[:, :3],
@@ -141,14 +142,9 @@ def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
         slip_speeds=values[:, 3],
         contour_speeds=values[:, 4],
         normal_force=values[:, 5],
-        energies=np.column_stack(
-            (kinetic_energy(scene, records), scene.disk.weight * height, values[:, 6])
-        ),
+        energies=np.column_stack((kinetic_energy(disk, records), potential, values[:, 6])),
         dissipated=records[:, 18:],
-        disk=scene.disk,
-        friction=scene.friction,
-        contact=contact,
-        dissipation=scene.dissipation,
+        scenario=scenario,
         source="engine",
         rest_time=None if still is None else float(times[still]),
         method=run.method,

@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis.data.checks import Array, TimeLimitError
 from analysis.data.contact import PenaltyContact
+from analysis.data.disk import Disk
 from analysis.data.dissipation import RestCriterion
 from analysis.data.trajectory import Ending, Setting
 from analysis.data.watch import Watch
@@ -54,7 +55,8 @@ def largest_step(scene: Scene, leaning: float = 1.0) -> float:
     ValueError
         If the scene has no rounded rim.
     """
-    disk, contact, loss = scene.disk, rounded_contact(scene), scene.dissipation
+    scenario, contact = scene.scenario, rounded_contact(scene)
+    disk, loss, weight = scenario.disk, scenario.dissipation, scenario.weight
     inertia = min(disk.inertia_about_cog[:2])
     # The contact point of a disk leaning low carries the least mass.
     mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
@@ -63,8 +65,8 @@ def largest_step(scene: Scene, leaning: float = 1.0) -> float:
     reach = disk.radius**2 / hypot(disk.radius * leaning, contact.half_thickness)
     decay = max(
         contact.damping * mobility,
-        scene.friction.gradient * disk.weight * mobility,
-        slope * disk.weight * reach**2 / inertia,
+        scenario.friction.gradient * weight * mobility,
+        slope * weight * reach**2 / inertia,
     )
     # Stability limits of the method along the imaginary and the negative real axis.
     return min(2.8 / frequency, 2.7 / decay) if decay else 2.8 / frequency
@@ -72,19 +74,20 @@ def largest_step(scene: Scene, leaning: float = 1.0) -> float:
 
 def rounded_contact(scene: Scene) -> PenaltyContact:
     """Contact of a scene that lasts until the disk lies flat; `ValueError` for another scene."""
-    if scene.contact is None:
+    contact = scene.scenario.contact
+    if contact is None:
         raise ValueError("scene must have a penalty contact, got contact None")
-    if not scene.contact.is_rounded:
+    if not contact.is_rounded:
         raise ValueError(
             "half_thickness must be positive, since only then the contact is defined when the "
             "disk lies flat, got 0"
         )
-    if scene.formulation != "floating-lie":
+    if scene.built_as != "floating-lie":
         raise ValueError(
             "scene must be of formulation 'floating-lie', which the explicit integrator of this "
-            f"run can take, got {scene.formulation!r}"
+            f"run can take, got {scene.built_as!r}"
         )
-    return scene.contact
+    return contact
 
 
 class RestRun:
@@ -253,16 +256,16 @@ class RestRun:
             if number >= needed + len(self._records[-1]):
                 break
         records = np.concatenate(recent)
-        disk = self.scene.disk
+        scenario = self.scene.scenario
+        disk = scenario.disk
         height = records[:, 2] + disk.eccentricity * records[:, 9]
-        rise = height - rounded_contact(self.scene).resting_height(disk)
-        found = criterion.first(kinetic_energy(self.scene, records), rise, self.spacing)
+        rise = height - rounded_contact(self.scene).resting_height(disk, scenario.weight)
+        found = criterion.first(kinetic_energy(disk, records), rise, self.spacing)
         return None if found is None else self.done + 1 - number + found
 
 
-def kinetic_energy(scene: Scene, records: Array) -> Array:
+def kinetic_energy(disk: Disk, records: Array) -> Array:
     """Kinetic energy in J, shape (n,), from records of `RestRun`, shape (n, 24)."""
-    disk = scene.disk
     rotation = records[:, 3:12].reshape(-1, 3, 3)
     v, w = records[:, 12:15], records[:, 15:18]
     local = np.einsum("nij,ni->nj", rotation, w)

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from math import isclose
 
 import numpy as np
@@ -54,7 +54,7 @@ def simulate(
     tolerance : float, optional
         Largest error in beta and gamma in rad; 1e-8 if neither is given.
     integrator : Integrator or str, optional
-        With its options, or the name of one of `integrators(scene.formulation)`; by default the
+        With its options, or the name of one of `integrators(scene.built_as)`; by default the
         first of them. DOPRI5 takes its accuracy from `Integrator.local_tolerance`, and `step`
         only limits its steps.
     allow_pulling : bool
@@ -84,7 +84,7 @@ def simulate(
         If the limit is met before there is a result.
     """
     times = increasing_times(times)
-    chosen = find_integrator(scene.formulation, integrator, constrained=scene.has_constraints)
+    chosen = find_integrator(scene.built_as, integrator, constrained=scene.has_constraints)
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
     if tolerance is not None and chosen.controls_step:
@@ -161,18 +161,14 @@ def trajectory(
         coordinates=result.values[:, :6],
         rates=result.values[:, 6:12],
         multipliers=result.values[:, 12:],
-        level=scene.level,
-        disk=scene.disk,
-        friction=scene.friction,
+        scenario=scene.scenario,
         source="engine",
         method={
-            "formulation": scene.formulation,
+            "formulation": scene.built_as,
             **integrator.settings(),
             "step": result.step,
             "tolerance": tolerance,
-        }
-        | ({} if scene.contact is None else asdict(scene.contact))
-        | (asdict(scene.dissipation) if scene.dissipation.is_on else {}),
+        },
         error_estimate=estimate,
         counts=dict(result.counts),
         versions=versions("numpy", "exudyn"),
@@ -185,7 +181,7 @@ def _to_tolerance(
     scene: Scene, run: Callable[[float, int], Pass], integrator: Integrator, tolerance: float
 ) -> tuple[Pass, float]:
     """Halve the step and extrapolate until the estimated error is small enough."""
-    ladder = Ladder(scene.formulation, integrator.name)
+    ladder = Ladder(scene.built_as, integrator.name)
     counts: Counter[str] = Counter()
     failure: EngineError | FlatError | None = None
     kind: tuple[EndingReason | None, int] = (None, 0)
@@ -196,7 +192,7 @@ def _to_tolerance(
             # A step too long for the iteration is no failure of the tolerance: halve it.
             if _lies_flat(failure, error):
                 raise
-            failure, ladder = error, Ladder(scene.formulation, integrator.name)
+            failure, ladder = error, Ladder(scene.built_as, integrator.name)
             continue
         failure = None
         counts.update(result.counts)
@@ -204,7 +200,7 @@ def _to_tolerance(
         if not over and kind != (result.ended, result.times.size):
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
-            ladder = Ladder(scene.formulation, integrator.name)
+            ladder = Ladder(scene.built_as, integrator.name)
         ladder.add(np.column_stack((result.values, result.times)))
         if ladder.estimate <= tolerance:
             values, times = ladder.best[:, :-1], ladder.best[:, -1]
@@ -222,7 +218,7 @@ def _to_tolerance(
         raise failure
     raise ToleranceError(
         f"tolerance {tolerance:g} rad cannot be reached with {integrator.name} on formulation "
-        f"{scene.formulation!r}: the best estimated error is {ladder.best_estimate:.1e} rad"
+        f"{scene.built_as!r}: the best estimated error is {ladder.best_estimate:.1e} rad"
     )
 
 

@@ -24,7 +24,7 @@ class Tally(FloatingLie):
     def _hold(self) -> None:
         super()._hold()
         zeros = [0.0] * len(CAUSES)
-        self._unit = self.scene.disk.weight * self.scene.disk.radius
+        self._unit = self.scenario.weight * self.scenario.disk.radius
         self._energies = self._add(
             items.NodeGenericODE1(
                 referenceCoordinates=zeros,

@@ -9,7 +9,7 @@ import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.disk import GRAVITY
+from analysis.data.scenario import Scenario
 from mbs_models.friction import (
     Force,
     Load,
@@ -17,9 +17,8 @@ from mbs_models.friction import (
     euler_tree_force,
     friction_load,
 )
-from mbs_models.model import GRAVITY_VECTOR, Model, Residual
+from mbs_models.model import Model, Residual
 from mbs_models.penalty import euler_tree_contact
-from mbs_models.scene import Scene
 
 _JOINT = exu.JointType
 
@@ -29,7 +28,7 @@ class _Tree(Model):
 
     continuous_angles = True
 
-    _law: Callable[[Scene, Load], Force]
+    _law: Callable[[Scenario, Load], Force]
     _node: int
     _tree: int
 
@@ -37,7 +36,7 @@ class _Tree(Model):
         self, joints: Sequence[Any], disk_offset: Sequence[float], position: Array, velocity: Array
     ) -> None:
         """Add the chain; the last joint turns the disk about its axis and carries its mass."""
-        n, disk = len(joints), self.scene.disk
+        n, disk = len(joints), self.scenario.disk
         self._node = self._add(
             items.NodeGenericODE2(
                 numberOfODE2Coordinates=n,
@@ -56,7 +55,7 @@ class _Tree(Model):
         self._tree = self._add(
             items.ObjectKinematicTree(
                 nodeNumber=self._node,
-                gravity=GRAVITY_VECTOR,
+                gravity=list(self.scenario.table.vector),
                 jointTypes=list(joints),
                 linkParents=list(range(-1, n - 1)),
                 jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
@@ -70,13 +69,13 @@ class _Tree(Model):
         )
 
     def _force(self) -> Force:
-        if self.scene.contact is not None:
-            return euler_tree_contact(self.scene, self.scene.contact)
-        return self._law(self.scene, friction_load(self.scene, self._contact))
+        if self.scenario.contact is not None:
+            return euler_tree_contact(self.scenario, self.scenario.contact)
+        return self._law(self.scenario, friction_load(self.scenario, self._contact))
 
     def friction_per_newton(self) -> list[float]:
         data = self.system.systemData
-        law = self._law(self.scene, lambda _: 1.0)
+        law = self._law(self.scenario, lambda _: 1.0)
         return law(
             self.system,
             0.0,
@@ -97,7 +96,7 @@ class EulerTree(_Tree):
     _order = (3, 0, 1, 2, 4, 5)
 
     def _build(self) -> None:
-        start, order = self.scene.start, list(self._order)
+        start, order = self.scenario.initial_state, list(self._order)
         self._add_tree(
             (
                 _JOINT.RevoluteZ,
@@ -111,14 +110,16 @@ class EulerTree(_Tree):
             np.array(start.coordinates)[order],
             np.array(start.rates)[order],
         )
-        if self.scene.contact is not None:
+        if self.scenario.contact is not None:
             return
         origin = self._add_origin(self._add_table())
         self._add_contact(origin, self._disk_marker(0.0, "the disk's centre"))
-        if self.scene.level >= 2:
-            cog = self._disk_marker(self.scene.disk.eccentricity, "the disk's centre of gravity")
+        if "fixed-cog" in self.scenario.constraints:
+            cog = self._disk_marker(
+                self.scenario.disk.eccentricity, "the disk's centre of gravity"
+            )
             self._add_fixed_cog(origin, cog)
-        if self.scene.level >= 4:
+        if "constant-spin" in self.scenario.constraints:
             self._add_constant_spin(self._node)
 
     def _disk_marker(self, offset: float, why: str) -> int:
@@ -149,9 +150,9 @@ class ContactTree(_Tree):
     _law = staticmethod(contact_tree_force)
 
     def _build(self) -> None:
-        x, y, _, alpha, beta, gamma = self.scene.start.coordinates
-        xd, yd, _, ad, bd, gd = self.scene.start.rates
-        r = self.scene.disk.radius
+        x, y, _, alpha, beta, gamma = self.scenario.initial_state.coordinates
+        xd, yd, _, ad, bd, gd = self.scenario.initial_state.rates
+        r = self.scenario.disk.radius
         self._add_tree(
             (
                 _JOINT.RevoluteZ,
@@ -171,7 +172,7 @@ class ContactTree(_Tree):
         return np.concatenate((super().record(), accelerations))
 
     def decode(self, records: Array) -> tuple[Array, Array]:
-        r = self.scene.disk.radius
+        r = self.scenario.disk.radius
         alpha, x, y, beta, gamma, ad, xd, yd, bd, gd = records.T[:10]
         sb, cb = np.sin(beta), np.cos(beta)
         coordinates = np.column_stack((x, y + r * cb, r * sb, alpha, beta, gamma))
@@ -179,7 +180,7 @@ class ContactTree(_Tree):
         return coordinates, rates
 
     def decode_accelerations(self, second_derivatives: Array) -> Array:
-        r = self.scene.disk.radius
+        r = self.scenario.disk.radius
         add, xdd, ydd, bdd, gdd = second_derivatives
         beta, bd = self.record()[[3, 8]]
         sb, cb = np.sin(beta), np.cos(beta)
@@ -198,18 +199,19 @@ class ContactTree(_Tree):
         self, records: Array, algebraic: Array, coordinates: Array, rates: Array
     ) -> Array:
         """Normal force: the mass times gravity and the centre of gravity's rise, shape (n, 1)."""
-        r, e = self.scene.disk.radius, self.scene.disk.eccentricity
+        disk, table = self.scenario.disk, self.scenario.table
+        r, e = disk.radius, disk.eccentricity
         beta, gamma, bd, gd = coordinates[:, 4], coordinates[:, 5], rates[:, 4], rates[:, 5]
         bdd, gdd = records[:, 13], records[:, 14]
         sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
         rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
         rise += (r + e * sg) * (cb * bdd - sb * bd * bd)
-        return (self.scene.disk.mass * (GRAVITY + rise))[:, None]
+        return (disk.mass * (table.pressing + rise))[:, None]
 
     def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
         coordinates, rates = self.decode(self.record()[None])
-        start = self.scene.start
+        start = self.scenario.initial_state
         return [
-            Residual("contact g_N", "position", start.coordinates[2] - float(coordinates[0, 2])),
-            Residual("contact g_N", "velocity", start.rates[2] - float(rates[0, 2])),
+            Residual("contact", "position", start.coordinates[2] - float(coordinates[0, 2])),
+            Residual("contact", "velocity", start.rates[2] - float(rates[0, 2])),
         ]

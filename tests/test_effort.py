@@ -21,7 +21,7 @@ FACTOR = 4.0
 """How far a prediction may be off."""
 
 FRICTION = SmoothCoulomb()
-START = consistent_start(1, STEEL_DISK)
+START = Start()
 
 
 def in_house(
@@ -33,7 +33,7 @@ def in_house(
     method: Method = "DOP853",
     **accuracy: float,
 ) -> tuple[dict[str, Any], Effort]:
-    start = consistent_start(1, STEEL_DISK, spin=spin, beta=beta)
+    start = Start(spin=spin, beta=beta)
     times = np.array([0.0, end])
     predicted = effort.simulation_effort(
         times, STEEL_DISK, friction, start, method=method, **accuracy
@@ -75,11 +75,11 @@ def test_evaluations_of_in_house_runs_are_predicted(given: dict[str, Any]) -> No
         (Scene(), 1e-3),
         (Scene(), 1e-6),
         (Scene(), 1e-11),
-        (Scene(friction=SmoothCoulomb(smoothing=1e-3)), 1e-8),
-        (Scene(start=consistent_start(1, STEEL_DISK, spin=100.0)), 1e-8),
-        (Scene(level=2), 1e-4),
-        (Scene(level=4), 1e-6),
-        (Scene(level=3, formulation="floating"), 1e-4),
+        (scene_of(friction=SmoothCoulomb(smoothing=1e-3)), 1e-8),
+        (scene_of(start=Start(spin=100.0)), 1e-8),
+        (scene_of(level=2), 1e-4),
+        (scene_of(level=4), 1e-6),
+        (scene_of(level=3, formulation="floating"), 1e-4),
     ],
     ids=lambda value: value.formulation if isinstance(value, Scene) else str(value),
 )
@@ -99,7 +99,7 @@ def test_steps_of_a_given_length_are_counted(times: list[float], step: float) ->
 
 def test_steps_to_rest_are_predicted_on_both_sides() -> None:
     contact = PenaltyContact.rounded(STEEL_DISK)
-    scene = Scene.rest(contact=contact)
+    scene = rest_scene(contact=contact)
     step = rest_run.SAFETY * rest_run.largest_step(scene)
     predicted = engine_effort.rest_effort(scene, 0.1, step).steps
     assert predicted == pytest.approx(
@@ -114,7 +114,7 @@ def test_steps_to_rest_are_predicted_on_both_sides() -> None:
 
 TWO_SECONDS: dict[str, Any] = {"times": [0.0, 2.0]}
 DEFAULTS: dict[str, Any] = {"level": 1} | TWO_SECONDS
-FLAT = consistent_start(1, STEEL_DISK, beta=1.1e-6)
+FLAT = Start(beta=1.1e-6)
 
 
 @pytest.mark.parametrize(
@@ -142,13 +142,13 @@ def test_endless_in_house_run_is_refused(given: dict[str, Any], message: str) ->
     [
         (Scene(), {"step": 1e-12}, "step 1e-12 s up to t = 2 s would take about 2.0e"),
         (
-            Scene(level=3),
+            scene_of(level=3),
             {"times": [0.0, 5e5, 1e6]},
             "tolerance 1e-08 rad up to t = 1e.06 s",
         ),
         (Scene(), {"times": [0.0, 1e9], "step": 1.0}, "step 1 s up to t = 1e.09 s would take"),
         (
-            Scene(friction=SmoothCoulomb(smoothing=1e-10)),
+            scene_of(friction=SmoothCoulomb(smoothing=1e-10)),
             {"times": [0.0, 1e4]},
             r"friction gradient 3e\+09 s/m .* would take about",
         ),
@@ -162,7 +162,7 @@ def test_endless_engine_run_is_refused(scene: Scene, given: dict[str, Any], mess
 def test_endless_way_to_rest_is_refused() -> None:
     contact = PenaltyContact.rounded(STEEL_DISK, stiffness=1e12)
     with pytest.raises(ValueError, match=r"^end = 80 s .* stiffness 1e\+12 N/m .* would take"):
-        mbs_models.simulate_to_rest(Scene.rest(contact=contact), 80.0)
+        mbs_models.simulate_to_rest(rest_scene(contact=contact), 80.0)
     with pytest.raises(ValueError, match=r"^stiffness 1e\+12 N/m until end = 80 s would take"):
         analysis.simulate_to_rest(80.0, contact=contact)
 
@@ -171,7 +171,7 @@ def test_way_to_rest_that_no_memory_holds_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^end asks for 5e\+11 samples"):
         analysis.simulate_to_rest(1e9)
     with pytest.raises(ValueError, match=r"^end asks for 5e\+11 samples"):
-        mbs_models.simulate_to_rest(Scene.rest(), 1e9)
+        mbs_models.simulate_to_rest(rest_scene(), 1e9)
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -187,11 +187,11 @@ def test_way_to_rest_that_no_memory_holds_is_refused() -> None:
 def test_honest_runs_are_not_refused(
     level: Level, friction: SmoothCoulomb, spin: float, tolerance: float
 ) -> None:
-    start = consistent_start(level, STEEL_DISK, spin=spin)
+    start = Start(spin=spin)
     times = np.linspace(0.0, 2.0, 201)
     effort.simulation_effort(times, STEEL_DISK, friction, start, tolerance=tolerance).check()
     for formulation in mbs_models.formulations(level):
-        scene = Scene(level=level, formulation=formulation, friction=friction, start=start)
+        scene = scene_of(level=level, formulation=formulation, friction=friction, start=start)
         engine_effort.simulation_effort(scene, times, tolerance=tolerance).check()
 
 
@@ -207,7 +207,7 @@ def test_every_method_has_its_numbers() -> None:
 
 
 def test_step_control_does_not_go_below_its_minimum() -> None:
-    scene = Scene(friction=SmoothCoulomb(smoothing=1e-12))
+    scene = scene_of(friction=SmoothCoulomb(smoothing=1e-12))
     found = engine_effort.simulation_effort(
         scene, np.array([0.0, 0.01]), Integrator(name="DOPRI5")
     )
@@ -215,7 +215,7 @@ def test_step_control_does_not_go_below_its_minimum() -> None:
 
 
 def test_smoothing_below_every_step_is_said_to_be_in_vain() -> None:
-    scene = Scene(friction=SmoothCoulomb(smoothing=1e-7))
+    scene = scene_of(friction=SmoothCoulomb(smoothing=1e-7))
     found = engine_effort.simulation_effort(scene, np.linspace(0.0, 2.0, 201))
     assert "it needs steps of 8e-09 s, the shortest tried is 2e-06 s" in str(found)
 

@@ -12,11 +12,11 @@ import mbs_models
 from analysis import (
     STEEL_DISK,
     PenaltyContact,
+    Scenario,
     SmoothCoulomb,
-    State,
+    Start,
     TimeLimitError,
     ToleranceError,
-    consistent_start,
     find_phases,
     simulate_to_rest,
 )
@@ -25,6 +25,7 @@ from analysis.data.spatial_motion import SpatialMotion
 from analysis.rest.free_disk import FreeDisk
 from mbs_models import Scene
 from mbs_models.loads import Loads
+from tests.scenes import rest_scene, scene_of
 
 EVERYTHING = Dissipation(
     rolling_dry=1e-3, rolling_viscous=1e-4, pivoting=5e-5, air_drag=1.2, rolling_smoothing=0.1
@@ -35,14 +36,15 @@ FRICTION = SmoothCoulomb(load="contact")
 
 @pytest.fixture(scope="module")
 def settled() -> SpatialMotion:
-    return mbs_models.simulate_to_rest(Scene.rest(dissipation=SETTLING), 30.0, step=1e-4)
+    return mbs_models.simulate_to_rest(rest_scene(dissipation=SETTLING), 30.0, step=1e-4)
 
 
 @pytest.mark.parametrize("bilateral", [False, True])
 def test_loads_and_powers_are_those_of_the_in_house_equations(bilateral: bool) -> None:
     contact = replace(PenaltyContact.rounded(STEEL_DISK, half_thickness=2e-3), bilateral=bilateral)
-    model = FreeDisk(disk=STEEL_DISK, friction=FRICTION, contact=contact, dissipation=EVERYTHING)
-    loads = Loads(STEEL_DISK, FRICTION, contact, EVERYTHING)
+    scenario = Scenario(friction=FRICTION, contact=contact, dissipation=EVERYTHING)
+    model = FreeDisk(scenario)
+    loads = Loads(scenario, contact)
     rng = np.random.default_rng(1)
     for attitude in Rotation.random(50, random_state=2):
         A = attitude.as_matrix()
@@ -59,7 +61,7 @@ def test_loads_and_powers_are_those_of_the_in_house_equations(bilateral: bool) -
         inertia = np.array(STEEL_DISK.inertia_about_cog)
         force = A @ (STEEL_DISK.mass * (rate[7:10] + np.cross(spin, cog)))
         torque = A @ (inertia * rate[10:13] + np.cross(spin, inertia * spin))
-        expected = np.array(found.force) - (0.0, 0.0, STEEL_DISK.weight)
+        expected = np.array(found.force) - (0.0, 0.0, scenario.weight)
         np.testing.assert_allclose(force, expected, rtol=1e-9, atol=1e-9)
         about_cog = np.array(found.torque) - np.cross(offset, found.force)
         np.testing.assert_allclose(torque, about_cog, rtol=1e-9, atol=1e-9)
@@ -67,11 +69,10 @@ def test_loads_and_powers_are_those_of_the_in_house_equations(bilateral: bool) -
 
 
 def test_engine_converges_to_the_in_house_motion_with_order_4() -> None:
-    scene = Scene.rest(dissipation=EVERYTHING)
+    scene = rest_scene(dissipation=EVERYTHING)
     other = simulate_to_rest(
+        scene.scenario,
         0.5,
-        contact=scene.contact,
-        dissipation=EVERYTHING,
         spacing=1e-2,
         method="DOP853",
         local_tolerance=1e-12,
@@ -92,21 +93,18 @@ def test_engine_converges_to_the_in_house_motion_with_order_4() -> None:
             assert log2(coarse / fine) > 3.5
 
 
-def dropped(height: float) -> State:
-    x, y, z, *angles = (start := consistent_start(1, STEEL_DISK)).coordinates
-    return replace(start, coordinates=(x, y, z + height, *angles))
-
-
 @pytest.fixture(scope="module")
 def impacts() -> SpatialMotion:
-    return simulate_to_rest(0.5, start=dropped(5e-3), spacing=5e-3, local_tolerance=1e-12)
+    return simulate_to_rest(
+        Scenario.rest(start=Start(height=5e-3)), 0.5, spacing=5e-3, local_tolerance=1e-12
+    )
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, None, 1e-5])
 def test_impacts_meet_the_tolerance_and_its_estimate(
     tolerance: float | None, impacts: SpatialMotion
 ) -> None:
-    scene = Scene.rest(start=dropped(5e-3))
+    scene = rest_scene(start=Start(height=5e-3))
     found = mbs_models.simulate_to_rest(scene, 0.5, tolerance=tolerance, spacing=5e-3)
     assert found.error_estimate is not None
     assert found.deviation(impacts) <= found.error_estimate <= (tolerance or 1e-3)
@@ -115,20 +113,19 @@ def test_impacts_meet_the_tolerance_and_its_estimate(
 
 @pytest.mark.parametrize("tilt", [0.0, 1e-5])
 def test_disk_balanced_on_its_rim_is_not_at_rest(tilt: float) -> None:
-    start = consistent_start(1, STEEL_DISK, beta=pi / 2 - tilt, gamma=pi / 2, spin=0.0)
-    start = PenaltyContact.rounded(STEEL_DISK).lowered(STEEL_DISK, start)
-    found = mbs_models.simulate_to_rest(Scene.rest(start=start), 0.2, step=1e-4, spacing=1e-2)
+    start = Start(beta=pi / 2 - tilt, gamma=pi / 2, spin=0.0)
+    found = mbs_models.simulate_to_rest(rest_scene(start=start), 0.2, step=1e-4, spacing=1e-2)
     assert found.rest_time is None
 
 
 def test_a_run_of_fixed_steps_claims_no_error() -> None:
-    found = mbs_models.simulate_to_rest(Scene.rest(), 0.01, step=1e-4)
+    found = mbs_models.simulate_to_rest(rest_scene(), 0.01, step=1e-4)
     assert found.error_estimate is None
     assert found.method == {"integrator": "RK44", "step": 1e-4}
 
 
 def test_unexplained_energy_falls_with_the_tolerance() -> None:
-    scene = Scene.rest(dissipation=EVERYTHING)
+    scene = rest_scene(dissipation=EVERYTHING)
     unexplained = []
     for tolerance in (1e-2, 1e-3, 1e-4):
         found = mbs_models.simulate_to_rest(scene, 0.3, tolerance=tolerance, spacing=1e-2)
@@ -139,7 +136,7 @@ def test_unexplained_energy_falls_with_the_tolerance() -> None:
 
 
 def test_engine_says_when_no_two_runs_agree() -> None:
-    scene = Scene.rest(start=dropped(1e-3))
+    scene = rest_scene(start=Start(height=1e-3))
     with pytest.raises(ToleranceError, match="tolerance 1e-15 cannot be reached"):
         mbs_models.simulate_to_rest(scene, 0.04, tolerance=1e-15, spacing=1e-2)
 
@@ -152,7 +149,7 @@ def test_time_limit_ends_engine_runs_with_what_they_reached(
     told: list[tuple[float, float]] = []
     for settings in ({"step": 1e-4}, {"tolerance": 1e-3}):
         found = mbs_models.simulate_to_rest(
-            Scene.rest(),
+            rest_scene(),
             1.0,
             time_limit=0.45,
             progress=lambda reached, end: told.append((reached, end)),
@@ -167,11 +164,11 @@ def test_time_limit_ends_engine_runs_with_what_they_reached(
     assert {end for _, end in told} == {1.0}
     assert max(reached for reached, _ in told) > 0.1
     with pytest.raises(TimeLimitError, match="before the first sample"):
-        mbs_models.simulate_to_rest(Scene.rest(), 1.0, time_limit=1e-3)
+        mbs_models.simulate_to_rest(rest_scene(), 1.0, time_limit=1e-3)
 
 
 def test_scene_runs_like_any_other_before_the_disk_lies_flat() -> None:
-    scene = Scene.rest(dissipation=EVERYTHING)
+    scene = rest_scene(dissipation=EVERYTHING)
     times = np.linspace(0.0, 0.5, 51)
     found = mbs_models.simulate(scene, times, tolerance=1e-6)
     other = mbs_models.simulate_to_rest(scene, 0.5, step=5e-5, spacing=1e-2).to_trajectory()
@@ -180,9 +177,7 @@ def test_scene_runs_like_any_other_before_the_disk_lies_flat() -> None:
 
 
 def test_engine_comes_to_rest_as_the_in_house_motion_does(settled: SpatialMotion) -> None:
-    other = simulate_to_rest(
-        30.0, contact=settled.contact, dissipation=SETTLING, local_tolerance=1e-10
-    )
+    other = simulate_to_rest(settled.scenario, 30.0, local_tolerance=1e-10)
     count = min(settled.times.size, other.times.size)
     np.testing.assert_allclose(settled.tilt[:count], other.tilt[:count], atol=1e-4)
     one, two = find_phases(settled), find_phases(other)
@@ -201,21 +196,21 @@ def test_engine_energy_budget_closes_and_contact_never_pulls(settled: SpatialMot
 
 def test_step_beyond_the_predicted_limit_is_refused_before_the_run() -> None:
     with pytest.raises(ValueError, match="the predicted stability limit"):
-        mbs_models.simulate_to_rest(Scene.rest(), 1.0, step=1e-3)
+        mbs_models.simulate_to_rest(rest_scene(), 1.0, step=1e-3)
     with pytest.raises(ValueError, match="give either step or tolerance, not both"):
-        mbs_models.simulate_to_rest(Scene.rest(), 1.0, step=1e-4, tolerance=1e-3)
+        mbs_models.simulate_to_rest(rest_scene(), 1.0, step=1e-4, tolerance=1e-3)
 
 
 def test_scene_refuses_bad_input() -> None:
     with pytest.raises(ValueError, match="half_thickness must not exceed the radius"):
-        Scene.rest(contact=PenaltyContact(stiffness=1e6, half_thickness=0.1))
+        rest_scene(contact=PenaltyContact(stiffness=1e6, half_thickness=0.1))
     with pytest.raises(ValueError, match="scene must have a penalty contact, got contact None"):
         mbs_models.simulate_to_rest(Scene(), 1.0)
-    thin = Scene(formulation="floating-lie", contact=PenaltyContact(stiffness=1e6))
+    thin = scene_of(1, "floating-lie", contact=PenaltyContact(stiffness=1e6))
     with pytest.raises(ValueError, match="half_thickness must be positive"):
         mbs_models.simulate_to_rest(thin, 1.0)
-    constrained = Scene(formulation="floating", contact=PenaltyContact.rounded(STEEL_DISK))
+    constrained = scene_of(1, "floating", contact=PenaltyContact.rounded(STEEL_DISK))
     with pytest.raises(ValueError, match="must be of formulation 'floating-lie'"):
         mbs_models.simulate_to_rest(constrained, 1.0)
     with pytest.raises(ValueError, match="spacing must not exceed end"):
-        mbs_models.simulate_to_rest(Scene.rest(), 1.0, spacing=2.0)
+        mbs_models.simulate_to_rest(rest_scene(), 1.0, spacing=2.0)

@@ -10,18 +10,19 @@ import analysis
 import mbs_models
 from analysis import (
     LOADS,
-    STEEL_DISK,
+    Scenario,
     SmoothCoulomb,
+    Start,
     TimeLimitError,
     ToleranceError,
     Trajectory,
-    consistent_start,
 )
 from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.build import build
 from mbs_models.extrapolation import Ladder
 from mbs_models.passes import _even_stretches
 from mbs_models.probe import Probe
+from tests.scenes import scenario_of, scene_of
 
 TIMES = np.linspace(0.0, 0.5, 51)
 
@@ -31,9 +32,9 @@ def angle_error(run: Trajectory, other: Trajectory) -> float:
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7, 1e-9])
-@pytest.mark.parametrize("scene", [Scene(level=1), Scene(level=3), Scene(level=2)])
+@pytest.mark.parametrize("scene", [Scene(), scene_of(3), scene_of(2)])
 def test_tolerance_is_met_and_the_estimate_is_honest(scene: Scene, tolerance: float) -> None:
-    truth = analysis.simulate(scene.level, TIMES, local_tolerance=1e-13)
+    truth = analysis.simulate(scene.scenario, TIMES, local_tolerance=1e-13)
     run = mbs_models.simulate(scene, TIMES, tolerance=tolerance)
     assert run.error_estimate is not None
     assert angle_error(run, truth) <= run.error_estimate <= tolerance
@@ -41,33 +42,31 @@ def test_tolerance_is_met_and_the_estimate_is_honest(scene: Scene, tolerance: fl
 
 def test_estimate_is_honest_for_samples_closer_than_the_first_step() -> None:
     times = np.linspace(0.0, 0.5, 201)
-    truth = analysis.simulate(1, times, local_tolerance=1e-13)
-    run = mbs_models.simulate(Scene(level=1), times, tolerance=1e-8, integrator="RK44")
+    truth = analysis.simulate(Scenario(), times, local_tolerance=1e-13)
+    run = mbs_models.simulate(Scene(), times, tolerance=1e-8, integrator="RK44")
     assert run.error_estimate is not None
     assert 0.0 < angle_error(run, truth) <= run.error_estimate <= 1e-8
 
 
 def test_unreachable_tolerance_raises_with_the_best_estimate() -> None:
-    times, scene = np.linspace(0.0, 0.1, 11), Scene(formulation="floating-lie")
+    times, scene = np.linspace(0.0, 0.1, 11), scene_of(1, "floating-lie")
     with pytest.raises(ToleranceError, match=r"tolerance 2\.1e-13 rad cannot be reached .* is \d"):
         mbs_models.simulate(scene, times, tolerance=2.1e-13)
 
 
 def test_tolerance_below_rounding_is_refused_at_once() -> None:
     with pytest.raises(ToleranceError, match="cannot be reached: rounding leaves 2e-13 rad"):
-        mbs_models.simulate(Scene(level=1), TIMES, tolerance=1e-16)
+        mbs_models.simulate(Scene(), TIMES, tolerance=1e-16)
 
 
 @pytest.mark.parametrize(
     ("integrator", "order"), [("RK44", 4), ("RK67", 6), ("TrapezoidalIndex2", 2)]
 )
 def test_observed_order_is_that_of_the_integrator(integrator: Any, order: int) -> None:
-    truth = analysis.simulate(1, TIMES, local_tolerance=1e-13)
+    truth = analysis.simulate(Scenario(), TIMES, local_tolerance=1e-13)
     step = 2.5e-3 if order < 6 else 5e-3
     errors = [
-        angle_error(
-            mbs_models.simulate(Scene(level=1), TIMES, step=size, integrator=integrator), truth
-        )
+        angle_error(mbs_models.simulate(Scene(), TIMES, step=size, integrator=integrator), truth)
         for size in (step, step / 2)
     ]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
@@ -76,8 +75,8 @@ def test_observed_order_is_that_of_the_integrator(integrator: Any, order: int) -
 @pytest.mark.parametrize("formulation", ["floating", "euler-tree"])
 def test_contact_force_as_load_costs_no_order(formulation: Any) -> None:
     friction = SmoothCoulomb(load="contact")
-    truth = analysis.simulate(3, TIMES, friction=friction, local_tolerance=1e-13)
-    scene = Scene(level=3, formulation=formulation, friction=friction)
+    truth = analysis.simulate(scenario_of(3, friction=friction), TIMES, local_tolerance=1e-13)
+    scene = scene_of(3, formulation, friction=friction)
     errors = [
         angle_error(mbs_models.simulate(scene, TIMES, step=size), truth) for size in (2e-3, 1e-3)
     ]
@@ -86,9 +85,9 @@ def test_contact_force_as_load_costs_no_order(formulation: Any) -> None:
 
 def test_uneven_times_give_the_same_motion_as_even_ones() -> None:
     uneven = np.array([0.0, 0.01, 0.02, 0.05, 0.13, 0.21, 0.5])
-    truth = analysis.simulate(2, uneven, local_tolerance=1e-13)
-    for formulation in mbs_models.formulations(2):
-        run = mbs_models.simulate(Scene(level=2, formulation=formulation), uneven, tolerance=1e-6)
+    truth = analysis.simulate(scenario_of(2), uneven, local_tolerance=1e-13)
+    for formulation in mbs_models.formulations(scenario_of(2)):
+        run = mbs_models.simulate(scene_of(2, formulation), uneven, tolerance=1e-6)
         np.testing.assert_allclose(run.coordinates, truth.coordinates, atol=2e-6)
         np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=2e-4)
 
@@ -98,31 +97,33 @@ def test_even_stretches_cover_all_times() -> None:
     assert list(_even_stretches(times)) == [(0, 2, 1.0), (2, 2, 0.5), (4, 1, 4.0)]
 
 
-@pytest.mark.parametrize("formulation", mbs_models.formulations(1))
+@pytest.mark.parametrize("formulation", mbs_models.formulations(Scenario()))
 def test_coarse_sampling_of_a_fast_spin_loses_no_turns(formulation: Any) -> None:
-    start = consistent_start(1, STEEL_DISK, gamma=np.pi / 2 - 0.01, spin=300.0)
+    start = Start(gamma=np.pi / 2 - 0.01, spin=300.0)
     times = np.linspace(0.0, 0.2, 5)
-    truth = analysis.simulate(1, times, start=start, local_tolerance=1e-11, allow_pulling=True)
-    scene = Scene(level=1, formulation=formulation, start=start)
+    truth = analysis.simulate(
+        Scenario(start=start), times, local_tolerance=1e-11, allow_pulling=True
+    )
+    scene = scene_of(1, formulation, start=start)
     run = mbs_models.simulate(scene, times, tolerance=1e-4, allow_pulling=True)
     assert truth.coordinates[-1, 3] > 18 * np.pi
     np.testing.assert_allclose(run.coordinates[:, 3:], truth.coordinates[:, 3:], atol=1e-3)
 
 
 def test_start_time_only_shifts_the_times() -> None:
-    early = mbs_models.simulate(Scene(level=1), TIMES, step=5e-3)
-    late = mbs_models.simulate(Scene(level=1), TIMES + 8.0, step=5e-3)
+    early = mbs_models.simulate(Scene(), TIMES, step=5e-3)
+    late = mbs_models.simulate(Scene(), TIMES + 8.0, step=5e-3)
     np.testing.assert_allclose(late.coordinates, early.coordinates, atol=1e-9)
 
 
 def test_repeated_runs_are_bitwise_the_same() -> None:
-    runs = [mbs_models.simulate(Scene(level=3), TIMES, step=2e-3) for _ in range(2)]
+    runs = [mbs_models.simulate(scene_of(3), TIMES, step=2e-3) for _ in range(2)]
     np.testing.assert_array_equal(runs[0].coordinates, runs[1].coordinates)
     np.testing.assert_array_equal(runs[0].multipliers, runs[1].multipliers)
 
 
 def test_run_that_the_engine_cannot_finish_raises_with_time_and_cause() -> None:
-    scene = Scene(level=1, formulation="euler-tree")
+    scene = scene_of(1, "euler-tree")
     with pytest.raises(EngineError, match=r"stopped at t = .* s of 2 s: Newton's iteration"):
         mbs_models.simulate(scene, [0.0, 1.0, 2.0], step=1.0)
 
@@ -130,7 +131,7 @@ def test_run_that_the_engine_cannot_finish_raises_with_time_and_cause() -> None:
 def test_explicit_run_that_blows_up_raises() -> None:
     stiff = SmoothCoulomb(smoothing=1e-6)
     with pytest.raises(EngineError, match=r"stopped at t = .* not finite|stopped at t"):
-        mbs_models.simulate(Scene(level=1, friction=stiff), [0.0, 5.0, 10.0], step=5.0)
+        mbs_models.simulate(scene_of(1, friction=stiff), [0.0, 5.0, 10.0], step=5.0)
 
 
 @pytest.mark.parametrize(
@@ -145,23 +146,23 @@ def test_explicit_run_that_blows_up_raises() -> None:
 )
 def test_bad_accuracy_is_refused(arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        mbs_models.simulate(Scene(level=2), TIMES, **arguments)
+        mbs_models.simulate(scene_of(2), TIMES, **arguments)
 
 
 @pytest.mark.parametrize("times", [[0.0], [0.0, 0.0], [0.0, 2.0, 1.0], [0.0, np.nan], [[0, 1]]])
 def test_times_that_do_not_increase_are_refused(times: Any) -> None:
     with pytest.raises(ValueError, match="times must"):
-        mbs_models.simulate(Scene(level=1), times)
+        mbs_models.simulate(Scene(), times)
 
 
 def test_runs_print_nothing_and_write_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    mbs_models.simulate(Scene(level=1), TIMES, step=5e-3)
-    mbs_models.simulate(Scene(level=2, friction=SmoothCoulomb(load="contact")), TIMES, step=2e-4)
+    mbs_models.simulate(Scene(), TIMES, step=5e-3)
+    mbs_models.simulate(scene_of(2, friction=SmoothCoulomb(load="contact")), TIMES, step=2e-4)
     with pytest.raises(EngineError):
-        mbs_models.simulate(Scene(level=1, formulation="euler-tree"), [0.0, 2.0], step=1.0)
+        mbs_models.simulate(scene_of(1, "euler-tree"), [0.0, 2.0], step=1.0)
     assert capfd.readouterr() == ("", "")
     assert not list(tmp_path.iterdir())
 
@@ -179,9 +180,9 @@ def test_lost_order_shows_up_as_a_slow_ladder_and_not_as_a_false_estimate() -> N
     ("scene", "proposal"),
     [
         (Scene(), "integrator 'DOPRI5'"),
-        (Scene(formulation="floating"), "formulation 'contact-tree'"),
-        (Scene(level=3), "the in-house equations"),
-        (Scene(formulation="floating", friction=SmoothCoulomb(load="contact")), "the in-house"),
+        (scene_of(1, "floating"), "formulation 'contact-tree'"),
+        (scene_of(3), "the in-house equations"),
+        (scene_of(1, "floating", friction=SmoothCoulomb(load="contact")), "the in-house"),
     ],
 )
 def test_a_tolerance_that_is_not_met_proposes_another_way(scene: Scene, proposal: str) -> None:
@@ -198,8 +199,8 @@ def test_jacobian_knows_how_friction_grows_with_the_contact_force(
     level: Any, formulation: Any, start: dict[str, float]
 ) -> None:
     friction = SmoothCoulomb(load="contact")
-    state = consistent_start(level, STEEL_DISK, spin=13.0, **start)
-    model = build(Scene(level=level, formulation=formulation, friction=friction, start=state))
+    state = Start(spin=13.0, **start)
+    model = build(scene_of(level, formulation, friction=friction, start=state))
     probe, equation = Probe(model), model.contact_equation
     assert equation is not None
     difference = probe._forces_under(equation, -1.0) - probe._forces_under(equation, 0.0)
@@ -211,13 +212,11 @@ def test_jacobian_knows_how_friction_grows_with_the_contact_force(
 def test_newton_converges_as_fast_under_the_contact_force_as_under_the_weight(
     formulation: Any,
 ) -> None:
-    start = consistent_start(3, STEEL_DISK, beta=1.2, spin=3.0)
+    start = Start(beta=1.2, spin=3.0)
     full = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False))
     weight, contact = (
         mbs_models.simulate(
-            Scene(
-                level=3, formulation=formulation, friction=SmoothCoulomb(load=load), start=start
-            ),
+            scene_of(3, formulation, friction=SmoothCoulomb(load=load), start=start),
             np.linspace(0.0, 0.1, 11),
             step=1e-3,
             integrator=full,
@@ -228,9 +227,7 @@ def test_newton_converges_as_fast_under_the_contact_force_as_under_the_weight(
 
 
 def test_long_steps_converge_where_they_once_failed_at_the_rounding_limit() -> None:
-    run = mbs_models.simulate(
-        Scene(level=2, formulation="euler-tree"), np.linspace(0.0, 2.0, 101), step=0.02
-    )
+    run = mbs_models.simulate(scene_of(2, "euler-tree"), np.linspace(0.0, 2.0, 101), step=0.02)
     assert run.counts["steps"] == 100
 
 
@@ -238,12 +235,12 @@ def test_long_steps_converge_where_they_once_failed_at_the_rounding_limit() -> N
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
 @pytest.mark.parametrize("level", [2, 3, 4])
 def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, spin: float) -> None:
-    start = consistent_start(level, STEEL_DISK, beta=1.2, spin=spin, beta_rate=0.3 * spin)
-    scene = Scene(level=level, formulation=formulation, start=start)
+    start = Start(beta=1.2, spin=spin, beta_rate=0.3 * spin)
+    scene = scene_of(level, formulation, start=start)
     strict = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False, relative=1e-30))
     # Below the limit nothing but rounding is left, so that no further iteration is needed.
     run = mbs_models.simulate(
         scene, [0.0, 1e-4, 2e-4], step=1e-4, integrator=strict, allow_pulling=True
     )
     assert run.counts["newton_iterations"] <= 8 * run.counts["steps"]
-    assert build(scene).force_rounding < 1e-11 * STEEL_DISK.weight
+    assert build(scene).force_rounding < 1e-11 * scene.scenario.weight

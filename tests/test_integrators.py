@@ -7,10 +7,11 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import SmoothCoulomb, Trajectory
+from analysis import Scenario, SmoothCoulomb, Trajectory
 from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.build import build
 from mbs_models.runs import run
+from tests.scenes import scenario_of, scene_of
 
 TIMES = np.linspace(0.0, 0.5, 26)
 
@@ -24,7 +25,7 @@ def dopri5(tolerance: float) -> Integrator:
 
 
 def test_step_control_follows_its_tolerance() -> None:
-    truth = analysis.simulate(1, TIMES, local_tolerance=1e-13)
+    truth = analysis.simulate(Scenario(), TIMES, local_tolerance=1e-13)
     errors = [
         angle_error(mbs_models.simulate(Scene(), TIMES, integrator=dopri5(tolerance)), truth)
         for tolerance in (1e-6, 1e-9, 1e-12)
@@ -35,7 +36,7 @@ def test_step_control_follows_its_tolerance() -> None:
 
 
 def test_step_control_has_a_step_at_every_sample() -> None:
-    truth = analysis.simulate(1, TIMES, local_tolerance=1e-13)
+    truth = analysis.simulate(Scenario(), TIMES, local_tolerance=1e-13)
     result = mbs_models.simulate(Scene(), TIMES, integrator=dopri5(1e-12))
     # A sample taken one step of a millisecond late would be off by some 1e-2 rad.
     np.testing.assert_allclose(result.coordinates, truth.coordinates, atol=1e-10)
@@ -44,7 +45,7 @@ def test_step_control_has_a_step_at_every_sample() -> None:
 
 def test_uneven_samples_are_hit_by_step_control() -> None:
     times = np.array([0.0, 0.003, 0.1, 0.1001, 0.5])
-    truth = analysis.simulate(1, times, local_tolerance=1e-13)
+    truth = analysis.simulate(Scenario(), times, local_tolerance=1e-13)
     result = mbs_models.simulate(Scene(), times, integrator=dopri5(1e-11))
     np.testing.assert_allclose(result.coordinates, truth.coordinates, atol=1e-8)
 
@@ -74,9 +75,9 @@ def test_counts_of_explicit_runs_are_those_of_their_stages() -> None:
 def test_generalized_alpha_in_index_3_form_has_second_order(
     formulation: Any, radius: float
 ) -> None:
-    truth = analysis.simulate(2, TIMES, local_tolerance=1e-13)
+    truth = analysis.simulate(scenario_of(2), TIMES, local_tolerance=1e-13)
     integrator = Integrator(name="GeneralizedAlpha", spectral_radius=radius)
-    scene = Scene(level=2, formulation=formulation)
+    scene = scene_of(2, formulation)
     errors = [
         angle_error(mbs_models.simulate(scene, TIMES, step=step, integrator=integrator), truth)
         for step in (2.5e-3, 1.25e-3)
@@ -87,7 +88,7 @@ def test_generalized_alpha_in_index_3_form_has_second_order(
 def test_spectral_radius_changes_the_run_and_goes_with_it() -> None:
     runs = [
         mbs_models.simulate(
-            Scene(level=2),
+            scene_of(2),
             TIMES,
             step=5e-3,
             integrator=Integrator(name="GeneralizedAlpha", spectral_radius=radius),
@@ -101,7 +102,7 @@ def test_spectral_radius_changes_the_run_and_goes_with_it() -> None:
 def test_full_newton_gives_the_same_motion_with_more_jacobians() -> None:
     modified, full = (
         mbs_models.simulate(
-            Scene(level=3),
+            scene_of(3),
             TIMES,
             step=5e-3,
             integrator=Integrator(name="TrapezoidalIndex2", newton=Newton(modified=flag)),
@@ -115,7 +116,7 @@ def test_full_newton_gives_the_same_motion_with_more_jacobians() -> None:
 def test_loose_newton_iteration_takes_fewer_iterations_and_leaves_an_error() -> None:
     tight, loose = (
         mbs_models.simulate(
-            Scene(level=1, formulation="floating-lie"),
+            scene_of(1, "floating-lie"),
             TIMES,
             step=5e-3,
             integrator=Integrator(name="TrapezoidalIndex2", newton=newton),
@@ -173,12 +174,12 @@ def test_tolerance_of_extrapolation_is_refused_for_step_control() -> None:
 
 def test_step_control_is_refused_where_constraints_are_left() -> None:
     with pytest.raises(ValueError, match="explicit and cannot take the constraints"):
-        mbs_models.simulate(Scene(level=2), TIMES, integrator="DOPRI5")
+        mbs_models.simulate(scene_of(2), TIMES, integrator="DOPRI5")
 
 
 def test_step_control_masters_stiff_friction() -> None:
     friction = SmoothCoulomb(smoothing=1e-3)
     times = np.linspace(0.0, 0.2, 11)
-    truth = analysis.simulate(1, times, friction=friction, local_tolerance=1e-12)
-    result = mbs_models.simulate(Scene(friction=friction), times, integrator=dopri5(1e-9))
+    truth = analysis.simulate(Scenario(friction=friction), times, local_tolerance=1e-12)
+    result = mbs_models.simulate(scene_of(friction=friction), times, integrator=dopri5(1e-9))
     assert angle_error(result, truth) < 1e-6

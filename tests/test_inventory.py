@@ -16,6 +16,7 @@ from mbs_models.integrators import find_integrator
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
 from mbs_models.runs import run
+from tests.scenes import rest_scene, scenario_of, scene_of
 from validation import cli
 from validation.commands.scene import scene_table
 from validation.studies import lean
@@ -60,7 +61,7 @@ def listed(found: Inventory) -> list[str]:
 SCENES = [
     (level, formulation, rough)
     for level in LEVELS
-    for formulation in mbs_models.formulations(level)
+    for formulation in mbs_models.formulations(scenario_of(level))
     for rough in (True, False)
 ]
 
@@ -70,7 +71,7 @@ def test_scene_holds_what_it_needs_and_nothing_else(
     level: Level, formulation: Formulation, rough: bool
 ) -> None:
     friction = SmoothCoulomb() if rough else SMOOTH
-    scene = Scene(level=level, formulation=formulation, friction=friction)
+    scene = scene_of(level, formulation, friction=friction)
     found = inventory(scene)
     assert listed(found) == sorted(expected(level, formulation, rough=rough))
     assert found.user_functions == 1 + rough
@@ -81,9 +82,7 @@ def test_scene_holds_what_it_needs_and_nothing_else(
 def test_counts_are_those_of_the_assembled_system(
     level: Level, formulation: Formulation, rough: bool
 ) -> None:
-    scene = Scene(
-        level=level, formulation=formulation, friction=SmoothCoulomb() if rough else SMOOTH
-    )
+    scene = scene_of(level, formulation, friction=SmoothCoulomb() if rough else SMOOTH)
     found, model = inventory(scene), build(scene)
     data = model.system.systemData
     assert found.coordinates == len(data.GetODE2Coordinates())
@@ -133,7 +132,7 @@ def test_penalty_contact_needs_one_force_law_and_no_joint(
 def test_rest_scene_has_one_connector_which_names_what_is_on(
     dissipation: Dissipation, named: str
 ) -> None:
-    found = inventory(Scene.rest(dissipation=dissipation))
+    found = inventory(rest_scene(dissipation=dissipation))
     items = ["node RigidBodyRotVecLG", *BODY, *TABLE, "marker BodyRigid", FRICTION[1], *SENSOR]
     assert listed(found) == sorted(items)
     assert found.equations == 0
@@ -142,7 +141,7 @@ def test_rest_scene_has_one_connector_which_names_what_is_on(
 
 def test_every_item_says_why_it_is_there() -> None:
     for level, formulation, _ in SCENES:
-        for item in inventory(Scene(level=level, formulation=formulation)).items:
+        for item in inventory(scene_of(level, formulation)).items:
             assert len(item.why) > 5
 
 
@@ -155,7 +154,7 @@ def test_item_without_a_reason_is_found() -> None:
 
 def test_frictionless_scene_does_not_mention_friction() -> None:
     for level, formulation, _ in SCENES:
-        found = inventory(Scene(level=level, formulation=formulation, friction=SMOOTH))
+        found = inventory(scene_of(level, formulation, friction=SMOOTH))
         assert not [item for item in found.items if "friction" in item.why]
 
 
@@ -168,7 +167,7 @@ def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str
 
 
 def test_table_has_one_row_per_item() -> None:
-    found = inventory(Scene(level=4, formulation="floating"))
+    found = inventory(scene_of(4, "floating"))
     assert len(scene_table(found).rows) == len(found.items)
 
 
@@ -176,7 +175,7 @@ def test_table_has_one_row_per_item() -> None:
 def test_ballast_does_not_change_the_motion(part: str) -> None:
     ends = []
     for loaded in (False, True):
-        scene = Scene(level=2, formulation="floating", friction=SMOOTH)
+        scene = scene_of(2, "floating", friction=SMOOTH)
         model = build(scene)
         if loaded:
             BALLAST[part](model)
@@ -190,7 +189,7 @@ def test_ballast_does_not_change_the_motion(part: str) -> None:
 def test_joint_with_six_axes_holds_the_same_motion() -> None:
     ends = []
     for loaded in (False, True):
-        model = build(Scene(level=2))
+        model = build(scene_of(2))
         if loaded:
             six_axes(model)
         samples = run(
@@ -201,7 +200,7 @@ def test_joint_with_six_axes_holds_the_same_motion() -> None:
 
 
 def test_price_of_friction_that_does_nothing_is_measured() -> None:
-    frictionless = Scene(level=2, formulation="floating", friction=SMOOTH)
+    frictionless = scene_of(2, "floating", friction=SMOOTH)
 
     def carried() -> Model:
         model = build(frictionless)

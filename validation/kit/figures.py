@@ -172,7 +172,7 @@ def figure_7(
     axes[0].plot([], [], "o", color="black", markerfacecolor="white", label="in-house")
     angle_axis(axes[0])
     axes[0].set(ylabel="angle in rad")
-    weight = engine["contact"].disk.weight
+    weight = engine["contact"].scenario.weight
     pair(
         axes[1],
         (engine["contact"], engine["contact"].normal_force),
@@ -204,7 +204,7 @@ def figure_8(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory], axes: 
                 (run, run.coordinate(name)),
                 (other, other.coordinate(name)),
                 index=index,
-                label=f"Model {run.level}",
+                label=run.scenario.name,
             )
         each.set(ylabel=f"{symbol} in rad")
     angle_axis(axes[1])
@@ -233,7 +233,7 @@ def figure_9(
             (run, run.rate("alpha")),
             (other, other.rate("alpha")),
             index=index,
-            label=f"Model {run.level}",
+            label=run.scenario.name,
         )
     axes.set(xlabel="time in s", ylabel="spinning velocity $\\dotα$ in rad/s")
     legend_above(axes)

@@ -44,7 +44,7 @@ def draw_disk(trajectory: Trajectory, index: int, axes: Any) -> Any:
         Sample.
     axes : Axes
     """
-    disk = trajectory.disk
+    disk = trajectory.scenario.disk
     position, rotation = frames.poses(trajectory.coordinates[index : index + 1])
     # From a quarter to the side, so that the disk shows its face whatever its spin.
     azimuth = trajectory.coordinates[index, 3] - np.pi / 2 + 0.35

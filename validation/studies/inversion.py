@@ -4,13 +4,22 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-import analysis
-import mbs_models
-from analysis import LEVELS, LOADS, Level, Load, SmoothCoulomb, Trajectory, find_inversion
-from mbs_models import Scene
+from analysis import (
+    LEVELS,
+    LOADS,
+    MODELS,
+    Level,
+    Load,
+    Scenario,
+    SmoothCoulomb,
+    Trajectory,
+    find_inversion,
+)
+from analysis.data.trajectory import SOURCES
 from validation.kit import figures
 from validation.kit.figures import Picture
 from validation.kit.tables import Table
+from validation.run import run
 from validation.studies.claims import motion
 from validation.studies.claims.claim import listed
 
@@ -20,13 +29,12 @@ TOLERANCE = 1e-7
 
 def run_pair(level: Level, load: Load, end: float) -> tuple[Trajectory, Trajectory]:
     """Engine and in-house run from Table 3 until `end`, sampled every 5 ms."""
-    friction = SmoothCoulomb(load=load)
+    scenario = Scenario(constraints=MODELS[level], friction=SmoothCoulomb(load=load))
     times = np.linspace(0.0, end, round(end * 200) + 1)
-    scene = Scene(level=level, friction=friction)
-    return (
-        mbs_models.simulate(scene, times, tolerance=TOLERANCE),
-        analysis.simulate(level, times, friction=friction, tolerance=TOLERANCE),
+    engine, inhouse = (
+        run(scenario, times, source=source, tolerance=TOLERANCE) for source in SOURCES
     )
+    return engine, inhouse
 
 
 def draw(
@@ -56,7 +64,7 @@ def _figure_7(loads: Mapping[Load, tuple[Trajectory, Trajectory]]) -> Picture:
     )
     contact, weight = loads["contact"][0], loads["weight"][0]
     short = np.pi / 2 - motion.value_at(contact, contact.coordinate("gamma"), 0.5)
-    force = np.max(np.abs(contact.normal_force / contact.disk.weight - 1.0))
+    force = np.max(np.abs(contact.normal_force / contact.scenario.weight - 1.0))
     change = np.max(np.abs(weight.coordinates - contact.coordinates)[:, 4:6])
     return figures.render(
         figure,
@@ -102,7 +110,7 @@ def agreement(levels: Sequence[tuple[Trajectory, Trajectory]]) -> Table:
     """Engine against in-house in the runs behind the figures."""
     rows = [
         [
-            f"Model {engine.level}",
+            engine.scenario.name,
             str(engine.method["formulation"]),
             float(np.max(np.abs(engine.coordinates - inhouse.coordinates)[:, 4:6])),
             float(np.max(np.abs(engine.rate("alpha") - inhouse.rate("alpha")))),

@@ -1,6 +1,6 @@
 """Numbers the paper prints about the disk and its start, and misprints that matter."""
 
-from analysis import GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, consistent_start
+from analysis import GRAVITY, MODELS, ROUNDED_STEEL_DISK, STEEL_DISK, Scenario
 from validation.kit.tables import Cell, Table
 
 COLUMNS = ("quantity", "unit", "paper", "here", "difference in %", "explanation")
@@ -16,7 +16,7 @@ def disk_numbers() -> Table:
         ("B", "kg m²", rounded.inertia_y, disk.inertia_y, "rounded in print"),
         ("C", "kg m²", rounded.inertia_z, disk.inertia_z, "rounded in print"),
     ]
-    start = consistent_start(2, disk)
+    start = Scenario(constraints=MODELS[2]).initial_state
     cells: list[list[Cell]] = [
         [quantity, unit, paper, here, 100.0 * (here - paper) / paper, explanation]
         for quantity, unit, paper, here, explanation in rows

@@ -1,8 +1,6 @@
 """Poses of the disk over time, as an animation needs them, from either kind of stored motion."""
 
-import zipfile
 from dataclasses import dataclass, fields, replace
-from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -11,8 +9,7 @@ from analysis import Disk, Inversion, SpatialMotion, Trajectory, find_phases
 from analysis.data import frames
 from analysis.data.checks import Array
 from analysis.data.limits import MOST_KEYFRAMES
-
-Motion = Trajectory | SpatialMotion
+from validation.run import StoredRun
 
 _TURN_BETWEEN = 0.25
 """Angle in rad the disk may turn between keyframes taken from co-rotating coordinates."""
@@ -120,25 +117,7 @@ class Keyframes:
         return replace(cut, marks=marks)
 
 
-def load(path: Path) -> Motion:
-    """Read either kind of stored motion.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If it is damaged, or neither a trajectory nor a spatial motion.
-    """
-    try:
-        with zipfile.ZipFile(path) as stored:
-            spatial = "spatial_meta.npy" in stored.namelist()
-    except (zipfile.BadZipFile, EOFError, RuntimeError) as error:
-        raise ValueError(f"{path} is not a readable motion: {error}") from error
-    return SpatialMotion.load(path) if spatial else Trajectory.load(path)
-
-
-def keyframes(motion: Motion) -> Keyframes:
+def keyframes(motion: StoredRun) -> Keyframes:
     """Keyframes of a motion, dense enough for interpolation.
 
     A trajectory may be sampled coarsely: its unwrapped angles and their rates tell how often the
@@ -173,17 +152,17 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
     formulation = trajectory.method.get("formulation") or trajectory.method.get("form")
     inverted = Inversion.of_direction(times, rotations[:, 2, 0]).time
     marks: tuple[tuple[str, float], ...] = ()
-    if trajectory.disk.eccentricity and inverted is not None:
+    if trajectory.scenario.disk.eccentricity and inverted is not None:
         marks = (("inversion", inverted),)
     return Keyframes(
         times=times,
         positions=positions,
         quaternions=frames.quaternions(rotations),
-        contact_points=positions[:, :2] - trajectory.disk.radius * uphill,
+        contact_points=positions[:, :2] - trajectory.scenario.disk.radius * uphill,
         spins=frames.twists(coordinates, rates)[1][:, 2],
-        disk=trajectory.disk,
+        disk=trajectory.scenario.disk,
         marks=marks,
-        source=f"{trajectory.source}, Model {trajectory.level}"
+        source=f"{trajectory.source}, {trajectory.scenario.name}"
         + (f", {formulation}" if formulation else ""),
     )
 
@@ -206,7 +185,7 @@ def _from_spatial(motion: SpatialMotion) -> Keyframes:
         quaternions=motion.quaternions,
         contact_points=motion.contact_points[:, :2],
         spins=motion.spin,
-        disk=motion.disk,
+        disk=motion.scenario.disk,
         marks=tuple((name, time) for name, time in starts if time is not None),
         source=f"{motion.source}, on a unilateral contact",
     )

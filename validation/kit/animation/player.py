@@ -15,7 +15,8 @@ from importlib.resources import files
 
 import numpy as np
 
-from validation.kit.animation.keyframes import Keyframes, Motion, keyframes
+from validation.kit.animation.keyframes import Keyframes, keyframes
+from validation.run import StoredRun
 
 LEVELS = 65535
 """Largest integer of a column."""
@@ -65,7 +66,7 @@ class Animation:
 
 
 def player(
-    motion: Motion | Keyframes,
+    motion: StoredRun | Keyframes,
     *,
     name: str,
     title: str,

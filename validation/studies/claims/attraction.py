@@ -17,17 +17,15 @@ from typing import Literal, get_args
 
 import numpy as np
 
-import analysis
-import mbs_models
-from analysis import STEEL_DISK, FlatError, Level, State, consistent_start, judge_inversion
+from analysis import MODELS, FlatError, Level, Scenario, Start, judge_inversion
 from analysis.data.files import whole_file
 from analysis.data.trajectory import Source
 from analysis.stability import linear_reduced
-from mbs_models import Scene
 from validation.kit import figures
 from validation.kit.figures import Picture
 from validation.kit.report import Job, run_jobs
 from validation.kit.tables import Cell, Table
+from validation.run import run as run_scenario
 from validation.studies.claims.claim import Claim, grade, listed
 
 Tilt = Literal["near upright", "any tilt"]
@@ -36,7 +34,9 @@ TILTS: tuple[Tilt, ...] = get_args(Tilt)
 Outcome = Literal["inverted", "lost", "not inverted", "not decided", "flat", "contact would pull"]
 OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
 
-MODELS: tuple[Level, ...] = (1, 4)
+LEVELS: tuple[Level, ...] = (1, 4)
+"""Models that are tried."""
+
 SPINS = (25.0, 31.0, 33.0, 36.0, 40.0, 50.0, 60.0, 80.0, 100.0)
 """Spins at the start in rad/s."""
 
@@ -56,7 +56,7 @@ COLUMNS = ("model", "tilt", "spin in rad/s", "start", "outcome")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Start:
+class RandomStart:
     """A random start, given by its number.
 
     Parameters
@@ -76,7 +76,8 @@ class Start:
     spin: float
     number: int
 
-    def state(self) -> State:
+    @property
+    def scenario(self) -> Scenario:
         """Upright or tilted, spinning about the vertical, without slip along the edge."""
         rng = np.random.default_rng((TILTS.index(self.tilt), self.number))
         gamma = rng.uniform(-pi, pi)
@@ -84,47 +85,50 @@ class Start:
             beta = pi / 2 + rng.uniform(-0.2, 0.2)
         else:
             beta = acos(rng.uniform(-1.0, 1.0) * np.cos(0.1))
-        return consistent_start(self.level, STEEL_DISK, beta=beta, gamma=gamma, spin=self.spin)
+        start = Start(beta=beta, gamma=gamma, spin=self.spin)
+        return Scenario(constraints=MODELS[self.level], start=start)
 
 
-def outcome(start: Start, source: Source = "in-house") -> Outcome:
+def outcome(start: RandomStart, source: Source = "in-house") -> Outcome:
     """What becomes of a start until `END`."""
-    state = start.state()
     times = np.linspace(0.0, END, round(100 * END) + 1)
     try:
         if source == "engine":
-            run = mbs_models.simulate(Scene(level=start.level, start=state), times, tolerance=1e-4)
+            found = run_scenario(start.scenario, times, tolerance=1e-4)
         else:
-            form: analysis.Form = "reduced" if start.level == 4 else "index-1"
-            run = analysis.simulate(
-                start.level, times, start=state, form=form, local_tolerance=1e-6
+            form = "reduced" if start.level == 4 else "index-1"
+            found = run_scenario(
+                start.scenario, times, source=source, formulation=form, local_tolerance=1e-6
             )
     except FlatError:
         return "flat"
-    if run.ending is not None and run.ending.reason == "contact would pull":
+    if found.ending is not None and found.ending.reason == "contact would pull":
         return "contact would pull"
-    return judge_inversion(run).outcome
+    return judge_inversion(found).outcome
 
 
 def outcomes(level: Level, tilt: Tilt, spin: float, numbers: Sequence[int]) -> list[Outcome]:
     """Outcomes of several starts."""
-    return [outcome(Start(level=level, tilt=tilt, spin=spin, number=number)) for number in numbers]
+    return [
+        outcome(RandomStart(level=level, tilt=tilt, spin=spin, number=number))
+        for number in numbers
+    ]
 
 
-Results = dict[Start, Outcome]
+Results = dict[RandomStart, Outcome]
 
 
 def run(count: int, workers: int | None = None) -> Results:
     """Run `count` starts of every model, tilt and spin, in `workers` processes."""
     numbers = range(count)
-    cases = [(level, tilt, spin) for level in MODELS for tilt in TILTS for spin in SPINS]
+    cases = [(level, tilt, spin) for level in LEVELS for tilt in TILTS for spin in SPINS]
     done = run_jobs(
         [Job(case, outcomes, (*case, numbers)) for case in cases],
         workers=workers,
         title="attraction",
     )
     return {
-        Start(level=level, tilt=tilt, spin=spin, number=number): result
+        RandomStart(level=level, tilt=tilt, spin=spin, number=number): result
         for level, tilt, spin in cases
         for number, result in zip(numbers, done[level, tilt, spin], strict=True)
     }
@@ -152,7 +156,7 @@ def load(path: Path = STORED) -> Results | None:
         return None
     known: dict[str, Outcome] = {name: name for name in OUTCOMES}
     tilts: dict[str, Tilt] = {name: name for name in TILTS}
-    levels: dict[str, Level] = {str(level): level for level in MODELS}
+    levels: dict[str, Level] = {str(level): level for level in LEVELS}
     results: Results = {}
     with path.open(newline="") as stream:
         lines = csv.reader(stream)
@@ -160,7 +164,7 @@ def load(path: Path = STORED) -> Results | None:
             raise ValueError(f"{path} must begin with the columns {', '.join(COLUMNS)}")
         try:
             for level, tilt, spin, number, result in lines:
-                start = Start(
+                start = RandomStart(
                     level=levels[level], tilt=tilts[tilt], spin=float(spin), number=int(number)
                 )
                 results[start] = known[result]
@@ -184,7 +188,7 @@ def share(count: Counter[Outcome]) -> float:
 
 def claim(results: Results | None) -> Claim:
     """Sections 1 and 3.2: inverted spinning attracts nearly all trajectories."""
-    critical = linear_reduced.critical_speed(STEEL_DISK).spin
+    critical = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
     criterion = (
         f"at every spin above {critical:.2f} rad/s at least 95 % of random starts of Model 1, of "
         f"any tilt, are inverted within {END:g} s; partly: of those near upright"
@@ -213,7 +217,7 @@ def claim(results: Results | None) -> Claim:
         f"Model {level}, {tilt}: "
         + listed([100 * shares[key] for key in shares if key[:2] == (level, tilt)], ".0f")
         + " %"
-        for level in MODELS
+        for level in LEVELS
         for tilt in TILTS
     )
     spins = ", ".join(f"{spin:g}" for spin in SPINS if spin > critical)
@@ -241,21 +245,23 @@ def table(results: Results) -> Table:
     )
 
 
-def repeated() -> list[Start]:
+def repeated() -> list[RandomStart]:
     """Starts that the engine repeats."""
     return [
-        Start(level=1, tilt="any tilt", spin=spin, number=number)
+        RandomStart(level=1, tilt="any tilt", spin=spin, number=number)
         for spin in CONFIRMED
         for number in range(3)
     ]
 
 
-def confirm(start: Start) -> tuple[Outcome, Outcome]:
+def confirm(start: RandomStart) -> tuple[Outcome, Outcome]:
     """Outcomes of a start in the engine and in-house."""
     return outcome(start, "engine"), outcome(start)
 
 
-def confirmation(results: dict[Start, tuple[Outcome, Outcome]], stored: Results | None) -> Table:
+def confirmation(
+    results: dict[RandomStart, tuple[Outcome, Outcome]], stored: Results | None
+) -> Table:
     """Outcomes in the engine and in-house, and what is stored."""
     rows: list[list[Cell]] = []
     for start, (engine, inhouse) in results.items():
@@ -274,7 +280,7 @@ def draw(results: Results) -> Picture:
     """Share of the starts that are inverted over the spin."""
     figure, axes = figures.new_figure(height=3.8)
     found = counts(results)
-    for index, (level, tilt) in enumerate((level, tilt) for level in MODELS for tilt in TILTS):
+    for index, (level, tilt) in enumerate((level, tilt) for level in LEVELS for tilt in TILTS):
         spins = [spin for each, kind, spin in found if (each, kind) == (level, tilt)]
         axes.plot(
             spins,
@@ -284,7 +290,7 @@ def draw(results: Results) -> Picture:
             marker=figures.MARKERS[index],
             label=f"Model {level}, {tilt}",
         )
-    critical = linear_reduced.critical_speed(STEEL_DISK).spin
+    critical = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
     axes.axvline(critical, color="#999999", linewidth=0.8, label="$Ω_{crit}$")
     axes.set(xlabel="spin at the start in rad/s", ylabel="inverted in %", ylim=(-3.0, 103.0))
     figures.legend_above(axes, columns=3)

@@ -33,8 +33,8 @@ def least_coefficients(run: Trajectory, *, any_slip: bool) -> Array:
         if any_slip:
             result[row] = normal / np.linalg.norm(tangential)
             continue
-        slip = equations.tangential_directions(run.disk, z).T @ u
-        pressing = tangential @ slip / (np.linalg.norm(slip) + run.friction.finest_speed)
+        slip = equations.tangential_directions(run.scenario.disk, z).T @ u
+        pressing = tangential @ slip / (np.linalg.norm(slip) + run.scenario.friction.finest_speed)
         result[row] = normal / pressing if pressing > 0.0 else np.inf
     return result
 
@@ -80,8 +80,8 @@ def claim(run: Trajectory, least: Bound) -> Claim:
     """
     early = run.times <= 2.0
     worst, actual = (least_coefficients(run, any_slip=any_slip) for any_slip in (True, False))
-    assert isinstance(run.friction, SmoothCoulomb)
-    used = run.friction.coefficient
+    friction = run.scenario.friction
+    assert isinstance(friction, SmoothCoulomb)
     return Claim(
         place="Sect. 4.1",
         statement="the matrix of (79) is not guaranteed to be invertible",
@@ -89,8 +89,8 @@ def claim(run: Trajectory, least: Bound) -> Claim:
         "none",
         measured=f"possible from μ = {least.coefficient:.4f} on, at β = {least.beta:.3f} and "
         f"γ = {least.gamma:.3f} rad, in no attitude below. At the places that Table 3's motion "
-        f"(μ = {used:g}) passes within 2 s, the worst slip needs μ = {np.min(worst[early]):.2f}, "
-        f"the slip it has μ = {np.min(actual[early]):.0f}; until {run.times[-1]:g} s "
+        f"(μ = {friction.coefficient:g}) passes within 2 s, the worst slip needs "
+        f"μ = {np.min(worst[early]):.2f}, the slip it has μ = {np.min(actual[early]):.0f}; until {run.times[-1]:g} s "
         f"{np.min(worst):.2f} and {np.min(actual):.1f}",
         verdict="yes" if np.isfinite(least.coefficient) else "no",
     )

@@ -10,7 +10,7 @@ from validation.studies.claims.claim import Claim, grade
 
 def cog_path(run: Trajectory) -> tuple[Array, Array]:
     """Horizontal position and velocity of the COG in the inertial frame, each shape (n, 2)."""
-    e = run.disk.eccentricity
+    e = run.scenario.disk.eccentricity
     x, y, _, alpha, beta, gamma = run.coordinates.T
     xd, yd, _, alpha_d, beta_d, gamma_d = run.rates.T
     sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
@@ -29,7 +29,7 @@ def claims(run: Trajectory) -> list[Claim]:
     away = np.linalg.norm(position - position[0], axis=1)
     slip = np.array(
         [
-            equations.tangential_directions(run.disk, z).T @ u
+            equations.tangential_directions(run.scenario.disk, z).T @ u
             for z, u in zip(run.coordinates, run.rates, strict=True)
         ]
     )
@@ -37,7 +37,7 @@ def claims(run: Trajectory) -> list[Claim]:
     rising = run.times <= until
     speeds = [_rms(values[rising]) for values in (velocity, slip)]
     ratio = speeds[0] / speeds[1]
-    r, e = run.disk.radius, run.disk.eccentricity
+    r, e = run.scenario.disk.radius, run.scenario.disk.eccentricity
     farthest = float(np.max(away[run.times <= 2.0]))
     return [
         Claim(

@@ -4,8 +4,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-import analysis
-from analysis import Level, Load, Trajectory, energies, find_inversion, judge_inversion
+from analysis import (
+    MODELS,
+    Level,
+    Load,
+    Scenario,
+    Trajectory,
+    energies,
+    find_inversion,
+    judge_inversion,
+)
+from validation.run import run as run_scenario
 from validation.studies.claims.claim import Claim, falls, grade, listed
 
 UPRIGHT = np.pi / 2
@@ -23,7 +32,8 @@ LONG = 20.0
 def long_run(level: Level) -> Trajectory:
     """In-house run from Table 3 over `LONG`, sampled every 10 ms."""
     times = np.linspace(0.0, LONG, round(100 * LONG) + 1)
-    return analysis.simulate(level, times, local_tolerance=1e-7)
+    scenario = Scenario(constraints=MODELS[level])
+    return run_scenario(scenario, times, source="in-house", local_tolerance=1e-7)
 
 
 def first_time(run: Trajectory, name: str, value: float) -> float:
@@ -71,7 +81,7 @@ def value_at(run: Trajectory, values: np.ndarray, time: float) -> float:
 
 def potential_share(run: Trajectory, until: float = 2.0) -> float:
     """Gain of potential energy over the loss of kinetic energy from the start to `until`."""
-    kinetic, potential = energies(run.disk, run.coordinates, run.rates)
+    kinetic, potential = energies(run.scenario, run.coordinates, run.rates)
     gained = value_at(run, potential, until) - potential[0]
     return float(gained / (kinetic[0] - value_at(run, kinetic, until)))
 
@@ -79,7 +89,7 @@ def potential_share(run: Trajectory, until: float = 2.0) -> float:
 def figure_7(loads: Mapping[Load, tuple[Trajectory, Trajectory]]) -> list[Claim]:
     """Claims about Figure 7, from the engine's runs of Model 1 over 2 s by load law."""
     contact, weight = loads["contact"][0], loads["weight"][0]
-    force = contact.normal_force / contact.disk.weight
+    force = contact.normal_force / contact.scenario.weight
     gamma = contact.coordinate("gamma")
     after = np.max(np.abs(gamma - UPRIGHT)[contact.times >= 0.5])
     reached = first_time(contact, "gamma", UPRIGHT)

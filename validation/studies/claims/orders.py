@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from analysis import STEEL_DISK, SmoothCoulomb
+from analysis import MODELS, Scenario, SmoothCoulomb
 from analysis.data.checks import Array
 from analysis.stability.linear_reduced import closed_form, reduced_matrices
 from validation.kit.tables import Table
@@ -28,13 +28,13 @@ QUANTITIES = {
 
 def values(smoothing: float) -> Array:
     """Sizes of `QUANTITIES` at one smoothing, shape (7,)."""
-    friction = SmoothCoulomb(smoothing=smoothing)
+    scenario = Scenario(constraints=MODELS[4], friction=SmoothCoulomb(smoothing=smoothing))
     third, *pair = sorted(
-        np.linalg.eigvals(reduced_matrices(STEEL_DISK, friction, [SPIN]))[0],
+        np.linalg.eigvals(reduced_matrices(scenario, [SPIN]))[0],
         key=lambda value: (value.real, value.imag),
     )
     a, b, c = third.real, -sum(pair).real, (pair[0] * pair[1]).real
-    form = closed_form(STEEL_DISK, friction, [SPIN])
+    form = closed_form(scenario, [SPIN])
     first = max(form.eigenvalues[0][:2], key=lambda value: value.imag)
     upper = max(pair, key=lambda value: value.imag)
     sizes = (a, b, c, a - form.a, b - form.b[0], c - form.c[0], upper - first)

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-import analysis
-from analysis import LEVELS, LOADS, SmoothCoulomb, Trajectory
+from analysis import LEVELS, LOADS, Scenario, SmoothCoulomb, Trajectory
 from validation.kit.report import Job, Section
+from validation.run import run
 from validation.studies.claims import (
     attraction,
     claim,
@@ -24,9 +24,8 @@ from validation.studies.claims.claim import Claim
 def contact_run() -> Trajectory:
     """In-house run of Model 1 from Table 3 with the contact force as the load."""
     times = np.linspace(0.0, motion.LONG, round(100 * motion.LONG) + 1)
-    return analysis.simulate(
-        1, times, friction=SmoothCoulomb(load="contact"), local_tolerance=1e-6
-    )
+    scenario = Scenario(friction=SmoothCoulomb(load="contact"))
+    return run(scenario, times, source="in-house", local_tolerance=1e-6)
 
 
 def jobs() -> list[Job]:

@@ -5,16 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import analysis
-import mbs_models
-from analysis import STEEL_DISK, FlatError, Level, SmoothCoulomb, consistent_start, judge_inversion
+from analysis import MODELS, FlatError, Level, Scenario, Start, judge_inversion
 from analysis.data.trajectory import Source
 from analysis.models.inversion import STAYING
 from analysis.stability import linear_reduced
 from analysis.stability.critical import critical_speeds
-from analysis.stability.spectra import System
-from mbs_models import Scene
 from validation.kit.tables import Cell, Table
+from validation.run import run
 from validation.studies.claims.claim import Claim, grade, listed
 
 END = 10.0
@@ -32,8 +29,6 @@ SCANNED = (20.0, 40.0, 100.0)
 ENGINE_STEP = 2e-3
 """Step in s of the engine's runs."""
 
-_SYSTEMS: dict[Level, System] = {1: "model1", 2: "model2", 3: "model3", 4: "model4"}
-
 
 def outcome(level: Level, spin: float, source: Source = "in-house") -> str:
     """What becomes of the start of Table 3 with this spin; "flat" if the disk lies flat.
@@ -46,16 +41,16 @@ def outcome(level: Level, spin: float, source: Source = "in-house") -> str:
     source : {"engine", "in-house"}
     """
     times = np.linspace(0.0, END + STAYING, round(100 * (END + STAYING)) + 1)
-    start = consistent_start(level, STEEL_DISK, spin=spin)
+    scenario = Scenario(constraints=MODELS[level], start=Start(spin=spin))
     try:
         if source == "engine":
-            run = mbs_models.simulate(Scene(level=level, start=start), times, step=ENGINE_STEP)
+            found = run(scenario, times, step=ENGINE_STEP)
         else:
-            form: analysis.Form = "reduced" if level == 4 else "index-1"
-            run = analysis.simulate(level, times, start=start, form=form, local_tolerance=1e-6)
+            form = "reduced" if level == 4 else "index-1"
+            found = run(scenario, times, source=source, formulation=form, local_tolerance=1e-6)
     except FlatError:
         return "flat"
-    return judge_inversion(run).outcome
+    return judge_inversion(found).outcome
 
 
 def inverts(result: str) -> bool:
@@ -121,7 +116,8 @@ def find_least_spin(level: Level) -> LeastSpin:
         middle = 0.5 * (low + high)
         results[middle] = outcome(level, middle)
         low, high = (low, middle) if inverts(results[middle]) else (middle, high)
-    found = critical_speeds(_SYSTEMS[level], STEEL_DISK, SmoothCoulomb(), (20.0, 40.0))
+    scenario = Scenario(constraints=MODELS[level])
+    found = critical_speeds(scenario, (20.0, 40.0), system="numeric")
     return LeastSpin(
         level=level,
         below=low,
@@ -136,7 +132,7 @@ def find_least_spin(level: Level) -> LeastSpin:
 
 def claim(found: Sequence[LeastSpin]) -> Claim:
     """Section 7: inversion only from supercritical spins."""
-    critical = linear_reduced.critical_speed(STEEL_DISK).spin
+    critical = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
     least = [each.above for each in found]
     own = [each.above > max(each.critical) for each in found]
     paper = [spin > critical for spin in least]
@@ -171,7 +167,7 @@ def table(found: Sequence[LeastSpin]) -> Table:
         ]
         for each in found
     ]
-    closed = linear_reduced.critical_speed(STEEL_DISK).spin
+    closed = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
     return Table(
         name="start-spins",
         title="Critical speeds of inverted spinning, and least spins from which Table 3 inverts",

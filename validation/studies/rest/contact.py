@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 
-import analysis
-import mbs_models
-from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb, Trajectory
+from analysis import STEEL_DISK, PenaltyContact, Scenario, Trajectory
 from mbs_models import Scene
 from mbs_models.rest_run import largest_step
 from validation.kit import figures
 from validation.kit.figures import Picture
 from validation.kit.report import Job
 from validation.kit.tables import Table
+from validation.run import run, run_to_rest
 
 END = 1.0
 """End in s, past the inversion; the error of the law grows no further until the fall."""
@@ -28,11 +27,9 @@ CONTACTS = ((1e6, 8e-4), (1e6, 2e-4), (1e6, 5e-5), (1e5, 5e-5))
 PARTS = (0.6, 0.3, 0.15)
 """Steps as parts of the predicted stability limit, largest first."""
 
-FRICTION = SmoothCoulomb(load="contact")
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
+class ContactRun:
     """One run of the engine.
 
     Parameters
@@ -60,7 +57,7 @@ class Measured:
     step_error: float
 
 
-def measure(stiffness: float, half_thickness: float) -> list[Measured]:
+def measure(stiffness: float, half_thickness: float) -> list[ContactRun]:
     """Run a contact with every step.
 
     Parameters
@@ -73,27 +70,32 @@ def measure(stiffness: float, half_thickness: float) -> list[Measured]:
     contact = PenaltyContact.rounded(
         STEEL_DISK, stiffness=stiffness, half_thickness=half_thickness
     )
-    scene = Scene.rest(contact=contact)
+    scenario = Scenario.rest(contact=contact)
     times = np.arange(round(END / SPACING) + 1) * SPACING
-    ideal = analysis.simulate(1, times, friction=FRICTION, tolerance=1e-9)
-    same = analysis.simulate_to_rest(
-        END, contact=contact, spacing=SPACING, method="DOP853", local_tolerance=1e-10
+    ideal = run(Scenario(friction=scenario.friction), times, source="in-house", tolerance=1e-9)
+    same = run_to_rest(
+        scenario,
+        END,
+        source="in-house",
+        spacing=SPACING,
+        method="DOP853",
+        local_tolerance=1e-10,
     )
     found = []
     for part in PARTS:
-        step = part * largest_step(scene)
+        step = part * largest_step(Scene(scenario))
         begin = time.process_time()
-        motion = mbs_models.simulate_to_rest(scene, END, step=step, spacing=SPACING)
+        motion = run_to_rest(scenario, END, step=step, spacing=SPACING)
         seconds = time.process_time() - begin
-        run = motion.to_trajectory()
+        shown = motion.to_trajectory()
         found.append(
-            Measured(
+            ContactRun(
                 stiffness=stiffness,
                 half_thickness=half_thickness,
                 step=step,
                 seconds=seconds / END,
-                law_error=_deviation(run, ideal),
-                step_error=_deviation(run, same.to_trajectory()),
+                law_error=_deviation(shown, ideal),
+                step_error=_deviation(shown, same.to_trajectory()),
             )
         )
     return found
@@ -108,7 +110,7 @@ def jobs() -> list[Job]:
     return [Job(("rest contact", *contact), measure, contact) for contact in CONTACTS]
 
 
-def collect(results: Mapping[Any, Any]) -> list[Measured]:
+def collect(results: Mapping[Any, Any]) -> list[ContactRun]:
     """All runs, from the results of `jobs`."""
     return [run for contact in CONTACTS for run in results[("rest contact", *contact)]]
 

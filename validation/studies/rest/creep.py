@@ -13,26 +13,20 @@ Friction that drags the centre of gravity along makes k smaller, but keeps the l
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sin, sqrt
 from typing import Any
 
 import numpy as np
 
-from analysis import (
-    STEEL_DISK,
-    Disk,
-    PenaltyContact,
-    SmoothCoulomb,
-    SpatialMotion,
-    consistent_start,
-    simulate_to_rest,
-)
+from analysis import MODELS, Disk, Scenario, SmoothCoulomb, SpatialMotion, Start
 from analysis.data.checks import Array
 from validation.kit import figures
 from validation.kit.figures import Picture
 from validation.kit.report import Job
 from validation.kit.tables import Cell, Table
+from validation.run import run_to_rest
+from validation.studies.rest.starts import on_contact
 
 START = 0.28
 """Inclination in rad at which the runs of the law start, about where the fall ends."""
@@ -62,7 +56,7 @@ class Creep:
 
     Parameters
     ----------
-    friction : SmoothCoulomb
+    scenario : Scenario
     times, tilts : ndarray, shape (n,)
         Times in s, and inclinations in rad of Euler's disk of the same mean energy. The disk
         itself nods about them as it turns.
@@ -72,7 +66,7 @@ class Creep:
         Largest relative deviation of the inclination from the law behind the time of the fit.
     """
 
-    friction: SmoothCoulomb
+    scenario: Scenario
     times: Array
     tilts: Array
     offset: float
@@ -86,17 +80,16 @@ class Creep:
 
 def run_creep(smoothing: float) -> Creep:
     """Run the disk as Euler's would roll, on friction of this smoothing, and fit the law."""
-    disk = STEEL_DISK
-    friction = SmoothCoulomb(smoothing=smoothing, load="contact")
-    contact = PenaltyContact.rounded(disk)
-    precession = sqrt(disk.weight * disk.radius / (_across(disk) * sin(START)))
-    # Model 2 keeps the centre of gravity over its place.
-    start = consistent_start(2, disk, beta=START, gamma=0.0, spin=precession)
-    motion = simulate_to_rest(
+    scenario = Scenario.rest(friction=SmoothCoulomb(smoothing=smoothing, load="contact"))
+    precession = sqrt(
+        scenario.weight * scenario.disk.radius / (_across(scenario.disk) * sin(START))
+    )
+    # The rates keep the centre of gravity over its place, as the constraint of Model 2 would.
+    held = Start(beta=START, gamma=0.0, spin=precession).state(MODELS[2], scenario.disk)
+    motion = run_to_rest(
+        replace(scenario, start=on_contact(held)),
         TIMES[-1],
-        contact=contact,
-        friction=friction,
-        start=contact.lowered(disk, start),
+        source="in-house",
         spacing=1e-2,
         local_tolerance=1e-9,
     )
@@ -109,15 +102,15 @@ def fit(motion: SpatialMotion) -> Creep:
     count = motion.times.size // block * block
     times = motion.times[:count].reshape(-1, block).mean(axis=1)
     energy = motion.energies.sum(axis=1)[:count].reshape(-1, block).mean(axis=1)
-    tilts = np.arcsin(energy / (1.5 * motion.disk.weight * motion.disk.radius))
+    scenario = motion.scenario
+    tilts = np.arcsin(energy / (1.5 * scenario.weight * scenario.disk.radius))
     settled, end, _ = TIMES
     fitted = (times >= settled) & (times < end)
     rate, offset = np.polyfit(times[fitted], tilts[fitted] ** -2, 1)
     checked = times >= end
     law = (offset + rate * times[checked]) ** -0.5
-    assert isinstance(motion.friction, SmoothCoulomb)
     return Creep(
-        friction=motion.friction,
+        scenario=scenario,
         times=times,
         tilts=tilts,
         offset=float(offset),
@@ -126,9 +119,10 @@ def fit(motion: SpatialMotion) -> Creep:
     )
 
 
-def weak_friction_rate(disk: Disk, friction: SmoothCoulomb) -> float:
+def weak_friction_rate(scenario: Scenario) -> float:
     """Rate k of the law in 1/s for friction so weak that the centre of gravity stays at rest."""
-    viscosity = friction.gradient * disk.weight
+    viscosity = scenario.friction.gradient * scenario.weight
+    disk = scenario.disk
     return 2.0 / 3.0 * viscosity * disk.eccentricity**2 / _across(disk)
 
 
@@ -148,10 +142,10 @@ def law_table(results: Mapping[Any, Any]) -> Table:
     largest = 0.0
     for smoothing in SMOOTHINGS:
         found: Creep = results["rest creep", smoothing]
-        share = found.rate / weak_friction_rate(STEEL_DISK, found.friction)
+        share = found.rate / weak_friction_rate(found.scenario)
         rows.append(
             (
-                smoothing / found.friction.coefficient,
+                1.0 / found.scenario.friction.gradient,
                 found.rate,
                 share,
                 # Friction drags the centre of gravity along, the less the weaker it is.
@@ -190,7 +184,7 @@ def draw(results: Mapping[Any, Any]) -> Picture:
     for index, smoothing in enumerate(SMOOTHINGS):
         found: Creep = results["rest creep", smoothing]
         look: dict[str, Any] = {"color": figures.COLOURS[index]}
-        name = f"ε/μ = {smoothing / found.friction.coefficient:.3g} m/s"
+        name = f"ε/μ = {1.0 / found.scenario.friction.gradient:.3g} m/s"
         axes.plot(
             found.times, found.tilts**-2, marker=figures.MARKERS[index], linestyle="",
             label=name, **look,
@@ -218,7 +212,7 @@ def creep_of(motion: SpatialMotion, begin: float, end: float) -> tuple[float, fl
 
 def loss_table(motion: SpatialMotion) -> Table:
     """How slowly the disk loses energy by sliding alone."""
-    viscosity = motion.friction.gradient
+    viscosity = motion.scenario.friction.gradient
     rows = []
     for begin, end in WINDOWS:
         part = (motion.times >= begin) & (motion.times <= end)

@@ -37,7 +37,8 @@ def draw(motion: SpatialMotion) -> list[Picture]:
         figure,
         name="rest-story",
         title="From Table 3 to rest",
-        caption=f"With {_described(motion.dissipation)}. Dotted: beginnings of the phases.",
+        caption=f"With {_described(motion.scenario.dissipation)}. Dotted: beginnings of the "
+        "phases.",
     )
     path = figures.render(
         draw_path(motion),

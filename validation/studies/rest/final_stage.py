@@ -1,12 +1,13 @@
 """The final stage of a centred disk with one dissipation at a time, and its power law."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from analysis import CENTRED_DISK as DISK
-from analysis import Dissipation, PenaltyContact, SpatialMotion, simulate_to_rest
+from analysis import Dissipation, PenaltyContact, Scenario, SpatialMotion
 from analysis.rest.final_stage import fit_power_law, precession
 from analysis.rest.stationary_rolling import (
     euler_disk_precession,
@@ -17,6 +18,8 @@ from validation.kit import figures
 from validation.kit.figures import Picture
 from validation.kit.report import Job
 from validation.kit.tables import Table
+from validation.run import run_to_rest
+from validation.studies.rest.starts import on_contact
 
 START = 0.1
 """Inclination at the start in rad."""
@@ -30,17 +33,24 @@ STAGES = {
 }
 
 
+def scenario_of(name: str) -> Scenario:
+    """Euler's disk with this dissipation."""
+    scenario = Scenario.rest(
+        disk=DISK,
+        contact=PenaltyContact.rounded(DISK, half_thickness=2e-5),
+        dissipation=STAGES[name][0],
+    )
+    start = rolling_start(DISK, START, euler_disk_precession(scenario, START), 0.0)
+    return replace(scenario, start=on_contact(start))
+
+
 def run_stage(name: str) -> SpatialMotion:
     """Euler's disk until flat with this dissipation."""
-    dissipation = STAGES[name][0]
-    start = rolling_start(DISK, START, euler_disk_precession(DISK, START), 0.0)
-    contact = PenaltyContact.rounded(DISK, half_thickness=2e-5)
-    return simulate_to_rest(
-        1.1 * time_to_flat(DISK, dissipation, START),
-        disk=DISK,
-        contact=contact,
-        dissipation=dissipation,
-        start=contact.lowered(DISK, start),
+    scenario = scenario_of(name)
+    return run_to_rest(
+        scenario,
+        1.1 * time_to_flat(scenario, START),
+        source="in-house",
         local_tolerance=1e-10,
     )
 
@@ -58,7 +68,7 @@ def _fitted(motion: SpatialMotion) -> slice:
 def table(results: Mapping[Any, Any]) -> Table:
     """Fitted exponents beside those of the theory."""
     rows = []
-    for name, (dissipation, tilting, turning) in STAGES.items():
+    for name, (_, tilting, turning) in STAGES.items():
         motion = results["final stage", name]
         part = _fitted(motion)
         law = fit_power_law(motion.times[part], motion.leaning[part])
@@ -66,7 +76,7 @@ def table(results: Mapping[Any, Any]) -> Table:
         rows.append(
             (
                 name, tilting, law.exponent, turning, rate.exponent,
-                time_to_flat(DISK, dissipation, START), law.end, law.error, law.decades,
+                time_to_flat(motion.scenario, START), law.end, law.error, law.decades,
             )
         )  # fmt: skip
     return Table(

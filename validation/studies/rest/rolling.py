@@ -1,14 +1,15 @@
 """Centred disks against the textbook, and the creep that sliding friction alone leaves."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import pi
 from typing import Any
 
 import numpy as np
 
-import mbs_models
 from analysis import CENTRED_DISK as DISK
-from analysis import PenaltyContact, SmoothCoulomb, SpatialMotion, State, simulate_to_rest
+from analysis import PenaltyContact, Scenario, SmoothCoulomb, SpatialMotion, Start
+from analysis.data.trajectory import SOURCES, Source
 from analysis.rest.final_stage import precession
 from analysis.rest.stationary_rolling import (
     axial_spin,
@@ -21,6 +22,8 @@ from mbs_models import Scene
 from mbs_models.rest_run import largest_step
 from validation.kit.report import Job
 from validation.kit.tables import Table
+from validation.run import run_to_rest
+from validation.studies.rest.starts import on_contact
 
 STICKY = SmoothCoulomb(coefficient=2.0, smoothing=5e-3, load="contact")
 """Friction in which a rolling disk hardly slips."""
@@ -31,52 +34,38 @@ EULER_BETA = 0.2
 ROLLING = (0.8, 20.0)
 """Inclination in rad and precession in rad/s of a disk that rolls with spin about its axis."""
 
-SOURCES = ("in-house", "engine")
+ON_TABLE = Scenario.rest(
+    disk=DISK, friction=STICKY, contact=PenaltyContact.rounded(DISK, half_thickness=2e-5)
+)
 
 
-def starts() -> dict[str, tuple[State, float]]:
+def starts() -> dict[str, tuple[Start, float]]:
     """Starts by name, and for how long in s to run them."""
     beta, rate = ROLLING
-    upright = upright_rolling_spin(DISK)
+    upright = upright_rolling_spin(ON_TABLE)
+    euler = rolling_start(DISK, EULER_BETA, euler_disk_precession(ON_TABLE, EULER_BETA), 0.0)
+    rolling = rolling_start(DISK, beta, rate, axial_spin(ON_TABLE, beta, rate))
     return {
-        "Euler's disk": (
-            rolling_start(DISK, EULER_BETA, euler_disk_precession(DISK, EULER_BETA), 0.0),
-            1.0,
-        ),
-        "rolling": (
-            rolling_start(DISK, beta, rate, axial_spin(DISK, beta, rate)),
-            0.3,
-        ),
+        "Euler's disk": (on_contact(euler), 1.0),
+        "rolling": (on_contact(rolling), 0.3),
         "upright, faster": (_upright(1.05 * upright), 2.5),
         "upright, slower": (_upright(0.95 * upright), 2.5),
     }
 
 
-def _upright(spin: float) -> State:
+def _upright(spin: float) -> Start:
     """Disk that rolls upright along a line, slightly pushed to a side."""
-    return State(
-        coordinates=(0.0, 0.0, DISK.radius, 0.0, pi / 2, 0.0),
-        rates=(-DISK.radius * spin, 0.0, 0.0, 0.0, 1e-3, spin),
-    )
+    return Start(gamma=0.0, spin=0.0, x_rate=-DISK.radius * spin, beta_rate=1e-3, gamma_rate=spin)
 
 
-def run(name: str, source: str) -> SpatialMotion:
+def run(name: str, source: Source) -> SpatialMotion:
     """Run one of `starts` in the engine or with the in-house equations."""
     start, end = starts()[name]
-    contact = PenaltyContact.rounded(DISK, half_thickness=2e-5)
-    lowered = contact.lowered(DISK, start)
+    scenario = replace(ON_TABLE, start=start)
     if source == "in-house":
-        return simulate_to_rest(
-            end,
-            disk=DISK,
-            friction=STICKY,
-            contact=contact,
-            start=lowered,
-            spacing=1e-2,
-            local_tolerance=1e-10,
-        )
-    scene = Scene.rest(disk=DISK, friction=STICKY, contact=contact, start=lowered)
-    return mbs_models.simulate_to_rest(scene, end, step=0.6 * largest_step(scene), spacing=1e-2)
+        return run_to_rest(scenario, end, source=source, spacing=1e-2, local_tolerance=1e-10)
+    step = 0.6 * largest_step(Scene(scenario))
+    return run_to_rest(scenario, end, step=step, spacing=1e-2)
 
 
 def jobs() -> list[Job]:
@@ -100,17 +89,17 @@ def textbook(results: Mapping[Any, Any]) -> Table:
     rows: list[tuple[str, float | None, list[float]]] = [
         (
             "Euler's disk, Ω in rad/s",
-            euler_disk_precession(DISK, EULER_BETA),
+            euler_disk_precession(ON_TABLE, EULER_BETA),
             found("Euler's disk", lambda m: np.mean(precession(m))),
         ),
         (
             "Euler's disk, energy in J",
-            euler_disk_energy(DISK, EULER_BETA),
+            euler_disk_energy(ON_TABLE, EULER_BETA),
             found("Euler's disk", lambda m: np.mean(m.energies[:, :2].sum(axis=1))),
         ),
         (
             "Euler's disk, contact force in N",
-            DISK.weight,
+            ON_TABLE.weight,
             found("Euler's disk", lambda m: np.mean(m.normal_force)),
         ),
         ("rolling, β in rad", ROLLING[0], found("rolling", lambda m: np.mean(m.tilt))),
@@ -135,5 +124,5 @@ def textbook(results: Mapping[Any, Any]) -> Table:
         "the disk hardly slips. Rolling: "
         "A Ω² sin β cos β − (C + m r²) Ω ω₃ sin β = m g r cos β gives the spin ω₃ for "
         f"β = {ROLLING[0]:g} rad and Ω = {ROLLING[1]:g} rad/s. Upright: stable above "
-        f"{upright_rolling_spin(DISK):.2f} rad/s, pushed with 1e-3 rad/s over 2.5 s.",
+        f"{upright_rolling_spin(ON_TABLE):.2f} rad/s, pushed with 1e-3 rad/s over 2.5 s.",
     )

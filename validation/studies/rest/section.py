@@ -7,25 +7,24 @@ from typing import Any
 
 import numpy as np
 
-import analysis
-import mbs_models
 from analysis import (
     CAUSES,
     STEEL_DISK,
     Dissipation,
     PenaltyContact,
     Phases,
+    Scenario,
     SmoothCoulomb,
     SpatialMotion,
-    consistent_start,
+    Start,
     find_phases,
     judge_inversion,
-    simulate_to_rest,
 )
-from mbs_models import Scene
+from analysis.data.trajectory import SOURCES
 from validation.kit.animation import player as animation
 from validation.kit.report import Job, Section
 from validation.kit.tables import Cell, Table
+from validation.run import run, run_to_rest
 from validation.studies.rest import contact as rest_contact
 from validation.studies.rest import creep as rest_creep
 from validation.studies.rest import figures as rest_figures
@@ -40,7 +39,6 @@ CASES = {
     "viscous rolling, pivoting": Dissipation(rolling_viscous=1e-3, pivoting=5e-5),
 }
 
-SOURCES = ("engine", "in-house")
 VARIANTS = {
     "engine": "in the engine",
     "stiffness doubled": "stiffness doubled",
@@ -68,8 +66,8 @@ ENGINE_END = 26.5
 
 def run_engine(case: str) -> SpatialMotion:
     """Run a case in the engine."""
-    scene = Scene.rest(dissipation=CASES[case])
-    return mbs_models.simulate_to_rest(scene, ENGINE_END, step=STEP, spacing=SPACING)
+    scenario = Scenario.rest(dissipation=CASES[case])
+    return run_to_rest(scenario, ENGINE_END, step=STEP, spacing=SPACING)
 
 
 def run_in_house(
@@ -79,21 +77,16 @@ def run_in_house(
     contact = PenaltyContact.rounded(
         STEEL_DISK, stiffness=stiffness, half_thickness=half_thickness
     )
-    return simulate_to_rest(
-        END,
-        contact=contact,
-        dissipation=CASES[case],
-        start=contact.lowered(STEEL_DISK, consistent_start(1, STEEL_DISK, spin=spin)),
-        spacing=SPACING,
-        local_tolerance=1e-10,
-    )
+    scenario = Scenario.rest(contact=contact, dissipation=CASES[case], start=Start(spin=spin))
+    return run_to_rest(scenario, END, source="in-house", spacing=SPACING, local_tolerance=1e-10)
 
 
 def run_model_1() -> tuple[float | None, float | None]:
     """Times in s at which Model 1, with its ideal contact, inverts and loses the inversion."""
     times = np.arange(0.0, 19.5, SPACING)
-    run = analysis.simulate(1, times, friction=SmoothCoulomb(load="contact"), local_tolerance=1e-9)
-    inversion = judge_inversion(run)
+    scenario = Scenario(friction=SmoothCoulomb(load="contact"))
+    found = run(scenario, times, source="in-house", local_tolerance=1e-9)
+    inversion = judge_inversion(found)
     return inversion.time, inversion.lost
 
 

@@ -9,17 +9,10 @@ from math import acos, pi
 
 import numpy as np
 
-from analysis import (
-    STEEL_DISK,
-    Dissipation,
-    PenaltyContact,
-    State,
-    consistent_start,
-    find_phases,
-    simulate_to_rest,
-)
+from analysis import Dissipation, Scenario, Start, State, find_phases
 from validation.kit.report import Job, run_jobs
 from validation.kit.tables import Table
+from validation.run import run_to_rest
 
 DISSIPATION = Dissipation(rolling_dry=1e-3, pivoting=5e-5)
 
@@ -57,12 +50,28 @@ class Outcome:
     residual: float
 
 
-def random_start(seed: int) -> State:
+def on_contact(state: State) -> Start:
+    """The same place and rates, at the height at which the contact carries the weight."""
+    x, y, _, alpha, beta, gamma = state.coordinates
+    x_rate, y_rate, _, spin, beta_rate, gamma_rate = state.rates
+    return Start(
+        alpha=alpha,
+        beta=beta,
+        gamma=gamma,
+        spin=spin,
+        beta_rate=beta_rate,
+        gamma_rate=gamma_rate,
+        x=x,
+        y=y,
+        x_rate=x_rate,
+        y_rate=y_rate,
+    )
+
+
+def random_start(seed: int) -> Start:
     """Any attitude, and rates of up to 50 rad/s."""
     rng = np.random.default_rng(seed)
-    return consistent_start(
-        1,
-        STEEL_DISK,
+    return Start(
         beta=acos(rng.uniform(-1.0, 1.0)),
         gamma=rng.uniform(-pi, pi),
         spin=rng.uniform(-50.0, 50.0),
@@ -75,24 +84,18 @@ SLOW_SPINS = (10.0, 20.0, 28.0)
 """Spins in rad/s below the critical one of 30.9 rad/s, with the centre of gravity low."""
 
 
-def starts(number: int) -> dict[str, State]:
+def starts(number: int) -> dict[str, Start]:
     """Slow starts of Table 3 and so many random ones, by name."""
-    slow = {
-        f"Table 3 at {spin:g} rad/s": consistent_start(1, STEEL_DISK, spin=spin)
-        for spin in SLOW_SPINS
-    }
+    slow = {f"Table 3 at {spin:g} rad/s": Start(spin=spin) for spin in SLOW_SPINS}
     return slow | {f"random, seed {seed}": random_start(seed) for seed in range(number)}
 
 
-def run(name: str, start: State) -> Outcome:
+def run(name: str, start: Start) -> Outcome:
     """Simulate a start for at most two minutes."""
-    contact = PenaltyContact.rounded(STEEL_DISK)
-    start = contact.lowered(STEEL_DISK, start)
-    motion = simulate_to_rest(
+    motion = run_to_rest(
+        Scenario.rest(dissipation=DISSIPATION, start=start),
         120.0,
-        start=start,
-        contact=contact,
-        dissipation=DISSIPATION,
+        source="in-house",
         spacing=5e-3,
         local_tolerance=1e-10,
     )
@@ -100,8 +103,8 @@ def run(name: str, start: State) -> Outcome:
     lowest = float(np.min(motion.normal_force))
     return Outcome(
         start=name,
-        beta=start.coordinates[4],
-        spin=start.rates[3],
+        beta=start.beta,
+        spin=start.spin,
         flat=phases.flat,
         rest=phases.rest,
         face="first" if motion.tilt[-1] < pi / 2 else "second",

@@ -1,0 +1,225 @@
+"""Runs of a scenario on either side, and stored runs of either kind.
+
+What compares, draws or stores motions calls these and does not know who makes them. The engine
+is loaded only when it is asked for.
+"""
+
+import os
+import zipfile
+from typing import TYPE_CHECKING, Any
+
+import numpy.typing as npt
+
+import analysis
+from analysis import Progress, RestCriterion, Scenario, SpatialMotion, Trajectory
+from analysis.data.checks import choice, increasing_times
+from analysis.data.limits import Effort
+from analysis.data.trajectory import SOURCES, Source
+from analysis.models import effort as inhouse_effort
+
+if TYPE_CHECKING:
+    from mbs_models import Integrator, IntegratorName
+
+StoredRun = Trajectory | SpatialMotion
+"""What a result file holds."""
+
+_OF_ENGINE = ("step", "integrator")
+_OF_IN_HOUSE = ("local_tolerance", "method")
+
+
+def run(
+    scenario: Scenario,
+    times: npt.ArrayLike,
+    *,
+    source: Source = "engine",
+    formulation: str | None = None,
+    tolerance: float | None = None,
+    step: float | None = None,
+    integrator: "Integrator | IntegratorName | None" = None,
+    local_tolerance: float | None = None,
+    method: str | None = None,
+    allow_pulling: bool = False,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
+) -> Trajectory:
+    """Run a scenario with one side.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    times : array_like, shape (n,)
+        Strictly increasing times in s.
+    source : {"engine", "in-house"}
+        Who runs it.
+    formulation : str, optional
+        One of `mbs_models.formulations(scenario)`, or a `form` of `analysis.simulate`; by default
+        that of the side.
+    tolerance : float, optional
+        Largest error in beta and gamma in rad; the default of both sides if nothing else is said.
+    step, integrator
+        Of the engine alone; see `mbs_models.simulate`.
+    local_tolerance, method
+        Of the in-house equations alone; see `analysis.simulate`.
+    allow_pulling, time_limit, progress
+        As both sides take them.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, or belongs to the other side.
+    ArithmeticError
+        If the run fails; both sides tell how.
+    """
+    given = _given(
+        source,
+        step=step,
+        integrator=integrator,
+        local_tolerance=local_tolerance,
+        method=method,
+        tolerance=tolerance,
+    )
+    given |= {"allow_pulling": allow_pulling, "time_limit": time_limit, "progress": progress}
+    if source == "in-house":
+        return analysis.simulate(scenario, times, form=formulation, **given)
+    import mbs_models
+
+    return mbs_models.simulate(_scene(scenario, formulation), times, **given)
+
+
+def run_to_rest(
+    scenario: Scenario,
+    end: float,
+    *,
+    source: Source = "engine",
+    spacing: float = 2e-3,
+    criterion: RestCriterion | None = None,
+    tolerance: float | None = None,
+    step: float | None = None,
+    local_tolerance: float | None = None,
+    method: str | None = None,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
+) -> SpatialMotion:
+    """Run a scenario with one side until the disk rests, or until `end` in s.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With a rounded penalty contact, such as `Scenario.rest` makes.
+    end : float
+        Longest time in s.
+    source : {"engine", "in-house"}
+        Who runs it.
+    spacing : float
+        Time between samples in s.
+    criterion, tolerance, time_limit, progress
+        As both sides' `simulate_to_rest` take them.
+    step
+        Of the engine alone.
+    local_tolerance, method
+        Of the in-house equations alone.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, or belongs to the other side.
+    ArithmeticError
+        If the run fails; both sides tell how.
+    """
+    given = _given(
+        source, step=step, local_tolerance=local_tolerance, method=method, tolerance=tolerance
+    )
+    given |= {
+        "spacing": spacing,
+        "criterion": criterion,
+        "time_limit": time_limit,
+        "progress": progress,
+    }
+    if source == "in-house":
+        return analysis.simulate_to_rest(scenario, end, **given)
+    import mbs_models
+
+    return mbs_models.simulate_to_rest(_scene(scenario), end, **given)
+
+
+def run_effort(
+    scenario: Scenario,
+    times: npt.ArrayLike,
+    *,
+    source: Source = "engine",
+    formulation: str | None = None,
+    tolerance: float | None = None,
+    step: float | None = None,
+) -> Effort:
+    """What `run` will take; the arguments are its own.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, or belongs to the other side.
+    """
+    given = _given(source, step=step, tolerance=tolerance)
+    times = increasing_times(times)
+    if source == "in-house":
+        return inhouse_effort.simulation_effort(scenario, times, **given)
+    from mbs_models.effort import simulation_effort
+
+    return simulation_effort(_scene(scenario, formulation), times, **given)
+
+
+def rest_effort(
+    scenario: Scenario, end: float, *, source: Source = "engine", step: float | None = None
+) -> Effort:
+    """What `run_to_rest` will take; the arguments are its own.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, or belongs to the other side.
+    """
+    _given(source, step=step)
+    if source == "in-house":
+        return inhouse_effort.rest_effort(scenario, end)
+    from mbs_models.effort import rest_effort as engine_effort
+    from mbs_models.rest_run import SAFETY, largest_step
+
+    scene = _scene(scenario)
+    return engine_effort(scene, end, SAFETY * largest_step(scene) if step is None else step)
+
+
+def load_run(path: str | os.PathLike[str]) -> StoredRun:
+    """Read a stored run of either kind.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is damaged, or neither a trajectory nor a spatial motion.
+    """
+    try:
+        with zipfile.ZipFile(path) as stored:
+            spatial = "spatial_meta.npy" in stored.namelist()
+    except (zipfile.BadZipFile, EOFError, RuntimeError) as error:
+        raise ValueError(f"{path} is not a readable motion: {error}") from error
+    return SpatialMotion.load(path) if spatial else Trajectory.load(path)
+
+
+def _given(source: Source, **options: Any) -> dict[str, Any]:
+    """What is given of the options, all of which must be for this side."""
+    choice("source", source, SOURCES)
+    given = {name: value for name, value in options.items() if value is not None}
+    foreign = _OF_IN_HOUSE if source == "engine" else _OF_ENGINE
+    for name in foreign:
+        if name in given:
+            raise ValueError(
+                f"{name} must be left out for source {source!r}, which does not know it, "
+                f"got {given[name]!r}"
+            )
+    return given
+
+
+def _scene(scenario: Scenario, formulation: Any = None) -> Any:
+    import mbs_models
+
+    return mbs_models.Scene(scenario=scenario, formulation=formulation)
