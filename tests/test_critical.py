@@ -7,15 +7,31 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvals
 
-from analysis import CENTRED_DISK, ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb
+from analysis import (
+    CENTRED_DISK,
+    MODELS,
+    MOTIONS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Level,
+    Motion,
+    Scenario,
+    SmoothCoulomb,
+    Table,
+)
 from analysis.data.checks import Array
 from analysis.stability.critical import CriticalSpeeds, critical_speeds
-from analysis.stability.linear_full import MOTIONS, Motion
 from analysis.stability.linear_reduced import critical_speed
 from analysis.stability.linear_variants import PRINTED, hopf_speeds, reproduces, variants
+from analysis.stability.chart import with_gradient
 from analysis.stability.spectra import System, relevant_matrices
 
-FRICTION = SmoothCoulomb()
+PAPER = Scenario()
+
+
+def model(level: Level, disk: Disk = STEEL_DISK) -> Scenario:
+    return replace(PAPER, constraints=MODELS[level], disk=disk)
 
 
 def spins_of(found: CriticalSpeeds) -> list[float]:
@@ -33,33 +49,37 @@ def spins_of(found: CriticalSpeeds) -> list[float]:
 def test_full_system_has_two_hopf_crossings_in_opposite_directions(
     disk: Disk, spins: list[float], frequencies: list[float]
 ) -> None:
-    found = critical_speeds("full", disk, FRICTION)
+    found = critical_speeds(model(1, disk))
     np.testing.assert_allclose(spins_of(found), spins, atol=5e-6)
     np.testing.assert_allclose([c.frequency for c in found.hopf], frequencies, atol=5e-6)
     assert [crossing.stable_side for crossing in found.hopf] == ["below", "above"]
     assert found.reason is None
 
 
-@pytest.mark.parametrize("system", ["reduced", "model3", "model4"])
+@pytest.mark.parametrize(
+    ("level", "system"), [(4, "reduced"), (3, "numeric"), (4, "numeric")], ids=str
+)
 @pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK], ids=["unrounded", "Table 1"])
-def test_reduced_crossing_is_that_of_the_closed_form(system: System, disk: Disk) -> None:
-    closed = critical_speed(disk)
-    (crossing,) = critical_speeds(system, disk, FRICTION).crossings
+def test_reduced_crossing_is_that_of_the_closed_form(
+    level: Level, system: System, disk: Disk
+) -> None:
+    closed = critical_speed(model(level, disk))
+    (crossing,) = critical_speeds(model(level, disk), system=system).crossings
     assert crossing.spin == pytest.approx(closed.spin, rel=1e-10)
     assert crossing.frequency == pytest.approx(closed.frequency, rel=1e-9)
     assert (crossing.kind, crossing.stable_side) == ("hopf", "above")
 
 
 def test_reduced_pair_is_born_near_12_5() -> None:
-    born = critical_speeds("reduced", STEEL_DISK, FRICTION).pair_changes[0]
+    born = critical_speeds(model(4)).pair_changes[0]
     assert born.spin == pytest.approx(12.51344, abs=5e-6)
     assert born.value == pytest.approx(2.81023, abs=5e-6)
     assert born.complex_side == "above"
 
 
 def test_pair_is_born_where_the_discriminant_vanishes() -> None:
-    for change in critical_speeds("reduced", STEEL_DISK, FRICTION, (0.0, 100.0)).pair_changes:
-        matrix = relevant_matrices("reduced", STEEL_DISK, FRICTION, change.spin)[0]
+    for change in critical_speeds(model(4), (0.0, 100.0)).pair_changes:
+        matrix = relevant_matrices(model(4), change.spin)[0]
         polynomial = np.poly(matrix)
         scale = abs(change.value) + 1.0
         assert abs(np.polyval(polynomial, change.value)) < 1e-7 * scale**3
@@ -67,7 +87,7 @@ def test_pair_is_born_where_the_discriminant_vanishes() -> None:
 
 
 def test_pairs_of_the_full_system_are_born_and_die() -> None:
-    changes = critical_speeds("full", STEEL_DISK, FRICTION, (0.0, 100.0)).pair_changes
+    changes = critical_speeds(model(1), (0.0, 100.0)).pair_changes
     spins = [change.spin for change in changes]
     np.testing.assert_allclose(spins, [6.45987, 12.27459, 55.31864, 61.12957], atol=5e-6)
     sides = [change.complex_side for change in changes]
@@ -75,26 +95,26 @@ def test_pairs_of_the_full_system_are_born_and_die() -> None:
 
 
 def test_model_1_crosses_where_the_full_system_does() -> None:
-    expected = critical_speeds("full", STEEL_DISK, FRICTION)
-    found = critical_speeds("model1", STEEL_DISK, FRICTION)
+    expected = critical_speeds(model(1))
+    found = critical_speeds(model(1), system="numeric")
     np.testing.assert_allclose(spins_of(found), spins_of(expected), rtol=1e-9)
 
 
 def test_model_2_lies_between_the_full_and_the_reduced_system() -> None:
-    (crossing,) = critical_speeds("model2", STEEL_DISK, FRICTION).crossings
+    (crossing,) = critical_speeds(model(2)).crossings
     assert crossing.spin == pytest.approx(29.88897, abs=5e-6)
     assert crossing.stable_side == "above"
 
 
 def test_inverted_spinning_falls_over_statically_at_very_high_spin() -> None:
-    found = critical_speeds("full", STEEL_DISK, FRICTION, (60.0, 100.0))
+    found = critical_speeds(model(1), (60.0, 100.0))
     (crossing,) = found.crossings
     assert crossing.spin == pytest.approx(73.87631, abs=5e-6)
     assert (crossing.kind, crossing.frequency, crossing.stable_side) == ("static", 0.0, "below")
 
 
 def test_noninverted_full_system_has_one_hopf_crossing_and_stays_unstable() -> None:
-    found = critical_speeds("full", STEEL_DISK, FRICTION, motion="noninverted")
+    found = critical_speeds(model(1), motion="noninverted")
     (crossing,) = found.crossings
     assert crossing.spin == pytest.approx(20.48928, abs=5e-6)
     assert crossing.stable_side == "below"
@@ -121,10 +141,10 @@ def has_imaginary_pair(matrix: Array) -> bool:
 @pytest.mark.parametrize("gradient", [0.5, 1.2, 3.0, 30.0])
 def test_no_hopf_crossing_is_missed(motion: Motion, gradient: float) -> None:
     """All spins at which two eigenvalues sum to zero, from one polynomial eigenvalue problem."""
-    friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
+    scenario = with_gradient(PAPER, gradient)
 
     def matrices(*spins: float) -> Array:
-        return relevant_matrices("full", STEEL_DISK, friction, spins, motion)
+        return relevant_matrices(scenario, spins, motion=motion)
 
     # The matrices are quadratic in the spin: S(Omega) = S_0 + Omega S_1 + Omega² S_2.
     less, constant, more = (pair_sums(matrix) for matrix in matrices(-30.0, 0.0, 30.0))
@@ -140,44 +160,47 @@ def test_no_hopf_crossing_is_missed(motion: Motion, gradient: float) -> None:
     real = np.sort(spins[np.abs(spins.imag) < 1e-6 * np.abs(spins)].real)
     inside = real[(real > 0.0) & (real < 60.0)].tolist()
     expected = [spin for spin in inside if has_imaginary_pair(matrices(spin)[0])]
-    found = critical_speeds("full", STEEL_DISK, friction, (0.0, 60.0), motion)
+    found = critical_speeds(scenario, (0.0, 60.0), motion=motion)
     np.testing.assert_allclose([crossing.spin for crossing in found.hopf], expected, rtol=1e-7)
 
 
 def test_without_eccentricity_the_closed_form_speed_is_a_static_crossing() -> None:
-    for system in ("full", "reduced", "model2"):
-        found = critical_speeds(system, CENTRED_DISK, FRICTION)
+    levels: tuple[Level, ...] = (1, 2, 4)
+    for level in levels:
+        found = critical_speeds(model(level, CENTRED_DISK))
         static = [crossing for crossing in found.crossings if crossing.kind == "static"]
         assert [crossing.stable_side for crossing in static] == ["above"]
-        assert static[0].spin == pytest.approx(critical_speed(CENTRED_DISK).spin, rel=1e-10)
+        assert static[0].spin == pytest.approx(
+            critical_speed(model(1, CENTRED_DISK)).spin, rel=1e-10
+        )
 
 
 def test_eccentricity_zero_in_an_uneven_disk_is_handled() -> None:
     disk = replace(STEEL_DISK, eccentricity=0.0)
-    (crossing,) = critical_speeds("reduced", disk, FRICTION).crossings
-    assert crossing.spin == pytest.approx(critical_speed(disk).spin, rel=1e-10)
-    assert len(critical_speeds("full", disk, FRICTION).hopf) == 1
+    (crossing,) = critical_speeds(model(4, disk)).crossings
+    assert crossing.spin == pytest.approx(critical_speed(model(4, disk)).spin, rel=1e-10)
+    assert len(critical_speeds(model(1, disk)).hopf) == 1
 
 
-@pytest.mark.parametrize("system", ["full", "reduced", "model2"])
-def test_without_friction_nothing_crosses_and_the_result_says_why(system: System) -> None:
-    found = critical_speeds(system, STEEL_DISK, SmoothCoulomb(coefficient=0.0))
+@pytest.mark.parametrize("level", [1, 2, 4])
+def test_without_friction_nothing_crosses_and_the_result_says_why(level: Level) -> None:
+    found = critical_speeds(replace(model(level), friction=SmoothCoulomb(coefficient=0.0)))
     assert found.crossings == ()
     assert found.reason is not None
     assert "no friction" in found.reason
 
 
 def test_an_interval_without_crossing_says_so() -> None:
-    found = critical_speeds("reduced", STEEL_DISK, FRICTION, (0.0, 20.0))
+    found = critical_speeds(model(4), (0.0, 20.0))
     assert found.crossings == ()
     assert found.reason == "no eigenvalue crosses the imaginary axis from 0 to 20 rad/s"
-    noninverted = critical_speeds("reduced", STEEL_DISK, FRICTION, motion="noninverted")
+    noninverted = critical_speeds(model(4), motion="noninverted")
     assert noninverted.crossings == ()
 
 
 def test_crossings_do_not_depend_on_the_interval() -> None:
-    wide = critical_speeds("full", STEEL_DISK, FRICTION, (0.0, 97.3))
-    narrow = critical_speeds("full", STEEL_DISK, FRICTION, (30.0, 30.2))
+    wide = critical_speeds(model(1), (0.0, 97.3))
+    narrow = critical_speeds(model(1), (30.0, 30.2))
     assert narrow.crossings[0].spin == pytest.approx(wide.crossings[1].spin, rel=1e-12)
 
 
@@ -196,7 +219,7 @@ def test_printed_signs_give_the_same_speeds_in_the_wrong_directions() -> None:
 
 
 def test_variants_start_from_the_full_system() -> None:
-    expected = critical_speeds("full", STEEL_DISK, FRICTION).hopf
+    expected = critical_speeds(model(1)).hopf
     np.testing.assert_allclose(
         [c.spin for c in hopf_speeds()], [c.spin for c in expected], rtol=1e-10
     )
@@ -209,13 +232,13 @@ def test_variants_start_from_the_full_system() -> None:
 @pytest.mark.parametrize("interval", [(10.0, 10.0), (20.0, 10.0), (-5.0, 10.0)])
 def test_bad_intervals_are_refused(interval: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match="interval must have 0 <= lowest < highest spin"):
-        critical_speeds("full", STEEL_DISK, FRICTION, interval)
+        critical_speeds(model(1), interval)
 
 
 def test_bad_arguments_are_refused() -> None:
     with pytest.raises(ValueError, match="interval must be a finite number, got nan"):
-        critical_speeds("full", STEEL_DISK, FRICTION, (0.0, float("nan")))
+        critical_speeds(model(1), (0.0, float("nan")))
     with pytest.raises(ValueError, match="system must be one of full, reduced"):
-        critical_speeds("model0", STEEL_DISK, FRICTION)  # type: ignore[arg-type]
+        critical_speeds(PAPER, system="model0")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
-        critical_speeds("full", STEEL_DISK, FRICTION, motion="flat")  # type: ignore[arg-type]
+        critical_speeds(model(1), motion="flat")  # type: ignore[arg-type]

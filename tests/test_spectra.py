@@ -5,9 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import CENTRED_DISK, STEEL_DISK, SmoothCoulomb
+from analysis import (
+    CENTRED_DISK,
+    MODELS,
+    MOTIONS,
+    POSSIBLE_SETS,
+    ConstraintSet,
+    Level,
+    Motion,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Table,
+)
 from analysis.data.checks import Array
-from analysis.stability.linear_full import MOTIONS, Motion
 from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.spectra import (
     SYSTEMS,
@@ -18,15 +29,17 @@ from analysis.stability.spectra import (
     state_matrices,
 )
 
-FRICTION = SmoothCoulomb()
-SIZES: dict[System, int] = {
-    "full": 8,
-    "reduced": 3,
-    "model1": 8,
-    "model2": 4,
-    "model3": 3,
-    "model4": 3,
-}
+PAPER = Scenario()
+REDUCED = Scenario(constraints=MODELS[4])
+CASES: list[tuple[Level, System, int]] = [
+    (1, "full", 8),
+    (1, "numeric", 8),
+    (2, "numeric", 4),
+    (3, "numeric", 3),
+    (4, "numeric", 3),
+    (4, "reduced", 3),
+]
+"""Model, system and its number of eigenvalues."""
 
 
 def assert_same_set(found: ComplexArray, expected: ComplexArray, tolerance: float) -> None:
@@ -46,16 +59,17 @@ def mixed(values: Array, seed: int = 0) -> Array:
     return result
 
 
-@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize(("level", "system", "size"), CASES)
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_eigenvalues_and_branches_are_those_of_the_matrices(
-    system: System, motion: Motion
+    level: Level, system: System, size: int, motion: Motion
 ) -> None:
     spins = np.array([2.0, 17.0, 29.0, 43.0])
-    matrices = state_matrices(system, STEEL_DISK, FRICTION, spins, motion)
-    assert matrices.shape == (4, SIZES[system], SIZES[system])
-    found = eigenvalues(system, STEEL_DISK, FRICTION, spins, motion)
-    followed = branches(system, STEEL_DISK, FRICTION, spins, motion)
+    scenario = Scenario(constraints=MODELS[level])
+    matrices = state_matrices(scenario, spins, system, motion)
+    assert matrices.shape == (4, size, size)
+    found = eigenvalues(scenario, spins, system, motion)
+    followed = branches(scenario, spins, system, motion)
     for index, matrix in enumerate(matrices):
         expected = np.linalg.eigvals(matrix).astype(complex)
         assert_same_set(found[index], expected, 1e-6)
@@ -63,20 +77,21 @@ def test_eigenvalues_and_branches_are_those_of_the_matrices(
 
 
 def test_eigenvalues_fall_in_real_part() -> None:
-    values = eigenvalues("full", STEEL_DISK, FRICTION, [30.0, 0.0, 12.0])
+    values = eigenvalues(PAPER, [30.0, 0.0, 12.0])
     assert np.all(np.diff(values.real, axis=1) <= 0.0)
 
 
 def test_models_3_and_4_share_the_spectrum_of_the_reduced_system() -> None:
     spins = [0.0, 10.0, 30.9168, 60.0]
-    expected = eigenvalues("reduced", STEEL_DISK, FRICTION, spins)
-    for system in ("model3", "model4"):
-        found = eigenvalues(system, STEEL_DISK, FRICTION, spins)
+    expected = eigenvalues(REDUCED, spins, "reduced")
+    levels: tuple[Level, ...] = (3, 4)
+    for level in levels:
+        found = eigenvalues(Scenario(constraints=MODELS[level]), spins, "numeric")
         np.testing.assert_allclose(found, expected, atol=1e-8)
 
 
 def test_branches_carry_the_numbers_of_the_paper() -> None:
-    values = branches("full", STEEL_DISK, FRICTION, [0.0, 10.0, 20.0, 30.0]).values
+    values = branches(PAPER, [0.0, 10.0, 20.0, 30.0]).values
     real = [15.2627, 2.7996, 0.0, 0.0, -2.6297, -10.7108, -91.7299, -163.0212]
     np.testing.assert_allclose(values[0], real, atol=5e-5)
     # red pair, green pair, blue pair, two fast ones, as in Fig. 6
@@ -89,9 +104,9 @@ def test_branches_carry_the_numbers_of_the_paper() -> None:
 @pytest.mark.parametrize("smoothing", [0.01, 0.1, 0.2, 1.0])
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_branches_are_continuous(motion: Motion, smoothing: float) -> None:
-    friction = SmoothCoulomb(smoothing=smoothing)
+    scenario = Scenario(friction=SmoothCoulomb(smoothing=smoothing))
     spins = np.linspace(0.0, 100.0, 5001)
-    values = branches("full", STEEL_DISK, friction, spins, motion).values
+    values = branches(scenario, spins, motion=motion).values
     jumps = np.abs(np.diff(values, axis=0))
     # Colliding eigenvalues leave with the square root of the step; a mix-up would jump by more.
     assert np.max(jumps) < 2.0
@@ -103,32 +118,33 @@ def test_branches_are_continuous(motion: Motion, smoothing: float) -> None:
 def test_a_branch_is_the_same_whatever_spins_are_asked_for(
     motion: Motion, gradient: float
 ) -> None:
-    friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
+    scenario = Scenario(friction=SmoothCoulomb(coefficient=gradient, smoothing=1.0))
     spins = np.linspace(0.0, 100.0, 4001)
-    fine = branches("full", STEEL_DISK, friction, spins, motion).values
-    few = branches("full", STEEL_DISK, friction, spins[::500], motion).values
+    fine = branches(scenario, spins, motion=motion).values
+    few = branches(scenario, spins[::500], motion=motion).values
     np.testing.assert_allclose(few, fine[::500], atol=1e-9)
-    single = branches("full", STEEL_DISK, friction, spins[-1:], motion).values
+    single = branches(scenario, spins[-1:], motion=motion).values
     np.testing.assert_allclose(single, fine[-1:], atol=1e-9)
 
 
 def test_spectra_are_even_in_the_spin() -> None:
-    values = branches("full", STEEL_DISK, FRICTION, [-40.0, -15.0, 15.0, 40.0]).values
+    values = branches(PAPER, [-40.0, -15.0, 15.0, 40.0]).values
     others = np.delete(values, (2, 3), axis=1)
     np.testing.assert_allclose(others[:2], others[:1:-1], atol=1e-9)
 
 
 def test_drift_pair_is_exact_and_named() -> None:
     spins = np.array([0.0, 20.0, 40.0])
-    for system in ("full", "model1"):
-        followed = branches(system, STEEL_DISK, FRICTION, spins)
+    systems: tuple[System, ...] = ("full", "numeric")
+    for system in systems:
+        followed = branches(PAPER, spins, system)
         np.testing.assert_array_equal(followed.values[:, followed.drift[0]], 1j * spins)
         np.testing.assert_array_equal(followed.values[:, followed.drift[1]], -1j * spins)
-    assert branches("reduced", STEEL_DISK, FRICTION, spins).drift == ()
+    assert branches(REDUCED, spins).drift == ()
 
 
 def test_a_pair_keeps_its_two_columns_through_birth_and_death() -> None:
-    values = branches("full", STEEL_DISK, FRICTION, np.linspace(0.0, 60.0, 601)).values
+    values = branches(PAPER, np.linspace(0.0, 60.0, 601)).values
     red = values[:, :2]
     paired = red[:, 0].imag != 0.0
     assert np.sum(np.diff(paired)) == 2
@@ -178,16 +194,16 @@ def test_an_eigenvalue_passes_through_a_zero_mode_that_stays(count: int) -> None
 
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_zero_mode_of_a_round_disk_stays_zero(motion: Motion) -> None:
-    disk = CENTRED_DISK
     spins = np.linspace(0.0, 60.0, 301)
-    for system in ("full", "reduced"):
-        values = branches(system, disk, FRICTION, spins, motion).values
+    for scenario in (PAPER, REDUCED):
+        centred = replace(scenario, disk=CENTRED_DISK)
+        values = branches(centred, spins, motion=motion).values
         assert np.sum(np.all(values == 0.0, axis=0)) == 1
 
 
 def test_without_friction_the_spectrum_is_mirrored_at_both_axes() -> None:
-    friction = replace(FRICTION, coefficient=0.0)
-    for values in eigenvalues("full", STEEL_DISK, friction, [5.0, 25.0, 50.0]):
+    frictionless = Scenario(friction=SmoothCoulomb(coefficient=0.0))
+    for values in eigenvalues(frictionless, [5.0, 25.0, 50.0]):
         assert_same_set(values, -values, 1e-6)
         assert_same_set(values, values.conj(), 1e-6)
 
@@ -203,12 +219,12 @@ def test_without_friction_the_spectrum_is_mirrored_at_both_axes() -> None:
 )
 def test_bad_spins_are_refused(spins: list[float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        branches("full", STEEL_DISK, FRICTION, spins)
+        branches(PAPER, spins)
 
 
 def test_unknown_system_and_motion_are_refused() -> None:
     for function in (branches, eigenvalues, state_matrices):
-        with pytest.raises(ValueError, match="system must be one of full, reduced, model1"):
-            function("model5", STEEL_DISK, FRICTION, [1.0])  # type: ignore[arg-type]
+        with pytest.raises(ValueError, match="system must be one of full, reduced, numeric"):
+            function(PAPER, [1.0], "model1")  # type: ignore[arg-type]
         with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
-            function("reduced", STEEL_DISK, FRICTION, [1.0], "upright")  # type: ignore[arg-type]
+            function(PAPER, [1.0], motion="upright")  # type: ignore[arg-type]

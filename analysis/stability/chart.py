@@ -4,21 +4,22 @@ The linear system depends on friction through the gradient mu / epsilon of the f
 zero slip alone.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array
-from analysis.data.disk import GRAVITY, Disk
-from analysis.data.friction import SmoothCoulomb
+from analysis.data.friction import ViscousFriction
+from analysis.data.scenario import Scenario
+from analysis.data.start import Motion
 from analysis.stability.linear_full import (
-    Motion,
     full_system,
     signed_eccentricity,
     spin_array,
     without_drift,
 )
+from analysis.stability.scope import require_spinning
 
 _ROUND_OFF = 1e-11
 """Real parts below this part of the largest eigenvalue count as zero."""
@@ -45,19 +46,19 @@ class StabilityChart:
     unstable: npt.NDArray[np.int_]
 
 
-def gradient_friction(gradient: float) -> SmoothCoulomb:
-    """Friction law of this gradient mu / epsilon in s/m at zero slip."""
-    return SmoothCoulomb(coefficient=gradient, smoothing=1.0)
+def with_gradient(scenario: Scenario, gradient: float) -> Scenario:
+    """Scenario with a friction law of this gradient mu / epsilon in s/m at zero slip."""
+    return replace(scenario, friction=ViscousFriction(viscosity=gradient))
 
 
-def gradient_matrices(disk: Disk, spins: Array, gradient: float, motion: Motion) -> Array:
+def gradient_matrices(scenario: Scenario, spins: Array, gradient: float, motion: Motion) -> Array:
     """State matrices of the full system without the drift pair, shape (n, 6, 6)."""
-    matrices = full_system(disk, gradient_friction(gradient), spins, motion).state_matrices
+    matrices = full_system(with_gradient(scenario, gradient), spins, motion).state_matrices
     return without_drift(spins, matrices)
 
 
 def stability_chart(
-    disk: Disk,
+    scenario: Scenario,
     spins: npt.ArrayLike,
     gradients: npt.ArrayLike,
     motion: Motion = "inverted",
@@ -66,7 +67,8 @@ def stability_chart(
 
     Parameters
     ----------
-    disk : Disk
+    scenario : Scenario
+        Of Model 1, on a horizontal table. The gradients take the place of its friction.
     spins : array_like, shape (n,)
         Spinning speeds in rad/s.
     gradients : array_like, shape (m,)
@@ -76,14 +78,14 @@ def stability_chart(
     Raises
     ------
     ValueError
-        If spins or gradients are empty or not finite, a gradient is negative, or the motion is
-        unknown.
+        If spins or gradients are empty or not finite, a gradient is negative, the motion is
+        unknown or the scenario another one.
     """
     spins = spin_array(spins)
     gradients = _gradient_array(gradients)
     unstable = np.empty((gradients.size, spins.size), dtype=int)
     for row, gradient in enumerate(gradients.tolist()):
-        values = np.linalg.eigvals(gradient_matrices(disk, spins, gradient, motion))
+        values = np.linalg.eigvals(gradient_matrices(scenario, spins, gradient, motion))
         floor = _ROUND_OFF * np.max(np.abs(values), axis=1, keepdims=True)
         unstable[row] = np.sum(values.real > floor, axis=1)
     return StabilityChart(motion=motion, spins=spins, gradients=gradients, unstable=unstable)
@@ -101,7 +103,9 @@ def _gradient_array(gradients: npt.ArrayLike) -> Array:
     return result
 
 
-def static_gradient(disk: Disk, spins: npt.ArrayLike, motion: Motion = "inverted") -> Array:
+def static_gradient(
+    scenario: Scenario, spins: npt.ArrayLike, motion: Motion = "inverted"
+) -> Array:
     """Friction gradient at which a real eigenvalue is zero, in s/m, shape (n,), in closed form.
 
     An eigenvalue is zero where det(K + N) = 0 in Eq. (55). The determinant is quadratic in
@@ -117,7 +121,8 @@ def static_gradient(disk: Disk, spins: npt.ArrayLike, motion: Motion = "inverted
 
     Parameters
     ----------
-    disk : Disk
+    scenario : Scenario
+        Of Model 1, on a horizontal table; its friction is not looked at.
     spins : array_like, shape (n,)
         Spinning speeds in rad/s.
     motion : {"inverted", "noninverted"}
@@ -125,11 +130,13 @@ def static_gradient(disk: Disk, spins: npt.ArrayLike, motion: Motion = "inverted
     Raises
     ------
     ValueError
-        If a spin is not finite, there is none, or the motion is unknown.
+        If a spin is not finite, there is none, the motion is unknown or the scenario another one.
     """
+    require_spinning(scenario, "the full system", 1)
+    disk = scenario.disk
     Omega2 = spin_array(spins) ** 2
     e = signed_eccentricity(disk, motion)
-    m, r, mg = disk.mass, disk.radius, disk.weight
+    m, r, mg = disk.mass, disk.radius, scenario.weight
     A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
     B_bar = disk.inertia_about_cog[1]
     left = ((B - A + m * e * r) * Omega2 + mg * e) * (
@@ -138,5 +145,5 @@ def static_gradient(disk: Disk, spins: npt.ArrayLike, motion: Motion = "inverted
     right = ((A - B_bar) * Omega2 - mg * e) * ((C - A - m * e**2) * Omega2 + mg * (r + e))
     exists = left * right > 0.0
     ratio = np.divide(right, left, out=np.full_like(left, np.nan), where=exists)
-    result: Array = np.sqrt(Omega2 * ratio) / GRAVITY
+    result: Array = np.sqrt(Omega2 * ratio) / scenario.table.gravity
     return result

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from analysis.data.checks import Array
-from analysis.data.disk import Disk
+from analysis.data.scenario import Scenario
 from analysis.stability.chart import static_gradient
 from analysis.stability.hopf_curves import LEAST_FREQUENCY, HopfCurve
 from analysis.stability.hopf_points import CONVERGED, ExtendedSystem, spin_scale
@@ -38,13 +38,13 @@ class Corner:
     frequencies: tuple[float, ...]
 
 
-def corners(disk: Disk, curves: Iterable[HopfCurve]) -> tuple[Corner, ...]:
-    """Points at which Hopf curves of one disk meet each other or the static curve, by gradient.
+def corners(scenario: Scenario, curves: Iterable[HopfCurve]) -> tuple[Corner, ...]:
+    """Where Hopf curves of one scenario meet each other or the static curve, by gradient.
 
     Parameters
     ----------
-    disk : Disk
-        The disk of the curves.
+    scenario : Scenario
+        That of the curves.
     curves : iterable of HopfCurve
 
     Raises
@@ -65,30 +65,30 @@ def corners(disk: Disk, curves: Iterable[HopfCurve]) -> tuple[Corner, ...]:
         if end == "double zero"
     ]
     for curve in curves:
-        found += _static_corners(disk, curve)
+        found += _static_corners(scenario, curve)
     for one, other in combinations(curves, 2):
-        found += _double_hopf(disk, one, other)
+        found += _double_hopf(scenario, one, other)
     return tuple(sorted(found, key=lambda corner: corner.gradient))
 
 
-def _points(disk: Disk, curve: HopfCurve) -> Array:
+def _points(scenario: Scenario, curve: HopfCurve) -> Array:
     """Curve in the unknowns of the extended system, shape (n, 3)."""
-    scale = spin_scale(disk)
+    scale = spin_scale(scenario)
     return np.column_stack(
         (curve.spins / scale, np.log(curve.gradients), curve.frequencies / scale)
     )
 
 
-def _static_corners(disk: Disk, curve: HopfCurve) -> list[Corner]:
+def _static_corners(scenario: Scenario, curve: HopfCurve) -> list[Corner]:
     """Crossings of a Hopf curve with the static curve, its own end on it aside."""
-    scale = spin_scale(disk)
+    scale = spin_scale(scenario)
     free = curve.frequencies > 2 * LEAST_FREQUENCY
-    points = _points(disk, curve)[free]
-    static = static_gradient(disk, curve.spins[free], curve.motion)
+    points = _points(scenario, curve)[free]
+    static = static_gradient(scenario, curve.spins[free], curve.motion)
     above = curve.gradients[free] > static
     result = []
     for index in np.nonzero(np.diff(above) & np.isfinite(static[:-1] + static[1:]))[0].tolist():
-        system = ExtendedSystem(disk, curve.motion, points[index])
+        system = ExtendedSystem(scenario, curve.motion, points[index])
         x = _static_corner(system, points[index], points[index + 1])
         spin, gradient, frequency = x[0] * scale, np.exp(x[1]), x[2] * scale
         result.append(
@@ -115,16 +115,16 @@ def _static_corner(system: ExtendedSystem, start: Array, end: Array) -> Array:
 
     def above(part: float) -> float:
         x = point(part)
-        static = static_gradient(system.disk, x[0] * system.scale, system.motion)[0]
+        static = static_gradient(system.scenario, x[0] * system.scale, system.motion)[0]
         return float(x[1] - log(static))
 
     return point(float(brentq(above, 0.0, 1.0, xtol=1e-14)))
 
 
-def _double_hopf(disk: Disk, one: HopfCurve, other: HopfCurve) -> list[Corner]:
+def _double_hopf(scenario: Scenario, one: HopfCurve, other: HopfCurve) -> list[Corner]:
     """Crossings of two Hopf curves: crossings of their chords, refined by Newton's method."""
-    scale = spin_scale(disk)
-    first, second = _points(disk, one), _points(disk, other)
+    scale = spin_scale(scenario)
+    first, second = _points(scenario, one), _points(scenario, other)
     # p + s a = q + t b for every pair of chords
     a, b = np.diff(first, axis=0)[:, None, :], np.diff(second, axis=0)[None, :, :]
     gap = second[None, :-1] - first[:-1, None]
@@ -138,8 +138,8 @@ def _double_hopf(disk: Disk, one: HopfCurve, other: HopfCurve) -> list[Corner]:
         partner = second[j] + t[i, j] * (second[j + 1] - second[j])
         x = np.append(meeting, partner[2])
         systems = (
-            ExtendedSystem(disk, one.motion, meeting),
-            ExtendedSystem(disk, other.motion, partner),
+            ExtendedSystem(scenario, one.motion, meeting),
+            ExtendedSystem(scenario, other.motion, partner),
         )
         x = _meet(systems, x)
         result.append(

@@ -1,8 +1,8 @@
 """Critical spins: where an eigenvalue crosses the imaginary axis, where a pair is born or dies.
 
 Candidates are bracketed on a grid of spins and refined by root finding on the eigenvalues
-themselves. Two crossings of the same branch within one step of that grid (0.05 rad/s; 0.25 rad/s
-for the numerically linearised models) would cancel out and be missed.
+themselves. Two crossings of the same branch within one step of that grid (0.05 rad/s) would
+cancel out and be missed.
 """
 
 from collections.abc import Callable
@@ -13,18 +13,17 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis.data.checks import Array, choice, number
-from analysis.data.disk import Disk
-from analysis.data.friction import FrictionLaw
-from analysis.stability.linear_full import MOTIONS, Motion
+from analysis.data.checks import Array, number
+from analysis.data.scenario import Scenario
+from analysis.data.start import Motion
 from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.spectra import (
-    SYSTEMS,
     Branches,
     System,
     branches,
+    chosen_system,
     helper_spins,
-    relevant_matrices,
+    matrices_over_spin,
 )
 
 Side = Literal["below", "above"]
@@ -84,7 +83,8 @@ class CriticalSpeeds:
 
     Parameters
     ----------
-    system : {"full", "reduced", "model1", "model2", "model3", "model4"}
+    scenario : Scenario
+    system : {"full", "reduced", "numeric"}
     motion : {"inverted", "noninverted"}
     interval : tuple of 2 floats
         Spins searched in rad/s.
@@ -94,6 +94,7 @@ class CriticalSpeeds:
         Why there is no crossing, if there is none.
     """
 
+    scenario: Scenario
     system: System
     motion: Motion
     interval: tuple[float, float]
@@ -116,10 +117,9 @@ def spin_interval(interval: tuple[float, float]) -> tuple[float, float]:
 
 
 def critical_speeds(
-    system: System,
-    disk: Disk,
-    friction: FrictionLaw,
+    scenario: Scenario,
     interval: tuple[float, float] = (0.0, 60.0),
+    system: System | None = None,
     motion: Motion = "inverted",
 ) -> CriticalSpeeds:
     """Find the critical spins of a linear system.
@@ -129,34 +129,32 @@ def critical_speeds(
 
     Parameters
     ----------
-    system : {"full", "reduced", "model1", "model2", "model3", "model4"}
-    disk : Disk
-    friction : FrictionLaw
+    scenario, system, motion
+        See `spectra.matrices_over_spin`.
     interval : tuple of 2 floats
         Lowest and highest spin in rad/s, not negative: the spectra are even in the spin.
-    motion : {"inverted", "noninverted"}
 
     Raises
     ------
     ValueError
-        If the interval is empty or not finite, or the system or the motion is unknown.
+        If the interval is empty or not finite, the system or the motion is unknown, or the
+        scenario none of this system.
     """
-    choice("system", system, SYSTEMS)
-    choice("motion", motion, MOTIONS)
     low, high = spin_interval(interval)
-    followed = branches(system, disk, friction, helper_spins(system, low, high), motion)
+    spectrum = _spectrum(scenario, system, motion)
+    followed = branches(scenario, helper_spins(low, high), system, motion)
     values = np.delete(followed.values, followed.drift, axis=1)
     relevant = Branches(spins=followed.spins, values=values)
 
-    spectrum = _spectrum(system, disk, friction, motion)
     crossings: list[Crossing] = []
     reason: str | None = "no friction: undamped, the eigenvalues lie mirrored at both axes"
-    if friction.is_on:
+    if scenario.rubs:
         crossings = hopf_crossings(relevant, spectrum) + _static_crossings(relevant, spectrum)
         nothing = f"no eigenvalue crosses the imaginary axis from {low:g} to {high:g} rad/s"
         reason = None if crossings else nothing
     return CriticalSpeeds(
-        system=system,
+        scenario=scenario,
+        system=chosen_system(scenario, system),
         motion=motion,
         interval=(low, high),
         crossings=tuple(sorted(crossings, key=_spin)),
@@ -165,10 +163,11 @@ def critical_speeds(
     )
 
 
-def _spectrum(system: System, disk: Disk, friction: FrictionLaw, motion: Motion) -> Spectrum:
+def _spectrum(scenario: Scenario, system: System | None, motion: Motion) -> Spectrum:
+    matrices = matrices_over_spin(scenario, system, motion)
+
     def eigenvalues(spin: float) -> ComplexArray:
-        matrix = relevant_matrices(system, disk, friction, spin, motion)[0]
-        return np.linalg.eigvals(matrix).astype(complex)
+        return np.linalg.eigvals(matrices(np.array([spin]))[0]).astype(complex)
 
     return eigenvalues
 

@@ -12,11 +12,12 @@ from typing import Literal
 import numpy as np
 
 from analysis.data.checks import Array, choice, number, positive
-from analysis.data.disk import Disk
-from analysis.stability.chart import gradient_friction
+from analysis.data.scenario import Scenario
+from analysis.data.start import MOTIONS, Motion
+from analysis.stability.chart import with_gradient
 from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_points import ExtendedSystem, spin_scale
-from analysis.stability.linear_full import MOTIONS, Motion
+from analysis.stability.scope import require_spinning
 
 End = Literal["spin", "gradient", "double zero"]
 
@@ -52,7 +53,7 @@ class HopfCurve:
 
 
 def hopf_curves(
-    disk: Disk,
+    scenario: Scenario,
     motion: Motion = "inverted",
     *,
     spins: tuple[float, float] = (0.0, 100.0),
@@ -66,7 +67,8 @@ def hopf_curves(
 
     Parameters
     ----------
-    disk : Disk
+    scenario : Scenario
+        Of Model 1, on a horizontal table; its friction is not looked at.
     motion : {"inverted", "noninverted"}
     spins : tuple of 2 floats
         Lowest, not negative, and highest spin in rad/s.
@@ -83,23 +85,24 @@ def hopf_curves(
     Raises
     ------
     ValueError
-        If a range is empty or out of bounds, or the motion is unknown.
+        If a range is empty or out of bounds, the motion is unknown or the scenario another one.
     ArithmeticError
         If the continuation comes to a halt inside the rectangle.
     """
+    require_spinning(scenario, "the full system", 1)
     choice("motion", motion, MOTIONS)
-    box = _box(disk, spins, gradients)
+    box = _box(scenario, spins, gradients)
     curves: list[HopfCurve] = []
     for gradient in np.geomspace(*gradients, seeds + 2)[1:-1].tolist():
-        found = critical_speeds("full", disk, gradient_friction(gradient), spins, motion)
+        found = critical_speeds(with_gradient(scenario, gradient), spins, "full", motion)
         for point in found.hopf:
             if not any(_passes(curve, point.spin, gradient, point.frequency) for curve in curves):
                 seed = np.array((point.spin, log(gradient), point.frequency))
-                curves.append(_trace(disk, motion, seed, box))
+                curves.append(_trace(scenario, motion, seed, box))
     return tuple(sorted(curves, key=lambda curve: float(curve.frequencies.max())))
 
 
-def _box(disk: Disk, spins: tuple[float, float], gradients: tuple[float, float]) -> Array:
+def _box(scenario: Scenario, spins: tuple[float, float], gradients: tuple[float, float]) -> Array:
     """Bounds of Omega / s and ln delta, shape (2, 2): lower ones, upper ones."""
     low, high = (number("spins", end) for end in spins)
     least, most = (positive("gradients", end) for end in gradients)
@@ -107,7 +110,7 @@ def _box(disk: Disk, spins: tuple[float, float], gradients: tuple[float, float])
         raise ValueError(f"spins must have 0 <= lowest < highest, got {low:g} to {high:g}")
     if not least < most:
         raise ValueError(f"gradients must have lowest < highest, got {least:g} to {most:g}")
-    scale = spin_scale(disk)
+    scale = spin_scale(scenario)
     return np.array(((low / scale, log(least)), (high / scale, log(most))))
 
 
@@ -126,12 +129,12 @@ def _passes(curve: HopfCurve, spin: float, gradient: float, frequency: float) ->
     return False
 
 
-def _trace(disk: Disk, motion: Motion, seed: Array, box: Array) -> HopfCurve:
+def _trace(scenario: Scenario, motion: Motion, seed: Array, box: Array) -> HopfCurve:
     """Follow a curve from a Hopf point (Omega, ln delta, omega) to both ends."""
-    scale = spin_scale(disk)
+    scale = spin_scale(scenario)
     start = seed / np.array((scale, 1.0, scale))
-    one, one_end = _half(ExtendedSystem(disk, motion, start), start, box, -1.0)
-    other, other_end = _half(ExtendedSystem(disk, motion, start), start, box, 1.0)
+    one, one_end = _half(ExtendedSystem(scenario, motion, start), start, box, -1.0)
+    other, other_end = _half(ExtendedSystem(scenario, motion, start), start, box, 1.0)
     points = np.array(one[:0:-1] + other)
     ends = (one_end, other_end)
     if points[0, 1] > points[-1, 1]:

@@ -17,26 +17,26 @@ from math import sqrt
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.disk import GRAVITY, Disk
+from analysis.data.scenario import Scenario
+from analysis.data.start import Motion
 from analysis.stability.chart import gradient_matrices
-from analysis.stability.linear_full import Motion
 from analysis.stability.linear_reduced import ComplexArray
 
 CONVERGED = 1e-8
 """Last Newton step; the error it leaves is about its square, until round-off takes over."""
 
 
-def spin_scale(disk: Disk) -> float:
+def spin_scale(scenario: Scenario) -> float:
     """Unit of spin and frequency in the unknowns: sqrt(g / r) in rad/s."""
-    return sqrt(GRAVITY / disk.radius)
+    return sqrt(scenario.table.gravity / scenario.disk.radius)
 
 
 class ExtendedSystem:
     """The extended system g = 0 in the unknowns (Omega / s, ln delta, omega / s), s² = g / r."""
 
-    def __init__(self, disk: Disk, motion: Motion, start: Array) -> None:
-        self.disk, self.motion = disk, motion
-        self.scale = spin_scale(disk)
+    def __init__(self, scenario: Scenario, motion: Motion, start: Array) -> None:
+        self.scenario, self.motion = scenario, motion
+        self.scale = spin_scale(scenario)
         self.row: Array = np.zeros(6)
         self.column: Array = np.zeros(6)
         self.renew(start)
@@ -48,8 +48,8 @@ class ExtendedSystem:
         """
         spin, gradient = x[0] * self.scale, float(np.exp(x[1]))
         spins = np.array((spin - 1.0, spin, spin + 1.0))
-        less, A, more = gradient_matrices(self.disk, spins, gradient, self.motion)
-        double = gradient_matrices(self.disk, spins[1:2], 2 * gradient, self.motion)[0]
+        less, A, more = gradient_matrices(self.scenario, spins, gradient, self.motion)
+        double = gradient_matrices(self.scenario, spins[1:2], 2 * gradient, self.motion)[0]
         return A, (more - less) / 2 * self.scale, double - A
 
     def renew(self, x: Array) -> None:

@@ -8,18 +8,16 @@ eccentricity and changes nothing else, so noninverted spinning has the same matr
 """
 
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array, choice, within
 from analysis.data.disk import Disk
-from analysis.data.friction import FrictionLaw
 from analysis.data.limits import FASTEST_TURN
-
-Motion = Literal["inverted", "noninverted"]
-MOTIONS: tuple[Motion, ...] = get_args(Motion)
+from analysis.data.scenario import Scenario
+from analysis.data.start import MOTIONS, Motion
+from analysis.stability.scope import require_spinning
 
 FULL_COORDINATES = ("x", "y", "beta", "gamma")
 """Coordinates of the full linear system, in order; its states add their rates."""
@@ -101,7 +99,7 @@ def signed_eccentricity(disk: Disk, motion: Motion) -> float:
 
 
 def full_system(
-    disk: Disk, friction: FrictionLaw, spins: npt.ArrayLike, motion: Motion = "inverted"
+    scenario: Scenario, spins: npt.ArrayLike, motion: Motion = "inverted"
 ) -> FullLinearSystem:
     """Linearise the full system about a spinning motion, Eqs. (48)-(55).
 
@@ -111,8 +109,8 @@ def full_system(
 
     Parameters
     ----------
-    disk : Disk
-    friction : FrictionLaw
+    scenario : Scenario
+        Of Model 1, on a horizontal table.
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
@@ -120,13 +118,14 @@ def full_system(
     Raises
     ------
     ValueError
-        If a spin is not finite, there is none, or the motion is unknown.
+        If a spin is not finite, there is none, the motion is unknown or the scenario another one.
     """
-    Omega = spin_array(spins)
+    require_spinning(scenario, "the full system", 1)
+    disk, Omega = scenario.disk, spin_array(spins)
     e = signed_eccentricity(disk, motion)
-    m, r, mg, me = disk.mass, disk.radius, disk.weight, disk.mass * e
+    m, r, mg, me = disk.mass, disk.radius, scenario.weight, disk.mass * e
     A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
-    d = friction.gradient * mg
+    d = scenario.friction.gradient * mg
     D = A - B - C
     M = ((m, 0, 0, -me), (0, m, -me, 0), (0, -me, B, 0), (-me, 0, 0, C))
     G_h = ((0, -2 * m, 2 * me, 0), (2 * m, 0, 0, -2 * me), (-2 * me, 0, 0, -D), (0, 2 * me, D, 0))

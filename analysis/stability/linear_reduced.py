@@ -14,9 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array
-from analysis.data.disk import GRAVITY, Disk
-from analysis.data.friction import FrictionLaw
-from analysis.stability.linear_full import Motion, signed_eccentricity, spin_array
+from analysis.data.scenario import Scenario
+from analysis.data.start import Motion
+from analysis.stability.linear_full import signed_eccentricity, spin_array
+from analysis.stability.scope import require_spinning
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -25,14 +26,14 @@ REDUCED_STATES = ("beta", "gamma", "beta_rate")
 
 
 def reduced_matrices(
-    disk: Disk, friction: FrictionLaw, spins: npt.ArrayLike, motion: Motion = "inverted"
+    scenario: Scenario, spins: npt.ArrayLike, motion: Motion = "inverted"
 ) -> Array:
     """State matrices of the reduced system, Eqs. (111), (112), shape (n, 3, 3).
 
     Parameters
     ----------
-    disk : Disk
-    friction : FrictionLaw
+    scenario : Scenario
+        Of Model 4, on a horizontal table.
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
@@ -40,10 +41,11 @@ def reduced_matrices(
     Raises
     ------
     ValueError
-        If a spin is not finite, there is none, or the motion is unknown.
+        If a spin is not finite, there is none, the motion is unknown or the scenario another one.
     """
+    require_spinning(scenario, "the reduced system", 4)
     Omega = spin_array(spins)
-    A_31, A_32, A_33 = _entries(disk, friction, Omega, motion)
+    A_31, A_32, A_33 = _entries(scenario, Omega, motion)
     result = np.zeros((Omega.size, 3, 3))
     result[:, 0, 2] = 1.0
     result[:, 1, 0] = Omega
@@ -51,13 +53,12 @@ def reduced_matrices(
     return result
 
 
-def _entries(
-    disk: Disk, friction: FrictionLaw, Omega: Array, motion: Motion
-) -> tuple[Array, Array, float]:
+def _entries(scenario: Scenario, Omega: Array, motion: Motion) -> tuple[Array, Array, float]:
     """Entries A_31, A_32 and A_33, Eq. (112)."""
+    disk = scenario.disk
     r, e = disk.radius, signed_eccentricity(disk, motion)
-    stiffness = disk.weight / disk.inertia_about_cog[1]
-    d = friction.gradient * stiffness
+    stiffness = scenario.weight / disk.inertia_about_cog[1]
+    d = scenario.friction.gradient * stiffness
     return stiffness * (r + e) - Omega**2, -d * e * (r + e) * Omega, -d * (r + e) ** 2
 
 
@@ -91,15 +92,15 @@ class ClosedForm:
 
 
 def closed_form(
-    disk: Disk, friction: FrictionLaw, spins: npt.ArrayLike, motion: Motion = "inverted"
+    scenario: Scenario, spins: npt.ArrayLike, motion: Motion = "inverted"
 ) -> ClosedForm:
     """Eigenvalues in closed form for small smoothing, Eqs. (113)-(123).
 
     Parameters
     ----------
-    disk : Disk
-    friction : FrictionLaw
-        Its gradient must be positive: the expansion is one in the reciprocal friction gradient.
+    scenario : Scenario
+        Its constraints are not looked at: the closed form is that of the reduced system. Its
+        friction must be on: the expansion is one in the reciprocal friction gradient.
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
@@ -109,13 +110,15 @@ def closed_form(
     Raises
     ------
     ValueError
-        If a spin is not finite, there is none, the motion is unknown or there is no friction.
+        If a spin is not finite, there is none, the motion is unknown, there is no friction or the
+        table leans.
     """
-    if not friction.is_on:
+    scenario.require_horizontal_table("the closed form")
+    if not scenario.friction.is_on:
         raise ValueError("friction must have a positive gradient for the closed form, got 0")
     Omega = spin_array(spins)
-    r, e = disk.radius, signed_eccentricity(disk, motion)
-    A_31, _, A_33 = _entries(disk, friction, Omega, motion)
+    r, e = scenario.disk.radius, signed_eccentricity(scenario.disk, motion)
+    A_31, _, A_33 = _entries(scenario, Omega, motion)
     a = A_33
     c = e / (r + e) * Omega**2
     return ClosedForm(spins=Omega, a=a, b=(A_31 + c) / a, c=c)
@@ -143,7 +146,7 @@ class CriticalSpeed:
     kind: Literal["hopf", "static", "saddle"]
 
 
-def critical_speed(disk: Disk, motion: Motion = "inverted") -> CriticalSpeed:
+def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalSpeed:
     """Critical spinning speed of the reduced system in closed form, Eqs. (126), (127).
 
     It is exact for every positive friction and depends neither on the friction coefficient nor
@@ -151,17 +154,21 @@ def critical_speed(disk: Disk, motion: Motion = "inverted") -> CriticalSpeed:
 
     Parameters
     ----------
-    disk : Disk
+    scenario : Scenario
+        Its disk and gravity alone are looked at: the closed form is that of the reduced system,
+        whatever the constraints of the scenario.
     motion : {"inverted", "noninverted"}
 
     Raises
     ------
     ValueError
-        If the motion is unknown.
+        If the motion is unknown or the table leans.
     """
+    scenario.require_horizontal_table("the closed form")
+    disk = scenario.disk
     r, e = disk.radius, signed_eccentricity(disk, motion)
     B_bar = disk.inertia_about_cog[1]
-    Omega_crit = sqrt((r + e) ** 2 / r * disk.mass * GRAVITY / B_bar)
+    Omega_crit = sqrt((r + e) ** 2 / r * scenario.weight / B_bar)
     if e > 0.0:
         return CriticalSpeed(
             spin=Omega_crit, frequency=sqrt(e / (r + e)) * Omega_crit, kind="hopf"

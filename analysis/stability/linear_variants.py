@@ -7,14 +7,15 @@ otherwise or slipped in by mistake. None of them gives both printed numbers.
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import sqrt
 from types import MappingProxyType
 
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.disk import GRAVITY, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
-from analysis.data.friction import FrictionLaw, SmoothCoulomb
+from analysis.data.disk import ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.data.scenario import Scenario
+from analysis.data.table import Table
+from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Crossing, hopf_crossings
 from analysis.stability.linear_full import FullLinearSystem, full_system
 from analysis.stability.linear_reduced import ComplexArray
@@ -24,30 +25,25 @@ PRINTED = (27.1, 30.2)
 """Omega_crit1 and Omega_crit2 of the full system as printed, in rad/s."""
 
 _SPINS = np.linspace(20.0, 36.0, 641)
-_FRICTION = SmoothCoulomb()
-
+_PAPER = Scenario()
 
 Change = Callable[[FullLinearSystem, Array], FullLinearSystem]
 
 
-def hopf_speeds(
-    disk: Disk = STEEL_DISK,
-    friction: FrictionLaw = _FRICTION,
-    change: Change | None = None,
-) -> tuple[Crossing, ...]:
+def hopf_speeds(scenario: Scenario = _PAPER, change: Change | None = None) -> tuple[Crossing, ...]:
     """Hopf crossings from 20 to 36 rad/s of the full system with changed matrices.
 
     Parameters
     ----------
-    disk : Disk
-    friction : FrictionLaw
+    scenario : Scenario
+        Of Model 1, on a horizontal table.
     change : callable, optional
         Takes the linear system and its B_C, Eq. (54), shape (n, 4, 4); returns what to use.
     """
 
     def matrices(spins: Array) -> Array:
-        system = full_system(disk, friction, spins)
-        frictionless = full_system(disk, SmoothCoulomb(coefficient=0.0), spins)
+        system = full_system(scenario, spins)
+        frictionless = full_system(with_gradient(scenario, 0.0), spins)
         B_C = system.stiffness - frictionless.stiffness + system.circulatory
         return (system if change is None else change(system, B_C)).state_matrices
 
@@ -61,12 +57,15 @@ def hopf_speeds(
 
 def variants() -> dict[str, tuple[Crossing, ...]]:
     """Hopf crossings from 20 to 36 rad/s of every variant, by its name."""
-    result = {name: hopf_speeds(disk) for name, disk in _disks().items()}
+    result = {name: hopf_speeds(replace(_PAPER, disk=disk)) for name, disk in _disks().items()}
     for gradient in (2.0, 2.5, 2.83, 4.0, 30.0):
-        friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
-        result[f"friction gradient {gradient:g} s/m"] = hopf_speeds(friction=friction)
+        result[f"friction gradient {gradient:g} s/m"] = hopf_speeds(
+            with_gradient(_PAPER, gradient)
+        )
     for gravity in (9.8, 9.80665, 10.0):
-        result[f"gravity {gravity:g} m/s²"] = _other_gravity(gravity)
+        result[f"gravity {gravity:g} m/s²"] = hopf_speeds(
+            replace(_PAPER, table=Table(gravity=gravity))
+        )
     for name, change in MATRIX_CHANGES.items():
         result[name] = hopf_speeds(change=change)
     return result
@@ -111,16 +110,6 @@ def _disks() -> dict[str, Disk]:
         "B and C shifted the wrong way": replace(steel, inertia_y=B + shift, inertia_z=C + shift),
         "A and B exchanged": replace(steel, inertia_x=B, inertia_y=steel.inertia_x),
     }
-
-
-def _other_gravity(gravity: float) -> tuple[Crossing, ...]:
-    """Crossings with another gravity: with the time rescaled, it is another friction gradient."""
-    faster = sqrt(gravity / GRAVITY)
-    friction = replace(_FRICTION, coefficient=_FRICTION.coefficient * faster)
-    return tuple(
-        replace(crossing, spin=faster * crossing.spin, frequency=faster * crossing.frequency)
-        for crossing in hopf_speeds(friction=friction)
-    )
 
 
 def _add(system: FullLinearSystem, change: Array) -> FullLinearSystem:

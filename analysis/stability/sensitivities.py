@@ -14,11 +14,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from analysis.data.disk import Disk
-from analysis.data.friction import FrictionLaw
+from analysis.data.scenario import Scenario
+from analysis.data.start import Motion
 from analysis.stability.chart import static_gradient
 from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.hopf_points import ExtendedSystem, spin_scale
-from analysis.stability.linear_full import Motion
 
 DISK_PARAMETERS: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {
@@ -62,12 +62,24 @@ class Sensitivity:
     values: Mapping[str, float]
 
 
-def closed_form_sensitivities(disk: Disk) -> dict[str, float]:
+def closed_form_sensitivities(scenario: Scenario) -> dict[str, float]:
     """Logarithmic derivatives of the critical speed (126) of the reduced system.
 
     With ln Omega_crit = ln(r + e) - ln(r) / 2 + ln(m g) / 2 - ln(B - m e²) / 2 they follow by
     hand. Neither A nor C nor friction has an influence, and size enters as 1 / sqrt(size).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its disk alone is looked at, as in `critical_speed`.
+
+    Raises
+    ------
+    ValueError
+        If the table leans.
     """
+    scenario.require_horizontal_table("the closed form")
+    disk = scenario.disk
     m, r, e, B = disk.mass, disk.radius, disk.eccentricity, disk.inertia_y
     B_bar = disk.inertia_about_cog[1]
     return {
@@ -83,8 +95,7 @@ def closed_form_sensitivities(disk: Disk) -> dict[str, float]:
 
 
 def full_sensitivities(
-    disk: Disk,
-    friction: FrictionLaw,
+    scenario: Scenario,
     interval: tuple[float, float] = (0.0, 60.0),
     motion: Motion = "inverted",
 ) -> tuple[Sensitivity, ...]:
@@ -92,8 +103,8 @@ def full_sensitivities(
 
     Parameters
     ----------
-    disk : Disk
-    friction : FrictionLaw
+    scenario : Scenario
+        Of Model 1, on a horizontal table.
     interval : tuple of 2 floats
         Lowest and highest spin in rad/s.
     motion : {"inverted", "noninverted"}
@@ -101,29 +112,29 @@ def full_sensitivities(
     Raises
     ------
     ValueError
-        If the interval or the motion is out of range, or the disk stands at a bound of what a
-        rigid body can be, so that a parameter cannot be varied to both sides.
+        If the interval or the motion is out of range, the scenario is another one, or the disk
+        stands at a bound of what a rigid body can be, so that a parameter cannot be varied to
+        both sides.
     """
-    found = critical_speeds("full", disk, friction, interval, motion)
+    found = critical_speeds(scenario, interval, "full", motion)
     return tuple(
-        Sensitivity(crossing=crossing, values=_sensitivities(disk, friction, crossing, motion))
+        Sensitivity(crossing=crossing, values=_sensitivities(scenario, crossing, motion))
         for crossing in found.crossings
     )
 
 
-def _sensitivities(
-    disk: Disk, friction: FrictionLaw, crossing: Crossing, motion: Motion
-) -> dict[str, float]:
-    gradient = friction.gradient
+def _sensitivities(scenario: Scenario, crossing: Crossing, motion: Motion) -> dict[str, float]:
+    gradient = scenario.friction.gradient
 
     def by_disk(parameter: str) -> float:
         def speed(change: float) -> float:
-            return _speed(_scaled(disk, parameter, exp(change)), gradient, crossing, motion)
+            disk = _scaled(scenario.disk, parameter, exp(change))
+            return _speed(replace(scenario, disk=disk), gradient, crossing, motion)
 
         return _slope(speed)
 
     def by_friction(change: float) -> float:
-        return _speed(disk, gradient * exp(change), crossing, motion)
+        return _speed(scenario, gradient * exp(change), crossing, motion)
 
     result = {name: by_disk(name) for name in DISK_PARAMETERS}
     result[FRICTION_GRADIENT] = _slope(by_friction)
@@ -149,20 +160,20 @@ def _scaled(disk: Disk, parameter: str, factor: float) -> Disk:
         raise ValueError(f"{parameter} cannot be varied by {factor - 1:+.1%}: {error}") from None
 
 
-def _speed(disk: Disk, gradient: float, near: Crossing, motion: Motion) -> float:
-    """Critical speed of a disk in rad/s next to that of a neighbouring disk."""
+def _speed(scenario: Scenario, gradient: float, near: Crossing, motion: Motion) -> float:
+    """Critical speed in rad/s next to that of a neighbouring disk or gradient."""
     if near.kind == "static":
         return float(
             brentq(
-                lambda spin: float(static_gradient(disk, spin, motion)[0]) - gradient,
+                lambda spin: float(static_gradient(scenario, spin, motion)[0]) - gradient,
                 0.95 * near.spin,
                 1.05 * near.spin,
                 xtol=1e-13,
             )
         )
-    scale = spin_scale(disk)
+    scale = spin_scale(scenario)
     guess = np.array((near.spin / scale, log(gradient), near.frequency / scale))
-    found = ExtendedSystem(disk, motion, guess).correct(guess, np.eye(3)[1], guess[1])
+    found = ExtendedSystem(scenario, motion, guess).correct(guess, np.eye(3)[1], guess[1])
     if found is None:
         raise ArithmeticError(f"critical speed near {near.spin:g} rad/s lost")
     return float(found[0][0] * scale)

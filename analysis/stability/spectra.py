@@ -18,23 +18,21 @@ import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from analysis.data.checks import Array, choice
-from analysis.data.disk import Disk
-from analysis.data.friction import FrictionLaw
-from analysis.data.state import Level
-from analysis.stability.linear_full import Motion, full_system, spin_array, without_drift
-from analysis.stability.linear_models import model_matrices
+from analysis.data.scenario import Scenario
+from analysis.data.start import MOTIONS, Motion
+from analysis.stability.linear_full import full_system, spin_array, without_drift
+from analysis.stability.linear_numeric import NumericSystem, has_drift, upright_gamma
 from analysis.stability.linear_reduced import ComplexArray, reduced_matrices
 
-System = Literal["full", "reduced", "model1", "model2", "model3", "model4"]
+System = Literal["full", "reduced", "numeric"]
 SYSTEMS: tuple[System, ...] = get_args(System)
+"""Eq. (55), for Model 1; Eq. (111), for Model 4; any constraints, linearised numerically."""
 
-_MODEL_LEVELS: dict[System, Level] = {"model1": 1, "model2": 2, "model3": 3, "model4": 4}
-_WITH_DRIFT: tuple[System, ...] = ("full", "model1")
+Matrices = Callable[[Array], Array]
+"""State matrices, shape (n, k, k), at spins in rad/s, shape (n,)."""
+
 _LARGEST_STEP = 0.05
 """Branches are followed in steps of at most this many rad/s, whatever spins are asked for."""
-
-_MODEL_STEP = 0.25
-"""The same for the numerically linearised models, whose matrices are costlier."""
 
 _MOST_STEPS = 20_000
 """Beyond some 1000 rad/s the steps grow, so that the work does not."""
@@ -69,124 +67,162 @@ class Branches:
     drift: tuple[int, ...] = ()
 
 
-def state_matrices(
-    system: System,
-    disk: Disk,
-    friction: FrictionLaw,
-    spins: npt.ArrayLike,
-    motion: Motion = "inverted",
-) -> Array:
-    """State matrices of a linear system, shape (n, k, k), k = 8, 3, 8, 4, 3, 3 in order.
-
-    Parameters
-    ----------
-    system : {"full", "reduced", "model1", "model2", "model3", "model4"}
-        Eq. (55), Eq. (111), or a nonlinear model linearised numerically.
-    disk : Disk
-    friction : FrictionLaw
-    spins : array_like, shape (n,)
-        Spinning speeds in rad/s.
-    motion : {"inverted", "noninverted"}
+def chosen_system(scenario: Scenario, system: System | None = None) -> System:
+    """Return the linear system of a scenario: the given one, or the closed one if there is one.
 
     Raises
     ------
     ValueError
-        If a spin is not finite, there is none, or the system or the motion is unknown.
+        If the system is unknown.
     """
-    choice("system", system, SYSTEMS)
+    if system is not None:
+        return choice("system", system, SYSTEMS)
+    closed: dict[int | None, System] = {1: "full", 4: "reduced"}
+    return closed.get(scenario.model, "numeric")
+
+
+def matrices_over_spin(
+    scenario: Scenario,
+    system: System | None = None,
+    motion: Motion = "inverted",
+    *,
+    drift: bool = False,
+) -> Matrices:
+    """Return what gives the state matrices of a linear system at any spins.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        On a horizontal table, with the ideal contact; "full" takes that of Model 1 alone, and
+        "reduced" that of Model 4.
+    system : {"full", "reduced", "numeric"}, optional
+        Eq. (55), Eq. (111), or any constraints linearised numerically; by default the one that is
+        closed for these constraints, and "numeric" if none is.
+    motion : {"inverted", "noninverted"}
+    drift : bool
+        Whether the drift pair +-i spin stays in, where there is one.
+
+    Raises
+    ------
+    ValueError
+        If the system or the motion is unknown, or the scenario none of this system.
+    """
+    system = chosen_system(scenario, system)
+    choice("motion", motion, MOTIONS)
     if system == "full":
-        return full_system(disk, friction, spins, motion).state_matrices
+
+        def full(spins: Array) -> Array:
+            matrices = full_system(scenario, spins, motion).state_matrices
+            return matrices if drift else without_drift(spins, matrices)
+
+        full(np.zeros(1))
+        return full
     if system == "reduced":
-        return reduced_matrices(disk, friction, spins, motion)
-    return model_matrices(_MODEL_LEVELS[system], disk, friction, spins, motion)
+        reduced_matrices(scenario, 0.0, motion)
+        return lambda spins: reduced_matrices(scenario, spins, motion)
+    numeric = NumericSystem(scenario, upright_gamma(motion))
+    return lambda spins: numeric.matrices(spins, drift=drift)
+
+
+def state_matrices(
+    scenario: Scenario,
+    spins: npt.ArrayLike,
+    system: System | None = None,
+    motion: Motion = "inverted",
+) -> Array:
+    """State matrices of a linear system, shape (n, k, k), k = 8, 4, 3, 3 for Models 1 to 4.
+
+    Parameters
+    ----------
+    scenario, system, motion
+        See `matrices_over_spin`.
+    spins : array_like, shape (n,)
+        Spinning speeds in rad/s.
+
+    Raises
+    ------
+    ValueError
+        If a spin is not finite, there is none, the system or the motion is unknown, or the
+        scenario none of this system.
+    """
+    return matrices_over_spin(scenario, system, motion, drift=True)(spin_array(spins))
 
 
 def relevant_matrices(
-    system: System,
-    disk: Disk,
-    friction: FrictionLaw,
+    scenario: Scenario,
     spins: npt.ArrayLike,
+    system: System | None = None,
     motion: Motion = "inverted",
 ) -> Array:
-    """State matrices without the drift pair, shape (n, k, k), k = 6, 3, 6, 4, 3, 3 in order.
+    """State matrices without the drift pair, shape (n, k, k), k = 6, 4, 3, 3 for Models 1 to 4.
 
     Arguments and errors are those of `state_matrices`.
     """
-    matrices = state_matrices(system, disk, friction, spins, motion)
-    return without_drift(spin_array(spins), matrices) if system in _WITH_DRIFT else matrices
+    return matrices_over_spin(scenario, system, motion)(spin_array(spins))
 
 
 def eigenvalues(
-    system: System,
-    disk: Disk,
-    friction: FrictionLaw,
+    scenario: Scenario,
     spins: npt.ArrayLike,
+    system: System | None = None,
     motion: Motion = "inverted",
 ) -> ComplexArray:
     """Eigenvalues in 1/s at every spin, shape (n, k), by falling real and imaginary part.
 
-    The drift pair of "full" and "model1" is exactly +-i spin. Spins may come in any order;
-    arguments and errors are those of `state_matrices`.
+    The drift pair of a disk whose centre of gravity is not held is exactly +-i spin. Spins may
+    come in any order; arguments and errors are those of `state_matrices`.
     """
     spins = spin_array(spins)
-    matrices = relevant_matrices(system, disk, friction, spins, motion)
+    matrices = relevant_matrices(scenario, spins, system, motion)
     values: ComplexArray = np.linalg.eigvals(matrices).astype(complex)
-    if system in _WITH_DRIFT:
+    if has_drift(scenario.constraints):
         values = np.column_stack((values, 1j * spins, -1j * spins))
     return np.take_along_axis(values, np.lexsort((-values.imag, -values.real)), axis=1)
 
 
 def branches(
-    system: System,
-    disk: Disk,
-    friction: FrictionLaw,
+    scenario: Scenario,
     spins: npt.ArrayLike,
+    system: System | None = None,
     motion: Motion = "inverted",
 ) -> Branches:
     """Eigenvalue branches of a linear system over the spin.
 
     A column means the same branch in every call: branches are followed from spin 0, where they
-    are numbered by falling real part, in steps fine enough whatever spins are asked for. For
-    "full" and "model1" the columns 2 and 3 hold the drift pair; for inverted spinning that is the
-    paper's numbering, lambda_1 to lambda_8 (Fig. 6).
+    are numbered by falling real part, in steps fine enough whatever spins are asked for. Where
+    there is a drift pair the columns 2 and 3 hold it; for inverted spinning of Model 1 that is
+    the paper's numbering, lambda_1 to lambda_8 (Fig. 6).
 
     Parameters
     ----------
-    system : {"full", "reduced", "model1", "model2", "model3", "model4"}
-    disk : Disk
-    friction : FrictionLaw
+    scenario, system, motion
+        See `matrices_over_spin`.
     spins : array_like, shape (n,)
         Strictly increasing spinning speeds in rad/s.
-    motion : {"inverted", "noninverted"}
 
     Raises
     ------
     ValueError
-        If spins are not finite or do not increase, or the system or the motion is unknown.
+        If spins are not finite or do not increase, the system or the motion is unknown, or the
+        scenario none of this system.
     """
     wanted = spin_array(spins)
     check_increasing(wanted)
-    choice("system", system, SYSTEMS)
     low, high = min(0.0, wanted[0]), max(0.0, wanted[-1])
-    every = np.union1d(np.append(helper_spins(system, low, high), 0.0), wanted)
-
-    def matrices(at: Array) -> Array:
-        return relevant_matrices(system, disk, friction, at, motion)
-
-    every, values, vectors = _refine(matrices, every)
+    every = np.union1d(np.append(helper_spins(low, high), 0.0), wanted)
+    every, values, vectors = _refine(matrices_over_spin(scenario, system, motion), every)
     start = int(np.searchsorted(every, 0.0))
     order = _chain(_matches(every, values, vectors), _numbering(values[start]), start)
     values = np.take_along_axis(values, order, axis=1)[np.searchsorted(every, wanted)]
-    if system not in _WITH_DRIFT:
+    if not has_drift(scenario.constraints):
         return Branches(spins=wanted, values=values)
     values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
     return Branches(spins=wanted, values=values, drift=(2, 3))
 
 
-def helper_spins(system: System, low: float, high: float) -> Array:
+def helper_spins(low: float, high: float) -> Array:
     """Equally spaced spins from `low` to `high` in rad/s, close enough to follow branches."""
-    step = _LARGEST_STEP if system in ("full", "reduced") else _MODEL_STEP
-    count = min(int(np.ceil((high - low) / step)), _MOST_STEPS)
+    count = min(int(np.ceil((high - low) / _LARGEST_STEP)), _MOST_STEPS)
     return np.linspace(low, high, count + 1)
 
 
@@ -238,9 +274,7 @@ def _numbering(values: ComplexArray) -> list[int]:
     return order
 
 
-def _refine(
-    matrices: Callable[[Array], Array], spins: Array
-) -> tuple[Array, ComplexArray, ComplexArray]:
+def _refine(matrices: Matrices, spins: Array) -> tuple[Array, ComplexArray, ComplexArray]:
     """Spins, eigenvalues and eigenvectors, with steps halved where the matching is not clear."""
     values, vectors = _eigen(matrices(spins))
     for _ in range(_BISECTIONS):

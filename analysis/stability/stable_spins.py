@@ -5,64 +5,55 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis.data.checks import choice
-from analysis.data.disk import Disk
-from analysis.data.friction import FrictionLaw
+from analysis.data.checks import Array
+from analysis.data.scenario import Scenario
+from analysis.data.start import Motion
 from analysis.stability.critical import spin_interval
-from analysis.stability.linear_full import MOTIONS, Motion
-from analysis.stability.spectra import SYSTEMS, System, helper_spins, relevant_matrices
+from analysis.stability.spectra import System, helper_spins, matrices_over_spin
 
 _ROUND_OFF = 1e-10
 """Real parts of less than this part of the largest eigenvalue are none."""
 
-_MOST_SAMPLES = 121
-"""Spins at which the numerically linearised models are sampled."""
-
 
 def stable_spins(
-    system: System,
-    disk: Disk,
-    friction: FrictionLaw,
+    scenario: Scenario,
     interval: tuple[float, float] = (0.0, 60.0),
+    system: System | None = None,
     motion: Motion = "inverted",
 ) -> tuple[tuple[float, float], ...]:
     """Intervals of the spin in rad/s in which every eigenvalue has a negative real part.
 
     The pair that only moves the disk on the table does not count; eigenvalues that are zero at
     every spin, as those of a round disk, do: with them the motion is not asymptotically stable.
-    Intervals shorter than the sampling (0.05 rad/s, or 0.5 rad/s in Models 2 and 3, up to 60
-    rad/s) may be missed.
+    Intervals shorter than the sampling (0.05 rad/s) may be missed.
 
     Parameters
     ----------
-    system : {"full", "reduced", "model1", "model2", "model3", "model4"}
-    disk : Disk
-    friction : FrictionLaw
+    scenario, system, motion
+        See `spectra.matrices_over_spin`.
     interval : tuple of 2 floats
         Lowest and highest spin in rad/s, not negative.
-    motion : {"inverted", "noninverted"}
 
     Raises
     ------
     ValueError
-        If the interval is empty or not finite, or the system or the motion is unknown.
+        If the interval is empty or not finite, the system or the motion is unknown, or the
+        scenario none of this system.
     """
-    choice("system", system, SYSTEMS)
-    choice("motion", motion, MOTIONS)
     low, high = spin_interval(interval)
+    matrices = matrices_over_spin(scenario, system, motion)
 
-    def growth(spin: float) -> float:
-        """Largest growth rate in 1/s, above zero also where it only might be."""
-        values = np.linalg.eigvals(relevant_matrices(system, disk, friction, spin, motion)[0])
-        return float(np.max(values.real) + _ROUND_OFF * np.max(np.abs(values)))
+    def growth(spins: Array) -> Array:
+        """Largest growth rates in 1/s, above zero also where they only might be."""
+        values = np.linalg.eigvals(matrices(spins))
+        rates: Array = np.max(values.real, axis=1) + _ROUND_OFF * np.max(np.abs(values), axis=1)
+        return rates
 
-    spins = helper_spins(system, low, high).tolist()
-    if system not in ("full", "reduced"):
-        spins = np.linspace(low, high, min(len(spins), _MOST_SAMPLES)).tolist()
-    rates = [growth(spin) for spin in spins]
-    pairs = zip(pairwise(spins), pairwise(rates), strict=True)
+    spins = helper_spins(low, high)
+    rates = growth(spins).tolist()
+    pairs = zip(pairwise(spins.tolist()), pairwise(rates), strict=True)
     changes = [
-        float(brentq(growth, *around, xtol=1e-9))
+        float(brentq(lambda spin: growth(np.array([spin]))[0], *around, xtol=1e-9))
         for around, (before, after) in pairs
         if (before < 0.0) != (after < 0.0)
     ]
