@@ -15,7 +15,7 @@ from analysis.data.friction import law_class, law_from
 from analysis.data.scenario_file import load_scenario
 from analysis.data.scenario_keys import RING, SIX
 from validation.commands.options import written_number
-from validation.kit.animation.keyframes import load
+from validation.run import load_run
 
 _ANGLES = ("alpha", "beta", "gamma", "inclination", "downhill")
 _TABLE = ("gravity", "inclination", "downhill")
@@ -55,16 +55,13 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
         base = file or (Scenario.rest() if rest else Scenario())
         friction = _friction(options, base.friction)
     disk = _disk(options, base.disk)
-    if file is None and rest:
-        contact = _rounded(options, disk)
-    else:
-        contact = _contact(options, base.contact, disk)
+    computed = file is None and rest
     return Scenario(
         constraints=_constraints(options, base),
         disk=disk,
         friction=friction,
         table=replace(base.table, **_given(options, _TABLE)),
-        contact=contact,
+        contact=_rounded(options, disk) if computed else _contact(options, base.contact, disk),
         dissipation=_dissipation(options, base.dissipation),
         start=_start(options, base.start),
     )
@@ -80,7 +77,7 @@ def read_scenario(path: str) -> Scenario:
     ValueError
         If it is neither.
     """
-    return load(Path(path)).scenario if Path(path).suffix == ".npz" else load_scenario(path)
+    return load_run(path).scenario if Path(path).suffix == ".npz" else load_scenario(path)
 
 
 @contextmanager
@@ -124,9 +121,7 @@ def _disk(options: argparse.Namespace, base: Disk) -> Disk:
         )
     missing = [name for name in RING if name not in ring]
     if missing:
-        raise ValueError(
-            f"a disk with a round hole needs {', '.join(map(_option, missing))}, too"
-        )
+        raise ValueError(f"a disk with a round hole needs {', '.join(map(_option, missing))}, too")
     return Disk.ring(**ring)
 
 
@@ -174,9 +169,7 @@ def _contact(
         return None
     if "stiffness" not in given:
         name, value = next(iter(given.items()))
-        raise ValueError(
-            f"{_option(name)} needs the penalty contact of --stiffness, got {value}"
-        )
+        raise ValueError(f"{_option(name)} needs the penalty contact of --stiffness, got {value}")
     return replace(PenaltyContact.damped(given["stiffness"], disk), **given)
 
 

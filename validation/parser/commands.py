@@ -1,6 +1,7 @@
 """The subcommands: what each is called, takes and does."""
 
 import argparse
+from typing import NoReturn
 
 from validation.parser.groups import (
     FORMS,
@@ -13,6 +14,15 @@ from validation.parser.groups import (
     add_start,
 )
 
+
+class Parser(argparse.ArgumentParser):
+    """Parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Exit with code 2 and one line."""
+        self.exit(2, f"{self.prog}: error: {message}\n")
+
+
 INVERSION = (
     "The disk is inverted from the first time at which its centre of gravity has risen to 90% of "
     "its largest height above the geometric centre and from which it stays above that centre for "
@@ -20,7 +30,7 @@ INVERSION = (
 )
 
 
-def add_report(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_report(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Report."""
     report = commands.add_parser(
         "report",
@@ -34,7 +44,7 @@ def add_report(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
 
 
-def add_simulate(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_simulate(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Simulate."""
     simulate = commands.add_parser(
         "simulate",
@@ -73,7 +83,7 @@ def add_simulate(commands: "argparse._SubParsersAction[argparse.ArgumentParser]"
     add_start(simulate)
 
 
-def add_show(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_show(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Show."""
     show = commands.add_parser(
         "show",
@@ -87,7 +97,7 @@ def add_show(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
     )
 
 
-def add_scenario(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_scenario(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Scenario."""
     scenario = commands.add_parser(
         "scenario",
@@ -105,7 +115,7 @@ def add_scenario(commands: "argparse._SubParsersAction[argparse.ArgumentParser]"
     add_start(scenario)
 
 
-def add_check(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_check(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Check."""
     check = commands.add_parser(
         "check",
@@ -120,7 +130,7 @@ def add_check(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     add_start(check)
 
 
-def add_eigenvalues(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Eigenvalues."""
     eigenvalues = commands.add_parser(
         "eigenvalues",
@@ -153,7 +163,7 @@ def add_eigenvalues(commands: "argparse._SubParsersAction[argparse.ArgumentParse
     add_problem(eigenvalues)
 
 
-def add_critical(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_critical(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Critical."""
     critical = commands.add_parser(
         "critical",
@@ -174,7 +184,7 @@ def add_critical(commands: "argparse._SubParsersAction[argparse.ArgumentParser]"
     add_problem(critical)
 
 
-def add_scene(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_scene(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Scene."""
     scene = commands.add_parser(
         "scene",
@@ -189,7 +199,7 @@ def add_scene(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     add_start(scene)
 
 
-def add_work_precision(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_work_precision(commands: "argparse._SubParsersAction[Parser]") -> None:
     """work-precision."""
     study = commands.add_parser(
         "work-precision",
@@ -205,7 +215,7 @@ def add_work_precision(commands: "argparse._SubParsersAction[argparse.ArgumentPa
     add("--fresh", action="store_true", help="measure again what is kept")
 
 
-def add_robustness(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_robustness(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Robustness."""
     study = commands.add_parser(
         "robustness",
@@ -219,7 +229,7 @@ def add_robustness(commands: "argparse._SubParsersAction[argparse.ArgumentParser
     add("--out", default="robustness", metavar="DIR", help="folder (default: %(default)s)")
 
 
-def add_rest(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_rest(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Rest."""
     rest = commands.add_parser(
         "rest",
@@ -243,7 +253,7 @@ def add_rest(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
     add_start(rest)
 
 
-def add_animate(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_animate(commands: "argparse._SubParsersAction[Parser]") -> None:
     """Animate."""
     animate = commands.add_parser(
         "animate",

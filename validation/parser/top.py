@@ -2,9 +2,8 @@
 
 import argparse
 from importlib.metadata import version
-from typing import NoReturn
 
-from validation.parser.commands import SUBCOMMANDS
+from validation.parser.commands import SUBCOMMANDS, Parser
 
 _DESCRIPTION = """\
 The tippedisk: a rigid disk whose centre of gravity lies off its centre. Spun fast about an
@@ -39,14 +38,6 @@ exit codes:
 
 `python -m validation` is the same command.
 """
-
-
-class Parser(argparse.ArgumentParser):
-    """Parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Exit with code 2 and one line."""
-        self.exit(2, f"{self.prog}: error: {message}\n")
 
 
 def parser() -> Parser:
