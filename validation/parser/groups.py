@@ -46,7 +46,7 @@ def add_problem(parser: argparse.ArgumentParser, *, file: bool = False) -> None:
     _add_disk(parser)
     _add_friction(parser)
     add = parser.add_argument_group("table").add_argument
-    add("--gravity", type=float, help="gravitational acceleration in m/s² (9.81)")
+    add("--gravity", type=float, metavar="M/S2", help="gravitational acceleration in m/s² (9.81)")
     add("--inclination", metavar="ANGLE", help="of the table in rad (0)")
     add("--downhill", metavar="ANGLE", help="direction of descent from the x axis in rad (0)")
 
@@ -56,21 +56,28 @@ def _add_disk(parser: argparse.ArgumentParser) -> None:
         "disk", "One by name, some of whose values may be replaced; or one with a round hole."
     ).add_argument
     add("--disk", choices=DISKS, help="the paper's, unrounded (default) or as printed")
-    add("--radius", type=float, help="in m")
-    add("--mass", type=float, help="in kg")
-    add("--eccentricity", type=float, help="of the centre of gravity in m")
+    add("--radius", type=float, metavar="M", help="in m")
+    add("--mass", type=float, metavar="KG", help="in kg")
+    add("--eccentricity", type=float, metavar="M", help="of the centre of gravity in m")
     for axis in "xyz":
-        add(f"--inertia-{axis}", type=float, help="about the centre in kg m²")
-    add("--hole-radius", type=float, help="in m; the next three and --radius go with it")
-    add("--hole-distance", type=float, help="from the centre in m")
-    add("--thickness", type=float, help="in m")
-    add("--density", type=float, help="in kg/m³")
+        add(f"--inertia-{axis}", type=float, metavar="KGM2", help="about the centre in kg m²")
+    add(
+        "--hole-radius",
+        type=float,
+        metavar="M",
+        help="in m; the next three and --radius go with it",
+    )
+    add("--hole-distance", type=float, metavar="M", help="from the centre in m")
+    add("--thickness", type=float, metavar="M", help="in m")
+    add("--density", type=float, metavar="KG/M3", help="in kg/m³")
 
 
 def _add_friction(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group("friction").add_argument
-    add("--mu", type=float, help="friction coefficient (0.3)")
-    add("--eps", type=float, help="smoothing speed of the friction law in m/s (0.1)")
+    add("--mu", type=float, metavar="MU", help="friction coefficient (0.3)")
+    add(
+        "--eps", type=float, metavar="M/S", help="smoothing speed of the friction law in m/s (0.1)"
+    )
     add(
         "--law",
         metavar="LAW",
@@ -89,14 +96,19 @@ def add_contact(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group(
         "contact", "A spring and a damper in place of the ideal contact, for Model 1."
     ).add_argument
-    add("--stiffness", type=float, help="in N/m")
-    add("--damping", type=float, help="in N s/m (half of the critical one)")
-    add("--half-thickness", type=float, help="of a rounded rim in m")
+    add("--stiffness", type=float, metavar="N/M", help="in N/m")
+    add("--damping", type=float, metavar="NS/M", help="in N s/m (half of the critical one)")
+    add("--half-thickness", type=float, metavar="M", help="of a rounded rim in m")
     add("--bilateral", action="store_true", default=None, help="let the contact pull")
-    add("--rolling", type=float, help="dry rolling resistance on the contour (0)")
-    add("--rolling-viscous", type=float, help="viscous one, in s/m (0)")
-    add("--pivoting", type=float, help="lever of the pivoting friction in m (0)")
-    add("--air-drag", type=float, help="air density times drag coefficient in kg/m³ (0)")
+    add("--rolling", type=float, metavar="PART", help="dry rolling resistance on the contour (0)")
+    add("--rolling-viscous", type=float, metavar="S/M", help="viscous one, in s/m (0)")
+    add("--pivoting", type=float, metavar="M", help="lever of the pivoting friction in m (0)")
+    add(
+        "--air-drag",
+        type=float,
+        metavar="KG/M3",
+        help="air density times drag coefficient in kg/m³ (0)",
+    )
 
 
 def add_start(parser: argparse.ArgumentParser) -> None:
@@ -104,16 +116,21 @@ def add_start(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group(
         "start", "The paper's Table 3 by default; what is not given meets the constraints."
     ).add_argument
-    add("--spin", type=float, help="rate of alpha in rad/s (40)")
+    add("--spin", type=float, metavar="RAD/S", help="rate of alpha in rad/s (40)")
     add("--beta", metavar="ANGLE", help="inclination in rad (pi/2)")
     add("--gamma", metavar="ANGLE", help="rotation angle in rad (-pi/2 + 0.1)")
     add("--alpha", metavar="ANGLE", help="in rad (0)")
-    add("--beta-rate", type=float, help="in rad/s (0)")
-    add("--gamma-rate", type=float, help="in rad/s (-spin * cos(beta))")
+    add("--beta-rate", type=float, metavar="RAD/S", help="in rad/s (0)")
+    add("--gamma-rate", type=float, metavar="RAD/S", help="in rad/s (-spin * cos(beta))")
     for name in "xy":
-        add(f"--{name}", type=float, help="of the geometric centre in m, in the turning frame")
-        add(f"--{name}-rate", type=float, help="its rate in m/s")
-    add("--height", type=float, help="over the table in m, with --stiffness")
+        add(
+            f"--{name}",
+            type=float,
+            metavar="M",
+            help="of the geometric centre in m, in the turning frame",
+        )
+        add(f"--{name}-rate", type=float, metavar="M/S", help="its rate in m/s")
+    add("--height", type=float, metavar="M", help="over the table in m, with --stiffness")
 
 
 def add_source(parser: argparse.ArgumentParser, default: str = "engine") -> None:
