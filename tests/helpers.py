@@ -1,21 +1,25 @@
 """What several tests share: random disks and states, own kinematics, derivatives, Lagrange."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 import sympy
 
 from analysis import (
-    GRAVITY,
+    MODELS,
+    POSSIBLE_SETS,
+    ConstraintSet,
     Disk,
+    FrictionLaw,
     Level,
+    Scenario,
     SmoothCoulomb,
-    State,
+    Start,
+    Table,
     Trajectory,
-    consistent_start,
     multiplier_names,
 )
 from analysis.data.checks import Array
@@ -91,32 +95,55 @@ def random_state(random: Generator) -> tuple[Array, Array]:
     return z, random.uniform(-1.5, 1.5, size=6)
 
 
-def random_admissible(level: Level, disk: Disk, random: Generator) -> State:
-    """State that meets all constraints of the model and is free in everything else."""
-    beta, gamma = random.uniform(0.4, 2.7), random.uniform(-3.0, 3.0)
-    spin, beta_rate, gamma_rate = random.uniform(-1.5, 1.5, size=3)
-    start = consistent_start(
-        level,
-        disk,
-        beta=beta,
-        gamma=gamma,
-        spin=spin,
-        beta_rate=beta_rate,
-        gamma_rate=gamma_rate if level < 3 else None,
+def model(level: Level, **fields: Any) -> Scenario:
+    """Scenario of one of the paper's models."""
+    return Scenario(constraints=MODELS[level], **fields)
+
+
+def random_table(random: Generator) -> Table:
+    """Leaning table."""
+    inclination, downhill = random.uniform(0.1, 0.6), random.uniform(-3.0, 3.0)
+    return Table(gravity=random.uniform(2.0, 12.0), inclination=inclination, downhill=downhill)
+
+
+def random_start(constraints: ConstraintSet, random: Generator) -> Start:
+    """Start that is free in everything that the constraints leave free."""
+    held = "fixed-cog" in constraints
+    along, across = "no-slip-along" in constraints, "no-slip-across" in constraints
+    free = {
+        "x": not held,
+        "y": not held,
+        "x_rate": not (held or along),
+        "y_rate": not (held or across),
+        "beta_rate": not (held and across),
+        "gamma_rate": not (held and along),
+    }
+    return Start(
+        alpha=random.uniform(-3.0, 3.0),
+        beta=random.uniform(0.4, 2.7),
+        gamma=random.uniform(-3.0, 3.0),
+        spin=random.uniform(-1.5, 1.5),
+        **{name: random.uniform(-1.5, 1.5) for name, is_free in free.items() if is_free},
     )
-    z, u = np.array(start.coordinates), np.array(start.rates)
-    z[3] = random.uniform(-3.0, 3.0)
-    if level == 1:
-        z[:2], u[:2] = random.uniform(-1.0, 1.0, size=(2, 2))
-    return replace(start, coordinates=tuple(z), rates=tuple(u))
 
 
-def random_sample(level: Level, seed: int) -> tuple[Disk, Array, Array]:
-    """Random disk with coordinates and rates that meet the constraints of the model."""
+def random_scenario(
+    constraints: ConstraintSet, seed: int, friction: FrictionLaw | None = None
+) -> tuple[Scenario, Array, Array]:
+    """Random disk and start on a leaning table, with coordinates and rates at the start."""
     random = np.random.default_rng(seed)
-    disk = random_disk(random)
-    start = random_admissible(level, disk, random)
-    return disk, np.array(start.coordinates), np.array(start.rates)
+    scenario = Scenario(
+        constraints=constraints,
+        disk=random_disk(random),
+        friction=friction or SmoothCoulomb(),
+        table=random_table(random),
+        start=random_start(constraints, random),
+    )
+    state = scenario.initial_state
+    return scenario, np.array(state.coordinates), np.array(state.rates)
+
+
+all_sets = pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
 
 
 def arc(z: Array, u: Array, a: Array) -> Callable[[float], Array]:
@@ -131,10 +158,13 @@ def random_trajectory(level: Level = 3) -> Trajectory:
         times=np.cumsum(random.uniform(0.1, 1.0, size=5)),
         coordinates=random.uniform(0.1, 3.0, size=(5, 6)),
         rates=random.normal(size=(5, 6)),
-        multipliers=random.normal(size=(5, len(multiplier_names(level)))),
-        level=level,
-        disk=random_disk(random),
-        friction=SmoothCoulomb(coefficient=1 / 3, smoothing=0.01, load="contact"),
+        multipliers=random.normal(size=(5, len(multiplier_names(MODELS[level])))),
+        scenario=model(
+            level,
+            disk=random_disk(random),
+            friction=SmoothCoulomb(coefficient=1 / 3, smoothing=0.01, load="contact"),
+            table=random_table(random),
+        ),
         source="engine",
         method={"formulation": "tree", "step": 1 / 7, "stages": 4, "event": None},
         error_estimate=1e-8 / 3,
@@ -219,10 +249,10 @@ class RigidBody(NamedTuple):
     """Height of G over the lowest point of the rim."""
 
 
-def parameter_values(disk: Disk) -> tuple[float, ...]:
+def parameter_values(disk: Disk, table: Table) -> tuple[float, ...]:
     """Numbers for `RigidBody.parameters`."""
     moments = (disk.inertia_x, disk.inertia_y, disk.inertia_z)
-    return (disk.mass, disk.radius, disk.eccentricity, *moments, GRAVITY)
+    return (disk.mass, disk.radius, disk.eccentricity, *moments, *table.vector)
 
 
 @cache
@@ -231,8 +261,9 @@ def rigid_body(*, rotating: bool) -> RigidBody:
 
     G is given in the frame R if `rotating`, in the inertial frame otherwise.
     """
-    parameters = sympy.symbols("m r e A B C g", positive=True)
-    m, r, e, A, B, C, g = parameters
+    parameters = sympy.symbols("m r e A B C", positive=True)
+    m, r, e, A, B, C = parameters
+    gravity = sympy.symbols("g_x g_y g_z", real=True)
     z = sympy.Matrix(sympy.symbols("x y z alpha beta gamma"))
     u = sympy.Matrix(sympy.symbols("u1:7"))
 
@@ -251,7 +282,7 @@ def rigid_body(*, rotating: bool) -> RigidBody:
         + m * speed.dot(turn * omega.cross(to_cog))
         + (omega.T * sympy.diag(A, B, C) * omega)[0] / 2
     )
-    potential = m * g * (centre + turn * to_cog)[2]
+    potential = -m * sympy.Matrix(gravity).dot(centre + turn * to_cog)
     momenta = sympy.Matrix([kinetic]).jacobian(u).T
     # The contact point is the lowest one of the rim: down the plane of the disk from G.
     normal = turn[:, 2]
@@ -259,7 +290,7 @@ def rigid_body(*, rotating: bool) -> RigidBody:
     arm = r * down / sympy.sqrt(1 - normal[2] ** 2)
     contact_speed = frame.T * (speed + (turn * omega).cross(arm))
     return RigidBody(
-        parameters=parameters,
+        parameters=(*parameters, *gravity),
         coordinates=z,
         rates=u,
         mass_matrix=momenta.jacobian(u),

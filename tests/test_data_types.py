@@ -1,5 +1,6 @@
 """What the data types accept, refuse and compute."""
 
+import json
 from dataclasses import FrozenInstanceError, asdict, replace
 from math import inf, nan, pi
 from typing import Any
@@ -10,11 +11,18 @@ import pytest
 from analysis import (
     DISKS,
     GRAVITY,
+    MODELS,
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
     Disk,
+    Dissipation,
+    PenaltyContact,
+    Scenario,
     SmoothCoulomb,
+    Start,
     State,
+    Table,
+    ViscousFriction,
     multiplier_names,
 )
 from analysis.data.checks import Array
@@ -104,9 +112,11 @@ def test_named_disks_are_the_papers() -> None:
     assert DISKS == {"steel": STEEL_DISK, "steel-rounded": ROUNDED_STEEL_DISK}
 
 
-def test_weight_is_mass_times_gravity() -> None:
+def test_weight_is_mass_times_what_presses_of_gravity() -> None:
     assert GRAVITY == 9.81
-    assert STEEL_DISK.weight == STEEL_DISK.mass * GRAVITY
+    assert Scenario().weight == STEEL_DISK.mass * GRAVITY
+    leaning = Scenario(table=Table(gravity=1.62, inclination=pi / 3))
+    assert leaning.weight == pytest.approx(STEEL_DISK.mass * 1.62 / 2, rel=1e-14)
 
 
 def test_inertia_moves_to_the_cog_along_x() -> None:
@@ -205,6 +215,9 @@ DESCRIPTIONS: list[tuple[Any, str]] = [
     (STEEL_DISK, "mass"),
     (SmoothCoulomb(), "coefficient"),
     (State(coordinates=(0, 0, 0, 0, 1, 0), rates=(0,) * 6), "rates"),
+    (Start(), "beta"),
+    (Table(), "gravity"),
+    (Scenario(), "disk"),
     (random_trajectory(), "times"),
 ]
 
@@ -268,4 +281,113 @@ def test_state_vector_holds_coordinates_before_rates() -> None:
 @pytest.mark.parametrize(("level", "count"), [(1, 1), (2, 3), (3, 4), (4, 5)])
 def test_each_model_has_one_multiplier_for_each_constraint(level: Any, count: int) -> None:
     everything = ("normal_force", "cog_force_x", "cog_force_y", "tangential_force", "spin_torque")
-    assert multiplier_names(level) == everything[:count]
+    assert multiplier_names(MODELS[level]) == everything[:count]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"gravity": 0.0}, "gravity must be positive, got 0"),
+        ({"gravity": 1e7}, r"gravity must lie from 0 to 1e\+06, got 1e\+07"),
+        ({"inclination": -0.1}, "inclination must not be negative, got -0.1"),
+        ({"inclination": pi / 2}, r"inclination must be less than pi / 2, got 1\.5708"),
+        ({"downhill": nan}, "downhill must be a finite number, got nan"),
+    ],
+)
+def test_table_names_the_field_out_of_range(changes: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        Table(**changes)
+
+
+def test_table_pulls_down_and_along() -> None:
+    table = Table(gravity=2.0, inclination=pi / 6, downhill=pi / 2)
+    np.testing.assert_allclose(table.vector, (0.0, 1.0, -np.sqrt(3.0)), atol=1e-15)
+    assert table.pressing == pytest.approx(np.sqrt(3.0))
+    assert not table.is_horizontal
+
+
+SOFT = PenaltyContact(stiffness=1e5)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"disk": 3}, "disk must be a Disk, got 3"),
+        ({"friction": "stick"}, "friction must be a FrictionLaw, got 'stick'"),
+        ({"table": None}, "table must be a Table, got None"),
+        ({"contact": 1e6}, r"contact must be a PenaltyContact, got 1000000\.0"),
+        ({"start": (1, 2)}, r"start must be a Start or a State, got \(1, 2\)"),
+        ({"dissipation": Dissipation(pivoting=1e-4)}, "dissipation acts on a penalty contact"),
+        ({"start": Start(height=0.01)}, "height must be 0 or left out on an ideal contact"),
+        (
+            {"contact": SOFT, "constraints": MODELS[2]},
+            "contact must be left out, or constraints be those of Model 1: .* got Model 2",
+        ),
+        ({"contact": PenaltyContact(stiffness=1.0)}, "stiffness must be at least weight"),
+        (
+            {"contact": replace(SOFT, half_thickness=0.1)},
+            "half_thickness must not exceed the radius of the disk = 0.045",
+        ),
+    ],
+)
+def test_scenario_refuses_what_does_not_fit(fields: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}"):
+        Scenario(**fields)
+
+
+def test_replacing_one_field_of_a_scenario_changes_all_that_follows_from_it() -> None:
+    plain = Scenario()
+    soft = replace(plain, contact=SOFT)
+    sunk = plain.weight / SOFT.stiffness
+    assert soft.initial_state.coordinates[2] == pytest.approx(0.045 * np.cos(0) - sunk, rel=1e-9)
+    heavy = replace(soft, table=Table(gravity=2 * GRAVITY))
+    assert heavy.initial_state.coordinates[2] == pytest.approx(0.045 - 2 * sunk, rel=1e-9)
+    assert replace(soft, contact=None) == plain
+    held = replace(plain, constraints=MODELS[2])
+    assert held.initial_state.coordinates[0] == pytest.approx(-0.0025 * np.sin(0.1), rel=1e-9)
+    other = replace(held, disk=replace(STEEL_DISK, eccentricity=0.001))
+    assert other.initial_state.coordinates[0] == pytest.approx(-0.001 * np.sin(0.1), rel=1e-9)
+    with pytest.raises(ValueError, match=r"^gamma_rate must be .* in Model 3"):
+        replace(replace(plain, start=Start(gamma_rate=3.0)), constraints=MODELS[3])
+
+
+def test_a_disk_dropped_from_a_height_starts_at_it() -> None:
+    soft = Scenario(contact=SOFT, start=Start(height=0.005))
+    assert soft.initial_state.coordinates[2] == pytest.approx(0.05, rel=1e-12)
+    rounded = Scenario.rest(start=Start(beta=0.3, height=0.005))
+    lowest = rounded.initial_state.coordinates[2] - np.hypot(
+        0.045 * np.sin(0.3), 2e-4 * np.cos(0.3)
+    )
+    assert lowest == pytest.approx(0.005, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        Scenario(),
+        Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3), start=Start(height=0.1)),
+        Scenario(constraints=MODELS[4], disk=ROUNDED_STEEL_DISK, table=Table(inclination=0.1)),
+        Scenario(friction=ViscousFriction(viscosity=3.0), start=Scenario().initial_state),
+        Scenario(constraints=("contact", "no-slip-across"), start=Start(x=0.1, y_rate=-4.0)),
+    ],
+    ids=["paper", "rest", "model 4", "state", "set"],
+)
+def test_scenario_comes_back_from_its_values(scenario: Scenario) -> None:
+    through_json = json.loads(json.dumps(scenario.values()))
+    assert Scenario.from_values(through_json) == scenario
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"level": 3}, "scenario must be one of constraints, disk, .*, got 'level'"),
+        ({"disk": 3}, "disk must be a table, got 3"),
+        ({"disk": {"radius": 1.0}}, "disk must hold mass, eccentricity, .*, which are missing"),
+        ({"table": {"tilt": 0.1}}, "table must be one of gravity, .*, got 'tilt'"),
+        ({"constraints": "contact"}, "constraints must be a list of names"),
+        ({"contact": {"damping": 1.0}}, "contact must hold stiffness, which are missing"),
+    ],
+)
+def test_values_that_are_no_scenario_are_named(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}"):
+        Scenario.from_values(values)

@@ -9,19 +9,19 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import LEVELS, STEEL_DISK, Level, PenaltyContact, SmoothCoulomb, consistent_start
+from analysis import LEVELS, STEEL_DISK, Level, PenaltyContact, Scenario, SmoothCoulomb, Start
 from analysis.data.limits import MOST_STEPS, Effort
 from analysis.models import effort
 from analysis.models.integration import METHODS, Method
 from mbs_models import Integrator, Scene, rest_run
 from mbs_models import effort as engine_effort
+from tests.scenes import rest_scene, scenario_of, scene_of
 from validation.commands import options
 
 FACTOR = 4.0
 """How far a prediction may be off."""
 
 FRICTION = SmoothCoulomb()
-START = Start()
 
 
 def in_house(
@@ -34,11 +34,10 @@ def in_house(
     **accuracy: float,
 ) -> tuple[dict[str, Any], Effort]:
     start = Start(spin=spin, beta=beta)
+    scenario = Scenario(friction=friction, start=start)
     times = np.array([0.0, end])
-    predicted = effort.simulation_effort(
-        times, STEEL_DISK, friction, start, method=method, **accuracy
-    )
-    call = {"level": 1, "times": times, "friction": friction, "start": start, "method": method}
+    predicted = effort.simulation_effort(scenario, times, method=method, **accuracy)
+    call: dict[str, Any] = {"scenario": scenario, "times": times, "method": method}
     return call | accuracy, predicted
 
 
@@ -77,11 +76,11 @@ def test_evaluations_of_in_house_runs_are_predicted(given: dict[str, Any]) -> No
         (Scene(), 1e-11),
         (scene_of(friction=SmoothCoulomb(smoothing=1e-3)), 1e-8),
         (scene_of(start=Start(spin=100.0)), 1e-8),
-        (scene_of(level=2), 1e-4),
-        (scene_of(level=4), 1e-6),
-        (scene_of(level=3, formulation="floating"), 1e-4),
+        (scene_of(2), 1e-4),
+        (scene_of(4), 1e-6),
+        (scene_of(3, formulation="floating"), 1e-4),
     ],
-    ids=lambda value: value.formulation if isinstance(value, Scene) else str(value),
+    ids=lambda value: value.built_as if isinstance(value, Scene) else str(value),
 )
 def test_steps_of_engine_runs_are_predicted(scene: Scene, tolerance: float) -> None:
     times = np.linspace(0.0, 0.5, 51)
@@ -98,43 +97,41 @@ def test_steps_of_a_given_length_are_counted(times: list[float], step: float) ->
 
 
 def test_steps_to_rest_are_predicted_on_both_sides() -> None:
-    contact = PenaltyContact.rounded(STEEL_DISK)
-    scene = rest_scene(contact=contact)
+    scene = rest_scene()
     step = rest_run.SAFETY * rest_run.largest_step(scene)
     predicted = engine_effort.rest_effort(scene, 0.1, step).steps
     assert predicted == pytest.approx(
         mbs_models.simulate_to_rest(scene, 0.1, step=step).counts["steps"], rel=0.2
     )
-    taken = analysis.simulate_to_rest(0.2, contact=contact, local_tolerance=1e-9).counts[
-        "right_hand_sides"
-    ]
-    evaluations = 2.0 * effort.rest_effort(0.2, STEEL_DISK, contact).steps
+    motion = analysis.simulate_to_rest(scene.scenario, 0.2, local_tolerance=1e-9)
+    taken = motion.counts["right_hand_sides"]
+    evaluations = 2.0 * effort.rest_effort(scene.scenario, 0.2).steps
     assert 1.0 / FACTOR < evaluations / taken < FACTOR
 
 
 TWO_SECONDS: dict[str, Any] = {"times": [0.0, 2.0]}
-DEFAULTS: dict[str, Any] = {"level": 1} | TWO_SECONDS
-FLAT = Start(beta=1.1e-6)
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("fields", "end", "message"),
     [
         (
             {"friction": SmoothCoulomb(smoothing=1e-12)},
+            2.0,
             r"friction gradient 3e\+11 s/m .* would take about",
         ),
-        ({"friction": SmoothCoulomb(coefficient=1e9)}, r"friction gradient 1e\+10 s/m up to"),
-        ({"times": [0.0, 1e9]}, "tolerance 1e-08 up to t = 1e.09 s would take about"),
         (
-            {"start": FLAT, "times": [0.0, 10.0]},
-            "beta 1.1e-06 rad up to t = 10 s would take",
+            {"friction": SmoothCoulomb(coefficient=1e9)},
+            2.0,
+            r"friction gradient 1e\+10 s/m up to",
         ),
+        ({}, 1e9, "tolerance 1e-08 up to t = 1e.09 s would take about"),
+        ({"start": Start(beta=1.1e-6)}, 10.0, "beta 1.1e-06 rad up to t = 10 s would take"),
     ],
 )
-def test_endless_in_house_run_is_refused(given: dict[str, Any], message: str) -> None:
+def test_endless_in_house_run_is_refused(fields: dict[str, Any], end: float, message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}"):
-        analysis.simulate(**DEFAULTS | given)
+        analysis.simulate(Scenario(**fields), [0.0, end])
 
 
 @pytest.mark.parametrize(
@@ -142,7 +139,7 @@ def test_endless_in_house_run_is_refused(given: dict[str, Any], message: str) ->
     [
         (Scene(), {"step": 1e-12}, "step 1e-12 s up to t = 2 s would take about 2.0e"),
         (
-            scene_of(level=3),
+            scene_of(3),
             {"times": [0.0, 5e5, 1e6]},
             "tolerance 1e-08 rad up to t = 1e.06 s",
         ),
@@ -164,12 +161,12 @@ def test_endless_way_to_rest_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^end = 80 s .* stiffness 1e\+12 N/m .* would take"):
         mbs_models.simulate_to_rest(rest_scene(contact=contact), 80.0)
     with pytest.raises(ValueError, match=r"^stiffness 1e\+12 N/m until end = 80 s would take"):
-        analysis.simulate_to_rest(80.0, contact=contact)
+        analysis.simulate_to_rest(Scenario.rest(contact=contact), 80.0)
 
 
 def test_way_to_rest_that_no_memory_holds_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^end asks for 5e\+11 samples"):
-        analysis.simulate_to_rest(1e9)
+        analysis.simulate_to_rest(Scenario.rest(), 1e9)
     with pytest.raises(ValueError, match=r"^end asks for 5e\+11 samples"):
         mbs_models.simulate_to_rest(rest_scene(), 1e9)
 
@@ -189,9 +186,10 @@ def test_honest_runs_are_not_refused(
 ) -> None:
     start = Start(spin=spin)
     times = np.linspace(0.0, 2.0, 201)
-    effort.simulation_effort(times, STEEL_DISK, friction, start, tolerance=tolerance).check()
-    for formulation in mbs_models.formulations(level):
-        scene = scene_of(level=level, formulation=formulation, friction=friction, start=start)
+    scenario = scenario_of(level, friction=friction, start=start)
+    effort.simulation_effort(scenario, times, tolerance=tolerance).check()
+    for formulation in mbs_models.formulations(scenario):
+        scene = Scene(scenario, formulation)
         engine_effort.simulation_effort(scene, times, tolerance=tolerance).check()
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sympy
 
-from analysis import Disk
+from analysis import Disk, Table
 from analysis.data.checks import Array
 from analysis.models import equations, inertial
 from tests.helpers import (
@@ -18,12 +18,16 @@ from tests.helpers import (
     parameter_values,
     random_disk,
     random_state,
+    random_table,
     rigid_body,
 )
 
 MODULES: dict[str, ModuleType] = {"co-rotating": equations, "inertial": inertial}
 
 seeds = pytest.mark.parametrize("seed", range(5))
+
+
+LEVEL = Table()
 
 
 class Derived(NamedTuple):
@@ -57,8 +61,8 @@ def frame(request: pytest.FixtureRequest) -> str:
     return name
 
 
-def derived(frame: str, disk: Disk, z: Array, u: Array) -> Derived:
-    M, h, f, w_N, W_T = _numeric(frame)(parameter_values(disk), z, u)
+def derived(frame: str, disk: Disk, z: Array, u: Array, table: Table = LEVEL) -> Derived:
+    M, h, f, w_N, W_T = _numeric(frame)(parameter_values(disk, table), z, u)
     return Derived(M, h[:, 0], f[:, 0], w_N[:, 0], W_T)
 
 
@@ -82,10 +86,14 @@ def test_gyroscopic_forces_are_those_of_lagrange(frame: str, seed: int) -> None:
 
 
 @seeds
-def test_gravity_is_the_falling_gradient_of_the_cog_height(frame: str, seed: int) -> None:
+@pytest.mark.parametrize("leaning", [False, True])
+def test_gravity_is_the_falling_gradient_of_the_cog_height(
+    frame: str, leaning: bool, seed: int
+) -> None:
     disk, z, u = sample(seed)
-    printed = MODULES[frame].gravity_forces(disk, z)
-    assert_close(printed, derived(frame, disk, z, u).gravity_forces)
+    table = random_table(np.random.default_rng(seed)) if leaning else LEVEL
+    forces = MODULES[frame].gravity_forces(disk, table, z)
+    assert_close(forces, derived(frame, disk, z, u, table).gravity_forces)
 
 
 @seeds
@@ -144,7 +152,9 @@ def test_gyroscopic_forces_are_linked_by_equation_14(seed: int) -> None:
 def test_forces_are_linked_by_equation_14(seed: int) -> None:
     disk, z, _ = sample(seed)
     q, B = _inertial_coordinates(z), inertial.rate_matrix(z)
-    assert_close(equations.gravity_forces(disk, z), B.T @ inertial.gravity_forces(disk, q))
+    table = random_table(np.random.default_rng(seed))
+    expected = B.T @ inertial.gravity_forces(disk, table, q)
+    assert_close(equations.gravity_forces(disk, table, z), expected)
     assert_close(equations.normal_direction(disk, z), B.T @ inertial.normal_direction(disk, q))
 
 

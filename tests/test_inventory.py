@@ -109,8 +109,9 @@ def test_counts_are_those_of_the_assembled_system(
 def test_penalty_contact_needs_one_force_law_and_no_joint(
     formulation: Any, items: list[str], rough: bool
 ) -> None:
-    scene = Scene(
-        formulation=formulation,
+    scene = scene_of(
+        1,
+        formulation,
         contact=PenaltyContact(stiffness=1e5),
         friction=SmoothCoulomb() if rough else SMOOTH,
     )

@@ -5,7 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import CENTRED_DISK, Inversion, Trajectory, find_inversion, judge_inversion, simulate
+from analysis import (
+    CENTRED_DISK,
+    Inversion,
+    Scenario,
+    Trajectory,
+    find_inversion,
+    judge_inversion,
+    simulate,
+)
 from analysis.data.checks import Array
 from analysis.models.inversion import DEFINITION, REACHED, STAYING
 from tests.helpers import random_trajectory
@@ -70,7 +78,7 @@ def test_motion_that_ends_before_the_disk_has_stayed_up_is_not_decided() -> None
 
 
 def test_model_1_inverts_from_table_3_within_half_a_second() -> None:
-    run = simulate(1, TIMES, local_tolerance=1e-6)
+    run = simulate(Scenario(), TIMES, local_tolerance=1e-6)
     assert find_inversion(run) == pytest.approx(0.49, abs=0.011)
     assert judge_inversion(run).lost is None
 
@@ -82,7 +90,7 @@ def test_trajectory_tells_where_its_centre_of_gravity_lies() -> None:
 
 
 def test_disk_without_eccentricity_is_never_inverted() -> None:
-    run = replace(upright(), disk=CENTRED_DISK)
+    run = replace(upright(), scenario=Scenario(disk=CENTRED_DISK))
     assert find_inversion(upright()) == 0.0
     assert find_inversion(run) is None
 
@@ -90,7 +98,13 @@ def test_disk_without_eccentricity_is_never_inverted() -> None:
 def upright() -> Trajectory:
     run = random_trajectory()
     coordinates = np.tile([0.0, 0.0, 0.045, 0.0, np.pi / 2, np.pi / 2], (run.times.size, 1))
-    return replace(run, times=np.linspace(0.0, 2.0, run.times.size), coordinates=coordinates)
+    return replace(
+        run,
+        scenario=Scenario(),
+        multipliers=run.multipliers[:, :1],
+        times=np.linspace(0.0, 2.0, run.times.size),
+        coordinates=coordinates,
+    )
 
 
 def test_definition_names_its_numbers() -> None:

@@ -21,14 +21,13 @@ from analysis import (
 )
 from analysis.data.frames import poses
 from analysis.models.equations import mass_matrix
-from mbs_models import Formulation, Scene
+from mbs_models import Formulation
 from tests.scenes import scene_of
 from validation.studies.robustness.penalty_limit import penalty_error
 
 FORMULATIONS: tuple[Formulation, ...] = ("euler-tree", "floating", "floating-lie")
 CONTACT = PenaltyContact(stiffness=1e5, damping=10.0)
 TIMES = np.linspace(0.0, 0.1, 21)
-
 
 MOVING = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0, gamma_rate=-5.0)
 
@@ -60,8 +59,8 @@ def test_all_formulations_have_the_same_accelerations(load: Load, coefficient: f
 @pytest.mark.parametrize("load", LOADS)
 def test_disk_in_the_air_feels_its_weight_alone(formulation: Any, load: Load) -> None:
     start = Start(spin=0.0, height=1e-3)
-    scene = Scene(
-        formulation=formulation, contact=CONTACT, friction=SmoothCoulomb(load=load), start=start
+    scene = scene_of(
+        1, formulation, contact=CONTACT, friction=SmoothCoulomb(load=load), start=start
     )
     accelerations, force = mbs_models.acceleration(scene)
     np.testing.assert_allclose(accelerations, [0, 0, -analysis.GRAVITY, 0, 0, 0], atol=1e-9)
@@ -71,15 +70,16 @@ def test_disk_in_the_air_feels_its_weight_alone(formulation: Any, load: Load) ->
 def test_disk_falls_freely_until_it_touches_the_table() -> None:
     start = Start(spin=0.0, gamma=np.pi / 2, height=0.05)
     times = np.linspace(0.0, 0.1, 11)
-    run = mbs_models.simulate(scene_of(contact=CONTACT, start=start), times, step=1e-3)
-    fallen = start.coordinates[2] - 0.5 * analysis.GRAVITY * times**2
+    scene = scene_of(contact=CONTACT, start=start)
+    run = mbs_models.simulate(scene, times, step=1e-3)
+    fallen = scene.scenario.initial_state.coordinates[2] - 0.5 * analysis.GRAVITY * times**2
     np.testing.assert_allclose(run.coordinate("z"), fallen, atol=1e-12)
     assert not np.any(run.normal_force)
 
 
 def test_undamped_frictionless_bounce_keeps_the_energy() -> None:
     start = Start(spin=0.0, gamma=np.pi / 2, height=0.01)
-    scene = Scene(
+    scene = scene_of(
         contact=PenaltyContact(stiffness=1e5),
         friction=SmoothCoulomb(coefficient=0.0),
         start=start,
@@ -144,8 +144,9 @@ def test_bilateral_contact_pulls_and_the_unilateral_one_does_not() -> None:
     start = Start(spin=0.0, gamma=np.pi / 2, height=1e-5)
     for formulation in FORMULATIONS:
         for bilateral, expected in ((False, 0.0), (True, -1e5 * 1e-5)):
-            scene = Scene(
-                formulation=formulation,
+            scene = scene_of(
+                1,
+                formulation,
                 contact=replace(CONTACT, bilateral=bilateral),
                 friction=SmoothCoulomb(load="contact"),
                 start=start,

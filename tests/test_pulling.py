@@ -1,6 +1,7 @@
 """A bilateral contact that would have to pull, time limits, and progress, on both sides."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +11,17 @@ import pytest
 import analysis
 import mbs_models
 from analysis import (
-    STEEL_DISK,
+    LOADS,
     Ending,
+    Form,
     Level,
     Load,
     PenaltyContact,
+    Scenario,
     SmoothCoulomb,
-    State,
+    Start,
     TimeLimitError,
     Trajectory,
-    consistent_start,
     energies,
     power,
 )
@@ -27,25 +29,23 @@ from analysis.data.checks import Array
 from analysis.models import index1
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.pulling import dips, pulling_times, zero
+from tests.scenes import scenario_of, scene_of
 from validation import cli
 
 TIMES = np.linspace(0.0, 0.2, 21)
 CONTACT = SmoothCoulomb(load="contact")
+FAST = Start(spin=150.0)
+LOADED = {load: SmoothCoulomb(load=load) for load in LOADS}
 CASES: list[tuple[Level, Formulation, Load]] = [
     (level, formulation, load)
     for level in (1, 2)
-    for formulation in formulations(level)
-    for load in ("weight", "contact")
-    if formulation != "contact-tree" or load == "weight"
+    for load in LOADS
+    for formulation in formulations(scenario_of(level, friction=LOADED[load]))
 ]
 
 
-def fast(level: Level) -> State:
-    return consistent_start(level, STEEL_DISK, spin=150.0)
-
-
 def energy(run: Trajectory) -> Array:
-    kinetic, potential = energies(run.disk, run.coordinates, run.rates)
+    kinetic, potential = energies(run.scenario, run.coordinates, run.rates)
     return kinetic + potential
 
 
@@ -53,10 +53,9 @@ def energy(run: Trajectory) -> Array:
 def test_both_sides_end_where_the_contact_would_pull(
     level: Level, formulation: Formulation, load: Load
 ) -> None:
-    friction, start = SmoothCoulomb(load=load), fast(level)
-    scene = Scene(level=level, formulation=formulation, friction=friction, start=start)
-    engine = mbs_models.simulate(scene, TIMES, tolerance=1e-5)
-    in_house = analysis.simulate(level, TIMES, friction=friction, start=start, tolerance=1e-9)
+    scenario = scenario_of(level, friction=LOADED[load], start=FAST)
+    engine = mbs_models.simulate(Scene(scenario, formulation), TIMES, tolerance=1e-5)
+    in_house = analysis.simulate(scenario, TIMES, tolerance=1e-9)
     assert engine.ending is not None
     assert in_house.ending is not None
     assert engine.ending.reason == in_house.ending.reason == "contact would pull"
@@ -65,16 +64,16 @@ def test_both_sides_end_where_the_contact_would_pull(
     np.testing.assert_allclose(engine.coordinates, in_house.coordinates, atol=1e-5)
     for run in (engine, in_house):
         assert np.all(run.normal_force[:-1] > 0.0)
-        assert abs(run.normal_force[-1]) < 1e-4 * STEEL_DISK.weight
+        assert abs(run.normal_force[-1]) < 1e-4 * run.scenario.weight
         assert run.ending is not None
         assert run.ending.value == run.normal_force[-1]
 
 
 def test_reduced_and_full_equations_end_together() -> None:
-    start = consistent_start(4, STEEL_DISK, beta=1.0, gamma=-1.0, spin=100.0)
+    scenario = scenario_of(4, start=Start(beta=1.0, gamma=-1.0, spin=100.0))
+    forms: tuple[Form, ...] = ("index-1", "reduced")
     full, reduced = (
-        analysis.simulate(4, TIMES, start=start, form=form, tolerance=1e-10)
-        for form in analysis.FORMS
+        analysis.simulate(scenario, TIMES, form=form, tolerance=1e-10) for form in forms
     )
     assert full.ending is not None
     assert reduced.ending is not None
@@ -83,26 +82,18 @@ def test_reduced_and_full_equations_end_together() -> None:
 
 @pytest.mark.parametrize("load", ["weight", "contact"])
 def test_friction_takes_energy_even_where_the_contact_is_allowed_to_pull(load: Load) -> None:
-    run = analysis.simulate(
-        2,
-        TIMES,
-        friction=SmoothCoulomb(load=load),
-        start=fast(2),
-        allow_pulling=True,
-        local_tolerance=1e-10,
-    )
+    scenario = scenario_of(2, friction=LOADED[load], start=FAST)
+    run = analysis.simulate(scenario, TIMES, allow_pulling=True, local_tolerance=1e-10)
     assert run.ending is None
-    assert np.min(run.normal_force) < -0.1 * STEEL_DISK.weight
+    assert np.min(run.normal_force) < -0.1 * run.scenario.weight
     assert np.all(power(run) <= 0.0)
     assert np.max(energy(run) - energy(run)[0]) < 1e-8
 
 
 def test_friction_takes_energy_in_the_engine_too() -> None:
-    scene = Scene(level=2, friction=CONTACT, start=fast(2))
+    scene = scene_of(2, friction=CONTACT, start=FAST)
     run = mbs_models.simulate(scene, TIMES, step=2e-4, allow_pulling=True)
-    truth = analysis.simulate(
-        2, TIMES, friction=CONTACT, start=fast(2), allow_pulling=True, tolerance=1e-9
-    )
+    truth = analysis.simulate(scene.scenario, TIMES, allow_pulling=True, tolerance=1e-9)
     np.testing.assert_allclose(run.coordinates[:, 4:], truth.coordinates[:, 4:], atol=4e-4)
     assert np.max(energy(run) - energy(run)[0]) < 1e-5
     assert len(run.pulling) == len(truth.pulling) > 1
@@ -112,10 +103,9 @@ def test_friction_takes_energy_in_the_engine_too() -> None:
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating-lie"])
 def test_a_penalty_contact_that_holds_down_ends_as_the_ideal_one(formulation: Any) -> None:
     contact = PenaltyContact(stiffness=1e6, damping=300.0, bilateral=True)
-    start = contact.lowered(STEEL_DISK, fast(1))
-    scene = Scene(formulation=formulation, contact=contact, friction=CONTACT, start=start)
+    scene = scene_of(1, formulation, contact=contact, friction=CONTACT, start=FAST)
     run = mbs_models.simulate(scene, TIMES, step=5e-5)
-    ideal = analysis.simulate(1, TIMES, friction=CONTACT, start=fast(1))
+    ideal = analysis.simulate(replace(scene.scenario, contact=None), TIMES)
     assert run.ending is not None
     assert ideal.ending is not None
     assert run.ending.time == pytest.approx(ideal.ending.time, abs=2e-4)
@@ -123,11 +113,11 @@ def test_a_penalty_contact_that_holds_down_ends_as_the_ideal_one(formulation: An
 
 @pytest.mark.parametrize("side", ["engine", "in-house"])
 def test_a_start_that_needs_a_pulling_contact_is_refused(side: str) -> None:
-    start = consistent_start(1, STEEL_DISK, beta=0.5, spin=0.0, beta_rate=-40.0, gamma_rate=0.0)
-    scene = Scene(formulation="euler-tree", start=start)
+    start = Start(beta=0.5, spin=0.0, beta_rate=-40.0, gamma_rate=0.0)
+    scene = scene_of(1, "euler-tree", start=start)
     runs: dict[str, Callable[[], Trajectory]] = {
         "engine": lambda: mbs_models.simulate(scene, TIMES),
-        "in-house": lambda: analysis.simulate(1, TIMES, start=start),
+        "in-house": lambda: analysis.simulate(scene.scenario, TIMES),
     }
     with pytest.raises(ValueError, match="start needs a contact that pulls, with a normal force"):
         runs[side]()
@@ -136,27 +126,25 @@ def test_a_start_that_needs_a_pulling_contact_is_refused(side: str) -> None:
 @pytest.mark.parametrize("level", [1, 2, 3, 4])
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
 def test_accelerations_of_a_pulling_contact_agree(level: Level, formulation: Any) -> None:
-    start = consistent_start(level, STEEL_DISK, beta=1.2, gamma=0.4, spin=90.0, beta_rate=60.0)
-    scene = Scene(level=level, formulation=formulation, friction=CONTACT, start=start)
-    engine, forces = mbs_models.acceleration(scene)
-    in_house, multipliers = index1.accelerations(
-        level, STEEL_DISK, CONTACT, start.coordinates, start.rates
-    )
+    start = Start(beta=1.2, gamma=0.4, spin=90.0, beta_rate=60.0)
+    scenario = scenario_of(level, friction=CONTACT, start=start)
+    engine, forces = mbs_models.acceleration(Scene(scenario, formulation))
+    state = scenario.initial_state
+    in_house, multipliers = index1.accelerations(scenario, state.coordinates, state.rates)
     assert multipliers[0] < 0.0
     np.testing.assert_allclose(engine, in_house, rtol=1e-8, atol=1e-6)
     np.testing.assert_allclose(forces, multipliers, rtol=1e-8, atol=1e-6)
 
 
 def test_friction_that_calls_for_its_own_load_has_no_accelerations() -> None:
-    start = consistent_start(
-        1, STEEL_DISK, beta=0.4, gamma=0.0, spin=0.0, gamma_rate=0.0, beta_rate=-5.0
-    )
+    start = Start(beta=0.4, gamma=0.0, spin=0.0, gamma_rate=0.0, beta_rate=-5.0)
     steep = SmoothCoulomb(coefficient=5.0, smoothing=1e-4, load="contact")
-    scene = Scene(formulation="floating", friction=steep, start=start)
+    scenario = Scenario(friction=steep, start=start)
+    state = scenario.initial_state
     with pytest.raises(ArithmeticError, match="each newton of normal force calls for"):
-        index1.accelerations(1, STEEL_DISK, steep, start.coordinates, start.rates)
+        index1.accelerations(scenario, state.coordinates, state.rates)
     with pytest.raises(ArithmeticError, match="each newton of normal force calls for"):
-        mbs_models.acceleration(scene)
+        mbs_models.acceleration(Scene(scenario, "floating"))
 
 
 def test_a_short_dip_between_two_samples_is_found() -> None:
@@ -192,9 +180,9 @@ def test_times_of_pulling_are_those_of_a_negative_force() -> None:
 def test_a_run_ends_at_its_time_limit_with_what_it_has_reached(side: str) -> None:
     times = np.linspace(0.0, 1000.0, 100_001)
     if side == "engine":
-        run = mbs_models.simulate(Scene(level=2), times, step=1e-3, time_limit=0.2)
+        run = mbs_models.simulate(scene_of(2), times, step=1e-3, time_limit=0.2)
     else:
-        run = analysis.simulate(2, times, local_tolerance=1e-8, time_limit=0.2)
+        run = analysis.simulate(scenario_of(2), times, local_tolerance=1e-8, time_limit=0.2)
     assert run.ending is not None
     assert run.ending.reason == "time limit"
     assert run.ending.value > 0.2
@@ -204,12 +192,11 @@ def test_a_run_ends_at_its_time_limit_with_what_it_has_reached(side: str) -> Non
 
 @pytest.mark.parametrize("side", ["engine", "in-house"])
 def test_a_tolerance_that_nothing_has_met_by_the_time_limit_raises(side: str) -> None:
-    times = np.linspace(0.0, 1000.0, 100_001)
+    scene, times = scene_of(2), np.linspace(0.0, 1000.0, 100_001)
+    limits = {"tolerance": 1e-6, "time_limit": 0.1}
     runs: dict[str, Callable[[], Trajectory]] = {
-        "engine": lambda: mbs_models.simulate(
-            Scene(level=2), times, tolerance=1e-6, time_limit=0.1
-        ),
-        "in-house": lambda: analysis.simulate(2, times, tolerance=1e-6, time_limit=0.1),
+        "engine": lambda: mbs_models.simulate(scene, times, **limits),
+        "in-house": lambda: analysis.simulate(scene.scenario, times, **limits),
     }
     with pytest.raises(TimeLimitError, match="time limit met"):
         runs[side]()
@@ -225,7 +212,7 @@ def test_progress_goes_up_to_the_end(side: str) -> None:
     if side == "engine":
         mbs_models.simulate(Scene(), TIMES, step=5e-3, progress=progress)
     else:
-        analysis.simulate(1, TIMES, local_tolerance=1e-6, progress=progress)
+        analysis.simulate(Scenario(), TIMES, local_tolerance=1e-6, progress=progress)
     reached = [moment for moment, _ in seen]
     assert reached == sorted(reached)
     assert reached[-1] == pytest.approx(TIMES[-1])
@@ -239,8 +226,8 @@ def test_an_exception_of_the_progress_ends_the_run_and_comes_through(side: str) 
             raise KeyboardInterrupt
 
     run: dict[str, Callable[[], Trajectory]] = {
-        "engine": lambda: mbs_models.simulate(Scene(level=2), TIMES, progress=progress),
-        "in-house": lambda: analysis.simulate(2, TIMES, progress=progress),
+        "engine": lambda: mbs_models.simulate(scene_of(2), TIMES, progress=progress),
+        "in-house": lambda: analysis.simulate(scenario_of(2), TIMES, progress=progress),
     }
     with pytest.raises(KeyboardInterrupt):
         run[side]()
@@ -249,14 +236,16 @@ def test_an_exception_of_the_progress_ends_the_run_and_comes_through(side: str) 
 @pytest.mark.parametrize("limit", [0.0, -1.0, np.nan])
 def test_time_limit_must_be_positive(limit: float) -> None:
     with pytest.raises(ValueError, match="time_limit"):
-        analysis.simulate(1, TIMES, time_limit=limit)
+        analysis.simulate(Scenario(), TIMES, time_limit=limit)
     with pytest.raises(ValueError, match="time_limit"):
         mbs_models.simulate(Scene(), TIMES, time_limit=limit)
 
 
 def test_ending_and_pulling_come_back_from_a_file(tmp_path: Path) -> None:
-    ended = analysis.simulate(1, TIMES, start=fast(1), local_tolerance=1e-6)
-    pulled = analysis.simulate(1, TIMES, start=fast(1), local_tolerance=1e-6, allow_pulling=True)
+    ended = analysis.simulate(Scenario(start=FAST), TIMES, local_tolerance=1e-6)
+    pulled = analysis.simulate(
+        Scenario(start=FAST), TIMES, local_tolerance=1e-6, allow_pulling=True
+    )
     for run in (ended, pulled):
         run.save(tmp_path / "run.npz")
         again = Trajectory.load(tmp_path / "run.npz")

@@ -1,27 +1,40 @@
 """Model 4 in minimal coordinates against its projection from the full equations of motion."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 import sympy
 
-from analysis import STEEL_DISK, Disk, SmoothCoulomb
+from analysis import MODELS, STEEL_DISK, Scenario, SmoothCoulomb, Table
 from analysis.data.checks import Array
 from analysis.models import constraints, index1, reduced
-from tests.helpers import assert_close, derivative, parameter_values, random_disk, rigid_body
+from tests.helpers import (
+    assert_close,
+    derivative,
+    model,
+    parameter_values,
+    random_disk,
+    rigid_body,
+)
 
 seeds = pytest.mark.parametrize("seed", range(6))
 coefficients = pytest.mark.parametrize("coefficient", [0.0, 0.3])
 
 
-def sample(seed: int) -> tuple[Disk, float, tuple[float, float, float]]:
-    """Disk of order one, spin and minimal state."""
+def sample(seed: int, coefficient: float = 0.3) -> tuple[Scenario, float, tuple[float, ...]]:
+    """Model 4 with a disk of order one, spin and minimal state."""
     random = np.random.default_rng(seed)
-    disk = random_disk(random)
+    scenario = model(
+        4,
+        disk=random_disk(random),
+        friction=SmoothCoulomb(coefficient=coefficient),
+        table=Table(gravity=random.uniform(2.0, 12.0)),
+    )
     beta, gamma = random.uniform(0.4, 2.7), random.uniform(-3.0, 3.0)
-    return disk, random.uniform(-3.0, 3.0), (beta, gamma, random.uniform(-3.0, 3.0))
+    return scenario, random.uniform(-3.0, 3.0), (beta, gamma, random.uniform(-3.0, 3.0))
 
 
 @pytest.fixture(scope="module")
@@ -64,12 +77,11 @@ def projection() -> Callable[..., list[Any]]:
 def test_reduced_equations_are_the_projection_of_the_full_ones(
     projection: Callable[..., list[Any]], coefficient: float, seed: int
 ) -> None:
-    disk, spin, x = sample(seed)
-    law = SmoothCoulomb(coefficient=coefficient)
-    terms = projection(parameter_values(disk), spin, x)
+    scenario, spin, x = sample(seed, coefficient)
+    terms = projection(parameter_values(scenario.disk, scenario.table), spin, x)
     mass, force, direction, slip = (float(term[0, 0]) for term in terms)
-    force += direction * -coefficient * disk.weight * slip / (abs(slip) + law.smoothing)
-    assert reduced.acceleration(disk, law, spin, x) == pytest.approx(force / mass, rel=1e-12)
+    force += direction * -coefficient * scenario.weight * slip / (abs(slip) + 0.1)
+    assert reduced.acceleration(scenario, spin, x) == pytest.approx(force / mass, rel=1e-12)
 
 
 @coefficients
@@ -78,25 +90,24 @@ def test_reduced_equations_are_the_projection_of_the_full_ones(
 def test_index_1_system_of_model_4_accelerates_like_the_reduced_one(
     coefficient: float, large: bool, seed: int
 ) -> None:
-    disk, spin, x = sample(seed)
+    scenario, spin, x = sample(seed, coefficient)
     if large:
-        disk, spin = STEEL_DISK, 40.0 + spin
-    law = SmoothCoulomb(coefficient=coefficient)
-    z, u = reduced.expand(disk, spin, np.array([1.7]), np.array([x]))
-    accelerations, _ = index1.accelerations(4, disk, law, z[0], u[0])
-    expected = reduced.acceleration(disk, law, spin, x)
+        scenario, spin = replace(scenario, disk=STEEL_DISK), 40.0 + spin
+    z, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
+    accelerations, _ = index1.accelerations(scenario, z[0], u[0])
+    expected = reduced.acceleration(scenario, spin, x)
     assert accelerations[4] == pytest.approx(expected, rel=1e-10)
 
 
 @seeds
 def test_index_1_system_of_model_4_follows_the_reduced_kinematics(seed: int) -> None:
-    disk, spin, x = sample(seed)
-    z, u = reduced.expand(disk, spin, np.array([1.7]), np.array([x]))
-    accelerations, _ = index1.accelerations(4, disk, SmoothCoulomb(), z[0], u[0])
-    right = np.array(reduced.right_hand_side(disk, SmoothCoulomb(), spin, x))
+    scenario, spin, x = sample(seed)
+    z, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
+    accelerations, _ = index1.accelerations(scenario, z[0], u[0])
+    right = np.array(reduced.right_hand_side(scenario, spin, x))
 
     def rates(t: float) -> Array:
-        _, rows = reduced.expand(disk, spin, np.array([1.7]), np.array([x]) + t * right)
+        _, rows = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]) + t * right)
         return rows.ravel()
 
     assert_close(accelerations, derivative(rates), relative=1e-11)
@@ -104,29 +115,31 @@ def test_index_1_system_of_model_4_follows_the_reduced_kinematics(seed: int) -> 
 
 @seeds
 def test_expanded_states_meet_all_constraints(seed: int) -> None:
-    disk, spin, x = sample(seed)
-    z, u = reduced.expand(disk, spin, np.array([1.7]), np.array([x]))
-    residuals = constraints.directions(4, disk, z[0]) @ u[0]
-    np.testing.assert_allclose(constraints.positions(4, disk, z[0]), 0.0, rtol=0, atol=1e-15)
+    scenario, spin, x = sample(seed)
+    z, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
+    residuals = constraints.directions(MODELS[4], scenario.disk, z[0]) @ u[0]
+    positions = constraints.positions(MODELS[4], scenario.disk, z[0])
+    np.testing.assert_allclose(positions, 0.0, rtol=0, atol=1e-15)
     np.testing.assert_allclose(residuals[:4], 0.0, rtol=0.0, atol=1e-14)
     assert residuals[4] == spin
 
 
 @seeds
 def test_expanded_rates_are_the_rates_of_the_expanded_coordinates(seed: int) -> None:
-    disk, spin, x = sample(seed)
-    right = np.array(reduced.right_hand_side(disk, SmoothCoulomb(), spin, x))
+    scenario, spin, x = sample(seed)
+    right = np.array(reduced.right_hand_side(scenario, spin, x))
 
     def coordinates(t: float) -> Array:
         states = np.array([x]) + t * right
-        rows, _ = reduced.expand(disk, spin, np.array([1.7 + spin * t]), states)
+        rows, _ = reduced.expand(scenario.disk, spin, np.array([1.7 + spin * t]), states)
         return rows.ravel()
 
-    _, u = reduced.expand(disk, spin, np.array([1.7]), np.array([x]))
+    _, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
     assert_close(u[0], derivative(coordinates))
 
 
 def test_reduced_system_looks_at_the_weight_alone() -> None:
-    disk, spin, x = sample(0)
-    by_weight = reduced.acceleration(disk, SmoothCoulomb(load="weight"), spin, x)
-    assert reduced.acceleration(disk, SmoothCoulomb(load="contact"), spin, x) == by_weight
+    scenario, spin, x = sample(0)
+    by_contact = replace(scenario, friction=SmoothCoulomb(load="contact"))
+    expected = reduced.acceleration(scenario, spin, x)
+    assert reduced.acceleration(by_contact, spin, x) == expected

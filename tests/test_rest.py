@@ -16,12 +16,14 @@ from analysis import (
     Disk,
     Ending,
     PenaltyContact,
+    Scenario,
     SmoothCoulomb,
+    Start,
     State,
+    Table,
     TimeLimitError,
     ToleranceError,
     Trajectory,
-    consistent_start,
     simulate,
 )
 from analysis.data.agreement import until_agreement
@@ -37,19 +39,19 @@ THIN = 1e-6
 
 @pytest.fixture(scope="module")
 def settled() -> SpatialMotion:
-    return simulate_to_rest(60.0, dissipation=SETTLING, local_tolerance=1e-10)
+    return simulate_to_rest(Scenario.rest(dissipation=SETTLING), 60.0, local_tolerance=1e-10)
 
 
 @pytest.fixture(scope="module")
 def model_1() -> Trajectory:
-    return simulate(1, np.linspace(0.0, 1.0, 101), friction=FRICTION, local_tolerance=1e-11)
+    return simulate(Scenario(friction=FRICTION), np.linspace(0.0, 1.0, 101), local_tolerance=1e-11)
 
 
 def standing(stiffness: float, half_thickness: float) -> Trajectory:
     contact = PenaltyContact.rounded(
         STEEL_DISK, stiffness=stiffness, half_thickness=half_thickness
     )
-    return simulate_to_rest(1.0, contact=contact, spacing=1e-2).to_trajectory()
+    return simulate_to_rest(Scenario.rest(contact=contact), 1.0, spacing=1e-2).to_trajectory()
 
 
 def difference(one: Trajectory, other: Trajectory) -> float:
@@ -81,16 +83,18 @@ def test_contact_force_is_that_of_model_1(model_1: Trajectory) -> None:
 
 def test_bilateral_contact_is_the_same_while_the_disk_presses() -> None:
     contact = PenaltyContact.rounded(STEEL_DISK, stiffness=2e5)
-    one = simulate_to_rest(0.5, contact=contact, spacing=1e-2, tolerance=1e-3)
-    other = simulate_to_rest(
-        0.5, contact=replace(contact, bilateral=True), spacing=1e-2, tolerance=1e-3
+    one, other = (
+        simulate_to_rest(Scenario.rest(contact=each), 0.5, spacing=1e-2, tolerance=1e-3)
+        for each in (contact, replace(contact, bilateral=True))
     )
     np.testing.assert_array_equal(one.positions, other.positions)
 
 
 def test_solvers_agree() -> None:
-    one = simulate_to_rest(1.0, spacing=1e-2, local_tolerance=1e-10)
-    other = simulate_to_rest(1.0, spacing=1e-2, method="DOP853", local_tolerance=1e-10)
+    one = simulate_to_rest(Scenario.rest(), 1.0, spacing=1e-2, local_tolerance=1e-10)
+    other = simulate_to_rest(
+        Scenario.rest(), 1.0, spacing=1e-2, method="DOP853", local_tolerance=1e-10
+    )
     np.testing.assert_allclose(one.positions, other.positions, atol=1e-8)
     np.testing.assert_allclose(one.quaternions, other.quaternions, atol=1e-7)
 
@@ -122,26 +126,25 @@ def test_phases_follow_each_other_until_rest(settled: SpatialMotion) -> None:
     assert list(order) == sorted(order)  # type: ignore[type-var]
     assert phases.inversion == pytest.approx(0.48, abs=0.02)
     # On a spheroid the disk lies still with its centre of gravity over the contact point.
-    disk, contact = settled.disk, settled.contact
+    disk, contact = settled.scenario.disk, settled.scenario.penalty_contact
     balance = disk.eccentricity * contact.half_thickness / disk.radius**2
     assert settled.leaning[-1] == pytest.approx(balance, rel=0.05)
-    assert settled.normal_force[-1] == pytest.approx(disk.weight, rel=1e-3)
+    assert settled.normal_force[-1] == pytest.approx(settled.scenario.weight, rel=1e-3)
 
 
 def test_start_turned_to_the_other_face_moves_the_same_way() -> None:
-    start = consistent_start(1, STEEL_DISK, beta=1.2, gamma=0.4, spin=10.0, gamma_rate=-2.0)
-    one = simulate_to_rest(
-        4.0, start=start, dissipation=SETTLING, spacing=1e-2, local_tolerance=1e-10
-    )
+    start = Start(beta=1.2, gamma=0.4, spin=10.0, gamma_rate=-2.0)
+    scenario = Scenario.rest(dissipation=SETTLING, start=start)
+    one = simulate_to_rest(scenario, 4.0, spacing=1e-2, local_tolerance=1e-10)
     # A half turn of the body about x maps the disk onto itself and swaps its faces.
-    x, y, z, alpha, beta, gamma = start.coordinates
-    rates = start.rates
+    x, y, z, alpha, beta, gamma = scenario.initial_state.coordinates
+    rates = scenario.initial_state.rates
     swapped = State(
         coordinates=(-x, -y, z, alpha + pi, pi - beta, pi - gamma),
         rates=(-rates[0], -rates[1], rates[2], rates[3], -rates[4], -rates[5]),
     )
     other = simulate_to_rest(
-        4.0, start=swapped, dissipation=SETTLING, spacing=1e-2, local_tolerance=1e-10
+        replace(scenario, start=swapped), 4.0, spacing=1e-2, local_tolerance=1e-10
     )
     np.testing.assert_allclose(one.tilt, pi - other.tilt, atol=1e-7)
     np.testing.assert_allclose(one.cog_height, other.cog_height, atol=1e-8)
@@ -207,7 +210,7 @@ def test_time_limit_ends_runs_with_what_they_reached(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: 0.1 * next(clock))
     told: list[float] = []
     found = simulate_to_rest(
-        5.0, time_limit=4.0, progress=lambda reached, _end: told.append(reached)
+        Scenario.rest(), 5.0, time_limit=4.0, progress=lambda reached, _end: told.append(reached)
     )
     assert found.ending is not None
     assert found.ending.reason == "time limit"
@@ -215,23 +218,24 @@ def test_time_limit_ends_runs_with_what_they_reached(monkeypatch: pytest.MonkeyP
     assert found.rest_time is None
     assert max(told) > 1.0
     with pytest.raises(TimeLimitError, match="in the first stretch"):
-        simulate_to_rest(5.0, time_limit=1e-3)
+        simulate_to_rest(Scenario.rest(), 5.0, time_limit=1e-3)
 
 
 def dropped(height: float, **settings: float | None) -> SpatialMotion:
     """Tilted disk thrown upwards, so that it lifts off and comes down again."""
-    start = consistent_start(1, STEEL_DISK, beta=0.7, gamma=0.3, spin=1.0)
+    start = Scenario(start=Start(beta=0.7, gamma=0.3, spin=1.0)).initial_state
     up = float(np.sqrt(2 * 9.81 * height))
     thrown = State(coordinates=start.coordinates, rates=(0.0, 0.0, up, *start.rates[3:]))
-    return simulate_to_rest(0.5, start=thrown, spacing=1e-3, **settings)  # type: ignore[arg-type]
+    scenario = Scenario.rest(start=thrown)
+    return simulate_to_rest(scenario, 0.5, spacing=1e-3, **settings)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("option", CAUSES[2:])
 def test_each_dissipation_takes_energy_alone_when_it_is_on(option: str) -> None:
-    start = consistent_start(1, STEEL_DISK, beta=1.0, gamma=0.4, spin=10.0)
-    motion = simulate_to_rest(
-        0.5, start=start, dissipation=Dissipation(**{option: 1e-3}), spacing=1e-2
+    scenario = Scenario.rest(
+        start=Start(beta=1.0, gamma=0.4, spin=10.0), dissipation=Dissipation(**{option: 1e-3})
     )
+    motion = simulate_to_rest(scenario, 0.5, spacing=1e-2)
     taken = dict(zip(CAUSES, motion.dissipated[-1], strict=True))
     for cause in CAUSES[2:]:
         assert (taken[cause] > 0.0) == (cause == option)
@@ -240,13 +244,12 @@ def test_each_dissipation_takes_energy_alone_when_it_is_on(option: str) -> None:
 
 def test_file_gives_back_the_motion(tmp_path: Path) -> None:
     ending = Ending(reason="time limit", time=0.1, value=2.0)
-    motion = replace(simulate_to_rest(0.1, dissipation=SETTLING), ending=ending)
+    motion = replace(simulate_to_rest(Scenario.rest(dissipation=SETTLING), 0.1), ending=ending)
     assert motion.error_estimate is not None
     motion.save(tmp_path / "rest.npz")
     found = SpatialMotion.load(tmp_path / "rest.npz")
     np.testing.assert_array_equal(found.quaternions, motion.quaternions)
-    assert found.dissipation == motion.dissipation
-    assert found.contact == motion.contact
+    assert found.scenario == motion.scenario
     assert found.method == motion.method
     assert found.error_estimate == motion.error_estimate
     assert found.ending == ending
@@ -266,9 +269,9 @@ def test_flat_motion_has_no_trajectory_but_its_beginning_has(settled: SpatialMot
 @pytest.mark.parametrize("tilt", [0.0, 1e-12, 1e-5])
 @pytest.mark.parametrize("gamma", [-pi / 2, pi / 2])
 def test_disk_balanced_on_its_rim_is_not_at_rest(disk: Disk, tilt: float, gamma: float) -> None:
-    start = consistent_start(1, disk, beta=pi / 2 - tilt, gamma=gamma, spin=0.0)
-    start = PenaltyContact.rounded(disk).lowered(disk, start)
-    assert simulate_to_rest(0.5, disk=disk, start=start, spacing=1e-2).rest_time is None
+    start = Start(beta=pi / 2 - tilt, gamma=gamma, spin=0.0)
+    scenario = Scenario.rest(disk=disk, start=start)
+    assert simulate_to_rest(scenario, 0.5, spacing=1e-2).rest_time is None
 
 
 @pytest.mark.parametrize("half_thickness", [1e-4, 5e-3, 0.02, 0.044, 0.045])
@@ -278,19 +281,17 @@ def test_resting_height_is_the_lowest_of_all_attitudes(half_thickness: float) ->
     # Close together where the disk is all but flat.
     sine, theta = np.meshgrid(np.linspace(0.0, 1.0, 2001) ** 4, np.linspace(0.0, pi, 21))
     height = np.sqrt(disk.radius**2 * sine**2 + half_thickness**2 * (1.0 - sine**2))
-    lowest = np.min(
-        height - disk.eccentricity * np.cos(theta) * sine
-    ) - contact.resting_penetration(disk)
-    assert contact.resting_height(disk) == pytest.approx(lowest, abs=1e-8)
+    weight = disk.mass * 9.81
+    lowest = np.min(height - disk.eccentricity * np.cos(theta) * sine)
+    lowest -= contact.resting_penetration(weight)
+    assert contact.resting_height(disk, weight) == pytest.approx(lowest, abs=1e-8)
 
 
 def test_disk_laid_into_its_stable_place_is_at_rest_at_once() -> None:
     disk, contact = STEEL_DISK, PenaltyContact.rounded(STEEL_DISK, half_thickness=2e-3)
     lean = disk.eccentricity * contact.half_thickness / disk.radius**2
-    start = consistent_start(1, disk, beta=lean, gamma=-pi / 2, spin=0.0)
-    motion = simulate_to_rest(
-        0.5, start=contact.lowered(disk, start), contact=contact, spacing=1e-2
-    )
+    start = Start(beta=lean, gamma=-pi / 2, spin=0.0)
+    motion = simulate_to_rest(Scenario.rest(start=start, contact=contact), 0.5, spacing=1e-2)
     assert motion.rest_time == 0.0
 
 
@@ -317,17 +318,19 @@ def test_dissipation_refuses_negative_and_infinite_values(name: str) -> None:
 
 def test_simulation_refuses_bad_arguments() -> None:
     with pytest.raises(ValueError, match="half_thickness must not exceed the radius"):
-        simulate_to_rest(1.0, contact=PenaltyContact(stiffness=1e6, half_thickness=0.1))
+        Scenario.rest(contact=PenaltyContact(stiffness=1e6, half_thickness=0.1))
     with pytest.raises(ValueError, match="half_thickness must be positive"):
-        simulate_to_rest(1.0, contact=PenaltyContact(stiffness=1e6))
+        simulate_to_rest(Scenario.rest(contact=PenaltyContact(stiffness=1e6)), 1.0)
+    with pytest.raises(ValueError, match="contact must be a PenaltyContact, got None"):
+        simulate_to_rest(Scenario(), 1.0)
     with pytest.raises(ValueError, match="spacing must not exceed end = 1"):
-        simulate_to_rest(1.0, spacing=2.0)
+        simulate_to_rest(Scenario.rest(), 1.0, spacing=2.0)
     with pytest.raises(ValueError, match="give either tolerance or local_tolerance, not both"):
-        simulate_to_rest(1.0, tolerance=1e-3, local_tolerance=1e-8)
+        simulate_to_rest(Scenario.rest(), 1.0, tolerance=1e-3, local_tolerance=1e-8)
     with pytest.raises(ValueError, match="local_tolerance must not be below 1e-13"):
-        simulate_to_rest(1.0, local_tolerance=1e-15)
+        simulate_to_rest(Scenario.rest(), 1.0, local_tolerance=1e-15)
     with pytest.raises(ValueError, match="method must be one of"):
-        simulate_to_rest(1.0, method="Radau")  # type: ignore[arg-type]
+        simulate_to_rest(Scenario.rest(), 1.0, method="Radau")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="energy must be positive"):
         RestCriterion(energy=0.0)
 
@@ -341,7 +344,7 @@ def mean_loss(motion: SpatialMotion, begin: float, end: float) -> tuple[float, f
 
 @pytest.fixture(scope="module")
 def slid() -> SpatialMotion:
-    return simulate_to_rest(80.0, local_tolerance=1e-10)
+    return simulate_to_rest(Scenario.rest(), 80.0, local_tolerance=1e-10)
 
 
 @pytest.mark.slow
@@ -365,8 +368,26 @@ def test_creeping_loss_is_that_of_the_viscous_slip_and_vanishes_with_it(
     losses = []
     for coefficient, smoothing in ((0.3, 0.1), (0.6, 0.2), (0.6, 0.05), (0.6, 0.0125)):
         friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing, load="contact")
-        motion = simulate_to_rest(20.0, start=start, friction=friction, local_tolerance=1e-10)
+        scenario = Scenario.rest(start=start, friction=friction)
+        motion = simulate_to_rest(scenario, 20.0, local_tolerance=1e-10)
         losses.append(mean_loss(motion, 10.0, 20.0)[1])
     # At such small slip the law is viscous: only smoothing / coefficient matters.
     assert losses[1] == pytest.approx(losses[0], rel=0.03)
     assert losses[3] < 0.5 * losses[2]
+
+
+def test_disk_slides_down_a_slope_until_friction_carries_it() -> None:
+    # The regularised law never sticks: the slope makes it creep at a speed that can be told.
+    lean = 0.035
+    standing = Start(beta=0.005, gamma=-pi / 2, spin=0.0, alpha=0.3)
+    scenario = Scenario.rest(
+        table=Table(inclination=lean, downhill=0.7), start=standing, dissipation=SETTLING
+    )
+    motion = simulate_to_rest(scenario, 3.0, spacing=1e-2, tolerance=1e-4)
+    assert np.max(np.abs(motion.energy_residual)) < 1e-5 * motion.energies[0].sum()
+    friction = scenario.friction
+    assert isinstance(friction, SmoothCoulomb)
+    creep = friction.smoothing * np.tan(lean) / (friction.coefficient - np.tan(lean))
+    speed = motion.velocities[-1]
+    expected = creep * np.array([np.cos(0.7), np.sin(0.7), 0.0])
+    np.testing.assert_allclose(speed, expected, rtol=0.0, atol=1e-3 * creep)

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import LEVELS, STEEL_DISK, consistent_start
+from analysis import MODELS, STEEL_DISK, Scenario
 from mbs_models import Scene
 from mbs_models.linear_stability import STAGES, amplification, largest_step, stability_polynomial
 from validation.studies.robustness import section as robustness
 from validation.studies.robustness import steps
 from validation.studies.robustness.axes import body, problems, scaled
-from validation.studies.robustness.cases import Problem, Way, ways
+from validation.studies.robustness.cases import HardProblem, Way, ways
 from validation.studies.robustness.causes import GOOD
 from validation.studies.robustness.drift import RUNNERS, conserved, drift
 from validation.studies.robustness.isolated import Failure, run_isolated
@@ -27,9 +27,7 @@ from validation.studies.robustness.run import run_case
 
 TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
 EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")
-EASY = Problem(
-    axis="none", label="", level=1, start=consistent_start(1, STEEL_DISK), end=0.1, samples=11
-)
+EASY = HardProblem(axis="none", label="", scenario=Scenario(), end=0.1, samples=11)
 
 
 def misbehave(what: str) -> str:
@@ -189,8 +187,8 @@ def test_rigid_body_exists_for_every_eccentricity(eccentricity: float) -> None:
 
 @pytest.mark.parametrize("radius", [1e-3, 10.0])
 def test_scaled_disk_makes_the_same_motion(radius: float) -> None:
-    problem = scaled(1, radius)
-    scene = Scene(disk=problem.disk, friction=problem.friction, start=problem.start)
+    problem = scaled(Scenario(), radius)
+    scene = Scene(problem.scenario)
     run = mbs_models.simulate(scene, np.linspace(0.0, problem.end, 51), tolerance=1e-8)
     original = mbs_models.simulate(Scene(), np.linspace(0.0, 0.5, 51), tolerance=1e-8)
     np.testing.assert_allclose(run.coordinates[:, 3:], original.coordinates[:, 3:], atol=1e-7)
@@ -208,7 +206,7 @@ def test_scaled_disk_makes_the_same_motion(radius: float) -> None:
 def test_newton_is_content_with_rounding_on_a_disk_that_weighs_next_to_nothing(
     level: Any, formulation: Any, integrator: Any
 ) -> None:
-    problem = scaled(level, 1e-3)
+    problem = scaled(Scenario(constraints=MODELS[level]), 1e-3)
     way = Way(source="engine", formulation=formulation, integrator=integrator)
     assert run_case(problem, way, reference(problem)).verdict == "accurate"
 
@@ -236,9 +234,11 @@ def test_full_grid_covers_all_formulations_integrators_and_models() -> None:
     full = [
         (problem, way) for problem in problems(quick=False) for way in ways(problem, quick=False)
     ]
-    for level in LEVELS:
-        names = {way.name for problem, way in full if problem.level == level}
-        for formulation in mbs_models.formulations(level):
+    for constraints in MODELS.values():
+        scenario = Scenario(constraints=constraints)
+        found = [way for problem, way in full if problem.scenario.constraints == constraints]
+        names = {way.name for way in found}
+        for formulation in mbs_models.formulations(scenario):
             for integrator in mbs_models.integrators(formulation):
                 assert f"{formulation}, {integrator}" in names
     assert len(problems(quick=True)) < len(problems(quick=False)) / 3
@@ -248,7 +248,7 @@ def test_report_and_grid_have_every_axis_of_the_study() -> None:
     for quick in (True, False):
         axes = {problem.axis for problem in problems(quick=quick)}
         assert len(axes) == 12
-        contacts = [each for each in problems(quick=quick) if each.contact is not None]
+        contacts = [each for each in problems(quick=quick) if each.scenario.contact is not None]
         assert contacts
         for problem in contacts:
             ways_of_it = ways(problem, quick=quick)
@@ -266,7 +266,7 @@ def test_every_quick_problem_is_known_by_its_key() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("problem", problems(quick=True), ids=lambda p: f"{p.axis} {p.label}")
 def test_quick_case_is_accurate_or_misses_the_energy_of_an_impact(
-    problem: Problem,
+    problem: HardProblem,
 ) -> None:
     known = reference(problem)
     for way in ways(problem, quick=True):

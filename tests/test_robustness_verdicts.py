@@ -10,13 +10,22 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import LEVELS, STEEL_DISK, SmoothCoulomb, Trajectory, consistent_start
+from analysis import (
+    MODELS,
+    STEEL_DISK,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Trajectory,
+)
 from analysis.data.trajectory import Ending
+from validation.kit.full_study import FULL_STUDY
 from validation.kit.provenance import Provenance
 from validation.studies.robustness import random_scenarios, ship, stored, tables
 from validation.studies.robustness import run as runs
 from validation.studies.robustness.axes import body, problems
-from validation.studies.robustness.cases import TOLERANCE, Problem, Way, scene, ways
+from validation.studies.robustness.cases import TOLERANCE, HardProblem, Way, ways
 from validation.studies.robustness.causes import cause
 from validation.studies.robustness.causes import table as causes_table
 from validation.studies.robustness.reference import (
@@ -35,14 +44,11 @@ TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
 EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")
 DOP853 = Way(source="in-house", formulation="index-1", integrator="DOP853")
 RADAU = Way(source="in-house", formulation="index-1", integrator="Radau")
-EASY = Problem(
-    axis="none", label="", level=1, start=consistent_start(1, STEEL_DISK), end=0.1, samples=11
-)
-PULLING = Problem(
+EASY = HardProblem(axis="none", label="", scenario=Scenario(), end=0.1, samples=11)
+PULLING = HardProblem(
     axis="none",
     label="fast",
-    level=1,
-    start=consistent_start(1, STEEL_DISK, spin=300.0),
+    scenario=Scenario(start=Start(spin=300.0)),
     end=0.1,
     samples=21,
 )
@@ -97,9 +103,7 @@ def test_run_that_ends_elsewhere_or_goes_on_is_inaccurate(
 
 
 def test_no_run_in_which_the_contact_pulls_silently_is_accurate(easy: Reference) -> None:
-    run = analysis.simulate(
-        1, PULLING.times, start=PULLING.start, allow_pulling=True, tolerance=1e-8
-    )
+    run = analysis.simulate(PULLING.scenario, PULLING.times, allow_pulling=True, tolerance=1e-8)
     assert np.min(run.normal_force) < 0.0
     outcome = replace(BLANK, error=0.0, doubt=0.0, drift=0.0, energy=0.0)
     assert runs._verdict(outcome, run) == "inaccurate"
@@ -148,16 +152,17 @@ def test_each_reference_is_by_another_method_than_the_one_judged(easy: Reference
     assert easy.for_way(TREE).method["method"] == "DOP853"
     assert easy.for_way(DOP853).method["method"] == "LSODA"
     assert easy.for_way(RADAU).method["method"] == "DOP853"
-    stiff = reference(replace(EASY, friction=SmoothCoulomb(smoothing=1e-4), end=0.01))
+    scenario = Scenario(friction=SmoothCoulomb(smoothing=1e-4))
+    stiff = reference(replace(EASY, scenario=scenario, end=0.01))
     assert stiff.for_way(RADAU).method["method"] == "LSODA"
     assert easy.doubt < 0.01 * DOUBT
 
 
 def test_penalty_reference_is_of_another_formulation_and_integrator() -> None:
-    contact = analysis.PenaltyContact.damped(1e4, STEEL_DISK)
-    start = contact.lowered(STEEL_DISK, EASY.start)
-    friction = SmoothCoulomb(load="contact")
-    known = reference(replace(EASY, contact=contact, start=start, friction=friction))
+    scenario = Scenario(
+        contact=PenaltyContact.damped(1e4, STEEL_DISK), friction=SmoothCoulomb(load="contact")
+    )
+    known = reference(replace(EASY, scenario=scenario))
     assert known.doubt < DOUBT
     for formulation, integrator in (("euler-tree", "DOPRI5"), ("floating-lie", "RK67")):
         way = Way(source="engine", formulation=formulation, integrator=integrator)  # type: ignore[arg-type]
@@ -179,11 +184,12 @@ def test_run_that_takes_all_its_steps_is_not_finished_and_no_failure(
 
 @pytest.mark.slow
 def test_damper_that_meets_the_table_has_a_reference_by_short_steps() -> None:
-    contact = analysis.PenaltyContact.damped(1e5, STEEL_DISK)
-    x, y, z, *angles = EASY.start.coordinates
-    start = replace(EASY.start, coordinates=(x, y, z + 1e-3, *angles))
-    friction = SmoothCoulomb(load="contact")
-    known = reference(replace(EASY, contact=contact, start=start, friction=friction, end=0.02))
+    scenario = Scenario(
+        contact=PenaltyContact.damped(1e5, STEEL_DISK),
+        friction=SmoothCoulomb(load="contact"),
+        start=Start(height=1e-3),
+    )
+    known = reference(replace(EASY, scenario=scenario, end=0.02))
     assert known.first.method["integrator"] == "RK44"
     assert 0.0 < known.doubt < DOUBT
 
@@ -195,19 +201,20 @@ def test_longer_motion_may_take_more_steps() -> None:
 
 def test_steps_count_over_all_passes() -> None:
     count = StepCount(100_000)
-    mbs_models.simulate(scene(EASY, "contact-tree"), EASY.times, tolerance=1e-6, progress=count)
+    TREE.run(EASY.scenario, EASY.times, tolerance=1e-6, progress=count)
     single = StepCount(100_000)
-    mbs_models.simulate(scene(EASY, "contact-tree"), EASY.times, step=1e-2, progress=single)
+    TREE.run(EASY.scenario, EASY.times, step=1e-2, progress=single)
     assert single.steps == pytest.approx(10, abs=1)
     assert count.steps >= 30
     assert single.reached == pytest.approx(0.1)
 
 
 def test_start_that_needs_a_pulling_contact_is_refused_by_run_and_reference() -> None:
-    start, rate = EASY.start, 100.0
+    start, rate = EASY.scenario.initial_state, 100.0
     x, y, _, alpha, _, gamma = start.rates
     rising = STEEL_DISK.radius * cos(start.coordinates[4]) * rate
-    problem = replace(EASY, start=replace(start, rates=(x, y, rising, alpha, rate, gamma)))
+    thrown = replace(start, rates=(x, y, rising, alpha, rate, gamma))
+    problem = replace(EASY, scenario=Scenario(start=thrown))
     known = reference_or_reason(problem)
     assert isinstance(known, NoReference)
     assert known.refused
@@ -262,19 +269,19 @@ def study_of(*outcomes: Outcome) -> stored.Study:
 
 
 def test_study_is_read_as_it_was_written(tmp_path: Path) -> None:
-    path = tmp_path / stored.FULL_STUDY
+    path = tmp_path / FULL_STUDY
     wrong = replace(BLANK, verdict="inaccurate", error=1.25e-3, ending_error=inf, steps=12)
     study = study_of(BLANK, replace(wrong, reason='a "quoted" ε'))
-    stored.write_study(study, path)
-    read = stored.read_study(path)
+    stored.FILE.write(study, path)
+    read = stored.FILE.read(path)
     assert read.provenance == study.provenance
     assert read.outcomes[0] == BLANK
     assert read.outcomes[1].reason == 'a "quoted" ε'
     assert read.outcomes[1].broken == study.outcomes[1].broken
     assert cause(read.outcomes[1]) == "wrong angles or ending"
     path.write_text('{"provenance": {}}')
-    with pytest.raises(ValueError, match="is not a study of robustness"):
-        stored.read_study(path)
+    with pytest.raises(ValueError, match="does not hold a robustness study"):
+        stored.FILE.read(path)
 
 
 def test_confirmation_counts_what_has_the_verdict_of_the_study() -> None:
@@ -291,7 +298,7 @@ def test_study_that_lacks_a_case_is_not_shipped() -> None:
         Outcome(
             axis=problem.axis,
             label=problem.label,
-            level=problem.level,
+            level=problem.scenario.model,
             way=way,
             verdict="accurate",
         )
@@ -299,7 +306,7 @@ def test_study_that_lacks_a_case_is_not_shipped() -> None:
         for way in ways(problem, quick=False)
     ]
     ship.check_complete(study_of(*cases))
-    assert "accurate" in ship.summary(cases)
+    assert "accurate" in ship.summary(study_of(*cases))
     with pytest.raises(ValueError, match="differs in 1, such as"):
         ship.check_complete(study_of(*cases[1:]))
 
@@ -314,34 +321,34 @@ def test_shipped_study_holds_the_cases_of_the_quick_run() -> None:
 
 def test_bodies_reach_the_limits_that_a_rigid_body_allows() -> None:
     found = {each.label: each for each in problems(quick=False) if "inertia" in each.axis}
-    a, b, c = found["lamina, COG at 0.9 r"].disk.inertia_about_cog
+    a, b, c = found["lamina, COG at 0.9 r"].scenario.disk.inertia_about_cog
     assert a + b == pytest.approx(c, rel=1e-12)
-    a, b, c = found["rod along x"].disk.inertia_about_cog
+    a, b, c = found["rod along x"].scenario.disk.inertia_about_cog
     assert a < 2e-3 * b
     with pytest.raises(ValueError, match="must not exceed the sum"):
         body((1e-4, 1e-4, 2.001e-4), 0.0)
 
 
-def test_random_scenarios_are_those_of_their_seed_and_within_their_ranges() -> None:
-    drawn = random_scenarios.scenarios(40, 3)
-    assert [str(each) for each in drawn] == [
-        str(each) for each in random_scenarios.scenarios(40, 3)
-    ]
-    assert str(drawn[0]) != str(random_scenarios.scenarios(1, 4)[0])
-    assert {each.problem.level for each in drawn} == set(LEVELS)
-    assert {each.problem.friction.load for each in drawn} == {"weight", "contact"}
+def test_random_draws_are_those_of_their_seed_and_within_their_ranges() -> None:
+    drawn = random_scenarios.draws(40, 3)
+    assert [str(each) for each in drawn] == [str(each) for each in random_scenarios.draws(40, 3)]
+    assert str(drawn[0]) != str(random_scenarios.draws(1, 4)[0])
+    scenarios = [each.problem.scenario for each in drawn]
+    assert {each.constraints for each in scenarios} == set(MODELS.values())
+    assert {each.friction.load for each in scenarios} == {"weight", "contact"}
     for each in drawn:
-        assert each.formulation != "contact-tree" or each.problem.friction.load == "weight"
+        by_weight = each.problem.scenario.friction.load == "weight"
+        assert each.formulation != "contact-tree" or by_weight
         assert 1e-8 <= each.tolerance <= 1e-3
 
 
-def test_random_scenario_that_breaks_its_promise_is_found(
+def test_random_draw_that_breaks_its_promise_is_found(
     easy: Reference, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scenario = random_scenarios.Scenario(problem=EASY, formulation="contact-tree", tolerance=1e-5)
+    drawn = random_scenarios.Draw(problem=EASY, formulation="contact-tree", tolerance=1e-5)
     monkeypatch.setattr(random_scenarios, "reference_or_reason", lambda _: easy)
-    assert random_scenarios.verdict(scenario)[0] == "kept"
+    assert random_scenarios.verdict(drawn)[0] == "kept"
     for wrong, word in ((0.9e-5, "kept"), (1.1e-5, "BROKEN")):
         run = replace(moved(easy.first, wrong), error_estimate=1e-6)
         monkeypatch.setattr(mbs_models, "simulate", returning(run))
-        assert random_scenarios.verdict(scenario)[0] == word
+        assert random_scenarios.verdict(drawn)[0] == word

@@ -8,24 +8,29 @@ import numpy as np
 import pytest
 
 from analysis import (
-    FORMS,
     LEVELS,
     STEEL_DISK,
+    ConstraintSet,
     Form,
     Level,
     Load,
     Method,
+    PenaltyContact,
+    Scenario,
     SmoothCoulomb,
+    Start,
+    Table,
     Trajectory,
-    consistent_start,
     simulate,
 )
 from analysis.data.checks import Array
 from analysis.models import balance
-from tests.helpers import assert_close
+from tests.helpers import all_sets, assert_close, model
 
 TIMES = np.linspace(0.0, 0.6, 301)
 """The inversion of Model 1 from Table 3."""
+
+FORMS_OF_4: tuple[Form, ...] = ("index-1", "reduced")
 
 levels = pytest.mark.parametrize("level", LEVELS)
 
@@ -33,7 +38,7 @@ levels = pytest.mark.parametrize("level", LEVELS)
 @cache
 def reference(level: Level, load: Load = "weight") -> Trajectory:
     """Run from Table 3, accurate to some 1e-12 rad."""
-    return simulate(level, TIMES, friction=SmoothCoulomb(load=load), local_tolerance=1e-13)
+    return simulate(model(level, friction=SmoothCoulomb(load=load)), TIMES, local_tolerance=1e-13)
 
 
 def difference(first: Trajectory, second: Trajectory) -> float:
@@ -43,31 +48,30 @@ def difference(first: Trajectory, second: Trajectory) -> float:
 
 def total_energy(trajectory: Trajectory) -> Array:
     kinetic, potential = balance.energies(
-        trajectory.disk, trajectory.coordinates, trajectory.rates
+        trajectory.scenario, trajectory.coordinates, trajectory.rates
     )
     return kinetic + potential
 
 
 @levels
 def test_method_families_agree(level: Level) -> None:
-    implicit = simulate(level, TIMES, method="Radau", local_tolerance=1e-10)
+    implicit = simulate(model(level), TIMES, method="Radau", local_tolerance=1e-10)
     assert difference(implicit, reference(level)) < 1e-10
 
 
 def test_index_1_and_reduced_form_of_model_4_agree() -> None:
-    start = consistent_start(4, STEEL_DISK, beta=1.3, gamma=-0.7, spin=30.0, beta_rate=2.0)
+    scenario = model(4, start=Start(beta=1.3, gamma=-0.7, spin=30.0, beta_rate=2.0))
     full, minimal = (
-        simulate(4, TIMES, start=start, form=form, local_tolerance=1e-13) for form in FORMS
+        simulate(scenario, TIMES, form=form, local_tolerance=1e-13) for form in FORMS_OF_4
     )
     for name in ("coordinates", "rates", "multipliers"):
         assert_close(getattr(minimal, name), getattr(full, name), relative=1e-11)
 
 
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("form", FORMS_OF_4)
 def test_forms_keep_alpha_and_the_clock_of_the_start(form: Form) -> None:
-    start = consistent_start(4, STEEL_DISK)
-    turned = replace(start, coordinates=(*start.coordinates[:3], 2.0, *start.coordinates[4:]))
-    late = simulate(4, TIMES + 5.0, start=turned, form=form, local_tolerance=1e-13)
+    turned = model(4, start=Start(alpha=2.0))
+    late = simulate(turned, TIMES + 5.0, form=form, local_tolerance=1e-13)
     expected = reference(4).coordinates + np.array([0.0, 0.0, 0.0, 2.0, 0.0, 0.0])
     np.testing.assert_array_equal(late.times, TIMES + 5.0)
     # Subtracting the start from the late times leaves 1e-15 s, at 40 rad/s.
@@ -80,34 +84,34 @@ def test_forms_keep_alpha_and_the_clock_of_the_start(form: Form) -> None:
 def test_tolerance_and_estimate_bound_the_error(
     level: Level, method: Method, tolerance: float
 ) -> None:
-    run = simulate(level, TIMES, method=method, tolerance=tolerance)
+    run = simulate(model(level), TIMES, method=method, tolerance=tolerance)
     assert run.error_estimate is not None
     assert difference(run, reference(level)) <= run.error_estimate <= tolerance
 
 
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("form", FORMS_OF_4)
 def test_estimate_is_twice_the_difference_to_a_run_ten_times_looser(form: Form) -> None:
-    run = simulate(4, TIMES, form=form, tolerance=1e-6)
+    run = simulate(model(4), TIMES, form=form, tolerance=1e-6)
     used = run.method["local_tolerance"]
     assert isinstance(used, float)
-    looser = simulate(4, TIMES, form=form, local_tolerance=10.0 * used)
+    looser = simulate(model(4), TIMES, form=form, local_tolerance=10.0 * used)
     assert run.error_estimate == pytest.approx(2.0 * difference(run, looser), rel=1e-4)
 
 
 def test_tighter_tolerance_takes_more_work() -> None:
-    loose, tight = (simulate(1, TIMES, tolerance=value) for value in (1e-4, 1e-8))
+    loose, tight = (simulate(model(1), TIMES, tolerance=value) for value in (1e-4, 1e-8))
     assert 100 < loose.counts["right_hand_sides"] < tight.counts["right_hand_sides"] < 2500
 
 
 def test_default_tolerance_is_1e_8() -> None:
-    chosen, default = simulate(1, TIMES, tolerance=1e-8), simulate(1, TIMES)
+    chosen, default = simulate(model(1), TIMES, tolerance=1e-8), simulate(model(1), TIMES)
     np.testing.assert_array_equal(chosen.coordinates, default.coordinates)
     assert default.method == chosen.method
     assert default.method["tolerance"] == 1e-8
 
 
 def test_single_run_gives_no_estimate() -> None:
-    run = simulate(1, TIMES, local_tolerance=1e-6)
+    run = simulate(model(1), TIMES, local_tolerance=1e-6)
     assert run.error_estimate is None
     assert run.method["local_tolerance"] == 1e-6
 
@@ -120,30 +124,30 @@ def test_run_names_the_software_that_made_it() -> None:
 
 
 def test_repeating_with_the_recorded_settings_gives_the_same_motion() -> None:
-    run = simulate(2, TIMES, method="RK45", tolerance=1e-5)
+    run = simulate(model(2), TIMES, method="RK45", tolerance=1e-5)
     local_tolerance = run.method["local_tolerance"]
     assert isinstance(local_tolerance, float)
-    again = simulate(2, TIMES, method="RK45", local_tolerance=local_tolerance)
+    again = simulate(model(2), TIMES, method="RK45", local_tolerance=local_tolerance)
     np.testing.assert_array_equal(again.coordinates, run.coordinates)
 
 
 @levels
 def test_motion_does_not_depend_on_the_times_asked_for(level: Level) -> None:
-    sparse = simulate(level, TIMES[::60], tolerance=1e-9)
+    sparse = simulate(model(level), TIMES[::60], tolerance=1e-9)
     samples = reference(level).coordinates[::60, 4:]
     np.testing.assert_allclose(sparse.coordinates[:, 4:], samples, rtol=0.0, atol=1e-9)
 
 
 @levels
 def test_motion_begins_with_the_start(level: Level) -> None:
-    start = consistent_start(level, STEEL_DISK, beta=1.2, gamma=0.4, spin=-20.0, beta_rate=0.3)
-    assert simulate(level, TIMES[:5], start=start, tolerance=1e-6).state(0) == start
+    scenario = model(level, start=Start(beta=1.2, gamma=0.4, spin=-20.0, beta_rate=0.3))
+    assert simulate(scenario, TIMES[:5], tolerance=1e-6).state(0) == scenario.initial_state
 
 
 @levels
 def test_rates_are_the_derivative_of_the_coordinates(level: Level) -> None:
     times = np.linspace(0.1, 0.1 + 8e-3, 9)
-    run = simulate(level, np.concatenate(([0.0], times)), local_tolerance=1e-13)
+    run = simulate(model(level), np.concatenate(([0.0], times)), local_tolerance=1e-13)
     weights = np.array([3, -32, 168, -672, 0, 672, -168, 32, -3]) / 840
     slope = weights @ run.coordinates[1:] / 1e-3
     np.testing.assert_allclose(slope, run.rates[5], rtol=0.0, atol=1e-9)
@@ -151,9 +155,9 @@ def test_rates_are_the_derivative_of_the_coordinates(level: Level) -> None:
 
 @levels
 def test_energy_is_kept_without_friction(level: Level) -> None:
-    start = consistent_start(level, STEEL_DISK, beta=1.3, beta_rate=2.0)
-    run = simulate(level, TIMES, friction=SmoothCoulomb(coefficient=0.0), start=start)
-    kinetic, _ = balance.energies(run.disk, run.coordinates, run.rates)
+    without = SmoothCoulomb(coefficient=0.0)
+    run = simulate(model(level, friction=without, start=Start(beta=1.3, beta_rate=2.0)), TIMES)
+    kinetic, _ = balance.energies(run.scenario, run.coordinates, run.rates)
     spin_work = balance.power(run)
     assert np.ptp(kinetic) > 1e-3
     if level < 4:
@@ -182,14 +186,14 @@ def test_energy_balance_closes(level: Level, load: Load) -> None:
 
 def test_energy_residual_falls_with_the_fourth_power_of_the_spacing() -> None:
     fine = reference(1)
-    coarse = simulate(1, TIMES[::2], local_tolerance=1e-13)
+    coarse = simulate(model(1), TIMES[::2], local_tolerance=1e-13)
     largest = [np.max(np.abs(balance.energy_residual(run))) for run in (coarse, fine)]
     assert largest[0] / largest[1] == pytest.approx(16.0, rel=0.05)
 
 
 @levels
 def test_index_1_form_drifts_little_off_the_constraints(level: Level) -> None:
-    position, velocity = balance.constraint_drift(simulate(level, TIMES, tolerance=1e-8))
+    position, velocity = balance.constraint_drift(simulate(model(level), TIMES, tolerance=1e-8))
     assert np.max(position) < 1e-11
     assert np.max(velocity) < 1e-10
 
@@ -231,4 +235,61 @@ def test_the_load_changes_the_angles_of_model_1_by_a_hundredth() -> None:
 
 def test_contact_carries_about_the_weight_of_model_1() -> None:
     # Sect. 4.1 neglects the rest.
-    np.testing.assert_allclose(reference(1).normal_force, STEEL_DISK.weight, rtol=0.06)
+    np.testing.assert_allclose(reference(1).normal_force, STEEL_DISK.mass * 9.81, rtol=0.06)
+
+
+SLOPE = Table(inclination=0.035, downhill=0.7)
+"""Of two degrees."""
+
+
+@all_sets
+@pytest.mark.parametrize("table", [Table(), SLOPE], ids=["horizontal", "slope"])
+def test_energy_balance_closes_for_every_set_and_on_a_slope(
+    constraints: ConstraintSet, table: Table
+) -> None:
+    # So dense that Simpson's rule over the samples is no error beside the motion's own.
+    times = np.linspace(0.0, 0.1, 401)
+    scenario = Scenario(constraints=constraints, table=table, start=Start(beta=1.2))
+    run = simulate(scenario, times, tolerance=1e-9)
+    assert run.ending is None
+    kinetic, _ = balance.energies(run.scenario, run.coordinates, run.rates)
+    assert np.max(np.abs(balance.energy_residual(run))) < 1e-8 * np.max(kinetic)
+
+
+@all_sets
+def test_no_constraint_is_left_on_a_slope(constraints: ConstraintSet) -> None:
+    run = simulate(Scenario(constraints=constraints, table=SLOPE), TIMES[:101], tolerance=1e-9)
+    position, velocity = balance.constraint_drift(run)
+    assert np.max(position) < 1e-11
+    assert np.max(velocity) < 1e-10
+
+
+@pytest.mark.parametrize("table", [Table(), SLOPE], ids=["horizontal", "slope"])
+def test_motion_on_a_stiff_contact_tends_to_that_on_the_ideal_one(table: Table) -> None:
+    # Two forms with no equation in common: a free body, and the paper's coordinates.
+    ideal = simulate(Scenario(table=table), TIMES[:51], tolerance=1e-9)
+    gaps = []
+    for stiffness in (1e6, 4e6):
+        contact = PenaltyContact.damped(stiffness, STEEL_DISK)
+        free = simulate(Scenario(table=table, contact=contact), TIMES[:51], tolerance=1e-9)
+        assert free.method["form"] == "free-body"
+        gaps.append(difference(free, ideal))
+    assert gaps[0] < 1e-5
+    assert gaps[0] / gaps[1] == pytest.approx(4.0, rel=0.3)
+
+
+def test_two_runs_that_are_compared_do_not_share_their_longest_step() -> None:
+    # On a stiff contact every step is the longest allowed, whatever the local tolerance.
+    stiff = Scenario(contact=PenaltyContact.damped(1e8, STEEL_DISK))
+    run = simulate(stiff, [0.0, 0.01], tolerance=1e-4)
+    assert run.error_estimate is not None
+    assert run.error_estimate > 0.0
+
+
+def test_a_free_body_keeps_turns_and_alpha_of_its_start() -> None:
+    scenario = Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK))
+    turned = replace(scenario, start=Start(alpha=8.0, gamma=6 * pi - 0.4))
+    run = simulate(turned, TIMES[:31], tolerance=1e-6)
+    assert run.state(0) == turned.initial_state
+    assert run.coordinate("alpha")[-1] == pytest.approx(8.0 + 40.0 * TIMES[30], abs=1.0)
+    assert abs(run.coordinate("gamma")[-1] - 6 * pi) < 3.0

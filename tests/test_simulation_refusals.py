@@ -8,27 +8,30 @@ import numpy as np
 import pytest
 
 from analysis import (
-    FORMS,
     METHODS,
-    STEEL_DISK,
     Form,
     Level,
     Method,
+    PenaltyContact,
+    Scenario,
     SmoothCoulomb,
+    Start,
+    Table,
     ToleranceError,
-    consistent_start,
     simulate,
 )
 from analysis.data.checks import Array
 from analysis.models import index1, reduced, simulation
 from analysis.models.integration import Run
+from tests.helpers import model
+
+FALLING = Start(beta=1.0, gamma=pi / 2, spin=0.0)
 
 
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("form", ["index-1", "reduced"])
 def test_disk_that_falls_flat_is_reported(form: Form) -> None:
-    start = consistent_start(4, STEEL_DISK, beta=1.0, gamma=pi / 2, spin=0.0)
     with pytest.raises(ArithmeticError, match="beta leaves"):
-        simulate(4, [0.0, 0.2], start=start, form=form, local_tolerance=1e-6)
+        simulate(model(4, start=FALLING), [0.0, 0.2], form=form, local_tolerance=1e-6)
 
 
 def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -41,17 +44,16 @@ def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> N
 
     accelerations = index1.accelerations
     monkeypatch.setattr(index1, "accelerations", within_budget)
-    start = consistent_start(1, STEEL_DISK, beta=1.0, gamma=pi / 2, spin=0.0)
     with pytest.raises(ArithmeticError, match="beta leaves"):
-        simulate(1, [0.0, 0.5], start=start, tolerance=1e-6)
+        simulate(Scenario(start=FALLING), [0.0, 0.5], tolerance=1e-6)
 
 
 def test_integration_that_gives_up_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
     # gamma = 1 / (1.005 - t) has no value at t = 1.005 s.
-    start = consistent_start(4, STEEL_DISK, gamma=1 / 1.005)
+    scenario = model(4, start=Start(gamma=1 / 1.005))
     monkeypatch.setattr(reduced, "right_hand_side", lambda *given: (0.0, given[-1][1] ** 2, 0.0))
     with pytest.raises(ArithmeticError, match=r"^DOP853 stopped after t = 1\.005 s: "):
-        simulate(4, np.linspace(0.0, 2.0, 201), start=start, form="reduced")
+        simulate(scenario, np.linspace(0.0, 2.0, 201), form="reduced")
 
 
 @pytest.mark.parametrize(
@@ -60,9 +62,8 @@ def test_integration_that_gives_up_says_where(monkeypatch: pytest.MonkeyPatch) -
         ({"times": [0.0, 1.0, 1.0]}, "times must increase strictly, got 1 before 1"),
         ({"times": [0.0, nan]}, "times must be finite"),
         ({"times": [0.0]}, "times must be one-dimensional with at least 2 entries"),
-        ({"level": 5}, "level must be one of 1, 2, 3, 4, got 5"),
         ({"method": "RK4"}, "method must be one of DOP853, RK45, .*, got 'RK4'"),
-        ({"form": "index-2"}, "form must be one of index-1, reduced, got 'index-2'"),
+        ({"form": "index-2"}, "form must be one of index-1, reduced, free-body, got 'index-2'"),
         ({"tolerance": -1e-6}, "tolerance must be positive, got -1e-06"),
         ({"tolerance": 0.0}, "tolerance must be positive, got 0"),
         ({"tolerance": nan}, "tolerance must be a finite number, got nan"),
@@ -76,7 +77,7 @@ def test_integration_that_gives_up_says_where(monkeypatch: pytest.MonkeyPatch) -
     ],
 )
 def test_argument_out_of_range_is_named(arguments: dict[str, Any], message: str) -> None:
-    good: dict[str, Any] = {"level": 1, "times": [0.0, 0.01]}
+    good: dict[str, Any] = {"scenario": Scenario(), "times": [0.0, 0.01]}
     with pytest.raises(ValueError, match=f"^{message}"):
         simulate(**(good | arguments))
 
@@ -84,28 +85,41 @@ def test_argument_out_of_range_is_named(arguments: dict[str, Any], message: str)
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_reduced_form_exists_for_model_4_alone(level: Level) -> None:
     with pytest.raises(
-        ValueError, match=rf"'reduced' exists for Model 4 alone, got level {level}$"
+        ValueError, match=rf"'reduced' exists for Model 4 alone, got Model {level}$"
     ):
-        simulate(level, [0.0, 0.01], form="reduced")
+        simulate(model(level), [0.0, 0.01], form="reduced")
 
 
 def test_reduced_form_takes_the_weight_alone() -> None:
     with pytest.raises(
         ValueError, match=r"'reduced' takes the load 'weight' alone, got 'contact'$"
     ):
-        simulate(4, [0.0, 0.01], form="reduced", friction=SmoothCoulomb(load="contact"))
+        simulate(model(4, friction=SmoothCoulomb(load="contact")), [0.0, 0.01], form="reduced")
 
 
 def test_start_that_breaks_a_constraint_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^start breaks 'fixed centre of gravity"):
-        simulate(2, [0.0, 0.01], start=consistent_start(1, STEEL_DISK))
+        simulate(model(2, start=Scenario().initial_state), [0.0, 0.01])
+
+
+def test_reduced_form_refuses_a_leaning_table() -> None:
+    with pytest.raises(ValueError, match=r"^form 'reduced' needs a horizontal table, got .* 0.1"):
+        simulate(model(4, table=Table(inclination=0.1)), [0.0, 0.01], form="reduced")
+
+
+def test_form_must_fit_the_contact() -> None:
+    with pytest.raises(ValueError, match=r"^form 'free-body' needs penalty contact, got"):
+        simulate(Scenario(), [0.0, 0.01], form="free-body")
+    soft = Scenario(contact=PenaltyContact(stiffness=1e5))
+    with pytest.raises(ValueError, match=r"^form 'index-1' knows no penalty contact"):
+        simulate(soft, [0.0, 0.01], form="index-1")
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_unreachable_tolerance_is_refused(method: Method) -> None:
     message = rf"^tolerance 1e-16 rad cannot be reached with {method}: .* is \d\.\de-\d\d rad$"
     with pytest.raises(ToleranceError, match=message):
-        simulate(1, [0.0, 0.01], method=method, tolerance=1e-16)
+        simulate(Scenario(), [0.0, 0.01], method=method, tolerance=1e-16)
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-11, 1e-12, 1e-13, 1e-16])
@@ -121,6 +135,6 @@ def test_compared_runs_differ_threefold_in_their_local_tolerance(
 
     monkeypatch.setattr(simulation, "integrate", never_agree)
     with pytest.raises(ToleranceError):
-        simulate(1, [0.0, 0.01], tolerance=tolerance)
+        simulate(Scenario(), [0.0, 0.01], tolerance=tolerance)
     assert len(used) >= 2
     assert np.min(np.divide(used[:-1], used[1:])) >= 3.0

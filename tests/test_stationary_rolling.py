@@ -7,7 +7,18 @@ import numpy as np
 import pytest
 
 from analysis import CENTRED_DISK as DISK
-from analysis import GRAVITY, STEEL_DISK, Disk, PenaltyContact, SmoothCoulomb, State
+from analysis import (
+    GRAVITY,
+    ConstraintSet,
+    Disk,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    State,
+    Table,
+    simulate,
+)
 from analysis.data.checks import Array
 from analysis.data.dissipation import Dissipation
 from analysis.data.spatial_motion import SpatialMotion
@@ -23,6 +34,9 @@ from analysis.rest.stationary_rolling import (
 )
 from analysis.rest.to_rest import simulate_to_rest
 
+WEIGHT = DISK.mass * GRAVITY
+CENTRED = Scenario(disk=DISK)
+ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
 STICKY = SmoothCoulomb(coefficient=2.0, smoothing=1e-3, load="contact")
 
 
@@ -39,9 +53,13 @@ def rolling_accelerations(state: State) -> Array:
     W_rate = (directions(z + step * u) - directions(z - step * u)) / (2 * step)
     np.testing.assert_allclose(W @ u, 0.0, atol=1e-12)
     matrix = np.block([[equations.mass_matrix(DISK, z), -W.T], [W, np.zeros((3, 3))]])
-    forces = equations.gyroscopic_forces(DISK, z, u) + equations.gravity_forces(DISK, z)
+    forces = equations.gyroscopic_forces(DISK, z, u) + equations.gravity_forces(DISK, Table(), z)
     assert r * sin(beta) == z[2]
     return np.linalg.solve(matrix, np.concatenate((forces, -W_rate @ u)))
+
+
+def state(start: Start) -> State:
+    return Scenario(constraints=ROLLING, disk=DISK, start=start).initial_state
 
 
 @pytest.mark.parametrize("beta", [0.2, 0.8, 1.4, 2.0])
@@ -49,33 +67,35 @@ def rolling_accelerations(state: State) -> Array:
 def test_textbook_rolling_is_stationary_under_the_papers_equations(
     beta: float, rate: float
 ) -> None:
-    spin = axial_spin(DISK, beta, rate)
-    found = rolling_accelerations(rolling_start(DISK, beta, rate, spin))
+    spin = axial_spin(CENTRED, beta, rate)
+    found = rolling_accelerations(state(rolling_start(DISK, beta, rate, spin)))
     scale = rate**2 + spin**2
     np.testing.assert_allclose(found[3:6], 0.0, atol=1e-7 * scale)
-    assert found[6] == pytest.approx(DISK.weight, rel=1e-6)
-    wrong = rolling_accelerations(rolling_start(DISK, beta, rate, spin + 1.0))
+    assert found[6] == pytest.approx(WEIGHT, rel=1e-6)
+    wrong = rolling_accelerations(state(rolling_start(DISK, beta, rate, spin + 1.0)))
     assert abs(wrong[4]) > 1e-2
 
 
 def test_euler_disk_is_the_limit_without_axial_spin() -> None:
     for beta in (0.05, 0.3, 1.0):
-        assert axial_spin(DISK, beta, euler_disk_precession(DISK, beta)) == pytest.approx(0.0)
+        assert axial_spin(CENTRED, beta, euler_disk_precession(CENTRED, beta)) == pytest.approx(
+            0.0
+        )
 
 
 @pytest.mark.parametrize("face", ["one face", "other face"])
 def test_euler_disk_keeps_rolling_with_textbook_energy_and_contact_force(face: str) -> None:
     beta = 0.2
-    rate = euler_disk_precession(DISK, beta)
+    rate = euler_disk_precession(CENTRED, beta)
     start = rolling_start(DISK, beta if face == "one face" else pi - beta, rate, 0.0)
     contact = PenaltyContact.rounded(DISK, half_thickness=2e-5)
-    start = contact.lowered(DISK, start)
-    motion = simulate_to_rest(1.0, disk=DISK, contact=contact, start=start, spacing=1e-2)
+    rest = Scenario.rest(disk=DISK, contact=contact, start=start)
+    motion = simulate_to_rest(rest, 1.0, spacing=1e-2)
     np.testing.assert_allclose(motion.leaning, beta, rtol=1e-3)
-    np.testing.assert_allclose(motion.normal_force, DISK.weight, rtol=5e-3)
+    np.testing.assert_allclose(motion.normal_force, WEIGHT, rtol=5e-3)
     np.testing.assert_allclose(precession(motion), rate, rtol=1e-3)
     energy = motion.energies[:, :2].sum(axis=1)
-    np.testing.assert_allclose(energy, euler_disk_energy(DISK, beta), rtol=1e-3)
+    np.testing.assert_allclose(energy, euler_disk_energy(CENTRED, beta), rtol=1e-3)
 
 
 def test_rolling_thin_disk_needs_spin_square_of_g_over_3_r() -> None:
@@ -84,34 +104,46 @@ def test_rolling_thin_disk_needs_spin_square_of_g_over_3_r() -> None:
         radius=r, mass=m, eccentricity=0.0,
         inertia_x=m * r**2 / 4, inertia_y=m * r**2 / 4, inertia_z=m * r**2 / 2,
     )  # fmt: skip
-    assert upright_rolling_spin(thin) == pytest.approx(sqrt(GRAVITY / (3 * r)))
+    assert upright_rolling_spin(Scenario(disk=thin)) == pytest.approx(sqrt(GRAVITY / (3 * r)))
 
 
 @pytest.mark.parametrize(("part", "stable"), [(1.05, True), (0.95, False)])
 def test_upright_rolling_falls_below_the_critical_spin_only(part: float, stable: bool) -> None:
-    spin = part * upright_rolling_spin(DISK)
-    start = State(
-        coordinates=(0.0, 0.0, DISK.radius, 0.0, pi / 2, 0.0),
-        rates=(-DISK.radius * spin, 0.0, 0.0, 0.0, 1e-3, spin),
+    spin = part * upright_rolling_spin(CENTRED)
+    start = Start(gamma=0.0, spin=0.0, gamma_rate=spin, x_rate=-DISK.radius * spin, beta_rate=1e-3)
+    motion = simulate_to_rest(
+        Scenario.rest(disk=DISK, friction=STICKY, start=start), 2.5, spacing=1e-2
     )
-    start = PenaltyContact.rounded(DISK).lowered(DISK, start)
-    motion = simulate_to_rest(2.5, disk=DISK, friction=STICKY, start=start, spacing=1e-2)
     largest = np.max(np.abs(motion.tilt - pi / 2))
     assert largest < 2e-3 if stable else largest > 2e-2
+    # The same with the slip held at zero: another formulation, and no friction at all.
+    rolling = Scenario(constraints=ROLLING, disk=DISK, start=replace(start, x_rate=None))
+    held = simulate(rolling, np.linspace(0.0, 2.5, 251), tolerance=1e-9)
+    largest = np.max(np.abs(held.coordinate("beta") - pi / 2))
+    assert largest < 2e-3 if stable else largest > 2e-2
+
+
+@pytest.mark.parametrize("beta", [0.4, 1.2])
+@pytest.mark.parametrize("rate", [-30.0, 20.0])
+def test_a_disk_without_slip_rolls_on_the_textbooks_circle(beta: float, rate: float) -> None:
+    spin = axial_spin(CENTRED, beta, rate)
+    start = rolling_start(DISK, beta, rate, spin)
+    rolling = Scenario(constraints=ROLLING, disk=DISK, start=start)
+    motion = simulate(rolling, np.linspace(0.0, 0.5, 51), tolerance=1e-10)
+    np.testing.assert_allclose(motion.coordinate("beta"), beta, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(motion.rate("alpha"), rate, rtol=1e-9)
+    # The centre keeps its distance from the origin, about which it circles.
+    radius = np.hypot(motion.coordinate("x"), motion.coordinate("y"))
+    np.testing.assert_allclose(radius, abs(DISK.radius * spin / rate), rtol=1e-8)
+    np.testing.assert_allclose(motion.normal_force, WEIGHT, rtol=1e-8)
 
 
 def final_stage(dissipation: Dissipation, end: float, half_thickness: float) -> SpatialMotion:
     beta = 0.1
     contact = PenaltyContact.rounded(DISK, half_thickness=half_thickness)
-    start = rolling_start(DISK, beta, euler_disk_precession(DISK, beta), 0.0)
-    return simulate_to_rest(
-        end,
-        disk=DISK,
-        contact=contact,
-        dissipation=dissipation,
-        start=contact.lowered(DISK, start),
-        spacing=2e-3,
-    )
+    start = rolling_start(DISK, beta, euler_disk_precession(CENTRED, beta), 0.0)
+    rest = Scenario.rest(disk=DISK, contact=contact, dissipation=dissipation, start=start)
+    return simulate_to_rest(rest, end, spacing=2e-3)
 
 
 @pytest.mark.parametrize(
@@ -134,7 +166,7 @@ def test_rolling_resistance_ends_in_its_power_law(
     assert law.exponent == pytest.approx(tilting, abs=0.005)
     assert rate_law.exponent == pytest.approx(turning, abs=0.003)
     # The start does not sink yet, which leaves a little nutation.
-    assert law.end == pytest.approx(time_to_flat(DISK, dissipation, 0.1), rel=0.01)
+    assert law.end == pytest.approx(time_to_flat(motion.scenario, 0.1), rel=0.01)
     assert law.error < 0.01
     assert law.decades > 0.8
 
@@ -166,11 +198,14 @@ def test_fit_finds_the_power_law_it_was_given() -> None:
 
 def test_closed_forms_refuse_what_they_do_not_hold_for() -> None:
     with pytest.raises(ValueError, match="disk must be centred"):
-        euler_disk_precession(STEEL_DISK, 0.1)
+        euler_disk_precession(Scenario(), 0.1)
+    leaning = replace(CENTRED, table=Table(inclination=0.1))
+    with pytest.raises(ValueError, match="a closed form of rolling needs a horizontal table"):
+        euler_disk_energy(leaning, 0.3)
     with pytest.raises(ValueError, match="beta must lie in"):
-        euler_disk_energy(DISK, 0.0)
+        euler_disk_energy(CENTRED, 0.0)
     with pytest.raises(ValueError, match="precession must not be zero"):
-        axial_spin(DISK, 0.3, 0.0)
+        axial_spin(CENTRED, 0.3, 0.0)
     both = replace(Dissipation(rolling_dry=1e-3), rolling_viscous=1e-3)
     with pytest.raises(ValueError, match="either rolling_dry or rolling_viscous"):
-        time_to_flat(DISK, both, 0.1)
+        time_to_flat(Scenario.rest(disk=DISK, dissipation=both), 0.1)

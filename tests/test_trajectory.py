@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import COORDINATES, State, Trajectory, multiplier_names
+from analysis import COORDINATES, MODELS, Scenario, State, Trajectory, multiplier_names
 from tests.helpers import random_trajectory
 
 ARRAYS = ("times", "coordinates", "rates", "multipliers")
@@ -52,9 +52,9 @@ def test_times_must_be_a_row_of_at_least_two(times: Any) -> None:
         changed(times=times)
 
 
-def test_unknown_level_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"^level must be one of 1, 2, 3, 4, got 7$"):
-        changed(level=7)
+def test_multipliers_must_be_those_of_the_scenarios_constraints() -> None:
+    with pytest.raises(ValueError, match=r"^multipliers must have shape \(5, 1\), got \(5, 4\)$"):
+        changed(scenario=Scenario())
 
 
 @pytest.mark.parametrize("name", ARRAYS)
@@ -73,7 +73,7 @@ def test_columns_are_found_by_name() -> None:
     for column, name in enumerate(COORDINATES):
         np.testing.assert_array_equal(motion.coordinate(name), motion.coordinates[:, column])
         np.testing.assert_array_equal(motion.rate(name), motion.rates[:, column])
-    for column, name in enumerate(multiplier_names(4)):
+    for column, name in enumerate(multiplier_names(MODELS[4])):
         np.testing.assert_array_equal(motion.multiplier(name), motion.multipliers[:, column])
     np.testing.assert_array_equal(motion.normal_force, motion.multipliers[:, 0])
 

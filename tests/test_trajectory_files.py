@@ -16,7 +16,7 @@ from tests.helpers import random_trajectory
 
 ARRAYS = ("times", "coordinates", "rates", "multipliers")
 MEMBERS = ("t", "q", "u", "normal_force", "multipliers", "meta")
-META = ("level", "disk", "friction", "source", "method", "error_estimate", "counts", "versions")
+META = ("scenario", "source", "method", "error_estimate", "counts", "versions")
 
 
 def members(path: Path) -> dict[str, Any]:
@@ -133,7 +133,9 @@ def test_missing_piece_of_the_description_is_named(key: str, tmp_path: Path) -> 
         Trajectory.load(path)
 
 
-@pytest.mark.parametrize("meta", ["{", "[]", "", '{"level": 3, "disk": {"mass": 1}}'])
+@pytest.mark.parametrize(
+    "meta", ["{", "[]", "", '{"format": 2, "scenario": {"disk": {"mass": 1}}}']
+)
 def test_unreadable_description_is_named(meta: str, tmp_path: Path) -> None:
     path = tmp_path / "motion.npz"
     random_trajectory().save(path)
@@ -190,8 +192,21 @@ def test_new_file_replaces_the_old_one(tmp_path: Path) -> None:
     path = tmp_path / "motion.npz"
     random_trajectory(1).save(path)
     random_trajectory(2).save(path)
-    assert Trajectory.load(path).level == 2
+    assert Trajectory.load(path).scenario.model == 2
     assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize(("stored", "age"), [(3, "a newer"), (1, "an older"), (None, "an older")])
+def test_file_of_another_format_says_so(stored: int | None, age: str, tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    random_trajectory().save(path)
+    held = members(path)
+    meta = json.loads(str(held["meta"])) | {"format": stored}
+    if stored is None:
+        del meta["format"]
+    np.savez(path, **(held | {"meta": np.array(json.dumps(meta))}))
+    with pytest.raises(ValueError, match=rf"format must be 2, got .* from {age} version"):
+        Trajectory.load(path)
 
 
 def test_save_into_a_missing_folder_fails(tmp_path: Path) -> None:

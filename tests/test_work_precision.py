@@ -12,7 +12,7 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import Trajectory
+from analysis import Scenario, Start, Trajectory
 from mbs_models import Integrator, Scene
 from validation.commands import work_precision as commands_work_precision
 from validation.kit.report import Job
@@ -98,13 +98,13 @@ def test_position_error_is_that_of_the_centre_of_gravity_in_the_inertial_frame()
     truth = reference("model-1")
     errors = compare(moved(truth, 0, 1e-4), truth)
     assert errors.cog == pytest.approx(1e-4)
-    assert errors.error == pytest.approx(1e-4 / truth.disk.radius)
+    assert errors.error == pytest.approx(1e-4 / truth.scenario.disk.radius)
     turned = compare(moved(truth, 3, 1e-3), truth)
     assert turned.beta == turned.gamma == 0.0 < turned.cog
 
 
 def test_runs_at_other_times_cannot_be_compared() -> None:
-    other = analysis.simulate(1, [0.0, 1.0])
+    other = analysis.simulate(Scenario(), [0.0, 1.0])
     with pytest.raises(ValueError, match="times must be the same"):
         compare(other, reference("model-1"))
 
@@ -120,11 +120,8 @@ def test_references_of_different_methods_agree_two_digits_beyond_the_finest_goal
 
 @pytest.mark.parametrize("name", [name for name in PROBLEMS if name != "stiff"])
 def test_contact_of_no_problem_would_have_to_pull(name: Any) -> None:
-    problem = PROBLEMS[name]
     often = np.linspace(0.0, TIMES[-1], 4001)
-    run = analysis.simulate(
-        problem.level, often, friction=problem.friction, start=problem.start, local_tolerance=1e-6
-    )
+    run = analysis.simulate(PROBLEMS[name].scenario, often, local_tolerance=1e-6)
     assert run.ending is None
     assert run.normal_force.min() > 0.0
 
@@ -132,7 +129,7 @@ def test_contact_of_no_problem_would_have_to_pull(name: Any) -> None:
 def test_reference_of_a_motion_whose_contact_pulls_is_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    pulling = dataclasses.replace(PROBLEMS["fast"], spin=200.0)
+    pulling = dataclasses.replace(PROBLEMS["fast"], scenario=Scenario(start=Start(spin=200.0)))
     monkeypatch.setitem(PROBLEMS, "fast", pulling)
     with pytest.raises(ArithmeticError, match="problem 'fast': contact would pull at"):
         reference.__wrapped__("fast")
@@ -149,7 +146,9 @@ def test_timed_in_house_runs_are_those_of_the_library(form: Any) -> None:
     problem = PROBLEMS["model-4"]
     method = InHouseMethod(form=form, scheme="DOP853")
     run = method.trajectory(problem, method.run(problem, 1e-6))
-    same = analysis.simulate(4, TIMES, form=form, method="DOP853", local_tolerance=1e-6)
+    same = analysis.simulate(
+        problem.scenario, TIMES, form=form, method="DOP853", local_tolerance=1e-6
+    )
     np.testing.assert_array_equal(run.coordinates, same.coordinates)
     np.testing.assert_array_equal(run.multipliers, same.multipliers)
 
@@ -179,7 +178,7 @@ def test_run_to_a_tolerance_is_that_of_the_library_and_keeps_its_promise() -> No
     assert [run.setting for run in asked] == [1e-3, 1e-6]
     assert all(run.error <= run.setting for run in asked)
     same = mbs_models.simulate(
-        Scene(level=1, formulation="contact-tree", start=PROBLEMS["model-1"].start),
+        Scene(PROBLEMS["model-1"].scenario, "contact-tree"),
         TIMES,
         tolerance=1e-6,
         integrator="RK44",
@@ -250,9 +249,10 @@ def test_every_method_of_a_problem_has_its_own_label_and_only_what_it_can_take()
     for problem in PROBLEMS.values():
         labels = [label(method) for method in methods(problem, False)]
         assert len(labels) == len(set(labels))
-        free = problem.level == 1 and problem.friction.load == "weight"
+        scenario = problem.scenario
+        free = scenario.model == 1 and scenario.friction.load == "weight"
         assert any("contact-tree" in text for text in labels) is free
-        assert any("reduced" in text for text in labels) is (problem.level == 4)
+        assert any("reduced" in text for text in labels) is (scenario.model == 4)
         assert {label(method) for method in methods(problem, True)} <= set(labels)
 
 

@@ -48,7 +48,7 @@ def test_price_takes_both_sides_in_turns(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_price_of_extrapolation_compares_equal_errors(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(prices, "QUICK_PAIRS", 1)
     side = prices.Side(problem=PROBLEMS["model-1"], method=RK44)
-    case = prices.Case(what="x", one=side, other=side, goal=1e-4)
+    case = prices.Comparison(what="x", one=side, other=side, goal=1e-4)
     price = prices.measure_price(case, True)
     # 100, 200 and 400 steps together against 400.
     assert price.work == 1.75
@@ -68,6 +68,6 @@ def test_price_of_extrapolation_passes_over_steps_that_fail(
     monkeypatch.setattr(EngineMethod, "run", failing)
     monkeypatch.setattr(prices, "QUICK_PAIRS", 1)
     side = prices.Side(problem=PROBLEMS["model-1"], method=RK44)
-    case = prices.Case(what="x", one=side, other=side, goal=1e-5)
+    case = prices.Comparison(what="x", one=side, other=side, goal=1e-5)
     # 200, 400 and 800 steps together against 800.
     assert prices.measure_price(case, True).work == 1.75

@@ -10,6 +10,7 @@ import pytest
 
 from mbs_models import Integrator
 from validation.kit.figures import Picture
+from validation.kit.full_study import FULL_STUDY
 from validation.kit.provenance import Provenance
 from validation.studies.work_precision import confirm, figures, measure, section, ship, tables
 from validation.studies.work_precision.lesson import paragraphs
@@ -18,14 +19,7 @@ from validation.studies.work_precision.prices import Price, cases
 from validation.studies.work_precision.problems import PROBLEMS, Agreement
 from validation.studies.work_precision.runs import Curve, Run
 from validation.studies.work_precision.section import make_section
-from validation.studies.work_precision.stored import (
-    FULL_STUDY,
-    SHIPPED,
-    Study,
-    read_study,
-    shipped,
-    write_study,
-)
+from validation.studies.work_precision.stored import FILE, Study, shipped
 
 README = Path(__file__).parents[1] / "README.md"
 
@@ -85,8 +79,8 @@ def made_study(*curves: Curve, quick: bool = False) -> Study:
 
 def test_study_survives_its_file_to_four_digits(tmp_path: Path) -> None:
     study = made_study()
-    write_study(study, tmp_path / "study.json")
-    read = read_study(tmp_path / "study.json")
+    FILE.write(study, tmp_path / "study.json")
+    read = FILE.read(tmp_path / "study.json")
     assert (read.provenance, read.agreements) == (study.provenance, study.agreements)
     assert read.prices == study.prices
     for run, other in zip(read.runs, study.runs, strict=True):
@@ -94,18 +88,18 @@ def test_study_survives_its_file_to_four_digits(tmp_path: Path) -> None:
         assert (run.counts, run.failure) == (other.counts, other.failure)
         assert run.error == pytest.approx(other.error, rel=1e-3)
         assert run.seconds == pytest.approx(other.seconds, rel=1e-3, nan_ok=True)
-    write_study(read, tmp_path / "again.json")
+    FILE.write(read, tmp_path / "again.json")
     assert (tmp_path / "again.json").read_bytes() == (tmp_path / "study.json").read_bytes()
 
 
 def test_file_that_holds_no_study_is_named(tmp_path: Path) -> None:
     path = tmp_path / "study.json"
-    write_study(made_study(), path)
+    FILE.write(made_study(), path)
     stored = json.loads(path.read_text())
     del stored["curves"][0]["end"]
     path.write_text(json.dumps(stored))
     with pytest.raises(ValueError, match=r"study\.json does not hold a work-precision study"):
-        read_study(path)
+        FILE.read(path)
 
 
 def test_run_on_the_spot_confirms_equal_work_and_error_whatever_its_time() -> None:
@@ -305,17 +299,18 @@ def whole_study() -> Study:
 def test_only_a_whole_full_study_is_shipped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(ship, "SHIPPED", tmp_path / "shipped.json")
+    shipped_here = dataclasses.replace(FILE, shipped=tmp_path / "shipped.json")
+    monkeypatch.setattr(ship, "FILE", shipped_here)
     assert ship.main([str(tmp_path)]) == 1
     for study, message in (
         (made_study(quick=True), "must be a full one"),
         (made_study(), "missing: agreement"),
     ):
         if study.quick:
-            write_study(study, tmp_path / FULL_STUDY)
+            FILE.write(study, tmp_path / FULL_STUDY)
         else:
             partial = dataclasses.replace(study, agreements={})
-            write_study(partial, tmp_path / FULL_STUDY)
+            FILE.write(partial, tmp_path / FULL_STUDY)
         assert ship.main([str(tmp_path)]) == 1
         assert message in capsys.readouterr().err
     assert not (tmp_path / "shipped.json").exists()
@@ -324,8 +319,9 @@ def test_only_a_whole_full_study_is_shipped(
 def test_shipping_prints_the_block_of_the_readme(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(ship, "SHIPPED", tmp_path / "shipped.json")
-    write_study(whole_study(), tmp_path / FULL_STUDY)
+    shipped_here = dataclasses.replace(FILE, shipped=tmp_path / "shipped.json")
+    monkeypatch.setattr(ship, "FILE", shipped_here)
+    FILE.write(whole_study(), tmp_path / FULL_STUDY)
     assert ship.main([str(tmp_path)]) == 0
     printed = capsys.readouterr().out
     assert printed.startswith(ship.BEGIN)
@@ -351,4 +347,4 @@ def test_shipped_study_is_a_whole_one_of_a_clean_commit() -> None:
     ship.check_complete(full)
     assert full.provenance.commit
     assert not full.provenance.commit.endswith("+changes")
-    assert SHIPPED.stat().st_size < 1e6
+    assert FILE.shipped.stat().st_size < 1e6

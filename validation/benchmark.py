@@ -12,22 +12,35 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, Dissipation, Level, PenaltyContact, SmoothCoulomb, Trajectory
+from analysis import (
+    MODELS,
+    STEEL_DISK,
+    Dissipation,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Trajectory,
+)
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
-from mbs_models import Formulation, Scene
+from mbs_models import Scene
 from mbs_models.rest_run import largest_step
 from validation.kit.provenance import machine
 from validation.kit.tables import Cell, Table
+from validation.run import run
 from validation.studies.crosscheck import TABLE_3_TIMES, angle_error
 from validation.studies.stability.eigenvalue_check import engine_matrices
+
+MODEL_SCENARIOS = tuple(Scenario(constraints=each) for each in MODELS.values())
+MODEL_1, MODEL_2, MODEL_3, MODEL_4 = MODEL_SCENARIOS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,31 +48,23 @@ class Row:
     """One benchmark: how to run it, and the error and time it should stay below."""
 
     label: str
-    level: Level
-    call: Callable[[], Trajectory]
+    scenario: Scenario
+    how: dict[str, Any]
     error: float
     milliseconds: float
+
+    def call(self) -> Trajectory:
+        """Run it once."""
+        return run(self.scenario, TABLE_3_TIMES, **self.how)
 
 
 def rows() -> list[Row]:
     """The runs with an error and a time to reach."""
-
-    def engine(level: Level, formulation: Formulation, step: float) -> Callable[[], Trajectory]:
-        scene = Scene(level=level, formulation=formulation)
-        return lambda: mbs_models.simulate(scene, TABLE_3_TIMES, step=step)
-
-    def tolerant(level: Level, tolerance: float) -> Callable[[], Trajectory]:
-        scene = Scene(level=level)
-        return lambda: mbs_models.simulate(scene, TABLE_3_TIMES, tolerance=tolerance)
-
-    def inhouse(level: Level, local: float, form: analysis.Form) -> Callable[[], Trajectory]:
-        return lambda: analysis.simulate(level, TABLE_3_TIMES, local_tolerance=local, form=form)
-
     result = [
         Row(
             label=f"engine, contact tree, step {step:g} s",
-            level=1,
-            call=engine(1, "contact-tree", step),
+            scenario=MODEL_1,
+            how={"formulation": "contact-tree", "step": step},
             error=error,
             milliseconds=limit,
         )
@@ -67,29 +72,28 @@ def rows() -> list[Row]:
     ]
     result += [
         Row(
-            label=f"engine, Euler tree, Model {level}, to tolerance",
-            level=level,
-            call=tolerant(level, 1e-6),
+            label=f"engine, Euler tree, {scenario.name}, to tolerance",
+            scenario=scenario,
+            how={"formulation": "euler-tree", "tolerance": 1e-6},
             error=1e-6,
             milliseconds=800.0,
         )
-        for level in analysis.LEVELS[1:]
-    ]
-    ours: list[tuple[Level, float, analysis.Form, float]] = [
-        (1, 1e-10, "index-1", 100.0),
-        (4, 1e-10, "reduced", 100.0),
-        (2, 3e-12, "index-1", 250.0),
-        (3, 1e-11, "index-1", 250.0),
+        for scenario in (MODEL_2, MODEL_3, MODEL_4)
     ]
     result += [
         Row(
-            label=f"in-house, Model {level}, {form}",
-            level=level,
-            call=inhouse(level, local, form),
+            label=f"in-house, {scenario.name}, {form}",
+            scenario=scenario,
+            how={"source": "in-house", "formulation": form, "local_tolerance": local},
             error=1e-9,
             milliseconds=limit,
         )
-        for level, local, form, limit in ours
+        for scenario, local, form, limit in (
+            (MODEL_1, 1e-10, "index-1", 100.0),
+            (MODEL_4, 1e-10, "reduced", 100.0),
+            (MODEL_2, 3e-12, "index-1", 250.0),
+            (MODEL_3, 1e-11, "index-1", 250.0),
+        )
     ]
     return result
 
@@ -108,12 +112,12 @@ def median_milliseconds(call: Callable[[], object], repeats: int) -> float:
 def targets(repeats: int) -> Table:
     """Error and time of every row beside what it should stay below."""
     truths = {
-        level: analysis.simulate(level, TABLE_3_TIMES, local_tolerance=1e-13, method="DOP853")
-        for level in analysis.LEVELS
+        scenario.name: analysis.simulate(scenario, TABLE_3_TIMES, local_tolerance=1e-13)
+        for scenario in MODEL_SCENARIOS
     }
     cells: list[list[Cell]] = []
     for row in rows():
-        error = angle_error(row.call(), truths[row.level])
+        error = angle_error(row.call(), truths[row.scenario.name])
         taken = median_milliseconds(row.call, repeats)
         cells.append(
             [
@@ -138,14 +142,13 @@ def targets(repeats: int) -> Table:
 def load_laws(repeats: int) -> Table:
     """What it costs that the friction law knows the contact force."""
     cells: list[list[Cell]] = []
-    for level in analysis.LEVELS:
+    for scenario in MODEL_SCENARIOS:
         taken = []
         for load in analysis.LOADS:
-            friction = SmoothCoulomb(load=load)
-            scene = Scene(level=level, formulation="euler-tree", friction=friction)
+            scene = Scene(replace(scenario, friction=SmoothCoulomb(load=load)), "euler-tree")
             call = partial(mbs_models.simulate, scene, TABLE_3_TIMES, step=2.5e-3)
             taken.append(median_milliseconds(call, repeats))
-        cells.append([level, round(taken[0], 1), round(taken[1], 1), taken[1] / taken[0]])
+        cells.append([scenario.name, round(taken[0], 1), round(taken[1], 1), taken[1] / taken[0]])
     return Table(
         name="load-laws",
         title="Load of the friction law: weight or contact force (Euler tree, step 2.5 ms)",
@@ -156,19 +159,18 @@ def load_laws(repeats: int) -> Table:
 
 def stability(repeats: int) -> Table:
     """Times of the eigenvalue work beside what they should stay below."""
-    friction = SmoothCoulomb()
     many = np.linspace(0.0, 60.0, 10_000)
     calls: list[tuple[str, Callable[[], object], float]] = [
         (
             "10,000 spins of the full system, tracked branches",
-            partial(spectra.branches, "full", STEEL_DISK, friction, many),
+            partial(spectra.branches, MODEL_1, many, system="full"),
             1500.0,
         ),
         (
             "stability chart, 200 x 200",
             partial(
                 stability_chart,
-                STEEL_DISK,
+                MODEL_1,
                 np.linspace(0.0, 80.0, 200),
                 np.geomspace(0.3, 30.0, 200),
             ),
@@ -176,7 +178,7 @@ def stability(repeats: int) -> Table:
         ),
         (
             "engine, Model 1, 100 spins",
-            partial(engine_matrices, 1, np.linspace(0.0, 60.0, 100)),
+            partial(engine_matrices, MODEL_1, np.linspace(0.0, 60.0, 100)),
             5000.0,
         ),
     ]
@@ -195,15 +197,17 @@ def stability(repeats: int) -> Table:
 def to_rest() -> Table:
     """A long run from Table 3 to rest, and how right its phase times before the fall are."""
     dissipation = Dissipation(rolling_dry=2.5e-4, pivoting=8e-6)
-    scene = Scene.rest(dissipation=dissipation)
+    scene = Scene(Scenario.rest(dissipation=dissipation))
     begin = time.perf_counter()
     motion = mbs_models.simulate_to_rest(scene, 120.0, step=0.6 * largest_step(scene))
     taken = time.perf_counter() - begin
     converged = analysis.find_phases(
         analysis.simulate_to_rest(
+            Scenario.rest(
+                contact=PenaltyContact.rounded(STEEL_DISK, stiffness=1e7, half_thickness=2e-5),
+                dissipation=dissipation,
+            ),
             25.0,
-            contact=PenaltyContact.rounded(STEEL_DISK, stiffness=1e7, half_thickness=2e-5),
-            dissipation=dissipation,
         )
     )
     found = analysis.find_phases(motion)

@@ -140,7 +140,7 @@ def _free_body(scenario: Scenario) -> PosedForm:
             motion["angular_velocities"],
         )
         # The first sample is the start itself, turns and all.
-        coordinates[0] = start.coordinates
+        coordinates[0], rates[0] = start.coordinates, start.rates
         frames.follow_turns(times, coordinates, rates)
         return coordinates, rates, motion["normal_force"][:, None]
 

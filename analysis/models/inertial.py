@@ -12,7 +12,9 @@ import numpy as np
 
 from analysis.data.checks import Array
 from analysis.data.disk import Disk
-from analysis.models.equations import Vector, gravity_forces, normal_direction
+from analysis.data.table import Table
+from analysis.models import equations
+from analysis.models.equations import Vector, normal_direction
 
 
 def mass_matrix(disk: Disk, q: Vector) -> Array:
@@ -82,6 +84,13 @@ def gyroscopic_forces(disk: Disk, q: Vector, u: Vector) -> Array:
         + ad * bd * sb * ((A - B) * c2g + C)
     )
     return np.array((h1, h2, h3, h4, h5, h6))
+
+
+def gravity_forces(disk: Disk, table: Table, q: Vector) -> Array:
+    """Generalised gravitational force, Eq. (142), shape (6,); on a leaning table, too."""
+    force = equations.gravity_forces(disk, table, (0.0, 0.0, *q[2:]))
+    force[:2] = disk.mass * np.array(table.vector[:2])
+    return force
 
 
 def tangential_directions(disk: Disk, q: Vector) -> Array:

@@ -10,7 +10,7 @@ from math import cos, pi, sin, sqrt
 from analysis.data.checks import number, positive
 from analysis.data.disk import Disk
 from analysis.data.scenario import Scenario
-from analysis.data.state import State
+from analysis.data.start import Start
 
 
 def axial_spin(scenario: Scenario, beta: float, precession: float) -> float:
@@ -42,7 +42,7 @@ def axial_spin(scenario: Scenario, beta: float, precession: float) -> float:
 
 def rolling_start(
     disk: Disk, beta: float, precession: float, spin: float, beta_rate: float = 0.0
-) -> State:
+) -> Start:
     """Start of a centred disk that rolls without slip on a circle about the origin.
 
     Parameters
@@ -62,17 +62,14 @@ def rolling_start(
     """
     _across(disk)
     rate = _precession(precession)
-    sine, cosine = sin(beta), cos(beta)
-    return State(
-        coordinates=(0.0, disk.radius * spin / rate, disk.radius * sine, 0.0, beta, 0.0),
-        rates=(
-            0.0,
-            -disk.radius * sine * beta_rate,
-            disk.radius * cosine * beta_rate,
-            rate,
-            beta_rate,
-            spin - rate * cosine,
-        ),
+    return Start(
+        beta=beta,
+        gamma=0.0,
+        spin=rate,
+        beta_rate=beta_rate,
+        gamma_rate=spin - rate * cos(beta),
+        y=disk.radius * spin / rate,
+        y_rate=-disk.radius * sin(beta) * beta_rate,
     )
 
 

@@ -4,11 +4,11 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from statistics import median
 
-from analysis import SmoothCoulomb
+from analysis import MODELS, Scenario, SmoothCoulomb
 from mbs_models import Scene
 from mbs_models.ballast import BALLAST, Ballast, six_axes
 from mbs_models.build import build
@@ -19,6 +19,7 @@ from validation.kit.report import Job, Section
 from validation.kit.tables import Table
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
+MODEL_1, MODEL_2, MODEL_3, MODEL_4 = (Scenario(constraints=each) for each in MODELS.values())
 DURATION = 0.5
 STEP = 5e-4
 
@@ -49,7 +50,7 @@ HEAVY = ("numpy", "scipy", "exudyn", "matplotlib")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Price:
+class Overhead:
     """Run times with and without a part.
 
     Parameters
@@ -69,7 +70,7 @@ class Price:
     spread: float
 
 
-def price(
+def overhead(
     part: str,
     scene: str,
     carried: Build,
@@ -77,13 +78,13 @@ def price(
     *,
     repeats: int,
     integrator: IntegratorName | None = None,
-) -> Price:
+) -> Overhead:
     """Measure two models against each other, in turns, after a warm-up each."""
     times: list[list[float]] = [[], []]
     for _ in range(repeats + 1):
         for which, make in enumerate((carried, left_out)):
             times[which].append(_seconds(make(), integrator))
-    return Price(
+    return Overhead(
         part=part,
         scene=scene,
         carried=min(times[0][1:]),
@@ -94,7 +95,7 @@ def price(
 
 def _seconds(model: Model, name: IntegratorName | None) -> float:
     scene = model.scene
-    integrator = find_integrator(scene.formulation, name, constrained=scene.has_constraints)
+    integrator = find_integrator(scene.built_as, name, constrained=scene.has_constraints)
     spacing = 5e-3
     samples = run(
         model,
@@ -112,7 +113,7 @@ def _with(scene: Scene, ballast: Ballast) -> Model:
     return model
 
 
-def prices(repeats: int) -> list[Price]:
+def overheads(repeats: int) -> list[Overhead]:
     """Measure every part that could be left out.
 
     Parameters
@@ -121,10 +122,10 @@ def prices(repeats: int) -> list[Price]:
         Runs of each kind, of which the fastest counts.
     """
     result = [
-        price(
+        overhead(
             part,
-            f"{scene.formulation}, Model {scene.level}, "
-            f"{'with' if scene.friction.is_on else 'without'} friction",
+            f"{scene.built_as}, {scene.scenario.name}, "
+            f"{'with' if scene.scenario.rubs else 'without'} friction",
             partial(_with, scene, BALLAST[part]),
             partial(build, scene),
             repeats=repeats,
@@ -136,13 +137,13 @@ def prices(repeats: int) -> list[Price]:
 
 def _ballast_cases() -> list[tuple[str, Scene]]:
     bare = [
-        Scene(level=1, formulation="contact-tree", friction=SMOOTH),
-        Scene(level=2, formulation="euler-tree", friction=SMOOTH),
-        Scene(level=2, formulation="floating", friction=SMOOTH),
+        Scene(replace(MODEL_1, friction=SMOOTH), "contact-tree"),
+        Scene(replace(MODEL_2, friction=SMOOTH), "euler-tree"),
+        Scene(replace(MODEL_2, friction=SMOOTH), "floating"),
     ]
     rough = [
-        Scene(level=2, formulation="euler-tree"),
-        Scene(level=2, formulation="floating"),
+        Scene(MODEL_2, "euler-tree"),
+        Scene(MODEL_2, "floating"),
     ]
     first, *others = BALLAST
     return [(first, scene) for scene in bare] + [
@@ -150,12 +151,12 @@ def _ballast_cases() -> list[tuple[str, Scene]]:
     ]
 
 
-def _alternatives(repeats: int) -> list[Price]:
+def _alternatives(repeats: int) -> list[Overhead]:
     """Costlier ways to the same motion, or to the next simpler model.
 
     Each is a pair of scenes, the costlier one first, or the same scene built in two ways.
     """
-    tree = Scene(level=2)
+    tree = Scene(MODEL_2, "euler-tree")
     pairs: list[tuple[str, str, Build, Build]] = [
         (
             "six joint axes where three do",
@@ -168,36 +169,36 @@ def _alternatives(repeats: int) -> list[Price]:
         (
             "contact as a constraint, not by topology",
             "euler-tree and contact-tree, Model 1",
-            Scene(level=1, formulation="euler-tree"),
-            Scene(level=1, formulation="contact-tree"),
+            Scene(MODEL_1, "euler-tree"),
+            Scene(MODEL_1, "contact-tree"),
         ),
         (
             "Euler parameters, not a rotation vector",
             "floating and floating-lie, Model 2",
-            Scene(level=2, formulation="floating"),
-            Scene(level=2, formulation="floating-lie"),
+            Scene(MODEL_2, "floating"),
+            Scene(MODEL_2, "floating-lie"),
         ),
         (
             "constraint of the spin (Model 4 against 3)",
             "euler-tree",
-            Scene(level=4),
-            Scene(level=3),
+            Scene(MODEL_4, "euler-tree"),
+            Scene(MODEL_3, "euler-tree"),
         ),
         (
             "carrier and constraint of the spin (Model 4 against 3)",
             "floating",
-            Scene(level=4, formulation="floating"),
-            Scene(level=3, formulation="floating"),
+            Scene(MODEL_4, "floating"),
+            Scene(MODEL_3, "floating"),
         ),
     ]
     pairs += [(part, name, partial(build, a), partial(build, b)) for part, name, a, b in scenes]
     return [
-        price(part, name, carried, left_out, repeats=repeats, integrator="TrapezoidalIndex2")
+        overhead(part, name, carried, left_out, repeats=repeats, integrator="TrapezoidalIndex2")
         for part, name, carried, left_out in pairs
     ]
 
 
-def price_table(found: Sequence[Price]) -> Table:
+def overhead_table(found: Sequence[Overhead]) -> Table:
     """Table of run times with against without."""
     return Table(
         name="lean-scenes",
@@ -277,7 +278,7 @@ def _fastest(command: Sequence[str], repeats: int) -> tuple[float, str]:
 def jobs(*, quick: bool) -> list[Job]:
     """Jobs for `run_jobs`; the keys start with "lean"."""
     return [
-        Job(("lean", "prices"), prices, (2 if quick else 9,)),
+        Job(("lean", "prices"), overheads, (2 if quick else 9,)),
         Job(("lean", "start-up"), start_up, (1 if quick else 5,)),
     ]
 
@@ -297,5 +298,5 @@ def section(results: dict[tuple[str, ...], object]) -> Section:
                 "the price of carrying more."
             )
         ],
-        tables=[price_table(found), start],
+        tables=[overhead_table(found), start],
     )

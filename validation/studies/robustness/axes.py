@@ -4,9 +4,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 from math import pi, sqrt
 
-from analysis import LEVELS, STEEL_DISK, Disk, Level, PenaltyContact, SmoothCoulomb
-from analysis import consistent_start as start_of
-from validation.studies.robustness.cases import Problem
+from analysis import (
+    MODELS,
+    STEEL_DISK,
+    Disk,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+)
+from validation.studies.robustness.cases import HardProblem
 
 QUICK: dict[str, tuple[str, ...]] = {
     "smoothing ε in m/s": ("1", "1e-2"),
@@ -25,111 +32,109 @@ QUICK: dict[str, tuple[str, ...]] = {
 """Labels of the sample of each axis, in Model 1, that the quick version runs."""
 
 
-def problems(*, quick: bool) -> list[Problem]:
+def problems(*, quick: bool) -> list[HardProblem]:
     """All problems, or the sample `QUICK` of them."""
-    found: list[Problem] = []
-    for level in LEVELS:
-        found += _smoothing(level)
-        found += [*_stiffness(), *_drops()] if level == 1 else ()
-        found += _spin(level)
-        found += _contact_load(level)
-        found += _tilt(level)
-        found += _eccentricity(level)
-        found += _inertia(level)
-        found += [scaled(level, size) for size in (1e-3, 10.0)]
-        found += _friction(level)
-        found += _rest(level)
-        found += _sampling(level)
-        found += _long(level)
+    found: list[HardProblem] = []
+    for constraints in MODELS.values():
+        base = Scenario(constraints=constraints)
+        found += _smoothing(base)
+        found += [*_stiffness(base), *_drops(base)] if base.model == 1 else ()
+        found += _spin(base)
+        found += _contact_load(base)
+        found += _tilt(base)
+        found += _eccentricity(base)
+        found += _inertia(base)
+        found += [scaled(base, size) for size in (1e-3, 10.0)]
+        found += _friction(base)
+        found += _rest(base)
+        found += _sampling(base)
+        found += _long(base)
     if quick:
-        return [each for each in found if each.level == 1 and each.label in QUICK[each.axis]]
+        return [
+            each for each in found if each.scenario.model == 1 and each.label in QUICK[each.axis]
+        ]
     return found
 
 
-def _smoothing(level: Level) -> Iterator[Problem]:
-    for digits in (0, 2, 3, 4, 5, 6, 8) if level == 1 else (0, 2, 3, 4, 5, 8):
-        yield Problem(
+def _smoothing(base: Scenario) -> Iterator[HardProblem]:
+    for digits in (0, 2, 3, 4, 5, 6, 8) if base.model == 1 else (0, 2, 3, 4, 5, 8):
+        yield HardProblem(
             axis="smoothing ε in m/s",
             label=f"1e-{digits}" if digits else "1",
-            level=level,
-            friction=SmoothCoulomb(smoothing=10.0**-digits),
-            start=start_of(level, STEEL_DISK),
+            scenario=replace(base, friction=SmoothCoulomb(smoothing=10.0**-digits)),
             cover="all" if digits < 3 else "first",
         )
 
 
-def _stiffness() -> Iterator[Problem]:
+def _stiffness(base: Scenario) -> Iterator[HardProblem]:
     for digits in (4, 6, 9):
-        contact = PenaltyContact.damped(10.0**digits, STEEL_DISK)
-        yield Problem(
+        contact = PenaltyContact.damped(10.0**digits, base.disk)
+        yield HardProblem(
             axis="contact stiffness in N/m",
             label=f"1e{digits}",
-            level=1,
-            friction=SmoothCoulomb(load="contact"),
-            contact=contact,
-            start=contact.lowered(STEEL_DISK, start_of(1, STEEL_DISK)),
+            scenario=replace(base, friction=SmoothCoulomb(load="contact"), contact=contact),
             cover="all",
         )
 
 
-def _drops() -> Iterator[Problem]:
-    undamped, damped = PenaltyContact(stiffness=1e5), PenaltyContact.damped(1e5, STEEL_DISK)
+def _drops(base: Scenario) -> Iterator[HardProblem]:
+    undamped, damped = PenaltyContact(stiffness=1e5), PenaltyContact.damped(1e5, base.disk)
     for height, contact, label in (
         (1e-3, undamped, "1 mm, undamped"),
         (5e-3, undamped, "5 mm, undamped"),
         (1e-3, damped, "1 mm, damped"),
         (5e-3, damped, "5 mm, damped"),
     ):
-        start = start_of(1, STEEL_DISK)
-        x, y, z, *angles = start.coordinates
-        yield Problem(
+        yield HardProblem(
             axis="start above the table",
             label=label,
-            level=1,
-            friction=SmoothCoulomb(load="contact"),
-            contact=contact,
-            start=replace(start, coordinates=(x, y, z + height, *angles)),
+            scenario=replace(
+                base,
+                friction=SmoothCoulomb(load="contact"),
+                contact=contact,
+                start=Start(height=height),
+            ),
             end=0.1,
         )
 
 
-def _spin(level: Level) -> Iterator[Problem]:
+def _spin(base: Scenario) -> Iterator[HardProblem]:
     for spin in (0.0, 100.0, 300.0, 1000.0, -40.0):
-        yield Problem(
+        yield HardProblem(
             axis="spin in rad/s",
             label=f"{spin:g}",
-            level=level,
-            start=start_of(level, STEEL_DISK, spin=spin),
+            scenario=replace(base, start=Start(spin=spin)),
             end=0.05 if spin == 1000.0 else 0.5,
             cover="all" if spin == 100.0 else "first",
         )
 
 
-def _contact_load(level: Level) -> Iterator[Problem]:
+def _contact_load(base: Scenario) -> Iterator[HardProblem]:
     """Friction by the contact force; the fast ones end where the contact would pull."""
     for spin, coefficient in ((100, 0.3), (200, 0.3), (300, 0.3), (40, 2), (40, 3), (300, 3)):
-        yield Problem(
+        yield HardProblem(
             axis="contact load: spin, μ",
             label=f"{spin:g} rad/s, {coefficient:g}",
-            level=level,
-            friction=SmoothCoulomb(coefficient=coefficient, load="contact"),
-            start=start_of(level, STEEL_DISK, spin=spin),
+            scenario=replace(
+                base,
+                friction=SmoothCoulomb(coefficient=coefficient, load="contact"),
+                start=Start(spin=spin),
+            ),
             cover="all" if spin == 200 or coefficient == 3 else "first",
         )
 
 
-def _tilt(level: Level) -> Iterator[Problem]:
+def _tilt(base: Scenario) -> Iterator[HardProblem]:
     for beta, label, end, samples in (
         (1e-4, "1e-4", 4e-4, 101),
         (0.01, "0.01", 4e-3, 101),
         (pi - 0.01, "π − 0.01", 4e-3, 101),
-        *([(1e-4, "1e-4, beyond the fall", 0.1, 11)] if level == 1 else []),
+        *([(1e-4, "1e-4, beyond the fall", 0.1, 11)] if base.model == 1 else []),
     ):
-        yield Problem(
+        yield HardProblem(
             axis="tilt β in rad",
             label=label,
-            level=level,
-            start=start_of(level, STEEL_DISK, beta=beta, spin=40.0),
+            scenario=replace(base, start=Start(beta=beta)),
             end=end,
             samples=samples,
         )
@@ -153,26 +158,24 @@ def body(moments: tuple[float, float, float], eccentricity: float) -> Disk:
     )
 
 
-def _eccentricity(level: Level) -> Iterator[Problem]:
-    radius = STEEL_DISK.radius
+def _eccentricity(base: Scenario) -> Iterator[HardProblem]:
+    radius = base.disk.radius
     for value, label in ((0.0, "0"), (1e-9, "1e-9"), (0.99 * radius, "0.99 r")):
-        disk = body(STEEL_DISK.inertia_about_cog, value)
-        yield Problem(
+        disk = body(base.disk.inertia_about_cog, value)
+        yield HardProblem(
             axis="eccentricity in m",
             label=label,
-            level=level,
-            disk=disk,
-            start=start_of(level, disk),
+            scenario=replace(base, disk=disk),
             end=0.25,
         )
 
 
-def _inertia(level: Level) -> Iterator[Problem]:
+def _inertia(base: Scenario) -> Iterator[HardProblem]:
     """Flat bodies, in which one moment is the sum of the others, and rods, in which one is none.
 
     A rod of no moment at all is no rigid body: one in a thousand is left.
     """
-    e, r = STEEL_DISK.eccentricity, STEEL_DISK.radius
+    e, r = base.disk.eccentricity, base.disk.radius
     for label, parts, eccentricity in (
         ("lamina", (0.25, 0.25, 0.5), 0.0),
         ("lamina, COG at 0.9 r", (0.25, 0.25, 0.5), 0.9 * r),
@@ -182,19 +185,17 @@ def _inertia(level: Level) -> Iterator[Problem]:
         ("rod along y", (0.3, 3e-4, 0.3), e),
         ("rod along z", (0.3, 0.3, 3e-4), e),
     ):
-        a, b, c = (part * STEEL_DISK.mass * r**2 for part in parts)
+        a, b, c = (part * base.disk.mass * r**2 for part in parts)
         disk = body((a, b, c), eccentricity)
-        yield Problem(
+        yield HardProblem(
             axis="inertia about the COG",
             label=label,
-            level=level,
-            disk=disk,
-            start=start_of(level, disk),
+            scenario=replace(base, disk=disk),
             end=0.25,
         )
 
 
-def scaled(level: Level, radius: float) -> Problem:
+def scaled(base: Scenario, radius: float) -> HardProblem:
     """Table 3 for a steel disk of another size, at the same Froude number.
 
     Lengths are scaled by s, times by the root of s, speeds and smoothing likewise, so that the
@@ -208,85 +209,81 @@ def scaled(level: Level, radius: float) -> Problem:
         thickness=0.01 * scale,
         density=7700.0,
     )
-    return Problem(
+    return HardProblem(
         axis="radius of the disk in m",
         label=f"{radius:g}",
-        level=level,
-        disk=disk,
-        friction=SmoothCoulomb(smoothing=0.1 * sqrt(scale)),
-        start=start_of(level, disk, spin=40.0 / sqrt(scale)),
+        scenario=replace(
+            base,
+            disk=disk,
+            friction=SmoothCoulomb(smoothing=0.1 * sqrt(scale)),
+            start=Start(spin=40.0 / sqrt(scale)),
+        ),
         end=0.5 * sqrt(scale),
         cover="all" if scale < 1.0 else "first",
     )
 
 
-def _friction(level: Level) -> Iterator[Problem]:
+def _friction(base: Scenario) -> Iterator[HardProblem]:
     for coefficient in (0.0, 10.0):
-        yield Problem(
+        yield HardProblem(
             axis="friction μ",
             label=f"{coefficient:g}",
-            level=level,
-            friction=SmoothCoulomb(coefficient=coefficient),
-            start=start_of(level, STEEL_DISK),
+            scenario=replace(base, friction=SmoothCoulomb(coefficient=coefficient)),
         )
 
 
-def _rest(level: Level) -> Iterator[Problem]:
+def _rest(base: Scenario) -> Iterator[HardProblem]:
     for label, gamma, spin in (
         ("at rest", -pi / 2 + 0.1, 0.0),
         ("at rest, COG above", pi / 2, 0.0),
         ("noninverted spinning", -pi / 2, 40.0),
         ("inverted, below critical spin", pi / 2, 20.0),
     ):
-        yield Problem(
+        yield HardProblem(
             axis="start",
             label=label,
-            level=level,
-            start=start_of(level, STEEL_DISK, gamma=gamma, spin=spin),
+            scenario=replace(base, start=Start(gamma=gamma, spin=spin)),
         )
 
 
-def _sampling(level: Level) -> Iterator[Problem]:
+def _sampling(base: Scenario) -> Iterator[HardProblem]:
     for samples, end in ((2, 0.5), (3, 2.0)):
-        yield Problem(
+        yield HardProblem(
             axis="sampling, duration",
             label=f"{samples} samples, {end:g} s",
-            level=level,
-            start=start_of(level, STEEL_DISK),
+            scenario=base,
             end=end,
             samples=samples,
         )
-    yield Problem(
+    yield HardProblem(
         axis="sampling, duration",
         label="2 samples, rolling fast",
-        level=level,
-        start=start_of(level, STEEL_DISK, beta=1.0, gamma=0.0, spin=50.0),
+        scenario=replace(base, start=Start(beta=1.0, gamma=0.0, spin=50.0)),
         end=0.3,
         samples=2,
     )
 
 
-def _long(level: Level) -> Iterator[Problem]:
+def _long(base: Scenario) -> Iterator[HardProblem]:
     """Through inversion and fall; tens of seconds in Model 1, and inverted for longer."""
-    for end in (5.0, 10.0, 20.0) if level == 1 else (5.0, 10.0):
-        yield Problem(
+    for end in (5.0, 10.0, 20.0) if base.model == 1 else (5.0, 10.0):
+        yield HardProblem(
             axis="sampling, duration",
             label=f"{end:g} s",
-            level=level,
-            start=start_of(level, STEEL_DISK),
+            scenario=base,
             end=end,
             samples=round(100 * end) + 1,
             cover="first" if end == 5.0 else "fastest",
         )
-    if level > 1:
+    if base.model != 1:
         return
-    yield Problem(
+    yield HardProblem(
         axis="sampling, duration",
         label="50 s, to inverted spinning",
-        level=level,
         # With this friction inverted spinning is stable.
-        friction=SmoothCoulomb(smoothing=0.2),
-        start=start_of(level, STEEL_DISK, gamma=pi / 2 - 0.1, spin=40.0),
+        scenario=replace(
+            base, friction=SmoothCoulomb(smoothing=0.2), start=Start(gamma=pi / 2 - 0.1)
+        ),
         end=50.0,
         samples=5001,
         cover="fastest",

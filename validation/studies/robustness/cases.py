@@ -1,25 +1,26 @@
 """The hard cases: motions at the ends of what the parameters allow, and ways to compute them."""
 
-from dataclasses import dataclass, field
-from typing import Literal
+import warnings
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 
 import mbs_models
-from analysis import STEEL_DISK, Disk, Form, Level, Method, PenaltyContact, SmoothCoulomb
+from analysis import Form, Method, Scenario, Trajectory
 from analysis.data.checks import Array
-from analysis.data.state import State
 from mbs_models import Formulation, IntegratorName, Scene
+from validation.run import run
 
 TOLERANCE = 1e-6
 """Accuracy asked for in rad."""
 
 STIFF = 1e-3
-"""Smoothing in m/s below which explicit in-house methods are not tried."""
+"""Finest speed of friction in m/s below which explicit in-house methods are not tried."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Problem:
+class HardProblem:
     """A motion to be computed.
 
     Parameters
@@ -28,12 +29,7 @@ class Problem:
         What is extreme about it.
     label : str
         How extreme.
-    level : {1, 2, 3, 4}
-    disk : Disk
-    friction : SmoothCoulomb
-    contact : PenaltyContact, optional
-        The ideal contact if there is none. The engine alone has the other.
-    start : State
+    scenario : Scenario
     end : float
         In s.
     samples : int
@@ -44,11 +40,7 @@ class Problem:
 
     axis: str
     label: str
-    level: Level
-    start: State
-    disk: Disk = STEEL_DISK
-    friction: SmoothCoulomb = field(default_factory=SmoothCoulomb)
-    contact: PenaltyContact | None = None
+    scenario: Scenario
     end: float = 0.5
     samples: int = 101
     cover: Literal["all", "first", "fastest"] = "first"
@@ -72,30 +64,41 @@ class Way:
         """Formulation and integrator."""
         return f"{self.formulation}, {self.integrator}"
 
+    def run(self, scenario: Scenario, times: Array, **how: Any) -> Trajectory:
+        """Run a scenario this way; the further arguments are those of `validation.run.run`.
 
-def ways(problem: Problem, *, quick: bool) -> list[Way]:
-    """Ways that apply to a problem; in the quick version with their first integrator alone."""
-    by_contact = problem.friction.load == "contact"
-    formulations = [
-        each
-        for each in mbs_models.formulations(problem.level)
-        if each != "contact-tree" or (problem.contact is None and not by_contact)
-    ][: 1 if problem.cover == "fastest" else None]
+        SciPy's warnings are left out: LSODA warns where it gives up, which is an error as well.
+        """
+        how.setdefault("integrator" if self.source == "engine" else "method", self.integrator)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return run(scenario, times, source=self.source, formulation=self.formulation, **how)
+
+
+def ways(problem: HardProblem, *, quick: bool) -> list[Way]:
+    """Ways that apply to a problem; in the quick version with their first integrator alone.
+
+    On a penalty contact those of the engine: the formulations are compared with each other.
+    """
+    scenario = problem.scenario
+    formulations = mbs_models.formulations(scenario)
+    if problem.cover == "fastest":
+        formulations = formulations[:1]
     most = None if problem.cover == "all" and not quick else 1
     engine = [
         Way(source="engine", formulation=formulation, integrator=integrator)
         for formulation in formulations
         for integrator in mbs_models.integrators(
-            formulation, constrained=scene(problem, formulation).has_constraints
+            formulation, constrained=Scene(scenario, formulation).has_constraints
         )[:most]
     ]
-    if problem.contact is not None:
+    if scenario.contact is not None:
         return engine
     methods: tuple[Method, ...] = ("DOP853", "Radau")
-    if problem.friction.smoothing < STIFF:
+    if scenario.friction.finest_speed < STIFF:
         methods = ("Radau",)
     forms: tuple[Form, ...] = ("index-1",)
-    if problem.level == 4 and not by_contact:
+    if scenario.model == 4 and scenario.friction.load == "weight":
         forms = ("index-1", "reduced")
     in_house = [
         Way(source="in-house", formulation=form, integrator=method)
@@ -103,15 +106,3 @@ def ways(problem: Problem, *, quick: bool) -> list[Way]:
         for method in methods[:most]
     ]
     return engine + in_house
-
-
-def scene(problem: Problem, formulation: Formulation) -> Scene:
-    """Scene of a problem in one of the engine's formulations."""
-    return Scene(
-        level=problem.level,
-        formulation=formulation,
-        disk=problem.disk,
-        friction=problem.friction,
-        contact=problem.contact,
-        start=problem.start,
-    )

@@ -1,100 +1,82 @@
 """Constraint drift over a long run, and what must stay the same without friction."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 import analysis
-import mbs_models
-from analysis import Form, Level, Method, SmoothCoulomb, Trajectory
+from analysis import MODELS, Form, Method, Scenario, SmoothCoulomb, Trajectory
 from analysis.data.checks import Array
 from analysis.data.frames import poses, twists
-from mbs_models import Formulation, IntegratorName, Scene
+from mbs_models import Formulation, IntegratorName
+from validation.studies.robustness.cases import Way
 
 SAMPLES_PER_SECOND = 200
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Runner:
-    """A way to integrate over a long time, with the step or local tolerance it takes.
+    """A way to integrate a scenario over a long time, with the step or tolerance it takes.
 
     Parameters
     ----------
     label : str
         With the level on which the constraints are met.
-    level : {1, 3, 4}
-    source : {"engine", "in-house"}
-    formulation, integrator : str
+    scenario : Scenario
+    way : Way
     accuracy : float
         Step in s of the engine, local tolerance of the in-house side.
     """
 
     label: str
-    level: Level
-    source: Literal["engine", "in-house"]
-    formulation: Formulation | Form
-    integrator: IntegratorName | Method
+    scenario: Scenario
+    way: Way
     accuracy: float
 
 
-ACCELERATION_LOOSE = Runner(
-    label="acceleration level (index 1), tolerance 1e-6",
-    level=3,
-    source="in-house",
-    formulation="index-1",
-    integrator="RK45",
-    accuracy=1e-6,
-)
-ACCELERATION_TIGHT = Runner(
-    label="acceleration level (index 1), tolerance 1e-10",
-    level=3,
-    source="in-house",
-    formulation="index-1",
-    integrator="DOP853",
-    accuracy=1e-10,
-)
+ROLLING = Scenario(constraints=MODELS[3])
+
 RUNNERS = (
-    ACCELERATION_LOOSE,
-    ACCELERATION_TIGHT,
+    Runner(
+        label="acceleration level (index 1), tolerance 1e-6",
+        scenario=ROLLING,
+        way=Way(source="in-house", formulation="index-1", integrator="RK45"),
+        accuracy=1e-6,
+    ),
+    Runner(
+        label="acceleration level (index 1), tolerance 1e-10",
+        scenario=ROLLING,
+        way=Way(source="in-house", formulation="index-1", integrator="DOP853"),
+        accuracy=1e-10,
+    ),
     Runner(
         label="velocity level (index 2), engine, Euler tree, 1 ms",
-        level=3,
-        source="engine",
-        formulation="euler-tree",
-        integrator="TrapezoidalIndex2",
+        scenario=ROLLING,
+        way=Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2"),
         accuracy=1e-3,
     ),
     Runner(
         label="velocity level (index 2), engine, floating, 1 ms",
-        level=3,
-        source="engine",
-        formulation="floating",
-        integrator="TrapezoidalIndex2",
+        scenario=ROLLING,
+        way=Way(source="engine", formulation="floating", integrator="TrapezoidalIndex2"),
         accuracy=1e-3,
     ),
     Runner(
         label="generalized α (position level but the contact), engine, Euler tree, 1 ms",
-        level=3,
-        source="engine",
-        formulation="euler-tree",
-        integrator="GeneralizedAlpha",
+        scenario=ROLLING,
+        way=Way(source="engine", formulation="euler-tree", integrator="GeneralizedAlpha"),
         accuracy=1e-3,
     ),
     Runner(
         label="minimal coordinates, engine, contact tree, 5 ms (Model 1)",
-        level=1,
-        source="engine",
-        formulation="contact-tree",
-        integrator="RK44",
+        scenario=Scenario(),
+        way=Way(source="engine", formulation="contact-tree", integrator="RK44"),
         accuracy=5e-3,
     ),
     Runner(
         label="minimal coordinates, in-house reduced, 1e-6 (Model 4)",
-        level=4,
-        source="in-house",
-        formulation="reduced",
-        integrator="RK45",
+        scenario=Scenario(constraints=MODELS[4]),
+        way=Way(source="in-house", formulation="reduced", integrator="RK45"),
         accuracy=1e-6,
     ),
 )
@@ -124,35 +106,17 @@ class Drift:
     failure: str = ""
 
 
-def simulate(runner: Runner, friction: SmoothCoulomb, end: float) -> Trajectory:
-    """Run from Table 3."""
+def simulate(runner: Runner, end: float) -> Trajectory:
+    """Run a runner's scenario up to `end` in s."""
     times = np.linspace(0.0, end, round(SAMPLES_PER_SECOND * end) + 1)
-    if runner.source == "engine":
-        scene = Scene(
-            level=runner.level,
-            formulation=runner.formulation,  # type: ignore[arg-type]  # fits the source
-            friction=friction,
-        )
-        return mbs_models.simulate(
-            scene,
-            times,
-            step=runner.accuracy,
-            integrator=runner.integrator,  # type: ignore[arg-type]
-        )
-    return analysis.simulate(
-        runner.level,
-        times,
-        friction=friction,
-        form=runner.formulation,  # type: ignore[arg-type]
-        method=runner.integrator,  # type: ignore[arg-type]
-        local_tolerance=runner.accuracy,
-    )
+    accuracy = "step" if runner.way.source == "engine" else "local_tolerance"
+    return runner.way.run(runner.scenario, times, **{accuracy: runner.accuracy})
 
 
 def drift(runner: Runner, end: float) -> Drift:
     """Constraint and energy residuals of a run with friction from Table 3."""
     try:
-        run = simulate(runner, SmoothCoulomb(), end)
+        run = simulate(runner, end)
     except ArithmeticError as error:
         none = np.empty(0)
         return Drift(
@@ -160,7 +124,7 @@ def drift(runner: Runner, end: float) -> Drift:
             failure=str(error),
         )  # fmt: skip
     position, velocity = analysis.constraint_drift(run)
-    scale = run.disk.weight * run.disk.radius
+    scale = run.scenario.weight * run.scenario.disk.radius
     return Drift(
         runner=runner,
         times=run.times,
@@ -204,26 +168,26 @@ def conserved(
     work.
     """
     engine = formulation != "index-1"
+    way = Way(
+        source="engine" if engine else "in-house", formulation=formulation, integrator=integrator
+    )
     runner = Runner(
         label="",
-        level=1,
-        source="engine" if engine else "in-house",
-        formulation=formulation,
-        integrator=integrator,
+        scenario=Scenario(friction=SmoothCoulomb(coefficient=0.0)),
+        way=way,
         accuracy=1e-3 if engine else 1e-9,
     )
-    name = f"{formulation}, {integrator}"
     try:
-        run = simulate(runner, SmoothCoulomb(coefficient=0.0), end)
+        run = simulate(runner, end)
     except ArithmeticError as error:
-        return Conserved(name=name, failure=str(error))
-    disk = run.disk
-    kinetic, potential = analysis.energies(disk, run.coordinates, run.rates)
+        return Conserved(name=way.name, failure=str(error))
+    disk = run.scenario.disk
+    kinetic, potential = analysis.energies(run.scenario, run.coordinates, run.rates)
     momentum, spin = _momenta(run)
     speed = disk.radius * abs(run.rates[0, 3])
     return Conserved(
-        name=name,
-        energy=_change(kinetic + potential) / (disk.weight * disk.radius),
+        name=way.name,
+        energy=_change(kinetic + potential) / (run.scenario.weight * disk.radius),
         momentum=max(_change(momentum[:, k]) for k in (0, 1)) / (disk.mass * speed),
         spin=_change(spin) / abs(float(spin[0])),
     )
@@ -233,10 +197,10 @@ def _momenta(run: Trajectory) -> tuple[Array, Array]:
     """Momentum, shape (n, 3), and vertical angular momentum about the COG, shape (n,)."""
     _, rotation = poses(run.coordinates)
     velocity, angular = twists(run.coordinates, run.rates)
-    arm = rotation[:, :, 0] * run.disk.eccentricity
-    momentum = run.disk.mass * (velocity + np.cross(angular, arm))
+    arm = rotation[:, :, 0] * run.scenario.disk.eccentricity
+    momentum = run.scenario.disk.mass * (velocity + np.cross(angular, arm))
     local = np.einsum("nji,nj->ni", rotation, angular)
-    moments = np.array(run.disk.inertia_about_cog)
+    moments = np.array(run.scenario.disk.inertia_about_cog)
     spin: Array = np.einsum("ni,ni->n", rotation[:, 2, :], moments * local)
     return momentum, spin
 

@@ -1,14 +1,14 @@
 """The penalty contact against the ideal one as it gets stiffer."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, Load, PenaltyContact, SmoothCoulomb
+from analysis import STEEL_DISK, Load, PenaltyContact, Scenario, SmoothCoulomb
 from mbs_models import Scene
-from validation.studies.crosscheck import angle_error
+from validation.studies.robustness.reference import deviation
 
 STIFFNESSES = (1e4, 1e5, 1e6, 1e7)
 """In N/m; beyond, the error meets that of the integration."""
@@ -46,14 +46,14 @@ class PenaltyError:
 def penalty_error(stiffness: float, load: Load) -> PenaltyError:
     """Compare the damped penalty contact with the in-house Model 1.
 
-    The start is lowered by the resting penetration. The normal force at the start of Model 1 is
+    The disk starts at its resting penetration. The normal force at the start of Model 1 is
     not quite the weight, so a small bounce is left, which the damping takes away.
     """
-    friction = SmoothCoulomb(load=load)
+    ideal = Scenario(friction=SmoothCoulomb(load=load))
     times = np.linspace(0.0, 0.5, 51)
-    truth = analysis.simulate(1, times, friction=friction, tolerance=1e-10)
+    truth = analysis.simulate(ideal, times, tolerance=1e-10)
     contact = PenaltyContact.damped(stiffness, STEEL_DISK)
-    scene = Scene(formulation="euler-tree", contact=contact, friction=friction)
+    scene = Scene(replace(ideal, contact=contact), "euler-tree")
     run = mbs_models.simulate(
         scene, times, tolerance=max(TOLERANCE, 1e-3 / stiffness), integrator="RK44"
     )
@@ -62,7 +62,7 @@ def penalty_error(stiffness: float, load: Load) -> PenaltyError:
     return PenaltyError(
         stiffness=stiffness,
         load=load,
-        angles=angle_error(run, truth),
+        angles=deviation(run, truth),
         normal_force=float(np.max(difference)),
         estimate=float(run.error_estimate or 0.0),
         step=float(run.method["step"] or 0.0),

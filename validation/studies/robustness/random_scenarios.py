@@ -10,14 +10,14 @@ measured against in-house runs by two methods.
 import argparse
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 import mbs_models
-from analysis import LEVELS, STEEL_DISK, SmoothCoulomb, consistent_start
-from mbs_models import Formulation
-from validation.studies.robustness.cases import Problem, scene
+from analysis import MODELS, Scenario, SmoothCoulomb, Start
+from mbs_models import Formulation, Scene
+from validation.studies.robustness.cases import HardProblem
 from validation.studies.robustness.reference import (
     NoReference,
     deviation,
@@ -29,40 +29,43 @@ from validation.studies.robustness.work import StepCount
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Scenario:
-    """A motion for the engine.
+class Draw:
+    """A random motion for the engine.
 
     Parameters
     ----------
-    problem : Problem
+    problem : HardProblem
     formulation : str
     tolerance : float
         Asked for in rad.
     """
 
-    problem: Problem
+    problem: HardProblem
     formulation: Formulation
     tolerance: float
 
     def __str__(self) -> str:
-        problem, friction = self.problem, self.problem.friction
+        scenario = self.problem.scenario
+        friction, state = scenario.friction, scenario.initial_state
+        assert isinstance(friction, SmoothCoulomb)
         return (
-            f"Model {problem.level}, {self.formulation}, load {friction.load}, "
+            f"{scenario.name}, {self.formulation}, load {friction.load}, "
             f"μ {friction.coefficient:.2f}, ε {friction.smoothing:.1e}, "
-            f"spin {problem.start.rates[3]:.0f}, β {problem.start.coordinates[4]:.2f}, "
+            f"spin {state.rates[3]:.0f}, β {state.coordinates[4]:.2f}, "
             f"tolerance {self.tolerance:.0e}"
         )
 
 
-def scenarios(number: int, seed: int) -> list[Scenario]:
-    """So many random scenarios, the same ones for a seed."""
+def draws(number: int, seed: int) -> list[Draw]:
+    """So many random motions, the same ones for a seed."""
     rng = np.random.default_rng(seed)
-    return [_scenario(rng) for _ in range(number)]
+    return [_draw(rng) for _ in range(number)]
 
 
-def _scenario(rng: np.random.Generator) -> Scenario:
-    level = LEVELS[rng.integers(len(LEVELS))]
-    available = mbs_models.formulations(level)
+def _draw(rng: np.random.Generator) -> Draw:
+    models = tuple(MODELS.values())
+    base = Scenario(constraints=models[rng.integers(len(models))])
+    available = mbs_models.formulations(base)
     formulation = available[rng.integers(len(available))]
     by_contact = rng.random() < 0.5 and formulation != "contact-tree"
     friction = SmoothCoulomb(
@@ -70,30 +73,27 @@ def _scenario(rng: np.random.Generator) -> Scenario:
         smoothing=float(10.0 ** rng.uniform(-5.0, 1.0)),
         load="contact" if by_contact else "weight",
     )
-    start = consistent_start(
-        level,
-        STEEL_DISK,
+    start = Start(
         beta=float(rng.uniform(0.01, np.pi - 0.01)),
         gamma=float(rng.uniform(-np.pi, np.pi)),
         spin=float(rng.uniform(0.0, 300.0 if rng.random() < 0.5 else 60.0)),
     )
-    problem = Problem(
-        axis="random", label="", level=level, friction=friction, start=start, end=1.0
-    )
+    scenario = replace(base, friction=friction, start=start)
+    problem = HardProblem(axis="random", label="", scenario=scenario, end=1.0)
     tolerance = float(10.0 ** rng.uniform(-8.0, -3.0))
-    return Scenario(problem=problem, formulation=formulation, tolerance=tolerance)
+    return Draw(problem=problem, formulation=formulation, tolerance=tolerance)
 
 
-def verdict(scenario: Scenario) -> tuple[str, str]:
-    """What became of a scenario, in a word and in detail.
+def verdict(drawn: Draw) -> tuple[str, str]:
+    """What became of a draw, in a word and in detail.
 
     The word is "kept" or "kept up to its ending", "BROKEN", or what stood in the way.
     """
-    problem, tolerance = scenario.problem, scenario.tolerance
+    problem, tolerance = drawn.problem, drawn.tolerance
     count = StepCount(STEPS["engine"])
     try:
         run = mbs_models.simulate(
-            scene(problem, scenario.formulation),
+            Scene(problem.scenario, drawn.formulation),
             problem.times,
             tolerance=tolerance,
             progress=count,
@@ -125,10 +125,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1, help="of the draw (default: %(default)s)")
     options = parser.parse_args(arguments)
     counts: Counter[str] = Counter()
-    for index, scenario in enumerate(scenarios(options.number, options.seed)):
-        word, detail = verdict(scenario)
+    for index, drawn in enumerate(draws(options.number, options.seed)):
+        word, detail = verdict(drawn)
         counts[word] += 1
-        print(f"{index:3d} {word}: {scenario}: {detail}", flush=True)
+        print(f"{index:3d} {word}: {drawn}: {detail}", flush=True)
     print(", ".join(f"{number} {word}" for word, number in counts.most_common()))
     return 1 if counts["BROKEN"] else 0
 

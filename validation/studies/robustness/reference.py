@@ -1,19 +1,17 @@
 """What a run is compared with: two runs by other methods, and how far they are apart."""
 
-import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
 import numpy as np
 
 import analysis
-import mbs_models
 from analysis import Method, Trajectory
 from analysis.data.checks import Array
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
 from mbs_models import EngineError, Integrator
-from validation.studies.robustness.cases import STIFF, Problem, Way, scene
+from validation.studies.robustness.cases import STIFF, HardProblem, Way
 from validation.studies.robustness.work import StepCount
 
 STEPS = 30_000
@@ -89,7 +87,7 @@ def ending_error(run: Trajectory, other: Trajectory) -> float:
     return abs(run.ending.time - other.ending.time)
 
 
-def reference_or_reason(problem: Problem) -> Reference | NoReference:
+def reference_or_reason(problem: HardProblem) -> Reference | NoReference:
     """The reference of a problem, or why there is none."""
     try:
         return reference(problem)
@@ -99,7 +97,7 @@ def reference_or_reason(problem: Problem) -> Reference | NoReference:
         return NoReference(reason=_line(error))
 
 
-def reference(problem: Problem) -> Reference:
+def reference(problem: HardProblem) -> Reference:
     """Two runs of a problem.
 
     Both are in-house, or on a penalty contact of different formulations and integrators.
@@ -111,9 +109,10 @@ def reference(problem: Problem) -> Reference:
     ValueError
         If the motion cannot start.
     """
-    if problem.contact is not None:
+    scenario = problem.scenario
+    if scenario.contact is not None:
         return _penalty_reference(problem)
-    stiff = problem.friction.smoothing < STIFF
+    stiff = scenario.friction.finest_speed < STIFF
     # Over tens of seconds small errors grow by some thousands.
     tight = 1e-12 if problem.end <= 5.0 else TIGHTEST_LOCAL_TOLERANCE
     methods: tuple[tuple[Method, float], ...] = (
@@ -123,13 +122,7 @@ def reference(problem: Problem) -> Reference:
     first, second = (
         _within(
             problem,
-            quietly,
-            problem.level,
-            problem.times,
-            disk=problem.disk,
-            friction=problem.friction,
-            start=problem.start,
-            method=method,
+            Way(source="in-house", formulation="index-1", integrator=method),
             local_tolerance=tolerance,
         )
         for method, tolerance in methods
@@ -137,51 +130,39 @@ def reference(problem: Problem) -> Reference:
     return Reference(first=first, second=second)
 
 
-def _penalty_reference(problem: Problem) -> Reference:
-    tree, body = (scene(problem, formulation) for formulation in ("euler-tree", "floating-lie"))
+def _penalty_reference(problem: HardProblem) -> Reference:
+    tree = Way(source="engine", formulation="euler-tree", integrator="DOPRI5")
+    body = Way(source="engine", formulation="floating-lie", integrator="RK67")
     tight = Integrator(name="DOPRI5", local_tolerance=1e-11)
     try:
-        first = _within(problem, mbs_models.simulate, tree, problem.times, integrator=tight)
+        first = _within(problem, tree, integrator=tight)
     except EngineError:
         # Step control cannot pass the jump of a damper that meets the table: short steps can.
         first, second = (
-            mbs_models.simulate(scene, problem.times, integrator="RK44", step=step)
-            for scene, step in ((tree, 1e-6), (body, 1.3e-6))
+            replace(way, integrator="RK44").run(problem.scenario, problem.times, step=step)
+            for way, step in ((tree, 1e-6), (body, 1.3e-6))
         )
         return Reference(first=first, second=second)
-    second = _within(
-        problem, mbs_models.simulate, body, problem.times, integrator="RK67", tolerance=1e-8
-    )
+    second = _within(problem, body, tolerance=1e-8)
     return Reference(first=first, second=second)
 
 
-def limited(steps: int, problem: Problem) -> int:
+def limited(steps: int, problem: HardProblem) -> int:
     """Limit of steps of a problem from that of a second."""
     return round(steps * max(1.0, problem.end))
 
 
-def _within(problem: Problem, simulate: Any, *arguments: Any, **options: Any) -> Trajectory:
-    """A call of `simulate` within the limit of steps."""
+def _within(problem: HardProblem, way: Way, **how: Any) -> Trajectory:
+    """Run a problem within the limit of steps."""
     count = StepCount(limited(STEPS, problem))
     try:
-        result: Trajectory = simulate(*arguments, progress=count, **options)
+        return way.run(problem.scenario, problem.times, progress=count, **how)
     except Exception as error:
         if count.is_used_up:
             raise ArithmeticError(
                 f"{count.limit} steps taken at t = {count.reached:.3g} s of a reference"
             ) from error
         raise
-    return result
-
-
-def quietly(*arguments: Any, **options: Any) -> Trajectory:
-    """`analysis.simulate` without a warning of SciPy's.
-
-    LSODA warns where it gives up, which is an error here as well.
-    """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return analysis.simulate(*arguments, **options)
 
 
 def energy_error(run: Trajectory, truth: Trajectory) -> float:
@@ -192,7 +173,7 @@ def energy_error(run: Trajectory, truth: Trajectory) -> float:
 
 
 def _energy(run: Trajectory) -> Array:
-    result: Array = sum(analysis.energies(run.disk, run.coordinates, run.rates), np.zeros(1))
+    result: Array = sum(analysis.energies(run.scenario, run.coordinates, run.rates), np.zeros(1))
     return result
 
 

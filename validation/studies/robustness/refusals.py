@@ -9,7 +9,7 @@ import numpy as np
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb, State, consistent_start
+from analysis import MODELS, STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, State
 from mbs_models import Scene
 from validation.kit.tables import Cell, Table
 
@@ -19,7 +19,7 @@ LIMIT = 2.0
 
 
 def _above_the_table() -> State:
-    start = consistent_start(1, STEEL_DISK)
+    start = Scenario().initial_state
     x, y, z, *angles = start.coordinates
     return replace(start, coordinates=(x, y, z + 1e-3, *angles))
 
@@ -28,35 +28,43 @@ REQUESTS: dict[str, Callable[[], object]] = {
     "smoothing of zero": lambda: SmoothCoulomb(smoothing=0.0),
     "friction coefficient below zero": lambda: SmoothCoulomb(coefficient=-0.1),
     "friction coefficient not a number": lambda: SmoothCoulomb(coefficient=nan),
-    "start lying flat": lambda: consistent_start(1, STEEL_DISK, beta=0.0),
-    "endless spin": lambda: consistent_start(1, STEEL_DISK, spin=inf),
+    "start lying flat": lambda: Start(beta=0.0),
+    "endless spin": lambda: Start(spin=inf),
     "COG at the rim": lambda: replace(STEEL_DISK, eccentricity=STEEL_DISK.radius),
     "COG far out, moments about the centre kept": lambda: replace(
         STEEL_DISK, eccentricity=0.99 * STEEL_DISK.radius
     ),
-    "slip along the edge in Model 3": lambda: consistent_start(3, STEEL_DISK, gamma_rate=1.0),
+    "slip along the edge in Model 3": lambda: Scenario(
+        constraints=MODELS[3], start=Start(gamma_rate=1.0)
+    ),
     "start above the table, engine": lambda: mbs_models.simulate(
-        Scene(start=_above_the_table()), TIMES
+        Scene(Scenario(start=_above_the_table())), TIMES
     ),
     "start above the table, in-house": lambda: analysis.simulate(
-        1, TIMES, start=_above_the_table()
+        Scenario(start=_above_the_table()), TIMES
     ),
     "explicit integrator on constraints": lambda: mbs_models.simulate(
-        Scene(level=2), TIMES, integrator="RK44"
+        Scene(Scenario(constraints=MODELS[2])), TIMES, integrator="RK44"
     ),
-    "contact tree in Model 2": lambda: Scene(level=2, formulation="contact-tree"),
+    "contact tree in Model 2": lambda: Scene(Scenario(constraints=MODELS[2]), "contact-tree"),
     "contact tree with the contact force as load": lambda: Scene(
-        formulation="contact-tree", friction=SmoothCoulomb(load="contact")
+        Scenario(friction=SmoothCoulomb(load="contact")), "contact-tree"
     ),
     "penalty contact on a contact tree": lambda: Scene(
-        formulation="contact-tree", contact=PenaltyContact(stiffness=1e5)
+        Scenario(contact=PenaltyContact(stiffness=1e5)), "contact-tree"
     ),
-    "penalty contact in Model 2": lambda: Scene(level=2, contact=PenaltyContact(stiffness=1e5)),
-    "penalty contact that is too soft": lambda: Scene(contact=PenaltyContact(stiffness=1e3)),
+    "penalty contact in Model 2": lambda: Scenario(
+        constraints=MODELS[2], contact=PenaltyContact(stiffness=1e5)
+    ),
+    "penalty contact that is too soft": lambda: Scenario(contact=PenaltyContact(stiffness=1e3)),
     "damping below zero": lambda: PenaltyContact(stiffness=1e5, damping=-1.0),
-    "minimal coordinates in Model 3": lambda: analysis.simulate(3, TIMES, form="reduced"),
+    "minimal coordinates in Model 3": lambda: analysis.simulate(
+        Scenario(constraints=MODELS[3]), TIMES, form="reduced"
+    ),
     "minimal coordinates with the contact force as load": lambda: analysis.simulate(
-        4, TIMES, form="reduced", friction=SmoothCoulomb(load="contact")
+        Scenario(constraints=MODELS[4], friction=SmoothCoulomb(load="contact")),
+        TIMES,
+        form="reduced",
     ),
     "times that do not increase": lambda: mbs_models.simulate(Scene(), (0.0, 0.0)),
     "step of zero": lambda: mbs_models.simulate(Scene(), TIMES, step=0.0),

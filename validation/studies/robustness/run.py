@@ -3,14 +3,13 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 import analysis
-import mbs_models
 from analysis import Level, Trajectory
-from validation.studies.robustness.cases import TOLERANCE, Problem, Way, scene
+from validation.studies.robustness.cases import TOLERANCE, HardProblem, Way
 from validation.studies.robustness.isolated import Failure, run_isolated
 from validation.studies.robustness.reference import (
     NoReference,
@@ -19,7 +18,6 @@ from validation.studies.robustness.reference import (
     ending_error,
     energy_error,
     limited,
-    quietly,
     reference_or_reason,
 )
 from validation.studies.robustness.work import StepCount
@@ -63,8 +61,9 @@ class Outcome:
     Parameters
     ----------
     axis, label : str
-        See `Problem`.
-    level : {1, 2, 3, 4}
+        See `HardProblem`.
+    level : {1, 2, 3, 4}, optional
+        Number of the paper's model; None for another set of constraints.
     way : Way
     verdict : str
         `accurate`: the error is within what was asked for and the doubt of the reference, that
@@ -98,7 +97,7 @@ class Outcome:
 
     axis: str
     label: str
-    level: Level
+    level: Level | None
     way: Way
     verdict: Verdict
     error: float | None = None
@@ -127,7 +126,7 @@ class Outcome:
         return error > max(TOLERANCE, self.estimate) + (self.doubt or 0.0)
 
 
-def run_problems(batch: Sequence[tuple[Problem, Sequence[Way]]]) -> list[Outcome]:
+def run_problems(batch: Sequence[tuple[HardProblem, Sequence[Way]]]) -> list[Outcome]:
     """Run problems in several ways each, in a process that may hang or crash."""
     problems = [problem for problem, _ in batch]
     found = run_isolated(
@@ -154,7 +153,7 @@ def run_problems(batch: Sequence[tuple[Problem, Sequence[Way]]]) -> list[Outcome
     ]
 
 
-def run_case(problem: Problem, way: Way, known: Reference | NoReference) -> Outcome:
+def run_case(problem: HardProblem, way: Way, known: Reference | NoReference) -> Outcome:
     """Run one case and classify it."""
     count = StepCount(limited(STEPS[way.source], problem))
     begin = time.perf_counter()
@@ -193,9 +192,13 @@ def run_case(problem: Problem, way: Way, known: Reference | NoReference) -> Outc
     return _judge(blank, run, known)
 
 
-def _blank(problem: Problem, way: Way) -> Outcome:
+def _blank(problem: HardProblem, way: Way) -> Outcome:
     return Outcome(
-        axis=problem.axis, label=problem.label, level=problem.level, way=way, verdict="crashed"
+        axis=problem.axis,
+        label=problem.label,
+        level=problem.scenario.model,
+        way=way,
+        verdict="crashed",
     )
 
 
@@ -216,8 +219,8 @@ def _judge(blank: Outcome, run: Trajectory, known: Reference) -> Outcome:
     truth, doubt = known.for_way(blank.way), known.doubt
     ending = ending_error(run, truth)
     drift = None
-    if "stiffness" not in run.method:
-        drift = float(np.max(analysis.constraint_drift(run)[0])) / run.disk.radius
+    if run.scenario.contact is None:
+        drift = float(np.max(analysis.constraint_drift(run)[0])) / run.scenario.disk.radius
     outcome = replace(
         blank,
         error=deviation(run, truth),
@@ -249,28 +252,11 @@ def _reason(outcome: Outcome, run: Trajectory, truth: Trajectory) -> str:
     return str(one) if outcome.ending_error <= TOLERANCE else f"{one}; reference: {other}"
 
 
-def simulate(problem: Problem, way: Way, count: StepCount) -> Trajectory:
+def simulate(problem: HardProblem, way: Way, count: StepCount) -> Trajectory:
     """Simulate a problem to `TOLERANCE`, with the steps that `count` allows."""
-    if way.source == "engine":
-        return mbs_models.simulate(
-            scene(problem, way.formulation),  # type: ignore[arg-type]  # the engine's, by its source
-            problem.times,
-            # Step control has a local tolerance of its own and promises nothing more.
-            tolerance=None if way.integrator == "DOPRI5" else TOLERANCE,
-            integrator=way.integrator,  # type: ignore[arg-type]  # the engine's, by its source
-            progress=count,
-        )
-    options: dict[str, Any] = {"form": way.formulation, "method": way.integrator}
-    return quietly(
-        problem.level,
-        problem.times,
-        disk=problem.disk,
-        friction=problem.friction,
-        start=problem.start,
-        tolerance=TOLERANCE,
-        progress=count,
-        **options,
-    )
+    # Step control has a local tolerance of its own and promises nothing more.
+    tolerance = None if way.integrator == "DOPRI5" else TOLERANCE
+    return way.run(problem.scenario, problem.times, tolerance=tolerance, progress=count)
 
 
 def _same(run: Trajectory, other: Trajectory) -> bool:

@@ -67,7 +67,7 @@ def _case_jobs(*, quick: bool) -> list[Job]:
     count = _QUICK_BATCHES if quick else len(found)
     if not quick:
         # What takes longest comes first, so that nothing is waited for at the end.
-        found.sort(key=lambda each: (-each.end, each.friction.smoothing))
+        found.sort(key=lambda each: (-each.end, each.scenario.friction.finest_speed))
     batches = [found[index::count] for index in range(count)]
     return [
         Job(
@@ -160,7 +160,7 @@ def _all(results: Mapping[Any, Any], kind: str) -> list[Any]:
 
 def cases(results: Mapping[Any, Any], *, quick: bool) -> list[Outcome]:
     """What became of all cases, in their order; arguments as of `section`."""
-    order = [(each.level, each.axis, each.label) for each in problems(quick=quick)]
+    order = [(each.scenario.model, each.axis, each.label) for each in problems(quick=quick)]
     flat = [outcome for batch in _all(results, "cases") for outcome in batch]
     return sorted(flat, key=lambda each: order.index((each.level, each.axis, each.label)))
 

@@ -5,24 +5,13 @@
 DIR is the folder of a finished `tippedisk robustness --out DIR`.
 """
 
-import argparse
-import sys
 from collections import Counter
 from collections.abc import Sequence
-from pathlib import Path
 
 from validation.studies.robustness.axes import problems
 from validation.studies.robustness.cases import ways
 from validation.studies.robustness.causes import GOOD, cause
-from validation.studies.robustness.run import Outcome
-from validation.studies.robustness.stored import (
-    FULL_STUDY,
-    SHIPPED,
-    Study,
-    key,
-    read_study,
-    write_study,
-)
+from validation.studies.robustness.stored import FILE, Study, key
 
 
 def check_complete(study: Study) -> None:
@@ -34,7 +23,7 @@ def check_complete(study: Study) -> None:
         If a case is missing, or there is one that the study does not have.
     """
     wanted = {
-        (problem.axis, problem.label, problem.level, way.name)
+        (problem.axis, problem.label, problem.scenario.model, way.name)
         for problem in problems(quick=False)
         for way in ways(problem, quick=False)
     }
@@ -46,8 +35,9 @@ def check_complete(study: Study) -> None:
         )
 
 
-def summary(outcomes: Sequence[Outcome]) -> str:
+def summary(study: Study) -> str:
     """Counts of the verdicts and of the causes in a few lines."""
+    outcomes = study.outcomes
     verdicts = Counter(outcome.verdict for outcome in outcomes)
     causes = Counter(cause(each) for each in outcomes if each.verdict not in GOOD)
     broken = sum(each.broken for each in outcomes)
@@ -57,24 +47,14 @@ def summary(outcomes: Sequence[Outcome]) -> str:
             *(f"{number:5d} {verdict}" for verdict, number in verdicts.most_common()),
             "what is not accurate, by cause:",
             *(f"{number:5d} {name}" for name, number in causes.most_common()),
+            study.provenance.text(),
         ]
     )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Ship the study of a folder; its exit code."""
-    parser = argparse.ArgumentParser(prog="python -m validation.studies.robustness.ship")
-    parser.add_argument("folder", metavar="DIR", type=Path, help="folder of a full study")
-    folder: Path = parser.parse_args(arguments).folder
-    try:
-        study = read_study(folder / FULL_STUDY)
-        check_complete(study)
-        write_study(study, SHIPPED)
-    except (OSError, ValueError) as error:
-        print(f"cannot ship: {error}", file=sys.stderr)
-        return 1
-    print(f"{summary(study.outcomes)}\n{study.provenance.text()}")
-    return 0
+    return FILE.ship(arguments, check=check_complete, text=summary)
 
 
 if __name__ == "__main__":

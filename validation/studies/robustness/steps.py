@@ -8,14 +8,14 @@ from typing import Literal
 import numpy as np
 
 import mbs_models
-from analysis import STEEL_DISK, PenaltyContact, SmoothCoulomb, Trajectory, consistent_start
+from analysis import STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.spectra import state_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
-from validation.studies.crosscheck import angle_error
-from validation.studies.robustness.reference import quietly
+from validation.studies.robustness.cases import STIFF, Way
+from validation.studies.robustness.reference import deviation
 
 Axis = Literal["smoothing", "stiffness"]
 
@@ -79,18 +79,18 @@ def stable_over_smoothing(smoothing: float, integrator: IntegratorName) -> list[
     the friction force is bounded, but chatters. With much smoothing the inverted spinning itself
     is unstable about as fast; then there is no limit to be seen, and none is given.
     """
-    friction = SmoothCoulomb(smoothing=smoothing)
     slip = _SMALL * smoothing
-    start = consistent_start(
-        1, STEEL_DISK, gamma=pi / 2, spin=SPIN, gamma_rate=slip / STEEL_DISK.radius
+    scenario = Scenario(
+        friction=SmoothCoulomb(smoothing=smoothing),
+        start=Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / STEEL_DISK.radius),
     )
-    scene = Scene(level=1, formulation="contact-tree", friction=friction, start=start)
+    scene = Scene(scenario, "contact-tree")
 
     def stable(step: float) -> bool:
         run = _short_run(scene, step, integrator)
         return run is not None and bool(np.max(_slip(run)[_LATE]) <= _GROWTH * slip)
 
-    values = _eigenvalues(friction)
+    values = _eigenvalues(scenario)
     predicted = min(largest_step(integrator, value) for value in _fast(values))
     hidden = np.exp(np.max(values.real) * _STEPS * predicted) > 0.5 * _GROWTH
     limit = StepLimit(
@@ -107,30 +107,28 @@ def stable_over_smoothing(smoothing: float, integrator: IntegratorName) -> list[
 
 def stable_over_stiffness(stiffness: float, integrator: IntegratorName) -> list[StepLimit]:
     """Largest stable step of the Euler tree on a damped penalty contact, and its prediction."""
-    disk, friction = STEEL_DISK, SmoothCoulomb(load="contact")
-    contact = PenaltyContact.damped(stiffness, disk, ratio=DAMPING_RATIO)
-    rate = sqrt(stiffness / disk.mass)
-    depth = contact.resting_penetration(disk)
-    start = contact.lowered(disk, consistent_start(1, disk, gamma=pi / 2, spin=SPIN))
-    rates = list(start.rates)
-    rates[2] = _SMALL * depth * rate
-    scene = Scene(
-        level=1,
-        formulation="euler-tree",
-        friction=friction,
+    contact = PenaltyContact.damped(stiffness, STEEL_DISK, ratio=DAMPING_RATIO)
+    scenario = Scenario(
+        friction=SmoothCoulomb(load="contact"),
         contact=contact,
-        start=replace(start, rates=tuple(rates)),
+        start=Start.stationary(SPIN, "inverted"),
     )
+    rate = sqrt(stiffness / scenario.disk.mass)
+    depth = contact.resting_penetration(scenario.weight)
+    resting = scenario.initial_state
+    along, across, _, *turning = resting.rates
+    bouncing_start = replace(resting, rates=(along, across, _SMALL * depth * rate, *turning))
+    scene = Scene(replace(scenario, start=bouncing_start), "euler-tree")
 
     def stable(step: float) -> bool:
         run = _short_run(scene, step, integrator)
         if run is None:
             return False
-        height = run.coordinate("z") - run.disk.radius * np.sin(run.coordinate("beta"))
+        height = run.coordinate("z") - run.scenario.disk.radius * np.sin(run.coordinate("beta"))
         return bool(np.max(np.abs(height[_LATE] + depth)) <= _GROWTH * _SMALL * depth)
 
     bouncing = rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2))
-    rates_of_decay = [bouncing, *_fast(_eigenvalues(friction))]
+    rates_of_decay = [bouncing, *_fast(_eigenvalues(replace(scenario, contact=None)))]
     predicted = min(largest_step(integrator, value) for value in rates_of_decay)
     limit = StepLimit(
         axis="stiffness",
@@ -144,8 +142,8 @@ def stable_over_stiffness(stiffness: float, integrator: IntegratorName) -> list[
     return [limit]
 
 
-def _eigenvalues(friction: SmoothCoulomb) -> ComplexArray:
-    values = np.linalg.eigvals(state_matrices("full", STEEL_DISK, friction, [SPIN])[0])
+def _eigenvalues(scenario: Scenario) -> ComplexArray:
+    values = np.linalg.eigvals(state_matrices(scenario, [SPIN], system="full")[0])
     return values.astype(complex)
 
 
@@ -158,7 +156,7 @@ def _slip(run: Trajectory) -> Array:
     """Slip speed in m/s, shape (n,)."""
     x, y, _, _, beta, _ = run.coordinates.T
     x_rate, y_rate, _, spin, beta_rate, gamma_rate = run.rates.T
-    r = run.disk.radius
+    r = run.scenario.disk.radius
     along = x_rate + (r * np.cos(beta) - y) * spin + r * gamma_rate
     across = y_rate + x * spin + r * np.sin(beta) * beta_rate
     result: Array = np.hypot(along, across)
@@ -208,18 +206,18 @@ def accurate_steps(
     smallest : float
         Step in s at which to give up.
     """
-    contact = None
-    friction = SmoothCoulomb(load="contact")
-    if axis == "smoothing":
-        friction = SmoothCoulomb(smoothing=value)
-    else:
+    ideal = scenario = Scenario(friction=SmoothCoulomb(smoothing=value))
+    if axis == "stiffness":
+        ideal = Scenario(friction=SmoothCoulomb(load="contact"))
         contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
+        scenario = replace(ideal, contact=contact)
     times = np.linspace(0.0, 0.4, 5)
-    method = "Radau" if friction.smoothing < 1e-3 else "DOP853"
-    truth = quietly(1, times, friction=friction, method=method, local_tolerance=1e-8)
+    method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
+    by_equations = Way(source="in-house", formulation="index-1", integrator=method)
+    truth = by_equations.run(ideal, times, local_tolerance=1e-8)
     found = []
     for formulation, integrator in ways:
-        scene = Scene(formulation=formulation, friction=friction, contact=contact)
+        scene = Scene(scenario, formulation)
         found.append(
             StepLimit(
                 axis=axis,
@@ -243,6 +241,6 @@ def _largest_accurate(
             run = mbs_models.simulate(scene, truth.times, step=step, integrator=integrator)
         except ArithmeticError:
             continue
-        if run.ending is None and angle_error(run, truth) <= ACCURACY:
+        if run.ending is None and deviation(run, truth) <= ACCURACY:
             return step
     return None

@@ -16,14 +16,14 @@ from analysis import Trajectory
 from validation.studies.work_precision.methods import (
     EngineMethod,
     Extrapolation,
-    Measured,
     Method,
+    TimedRun,
 )
 from validation.studies.work_precision.problems import (
     PROBLEMS,
     Errors,
-    Problem,
     ProblemName,
+    StandardProblem,
     compare,
     reference,
 )
@@ -126,7 +126,7 @@ def measure(name: ProblemName, method: Method, quick: bool) -> Curve:
 
 
 def _first_sweep(
-    problem: Problem, method: Method, goal: float
+    problem: StandardProblem, method: Method, goal: float
 ) -> tuple[list[_Rung], list[_Rung], End, float]:
     """Rungs, extrapolated runs, why there are no more, and the smallest estimated error."""
     rungs: list[_Rung] = []
@@ -193,7 +193,7 @@ def _extrapolation(method: Method) -> Extrapolation | None:
     return None
 
 
-def _errors(problem: Problem, run: Trajectory) -> Errors:
+def _errors(problem: StandardProblem, run: Trajectory) -> Errors:
     truth = reference(problem.name)
     if run.ending is not None:
         raise ArithmeticError(f"{run.ending.reason} at t = {run.ending.time:.6g} s")
@@ -203,7 +203,7 @@ def _errors(problem: Problem, run: Trajectory) -> Errors:
     return errors
 
 
-def _run(problem: Problem, method: Method, rung: _Rung) -> Run:
+def _run(problem: StandardProblem, method: Method, rung: _Rung) -> Run:
     run = Run(
         problem=problem.name,
         formulation=method.formulation,
@@ -224,7 +224,9 @@ def _run(problem: Problem, method: Method, rung: _Rung) -> Run:
     )
 
 
-def _to_tolerance(problem: Problem, method: EngineMethod, goal: float, effort: Effort) -> Run:
+def _to_tolerance(
+    problem: StandardProblem, method: EngineMethod, goal: float, effort: Effort
+) -> Run:
     rung = _Rung(goal)
     try:
         trajectory, result = method.run_to(problem, goal)
@@ -232,7 +234,7 @@ def _to_tolerance(problem: Problem, method: EngineMethod, goal: float, effort: E
     except ArithmeticError as error:
         rung.failure = " ".join(str(error).split())
     else:
-        results: list[Measured] = [result]
+        results: list[TimedRun] = [result]
         while len(results) < effort.runs(evaluations(rung.counts)):
             results.append(method.run_to(problem, goal)[1])
         rung.seconds = [each.seconds for each in results]

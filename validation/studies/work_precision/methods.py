@@ -1,15 +1,15 @@
 """The methods of the work-precision study, each with its ladder of steps or tolerances."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 import mbs_models
-from analysis import STEEL_DISK, Form, Trajectory
+from analysis import Form, Scenario, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import versions
 from analysis.models import index1, reduced
@@ -18,7 +18,12 @@ from mbs_models import Formulation, Integrator, Scene
 from mbs_models.extrapolation import Ladder
 from mbs_models.passes import one_pass
 from mbs_models.simulation import trajectory
-from validation.studies.work_precision.problems import SPACING, TIMES, Problem, ProblemName
+from validation.studies.work_precision.problems import (
+    SPACING,
+    TIMES,
+    ProblemName,
+    StandardProblem,
+)
 
 HALVINGS = 8
 """Of the longest step, the sampling interval; ladders of steps end after so many: 25600 steps.
@@ -31,7 +36,7 @@ DAMPED_HALVINGS = 7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Measured:
+class TimedRun:
     """One run of a method: its samples, processor time of its integration alone, and its work."""
 
     values: Any
@@ -73,7 +78,7 @@ class EngineMethod:
         """
         return self.integrator.implicit
 
-    def ladder(self, problem: Problem) -> list[float]:
+    def ladder(self, problem: StandardProblem) -> list[float]:
         """Steps in s or local tolerances, from coarse to fine."""
         if not self.fixed_step:
             return [10.0**-digits for digits in range(3, 14)]
@@ -81,7 +86,7 @@ class EngineMethod:
         halvings = (DAMPED_HALVINGS if damped else HALVINGS) + (problem.name == "fast")
         return [SPACING * 0.5**k for k in range(1 + halvings)]
 
-    def run(self, problem: Problem, setting: float) -> Measured:
+    def run(self, problem: StandardProblem, setting: float) -> TimedRun:
         """Build the scene and run it once.
 
         Raises
@@ -92,12 +97,12 @@ class EngineMethod:
         integrator, step = self.integrator, setting
         if integrator.controls_step:
             integrator, step = Integrator(name=integrator.name, local_tolerance=setting), np.inf
-        result = one_pass(self._scene(problem), TIMES, integrator, step)
+        result = one_pass(Scene(problem.scenario, self.formulation), TIMES, integrator, step)
         if result.ended is not None:
             raise ArithmeticError(f"{result.ended} at t = {result.times[-1]:.6g} s")
-        return Measured(result, result.seconds, dict(result.counts))
+        return TimedRun(result, result.seconds, dict(result.counts))
 
-    def run_to(self, problem: Problem, tolerance: float) -> tuple[Trajectory, Measured]:
+    def run_to(self, problem: StandardProblem, tolerance: float) -> tuple[Trajectory, TimedRun]:
         """Let the library choose the steps; the time is that of the whole call.
 
         Raises
@@ -107,26 +112,21 @@ class EngineMethod:
         """
         begin = time.process_time()
         run = mbs_models.simulate(
-            self._scene(problem), TIMES, tolerance=tolerance, integrator=self.integrator
+            Scene(problem.scenario, self.formulation),
+            TIMES,
+            tolerance=tolerance,
+            integrator=self.integrator,
         )
         seconds = time.process_time() - begin
-        return run, Measured(None, seconds, dict(run.counts))
+        return run, TimedRun(None, seconds, dict(run.counts))
 
-    def trajectory(self, problem: Problem, run: Measured) -> Trajectory:
+    def trajectory(self, problem: StandardProblem, run: TimedRun) -> Trajectory:
         """Trajectory of a run."""
-        return trajectory(self._scene(problem), self.integrator, run.values)
+        return trajectory(Scene(problem.scenario, self.formulation), self.integrator, run.values)
 
     def extrapolation(self) -> "Extrapolation":
         """Richardson's extrapolation of its runs, with their work added up."""
         return Extrapolation(Ladder(self.formulation, self.integrator.name))
-
-    def _scene(self, problem: Problem) -> Scene:
-        return Scene(
-            level=problem.level,
-            formulation=self.formulation,
-            friction=problem.friction,
-            start=problem.start,
-        )
 
 
 class Extrapolation:
@@ -148,7 +148,7 @@ class Extrapolation:
         """Smallest error that it has estimated for itself so far, in rad."""
         return self._ladder.best_estimate
 
-    def add(self, run: Measured) -> Measured | None:
+    def add(self, run: TimedRun) -> TimedRun | None:
         """Extrapolated run up to this one, with all their work; None after the first."""
         self._seconds += run.seconds
         for name, count in run.counts.items():
@@ -157,7 +157,7 @@ class Extrapolation:
         if not np.isfinite(self._ladder.estimate):
             return None
         values = replace(run.values, values=self._ladder.best)
-        return Measured(values, self._seconds, dict(self._counts))
+        return TimedRun(values, self._seconds, dict(self._counts))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,14 +189,14 @@ class InHouseMethod:
         """Whether its runs are extrapolated: no."""
         return False
 
-    def ladder(self, problem: Problem) -> list[float]:
+    def ladder(self, problem: StandardProblem) -> list[float]:
         """Local tolerances, from coarse to fine."""
         finest = {"RK45": 12, "DOP853": 13, "Radau": 11, "BDF": 12, "LSODA": 13}[self.scheme]
         # Stability, not accuracy, gives explicit methods their steps there: all cost the same.
         bound = problem.name == "stiff" and self.scheme in {"RK45", "DOP853"}
         return [10.0**-digits for digits in range(3, finest + 1, 3 if bound else 1)]
 
-    def run(self, problem: Problem, setting: float) -> Measured:
+    def run(self, problem: StandardProblem, setting: float) -> TimedRun:
         """Integrate once.
 
         Raises
@@ -204,7 +204,7 @@ class InHouseMethod:
         ArithmeticError
             If the integration does not reach its end.
         """
-        function, start = right_hand_side(problem, self.form)
+        function, start = right_hand_side(problem.scenario, self.form)
         begin = time.process_time()
         # Radau and BDF let the difference step of coordinates that matter to nothing overflow.
         with np.errstate(over="ignore", invalid="ignore"):
@@ -216,22 +216,24 @@ class InHouseMethod:
                 t_eval=TIMES,
                 rtol=setting,
                 atol=setting,
-                max_step=longest_step(STEEL_DISK, problem.start),
+                max_step=longest_step(problem.scenario),
             )
         seconds = time.process_time() - begin
         if not result.success:
             raise ArithmeticError(f"stopped at t = {result.t[-1]:g} s: {result.message}")
         counts = {"right_hand_sides": int(result.nfev), "jacobians": int(result.njev)}
-        return Measured(result.y.T, seconds, counts)
+        return TimedRun(result.y.T, seconds, counts)
 
-    def trajectory(self, problem: Problem, run: Measured) -> Trajectory:
+    def trajectory(self, problem: StandardProblem, run: TimedRun) -> Trajectory:
         """Trajectory of a run; adds the constraint forces, outside of its time."""
+        scenario = problem.scenario
         coordinates, rates = run.values[:, :6], run.values[:, 6:]
         if self.form == "reduced":
-            angle = problem.start.coordinates[3] + problem.spin * TIMES
-            coordinates, rates = reduced.expand(STEEL_DISK, problem.spin, angle, run.values)
+            start = scenario.initial_state
+            angle = start.coordinates[3] + start.rates[3] * TIMES
+            coordinates, rates = reduced.expand(scenario.disk, start.rates[3], angle, run.values)
         forces = [
-            index1.accelerations(problem.level, STEEL_DISK, problem.friction, z, u)[1]
+            index1.accelerations(scenario, z, u)[1]
             for z, u in zip(coordinates.tolist(), rates.tolist(), strict=True)
         ]
         return Trajectory(
@@ -239,9 +241,7 @@ class InHouseMethod:
             coordinates=coordinates,
             rates=rates,
             multipliers=np.array(forces),
-            level=problem.level,
-            disk=STEEL_DISK,
-            friction=problem.friction,
+            scenario=scenario,
             source="in-house",
             method={"form": self.form, "method": self.scheme},
             versions=versions("numpy", "scipy"),
@@ -251,20 +251,21 @@ class InHouseMethod:
 Method = EngineMethod | InHouseMethod
 
 
-def right_hand_side(problem: Problem, form: Form) -> tuple[Callable[[float, Array], Any], Array]:
+def right_hand_side(scenario: Scenario, form: Form) -> tuple[Callable[[float, Array], Any], Array]:
     """Right-hand side of the in-house equations, and the start."""
-    level, friction, start = problem.level, problem.friction, problem.start
+    start = scenario.initial_state
     if form == "reduced":
+        spin = start.rates[3]
 
         def minimal(_t: float, state: Array) -> tuple[float, float, float]:
-            return reduced.right_hand_side(STEEL_DISK, friction, problem.spin, state.tolist())
+            return reduced.right_hand_side(scenario, spin, state.tolist())
 
         return minimal, np.array((*start.coordinates[4:6], start.rates[4]))
 
     def full(_t: float, state: Array) -> Array:
         values = state.tolist()
         z, u = values[:6], values[6:]
-        acceleration, _forces = index1.accelerations(level, STEEL_DISK, friction, z, u)
+        acceleration, _forces = index1.accelerations(scenario, z, u)
         return np.concatenate((u, acceleration))
 
     return full, start.vector
@@ -302,14 +303,16 @@ _VARIED = ("model-1", "model-3")
 _SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
 
 
-def methods(problem: Problem, quick: bool) -> list[Method]:
+def methods(problem: StandardProblem, quick: bool) -> list[Method]:
     """Every method that can take a problem, or those of the quick selection."""
     available: list[Method] = [
         EngineMethod(formulation=formulation, integrator=integrator)
-        for formulation in formulations(problem)
+        for formulation in mbs_models.formulations(problem.scenario)
         for integrator in _integrators(problem, formulation)
     ]
-    forms = get_args(Form) if problem.level == 4 else ("index-1",)
+    forms: tuple[Form, ...] = (
+        ("index-1", "reduced") if problem.scenario.model == 4 else ("index-1",)
+    )
     available += [InHouseMethod(form=form, scheme=scheme) for form in forms for scheme in _SCIPY]
     if not quick:
         return available
@@ -317,17 +320,7 @@ def methods(problem: Problem, quick: bool) -> list[Method]:
     return [method for method in available if label(method) in chosen]
 
 
-def formulations(problem: Problem) -> Sequence[Formulation]:
-    """Formulations of the engine that can take a problem."""
-    known = problem.friction.load == "weight"
-    return [
-        formulation
-        for formulation in mbs_models.formulations(problem.level)
-        if known or formulation != "contact-tree"
-    ]
-
-
-def _integrators(problem: Problem, formulation: Formulation) -> list[Integrator]:
+def _integrators(problem: StandardProblem, formulation: Formulation) -> list[Integrator]:
     trapezoidal = Integrator(name="TrapezoidalIndex2")
     if formulation == "contact-tree":
         explicit = [Integrator(name="RK67"), Integrator(name="RK44"), Integrator(name="DOPRI5")]

@@ -4,13 +4,14 @@ from dataclasses import asdict, dataclass, replace
 from statistics import median
 from typing import Any
 
+import mbs_models
 from mbs_models import Formulation, Integrator, Newton
-from validation.studies.work_precision.methods import EngineMethod, Measured, formulations
+from validation.studies.work_precision.methods import EngineMethod, TimedRun
 from validation.studies.work_precision.problems import (
     PROBLEMS,
     SPACING,
-    Problem,
     ProblemName,
+    StandardProblem,
     compare,
     reference,
 )
@@ -91,7 +92,7 @@ class Price:
 class Side:
     """One of two things to compare: a method on a problem, at one step or extrapolated."""
 
-    problem: Problem
+    problem: StandardProblem
     method: EngineMethod
     steps: tuple[float, ...] = (STEP,)
 
@@ -111,7 +112,7 @@ class Side:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
+class Comparison:
     """A comparison to be measured.
 
     Parameters
@@ -135,7 +136,7 @@ class Case:
         return f"{self.what}, {self.one.method.formulation}, {self.one.problem.name}"
 
 
-def measure_price(case: Case, quick: bool) -> Price:
+def measure_price(case: Comparison, quick: bool) -> Price:
     """Measure both sides in turns, after a run of each that tells its work and error.
 
     Raises
@@ -181,13 +182,13 @@ def _to_goal(side: Side, goal: float) -> tuple[Side, Side]:
     raise ArithmeticError(f"{side.method.formulation} does not meet {words(goal)} on its ladder")
 
 
-def _error(problem: Problem, method: EngineMethod, run: Measured | None) -> float:
+def _error(problem: StandardProblem, method: EngineMethod, run: TimedRun | None) -> float:
     if run is None:
         raise ValueError("steps must not be empty")
     return compare(method.trajectory(problem, run), reference(problem.name)).error
 
 
-def cases(quick: bool) -> list[Case]:
+def cases(quick: bool) -> list[Comparison]:
     """All comparisons; the quick ones are those of two formulations on Model 1."""
     names: tuple[ProblemName, ...] = ("model-1", "model-3")
     found = [case for name in names for case in _options(PROBLEMS[name])] + _loads()
@@ -199,12 +200,12 @@ def cases(quick: bool) -> list[Case]:
     ]
 
 
-def _options(problem: Problem) -> list[Case]:
+def _options(problem: StandardProblem) -> list[Comparison]:
     trapezoidal = Integrator(name="TrapezoidalIndex2")
     damped = Integrator(name="GeneralizedAlpha")
     full = replace(trapezoidal, newton=Newton(modified=False))
-    result: list[Case] = []
-    for formulation in formulations(problem):
+    result: list[Comparison] = []
+    for formulation in mbs_models.formulations(problem.scenario):
         if formulation == "contact-tree":
             continue
         plain = EngineMethod(formulation=formulation, integrator=trapezoidal)
@@ -213,7 +214,7 @@ def _options(problem: Problem) -> list[Case]:
             "generalized-α 0.9 for the trapezoidal rule": replace(plain, integrator=damped),
         }
         result += [
-            Case(
+            Comparison(
                 what=what,
                 one=Side(problem=problem, method=method),
                 other=Side(problem=problem, method=plain),
@@ -222,16 +223,16 @@ def _options(problem: Problem) -> list[Case]:
         ]
         side = Side(problem=problem, method=plain)
         what = f"extrapolated for a single run, to {words(GOAL)}"
-        result.append(Case(what=what, one=side, other=side, goal=GOAL))
+        result.append(Comparison(what=what, one=side, other=side, goal=GOAL))
     return result + _attitudes(problem)
 
 
-def _attitudes(problem: Problem) -> list[Case]:
+def _attitudes(problem: StandardProblem) -> list[Comparison]:
     """Other formulations for the free body with Euler parameters."""
     trapezoidal = Integrator(name="TrapezoidalIndex2")
     usual = EngineMethod(formulation="floating", integrator=trapezoidal)
     return [
-        Case(
+        Comparison(
             what="instead of floating with Euler parameters",
             one=Side(problem=problem, method=replace(usual, formulation=formulation)),
             other=Side(problem=problem, method=usual),
@@ -240,11 +241,11 @@ def _attitudes(problem: Problem) -> list[Case]:
     ]
 
 
-def _loads() -> list[Case]:
+def _loads() -> list[Comparison]:
     """Friction that reads the contact force, for friction that takes the weight as its load."""
     trapezoidal = Integrator(name="TrapezoidalIndex2")
     return [
-        Case(
+        Comparison(
             what="friction that knows the contact force",
             one=Side(problem=PROBLEMS["contact-load"], method=method),
             other=Side(problem=PROBLEMS["model-1"], method=method),

@@ -1,6 +1,6 @@
 """The initial value problems of the work-precision study, their references and their errors."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Literal
 
@@ -8,7 +8,7 @@ import numpy as np
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, Level, SmoothCoulomb, State, Trajectory, consistent_start
+from analysis import MODELS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data import frames
 from analysis.data.checks import Array
 from mbs_models import Scene
@@ -35,53 +35,49 @@ ProblemName = Literal[
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Problem:
+class StandardProblem:
     """A motion over 2 s from Table 3, with one thing changed.
 
     Parameters
     ----------
     name : str
     title : str
-    level : {1, 2, 3, 4}
-    friction : SmoothCoulomb
-    spin : float
-        Rate of alpha at the start in rad/s.
+    scenario : Scenario
     """
 
     name: ProblemName
     title: str
-    level: Level = 1
-    friction: SmoothCoulomb = field(default_factory=SmoothCoulomb)
-    spin: float = 40.0
-
-    @property
-    def start(self) -> State:
-        """Start that meets the constraints."""
-        return consistent_start(self.level, STEEL_DISK, spin=self.spin)
+    scenario: Scenario
 
 
 _ALL = (
-    Problem(name="model-1", title="Model 1"),
-    Problem(name="model-2", title="Model 2", level=2),
-    Problem(name="model-3", title="Model 3", level=3),
-    Problem(name="model-4", title="Model 4", level=4),
-    Problem(
+    StandardProblem(name="model-1", title="Model 1", scenario=Scenario()),
+    StandardProblem(name="model-2", title="Model 2", scenario=Scenario(constraints=MODELS[2])),
+    StandardProblem(name="model-3", title="Model 3", scenario=Scenario(constraints=MODELS[3])),
+    StandardProblem(name="model-4", title="Model 4", scenario=Scenario(constraints=MODELS[4])),
+    StandardProblem(
         name="contact-load",
         title="Model 1, friction knows the contact force",
-        friction=SmoothCoulomb(load="contact"),
+        scenario=Scenario(friction=SmoothCoulomb(load="contact")),
     ),
-    Problem(
-        name="stiff", title="Model 1, stiff: ε = 1e-3 m/s", friction=SmoothCoulomb(smoothing=1e-3)
+    StandardProblem(
+        name="stiff",
+        title="Model 1, stiff: ε = 1e-3 m/s",
+        scenario=Scenario(friction=SmoothCoulomb(smoothing=1e-3)),
     ),
-    Problem(
+    StandardProblem(
         name="undamped",
         title="Model 1, undamped: μ = 0",
-        friction=SmoothCoulomb(coefficient=0.0),
+        scenario=Scenario(friction=SmoothCoulomb(coefficient=0.0)),
     ),
-    Problem(name="fast", title="Model 1, fast: spin 100 rad/s", spin=100.0),
+    StandardProblem(
+        name="fast",
+        title="Model 1, fast: spin 100 rad/s",
+        scenario=Scenario(start=Start(spin=100.0)),
+    ),
 )
 
-PROBLEMS: dict[ProblemName, Problem] = {problem.name: problem for problem in _ALL}
+PROBLEMS: dict[ProblemName, StandardProblem] = {problem.name: problem for problem in _ALL}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +130,7 @@ def compare(run: Trajectory, other: Trajectory) -> Errors:
         raise ValueError("times must be the same for both runs")
     angles = _wrap((run.coordinates - other.coordinates)[:, 4:6])
     place = np.linalg.norm(_cog(run) - _cog(other), axis=1)
-    difference = np.maximum(np.max(np.abs(angles), axis=1), place / run.disk.radius)
+    difference = np.maximum(np.max(np.abs(angles), axis=1), place / run.scenario.disk.radius)
     energy = _energy(run) - _energy(other)
     position, velocity = analysis.constraint_drift(run)
     return Errors(
@@ -158,12 +154,12 @@ def _wrap(angles: Array) -> Array:
 def _cog(run: Trajectory) -> Array:
     """Inertial position of the centre of gravity in m, shape (n, 3)."""
     position, rotation = frames.poses(run.coordinates)
-    place: Array = position + run.disk.eccentricity * rotation[:, :, 0]
+    place: Array = position + run.scenario.disk.eccentricity * rotation[:, :, 0]
     return place
 
 
 def _energy(run: Trajectory) -> Array:
-    kinetic, potential = analysis.energies(run.disk, run.coordinates, run.rates)
+    kinetic, potential = analysis.energies(run.scenario, run.coordinates, run.rates)
     return kinetic + potential
 
 
@@ -176,14 +172,8 @@ def reference(name: ProblemName) -> Trajectory:
     ArithmeticError
         If the contact would have to pull: from there on there is no motion to compare with.
     """
-    problem = PROBLEMS[name]
-    run = analysis.simulate(
-        problem.level,
-        TIMES,
-        friction=problem.friction,
-        start=problem.start,
-        local_tolerance=REFERENCE_TOLERANCE,
-    )
+    scenario = PROBLEMS[name].scenario
+    run = analysis.simulate(scenario, TIMES, local_tolerance=REFERENCE_TOLERANCE)
     if run.ending is not None:
         raise ArithmeticError(f"problem {name!r}: {run.ending.reason} at {run.ending.time:g} s")
     return run
@@ -223,24 +213,15 @@ def agreement(name: ProblemName, quick: bool = False) -> Agreement:
     quick : bool
         Be content with one.
     """
-    problem, truth = PROBLEMS[name], reference(name)
+    scenario, truth = PROBLEMS[name].scenario, reference(name)
     others: dict[str, float] = {}
-    if problem.level == 1 and problem.friction.load == "weight":
+    if "contact-tree" in mbs_models.formulations(scenario):
         step = SPACING / _SUBSTEPS.get(name, _USUAL_SUBSTEPS)
-        scene = Scene(
-            level=1, formulation="contact-tree", friction=problem.friction, start=problem.start
-        )
+        scene = Scene(scenario, "contact-tree")
         run = mbs_models.simulate(scene, TIMES, step=step, integrator="RK67")
         others[f"engine, contact tree, RK67, step {step:.1e} s"] = compare(run, truth).error
     # On quickly turning or stiff motions Radau takes minutes to say the same.
     if not others or not (quick or name in {"stiff", "undamped", "fast"}):
-        run = analysis.simulate(
-            problem.level,
-            TIMES,
-            friction=problem.friction,
-            start=problem.start,
-            method="Radau",
-            local_tolerance=1e-12,
-        )
+        run = analysis.simulate(scenario, TIMES, method="Radau", local_tolerance=1e-12)
         others["in-house, Radau, local tolerance 1e-12"] = compare(run, truth).error
     return Agreement(problem=name, others=others)

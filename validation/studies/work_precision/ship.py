@@ -5,23 +5,14 @@
 DIR is the folder of a finished `tippedisk work-precision --out DIR`.
 """
 
-import argparse
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 from textwrap import wrap
 
 from validation.studies.work_precision import study as studies
 from validation.studies.work_precision.lesson import summary
 from validation.studies.work_precision.problems import PROBLEMS
 from validation.studies.work_precision.runs import GOALS, fastest, shortfall, words
-from validation.studies.work_precision.stored import (
-    FULL_STUDY,
-    SHIPPED,
-    Study,
-    read_study,
-    write_study,
-)
+from validation.studies.work_precision.stored import FILE, Study
 
 BEGIN = "<!-- fastest ways: printed by python -m validation.studies.work_precision.ship -->"
 END = "<!-- end of fastest ways -->"
@@ -79,18 +70,7 @@ def _cell(study: Study, name: str, goal: float) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Ship the study of a folder; its exit code."""
-    parser = argparse.ArgumentParser(prog="python -m validation.studies.work_precision.ship")
-    parser.add_argument("folder", metavar="DIR", type=Path, help="folder of a full study")
-    folder: Path = parser.parse_args(arguments).folder
-    try:
-        study = read_study(folder / FULL_STUDY)
-        check_complete(study)
-        write_study(study, SHIPPED)
-    except (OSError, ValueError) as error:
-        print(f"cannot ship: {error}", file=sys.stderr)
-        return 1
-    print(readme_block(read_study(SHIPPED)))
-    return 0
+    return FILE.ship(arguments, check=check_complete, text=readme_block)
 
 
 if __name__ == "__main__":

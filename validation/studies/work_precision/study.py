@@ -15,16 +15,17 @@ from typing import Any
 
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
+from validation.kit.full_study import FULL_STUDY
 from validation.kit.provenance import Provenance, machine
 from validation.kit.report import Job, Section, run_jobs, write
 from validation.kit.tables import Table
 from validation.studies.work_precision import measure, prices
 from validation.studies.work_precision.methods import Method, label, methods
-from validation.studies.work_precision.prices import Case, Price
+from validation.studies.work_precision.prices import Comparison, Price
 from validation.studies.work_precision.problems import PROBLEMS, Agreement, ProblemName, agreement
 from validation.studies.work_precision.runs import Curve
 from validation.studies.work_precision.section import make_section
-from validation.studies.work_precision.stored import FULL_STUDY, Study, write_study
+from validation.studies.work_precision.stored import FILE, Study
 
 WORKERS = 2
 """Runs at the same time, each in one thread of a process of its own."""
@@ -59,7 +60,7 @@ def agreement_job(store: Path | None, conditions: dict[str, Any], name: ProblemN
     return Agreement(problem=name, others=others)
 
 
-def price_job(store: Path | None, conditions: dict[str, Any], case: Case) -> Price:
+def price_job(store: Path | None, conditions: dict[str, Any], case: Comparison) -> Price:
     """`prices.measure_price`, or what it has left in `store`."""
     found = _kept_or_made(
         store,
@@ -211,7 +212,7 @@ def main(folder: Path, *, quick: bool = False, fresh: bool = False) -> tuple[Pat
     results = run_jobs(jobs(quick, store), workers=WORKERS, title="work-precision")
     study = replace(collect(results, quick), provenance=provenance)
     if not quick:
-        write_study(study, folder / FULL_STUDY)
+        FILE.write(study, folder / FULL_STUDY)
     made = make_section(study)
     page = write([made], folder, seconds=time.perf_counter() - begin)
     return page, [table for table in made.tables if not table.file_only]

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from statistics import median
 
+import mbs_models
 from validation.kit.tables import Cell, Table
 from validation.studies.work_precision.figures import NAMES
-from validation.studies.work_precision.methods import formulations
 from validation.studies.work_precision.prices import Price
 from validation.studies.work_precision.problems import (
     PROBLEMS,
@@ -64,7 +64,7 @@ def ways(study: Study) -> Table:
 
 
 def _engine(name: ProblemName) -> Sequence[str]:
-    return formulations(PROBLEMS[name])
+    return mbs_models.formulations(PROBLEMS[name].scenario)
 
 
 def _way(study: Study, name: ProblemName, side: Sequence[str], goal: float) -> list[Cell]:

@@ -1,0 +1,157 @@
+"""The engine against the in-house equations: every set of constraints, and a leaning table."""
+
+from math import radians
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import (
+    LOADS,
+    POSSIBLE_SETS,
+    ConstraintSet,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    State,
+    Table,
+    Trajectory,
+    multiplier_names,
+)
+from analysis.data.constraint_set import set_name
+from analysis.models import constraints as rows
+from analysis.models import index1
+from mbs_models import Formulation, Scene, formulations
+from mbs_models.inventory import inventory
+from mbs_models.linearization import independent_coordinates
+
+SLOPE = Table(inclination=radians(2.0), downhill=0.7)
+FREE_ROLLING: ConstraintSet = ("contact", "no-slip-along")
+NO_SLIP: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
+TIMES = np.linspace(0.0, 0.2, 21)
+
+RANGES = {
+    "x": (-0.02, 0.02),
+    "y": (-0.02, 0.02),
+    "beta": (0.6, 2.4),
+    "gamma": (-3.0, 3.0),
+    "x_rate": (-0.3, 0.3),
+    "y_rate": (-0.3, 0.3),
+    "beta_rate": (-5.0, 5.0),
+    "gamma_rate": (-5.0, 5.0),
+    "alpha": (-3.0, 3.0),
+    "spin": (-20.0, 20.0),
+}
+
+CASES = [
+    (constraints, formulation)
+    for constraints in POSSIBLE_SETS
+    for formulation in formulations(Scenario(constraints=constraints))
+]
+
+
+def name(value: object) -> str:
+    if isinstance(value, Table):
+        return "horizontal" if value.is_horizontal else "slope"
+    return set_name(value) if isinstance(value, tuple) else str(value)
+
+
+def random_start(constraints: ConstraintSet, random: np.random.Generator) -> Start:
+    """Start that is free in everything that the constraints leave free."""
+    free = (*independent_coordinates(constraints), "alpha", "spin")
+    return Start(**{field: random.uniform(*RANGES[field]) for field in free})
+
+
+def loads(formulation: Formulation) -> tuple[analysis.Load, ...]:
+    return ("weight",) if formulation == "contact-tree" else LOADS
+
+
+@pytest.mark.parametrize("table", [Table(), SLOPE], ids=name)
+@pytest.mark.parametrize(("constraints", "formulation"), CASES, ids=name)
+def test_accelerations_and_forces_are_those_of_the_in_house_equations(
+    constraints: ConstraintSet, formulation: Formulation, table: Table
+) -> None:
+    random = np.random.default_rng(len(constraints))
+    for load in 3 * loads(formulation):
+        scenario = Scenario(
+            constraints=constraints,
+            friction=SmoothCoulomb(load=load),
+            table=table,
+            start=random_start(constraints, random),
+        )
+        state = scenario.initial_state
+        expected = index1.accelerations(scenario, state.coordinates, state.rates)
+        found = mbs_models.acceleration(Scene(scenario, formulation))
+        assert found[1].shape == (len(multiplier_names(constraints)),)
+        for one, other in zip(found, expected, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * np.max(np.abs(other)))
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=name)
+def test_random_starts_are_as_free_as_the_constraints_leave_them(
+    constraints: ConstraintSet,
+) -> None:
+    """Six velocities less one for each row, of which the held spin is not drawn at random."""
+    names = independent_coordinates(constraints)
+    state = random_start(constraints, np.random.default_rng(0)).state(
+        constraints, analysis.STEEL_DISK
+    )
+    matrix = rows.directions(constraints, analysis.STEEL_DISK, state.coordinates)
+    free = 6 - np.linalg.matrix_rank(matrix) + ("constant-spin" in constraints)
+    assert sum(each.endswith("_rate") for each in names) + 1 == free
+
+
+def angle_gap(one: Trajectory, other: Trajectory) -> float:
+    return float(np.max(np.abs(one.coordinates - other.coordinates)[:, 3:]))
+
+
+MOTIONS = [
+    *((constraints, formulation, SLOPE) for constraints, formulation in CASES),
+    *((FREE_ROLLING, formulation, Table()) for formulation in ("euler-tree", "floating-lie")),
+    *((NO_SLIP, formulation, Table()) for formulation in ("euler-tree", "floating")),
+]
+
+
+@pytest.mark.parametrize(("constraints", "formulation", "table"), MOTIONS, ids=name)
+def test_motions_agree(constraints: ConstraintSet, formulation: Formulation, table: Table) -> None:
+    scenario = Scenario(constraints=constraints, table=table, start=Start(beta=1.4, spin=20.0))
+    truth = analysis.simulate(scenario, TIMES, tolerance=1e-10)
+    run = mbs_models.simulate(Scene(scenario, formulation), TIMES, tolerance=5e-8)
+    assert np.ptp(truth.coordinates[:, 5]) > 0.1
+    assert angle_gap(run, truth) < 1e-7
+    np.testing.assert_allclose(run.coordinates[:, :3], truth.coordinates[:, :3], atol=1e-8)
+    np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=1e-5)
+
+
+@pytest.mark.parametrize(("constraints", "formulation"), CASES, ids=name)
+def test_friction_is_in_a_scene_only_where_some_slip_is_left(
+    constraints: ConstraintSet, formulation: Formulation
+) -> None:
+    found = inventory(Scene(Scenario(constraints=constraints), formulation))
+    slips = not set(NO_SLIP) <= set(constraints)
+    # One user function reads the samples.
+    assert found.user_functions == 1 + slips
+    assert any("friction" in item.why for item in found.items) is slips
+
+
+@pytest.mark.parametrize(
+    ("constraints", "rate", "broken"),
+    [
+        (FREE_ROLLING, 5, "no-slip-along"),
+        (NO_SLIP, 5, "no-slip-along"),
+        (NO_SLIP, 1, "no-slip-across"),
+    ],
+    ids=name,
+)
+def test_start_that_slips_is_refused_by_the_name_of_what_it_breaks(
+    constraints: ConstraintSet, rate: int, broken: str
+) -> None:
+    state = Start(beta=1.2).state(constraints, analysis.STEEL_DISK)
+    rates = list(state.rates)
+    rates[rate] += 1e-4
+    start = State(coordinates=state.coordinates, rates=tuple(rates))
+    scenario = Scenario(constraints=constraints, start=start)
+    for formulation in formulations(scenario):
+        with pytest.raises(ValueError, match=f"'{broken}' of contact.* on velocity level"):
+            mbs_models.acceleration(Scene(scenario, formulation))
