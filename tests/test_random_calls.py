@@ -12,6 +12,7 @@ import analysis
 import mbs_models
 from tests.helpers import random_trajectory
 from validation import cli
+from validation.parser import groups
 from validation.commands import basic, rest
 
 NUMBERS = st.one_of(
@@ -28,7 +29,7 @@ START = ("--spin", "--beta", "--gamma", "--beta-rate", "--gamma-rate", "--mu", "
 LOSSES = ("--rolling", "--rolling-viscous", "--pivoting", "--air-drag")
 SIMULATE = (*START, "--end", "--samples", "--tolerance", "--step", "--model", "--time-limit")
 REST = (*START, *LOSSES, "--stiffness", "--half-thickness", "--step", "--end")
-SOURCES = st.sampled_from(cli.SOURCES)
+SOURCES = st.sampled_from(groups.SOURCES)
 
 
 def with_values(*names: str) -> st.SearchStrategy[list[str]]:
@@ -156,8 +157,8 @@ def test_animate_answers_in_one_line(
             "--mu": st.floats(0.0, 10.0),
             "--eps": st.floats(1e-2, 10.0),
             "--gamma": st.floats(-10.0, 10.0),
-            "--model": st.sampled_from(cli.MODELS),
-            "--load": st.sampled_from(cli.LOADS),
+            "--model": st.sampled_from(groups.MODELS),
+            "--load": st.sampled_from(groups.LOADS),
         },
     ),
 )
