@@ -115,7 +115,7 @@ BAD = [
     ("--tolerance 1e-3 --step 1e-3", "not allowed with argument --tolerance"),
     ("--step -1", "step must be positive, got -1"),
     ("--step 1 --end 4 --samples 3 --formulation euler-tree", "engine run stopped at t ="),
-    ("--load contact --formulation contact-tree", "has no contact constraint whose force the load"),
+    ("--load contact --formulation contact-tree", "has no contact constraint whose force"),
     ("--disk gold", "--disk: invalid choice: 'gold'"),
 ]
 

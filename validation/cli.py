@@ -20,7 +20,7 @@ from validation.parser.top import parser
 _OPTIONS_OF = {
     "coefficient": ("mu", "law"),
     "smoothing": ("eps", "law"),
-    "friction": ("eps", "law"),
+    "friction": ("eps", "mu", "law"),
     "rolling_dry": ("rolling",),
     "interval": ("spins",),
     "spin": ("spin", "spins"),
