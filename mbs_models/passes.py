@@ -10,7 +10,6 @@ import numpy as np
 
 from analysis.data.checks import Array, TimeLimitError
 from analysis.data.state import COORDINATES, FlatError, State, check_upright
-from analysis.data.trajectory import EndingReason
 from analysis.data.watch import Watch
 from mbs_models.build import build
 from mbs_models.integrators import Integrator
@@ -54,7 +53,7 @@ class Pass:
     counts: Counter[str]
     setup_seconds: float = 0.0
     seconds: float = 0.0
-    ended: EndingReason | None = None
+    ended: str | None = None
     pulling: tuple[tuple[float, float], ...] = ()
 
 
@@ -119,7 +118,7 @@ class _Block:
     """Samples of a stretch of even spacing; the last at `last` if it has ended early."""
 
     values: Array
-    ended: EndingReason | None
+    ended: str | None
     last: float
 
 
@@ -196,7 +195,7 @@ class _Runner:
         self._count(samples)
         values = _values(model, samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
-        ended: EndingReason | None = None
+        ended: str | None = None
         if self._must_not_pull(model):
             width = (samples.stopped or 0.0) - period * (len(values) - 1) if stop.pulled else 0.0
             pulled = self._first_pull(scene, values, moments, substeps, width)

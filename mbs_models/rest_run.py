@@ -10,7 +10,8 @@ from analysis.data.checks import Array, TimeLimitError
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
-from analysis.data.trajectory import Ending, Setting
+from analysis.data.endings import Ending
+from analysis.data.trajectory import Setting
 from analysis.data.watch import Watch
 from mbs_models.quiet import quiet
 from mbs_models.runs import EngineError, StepLimiter

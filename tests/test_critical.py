@@ -11,8 +11,10 @@ from analysis import (
     CENTRED_DISK,
     MODELS,
     MOTIONS,
+    POSSIBLE_SETS,
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
+    ConstraintSet,
     Disk,
     Level,
     Motion,
@@ -21,10 +23,11 @@ from analysis import (
     Table,
 )
 from analysis.data.checks import Array
+from analysis.data.constraint_set import set_name
+from analysis.stability.chart import with_gradient
 from analysis.stability.critical import CriticalSpeeds, critical_speeds
 from analysis.stability.linear_reduced import critical_speed
 from analysis.stability.linear_variants import PRINTED, hopf_speeds, reproduces, variants
-from analysis.stability.chart import with_gradient
 from analysis.stability.spectra import System, relevant_matrices
 
 PAPER = Scenario()
@@ -242,3 +245,32 @@ def test_bad_arguments_are_refused() -> None:
         critical_speeds(PAPER, system="model0")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
         critical_speeds(model(1), motion="flat")  # type: ignore[arg-type]
+
+
+def test_scenario_that_a_system_does_not_describe_is_refused() -> None:
+    with pytest.raises(ValueError, match="the full system is that of Model 1, got Model 3"):
+        critical_speeds(model(3), system="full")
+    with pytest.raises(ValueError, match="the reduced system is that of Model 4, got Model 1"):
+        critical_speeds(model(1), system="reduced")
+    with pytest.raises(ValueError, match="system needs a horizontal table, got an inclination"):
+        critical_speeds(replace(PAPER, table=Table(inclination=0.1)))
+
+
+@pytest.mark.parametrize("level", [1, 2, 4])
+def test_critical_spins_grow_with_the_root_of_gravity(level: Level) -> None:
+    there = replace(
+        with_gradient(model(level), PAPER.friction.gradient / 2),
+        table=Table(gravity=4 * PAPER.table.gravity),
+    )
+    here = critical_speeds(model(level), (0.0, 100.0)).crossings
+    found = critical_speeds(there, (0.0, 200.0)).crossings
+    assert [c.kind for c in found] == [c.kind for c in here]
+    np.testing.assert_allclose([c.spin for c in found], [2 * c.spin for c in here], rtol=1e-9)
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_a_round_disk_has_no_event_out_of_rounding(constraints: ConstraintSet) -> None:
+    found = critical_speeds(
+        replace(PAPER, constraints=constraints, disk=CENTRED_DISK), (0.0, 14.0)
+    )
+    assert len(found.crossings) + len(found.pair_changes) <= 2

@@ -184,3 +184,30 @@ def test_bad_spins_and_motions_are_refused() -> None:
         closed_form(PAPER, [])
     with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
         critical_speed(PAPER, "upright")  # type: ignore[arg-type]
+
+
+def test_scenario_of_another_model_is_refused_by_the_matrices_and_not_by_the_closed_forms() -> (
+    None
+):
+    full = replace(PAPER, constraints=MODELS[1])
+    with pytest.raises(
+        ValueError, match="the reduced system is that of Model 4, got Model 1; the"
+    ):
+        reduced_matrices(full, 1.0)
+    assert critical_speed(full) == critical_speed(PAPER)
+    assert closed_form(full, [20.0, 30.0]).a == closed_form(PAPER, [20.0, 30.0]).a
+
+
+def test_leaning_table_is_refused() -> None:
+    leaning = replace(PAPER, table=Table(inclination=0.1))
+    with pytest.raises(ValueError, match="the reduced system needs a horizontal table"):
+        reduced_matrices(leaning, 1.0)
+    for function in (critical_speed, lambda scenario: closed_form(scenario, 1.0)):
+        with pytest.raises(ValueError, match="the closed form needs a horizontal table"):
+            function(leaning)
+
+
+def test_critical_speed_grows_with_the_root_of_gravity() -> None:
+    there = replace(PAPER, table=Table(gravity=4 * GRAVITY))
+    assert critical_speed(there).spin == pytest.approx(2 * critical_speed(PAPER).spin, rel=1e-14)
+    assert closed_form(there, 1.0).a == pytest.approx(4 * closed_form(PAPER, 1.0).a, rel=1e-14)

@@ -12,7 +12,6 @@ import analysis
 import mbs_models
 from analysis import (
     LOADS,
-    Ending,
     Form,
     Level,
     Load,
@@ -253,11 +252,6 @@ def test_ending_and_pulling_come_back_from_a_file(tmp_path: Path) -> None:
         assert again.pulling == run.pulling
     assert ended.ending is not None
     assert pulled.pulling
-
-
-def test_an_ending_has_a_known_reason() -> None:
-    with pytest.raises(ValueError, match="reason must be one of contact would pull, time limit"):
-        Ending(reason="boredom", time=1.0, value=0.0)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("source", ["engine", "in-house"])

@@ -19,11 +19,12 @@ from analysis import (
     Table,
 )
 from analysis.data.checks import Array
+from analysis.data.constraint_set import set_name
 from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.spectra import (
-    SYSTEMS,
     System,
     branches,
+    chosen_system,
     eigenvalues,
     follow,
     state_matrices,
@@ -228,3 +229,32 @@ def test_unknown_system_and_motion_are_refused() -> None:
             function(PAPER, [1.0], "model1")  # type: ignore[arg-type]
         with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
             function(PAPER, [1.0], motion="upright")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_branches_of_every_set_are_continuous(constraints: ConstraintSet) -> None:
+    scenario = Scenario(constraints=constraints)
+    values = branches(scenario, np.linspace(0.0, 60.0, 3001), "numeric").values
+    jumps = np.abs(np.diff(values, axis=0))
+    assert np.max(jumps) < 2.0
+    assert np.sum(jumps > 0.2) < 60
+
+
+def test_system_is_by_default_the_closed_one_where_there_is_one() -> None:
+    chosen = [chosen_system(Scenario(constraints=each)) for each in MODELS.values()]
+    assert chosen == ["full", "numeric", "numeric", "reduced"]
+    assert chosen_system(PAPER, "numeric") == "numeric"
+
+
+def test_scenario_that_a_system_does_not_describe_is_refused() -> None:
+    for function in (branches, eigenvalues, state_matrices):
+        with pytest.raises(ValueError, match="the full system is that of Model 1, got Model 4"):
+            function(REDUCED, [1.0], "full")
+        with pytest.raises(ValueError, match="the reduced system is that of Model 4, got Model 1"):
+            function(PAPER, [1.0], "reduced")
+        for scenario in (PAPER, REDUCED, Scenario(constraints=MODELS[2])):
+            leaning = replace(scenario, table=Table(inclination=0.1))
+            with pytest.raises(ValueError, match="needs a horizontal table, got an inclination"):
+                function(leaning, [1.0])
+        with pytest.raises(ValueError, match="needs the ideal contact, got a PenaltyContact"):
+            function(Scenario(contact=PenaltyContact(stiffness=1e5)), [1.0])

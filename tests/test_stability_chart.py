@@ -1,19 +1,35 @@
 """The chart over spin and friction gradient, its boundaries, and sensitivities."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import log
 
 import numpy as np
 import pytest
 
-from analysis import CENTRED_DISK, ROUNDED_STEEL_DISK, STEEL_DISK, Disk, SmoothCoulomb
-from analysis.stability.chart import gradient_matrices, stability_chart, static_gradient
+from analysis import (
+    CENTRED_DISK,
+    MODELS,
+    MOTIONS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Motion,
+    Scenario,
+    SmoothCoulomb,
+    Table,
+)
+from analysis.stability.chart import (
+    gradient_matrices,
+    stability_chart,
+    static_gradient,
+    with_gradient,
+)
 from analysis.stability.corners import Corner, corners
 from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import HopfCurve, hopf_curves
 from analysis.stability.hopf_points import ExtendedSystem, spin_scale
-from analysis.stability.linear_full import MOTIONS, Motion, full_system
+from analysis.stability.linear_full import full_system
 from analysis.stability.linear_reduced import critical_speed
 from analysis.stability.sensitivities import (
     DISK_PARAMETERS,
@@ -21,77 +37,76 @@ from analysis.stability.sensitivities import (
     full_sensitivities,
 )
 
-FRICTION = SmoothCoulomb()
+PAPER = Scenario()
+CENTRED = Scenario(disk=CENTRED_DISK)
 
 
 @pytest.fixture(scope="module")
 def curves() -> Mapping[Motion, tuple[HopfCurve, ...]]:
-    return {motion: hopf_curves(STEEL_DISK, motion) for motion in MOTIONS}
+    return {motion: hopf_curves(PAPER, motion) for motion in MOTIONS}
 
 
 @pytest.fixture(scope="module")
 def meeting(curves: Mapping[Motion, tuple[HopfCurve, ...]]) -> dict[str, Corner]:
-    return {corner.kind: corner for corner in corners(STEEL_DISK, curves["inverted"])}
+    return {corner.kind: corner for corner in corners(PAPER, curves["inverted"])}
 
 
 def test_with_the_paper_friction_inverted_spinning_is_unstable_at_all_its_spins() -> None:
-    chart = stability_chart(STEEL_DISK, np.linspace(0.0, 50.0, 501), [3.0])
+    chart = stability_chart(PAPER, np.linspace(0.0, 50.0, 501), [3.0])
     assert chart.unstable.min() == 2
     assert set(np.unique(chart.unstable)) == {2, 4}
 
 
 def test_with_more_smoothing_inverted_spinning_is_stable_in_the_full_system() -> None:
     gradient = 0.3 / 0.2
-    chart = stability_chart(STEEL_DISK, [29.0, 30.0, 31.5, 33.0, 34.0], [gradient])
+    chart = stability_chart(PAPER, [29.0, 30.0, 31.5, 33.0, 34.0], [gradient])
     np.testing.assert_array_equal(chart.unstable, [[2, 0, 0, 0, 2]])
 
 
 def test_noninverted_spinning_is_unstable_with_every_friction() -> None:
     gradients = np.geomspace(1e-3, 1e4, 40)
-    chart = stability_chart(STEEL_DISK, np.linspace(0.0, 200.0, 60), gradients, "noninverted")
+    chart = stability_chart(PAPER, np.linspace(0.0, 200.0, 60), gradients, "noninverted")
     assert np.all(chart.unstable % 2 == 1)
-    assert np.all(np.isnan(static_gradient(STEEL_DISK, np.linspace(0, 200, 60), "noninverted")))
+    assert np.all(np.isnan(static_gradient(PAPER, np.linspace(0, 200, 60), "noninverted")))
 
 
 def test_purely_imaginary_pairs_are_not_counted_as_unstable() -> None:
-    frictionless = stability_chart(CENTRED_DISK, [0.0, 20.0, 40.0], [0.0])
+    frictionless = stability_chart(CENTRED, [0.0, 20.0, 40.0], [0.0])
     np.testing.assert_array_equal(frictionless.unstable, [[1, 1, 0]])
-    with_zero_mode = stability_chart(CENTRED_DISK, [0.0, 20.0, 40.0], [0.1, 1.0])
+    with_zero_mode = stability_chart(CENTRED, [0.0, 20.0, 40.0], [0.1, 1.0])
     np.testing.assert_array_equal(with_zero_mode.unstable, [[1, 1, 0], [1, 1, 0]])
 
 
 def test_chart_counts_what_the_eigenvalues_of_the_whole_system_say() -> None:
     spins, gradients = np.linspace(1.0, 59.0, 12), np.array([0.4, 1.3, 3.0])
-    chart = stability_chart(STEEL_DISK, spins, gradients)
+    chart = stability_chart(PAPER, spins, gradients)
     for row, gradient in enumerate(gradients):
-        friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
-        values = np.linalg.eigvals(full_system(STEEL_DISK, friction, spins).state_matrices)
+        scenario = with_gradient(PAPER, gradient)
+        values = np.linalg.eigvals(full_system(scenario, spins).state_matrices)
         np.testing.assert_array_equal(chart.unstable[row], np.sum(values.real > 1e-8, axis=1))
 
 
 def test_chart_depends_on_the_friction_gradient_alone() -> None:
-    one = full_system(STEEL_DISK, SmoothCoulomb(coefficient=0.3, smoothing=0.1), 20.0)
-    other = full_system(STEEL_DISK, SmoothCoulomb(coefficient=0.6, smoothing=0.2), 20.0)
+    one = full_system(Scenario(friction=SmoothCoulomb(coefficient=0.3, smoothing=0.1)), 20.0)
+    other = full_system(Scenario(friction=SmoothCoulomb(coefficient=0.6, smoothing=0.2)), 20.0)
     np.testing.assert_allclose(one.state_matrices, other.state_matrices, rtol=1e-14)
 
 
 @pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK], ids=["unrounded", "Table 1"])
 def test_static_curve_is_where_an_eigenvalue_is_zero(disk: Disk) -> None:
-    spins = np.array([21.5, 30.0, 50.0, 90.0])
-    for spin, gradient in zip(spins, static_gradient(disk, spins), strict=True):
-        matrix = gradient_matrices(disk, np.array([spin]), gradient, "inverted")[0]
+    spins, scenario = np.array([21.5, 30.0, 50.0, 90.0]), Scenario(disk=disk)
+    for spin, gradient in zip(spins, static_gradient(scenario, spins), strict=True):
+        matrix = gradient_matrices(scenario, np.array([spin]), gradient, "inverted")[0]
         assert np.min(np.abs(np.linalg.eigvals(matrix))) < 1e-10
 
 
 def test_static_curve_starts_where_the_inertia_carries_the_weight() -> None:
     m, e = STEEL_DISK.mass, STEEL_DISK.eccentricity
-    start = np.sqrt(
-        e * STEEL_DISK.weight / (STEEL_DISK.inertia_x - STEEL_DISK.inertia_y + m * e**2)
-    )
-    below, above = static_gradient(STEEL_DISK, [start * (1 - 1e-9), start * (1 + 1e-9)])
+    start = np.sqrt(e * PAPER.weight / (STEEL_DISK.inertia_x - STEEL_DISK.inertia_y + m * e**2))
+    below, above = static_gradient(PAPER, [start * (1 - 1e-9), start * (1 + 1e-9)])
     assert np.isnan(below)
     assert 0.0 < above < 1e-3
-    assert np.all(np.isnan(static_gradient(CENTRED_DISK, [0.0, 10.0, 30.0])))
+    assert np.all(np.isnan(static_gradient(CENTRED, [0.0, 10.0, 30.0])))
 
 
 def test_hopf_curves_pass_through_the_crossings_of_every_gradient(
@@ -99,8 +114,8 @@ def test_hopf_curves_pass_through_the_crossings_of_every_gradient(
 ) -> None:
     for motion in MOTIONS:
         for gradient in (1.25, 3.0, 30.0, 300.0):
-            friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
-            expected = critical_speeds("full", STEEL_DISK, friction, (0.0, 100.0), motion).hopf
+            scenario = with_gradient(PAPER, gradient)
+            expected = critical_speeds(scenario, (0.0, 100.0), motion=motion).hopf
             found = sorted(at_gradient(curve, gradient) for curve in curves[motion])
             np.testing.assert_allclose(found, [c.spin for c in expected], rtol=2e-3)
 
@@ -117,7 +132,7 @@ def test_every_point_of_a_hopf_curve_has_its_imaginary_eigenvalue(
         for spin, gradient, frequency in zip(
             curve.spins[1:], curve.gradients[1:], curve.frequencies[1:], strict=True
         ):
-            matrix = gradient_matrices(STEEL_DISK, np.array([spin]), gradient, curve.motion)[0]
+            matrix = gradient_matrices(PAPER, np.array([spin]), gradient, curve.motion)[0]
             values = np.linalg.eigvals(matrix)
             assert np.min(np.abs(values - 1j * frequency)) < 1e-9 * max(1.0, np.abs(values).max())
 
@@ -130,7 +145,7 @@ def test_slow_hopf_curve_runs_from_a_double_zero_to_any_gradient(
     start = meeting["double zero"]
     assert start.spin == pytest.approx(28.60972, abs=1e-5)
     assert start.gradient == pytest.approx(0.881178, abs=1e-6)
-    assert static_gradient(STEEL_DISK, start.spin)[0] == pytest.approx(start.gradient, rel=1e-6)
+    assert static_gradient(PAPER, start.spin)[0] == pytest.approx(start.gradient, rel=1e-6)
     assert slow.spins[-1] == pytest.approx(30.2722, abs=1e-4)
 
 
@@ -150,7 +165,7 @@ def test_the_two_hopf_curves_cross_in_a_double_hopf_point(meeting: dict[str, Cor
     assert double.spin == pytest.approx(29.84697, abs=1e-5)
     assert double.gradient == pytest.approx(1.851081, abs=1e-6)
     np.testing.assert_allclose(double.frequencies, (5.23009, 25.80421), atol=1e-5)
-    matrix = gradient_matrices(STEEL_DISK, np.array([double.spin]), double.gradient, "inverted")
+    matrix = gradient_matrices(PAPER, np.array([double.spin]), double.gradient, "inverted")
     values = np.linalg.eigvals(matrix[0])
     assert np.sum(np.abs(values.real) < 1e-9) == 4
 
@@ -163,20 +178,18 @@ def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable(
     points = [(corner.spin, log(corner.gradient)) for corner in meeting.values()]
     assert len(points) == 3
     spin, gradient = np.mean(points, axis=0)
-    chart = stability_chart(STEEL_DISK, [spin], [np.exp(gradient)])
+    chart = stability_chart(PAPER, [spin], [np.exp(gradient)])
     assert chart.unstable[0, 0] == 0
     spins, gradients = np.linspace(10.0, 90.0, 161), np.geomspace(0.1, 100.0, 120)
-    wide = stability_chart(STEEL_DISK, spins, gradients)
+    wide = stability_chart(PAPER, spins, gradients)
     rows, columns = np.nonzero(wide.unstable == 0)
     assert 28.6 < spins[columns].min() < spins[columns].max() < 36.9
     assert 0.88 < gradients[rows].min() < gradients[rows].max() < 1.852
 
 
 def test_jacobian_of_the_extended_system_is_exact() -> None:
-    scale = spin_scale(STEEL_DISK)
-    system = ExtendedSystem(
-        STEEL_DISK, "inverted", np.array([26.9 / scale, log(3.0), 22.6 / scale])
-    )
+    scale = spin_scale(PAPER)
+    system = ExtendedSystem(PAPER, "inverted", np.array([26.9 / scale, log(3.0), 22.6 / scale]))
     place = np.array([26.5 / scale, log(2.9), 22.3 / scale])
     _, jacobian = system.residual(place)
     for column, axis in enumerate(np.eye(3)):
@@ -188,16 +201,18 @@ def test_jacobian_of_the_extended_system_is_exact() -> None:
 
 def test_closed_form_sensitivities_are_derivatives_of_the_closed_form() -> None:
     for disk in (STEEL_DISK, ROUNDED_STEEL_DISK):
-        found = closed_form_sensitivities(disk)
+        found = closed_form_sensitivities(Scenario(disk=disk))
         for name, fields in DISK_PARAMETERS.items():
             ahead, behind = (
                 critical_speed(
-                    replace(
-                        disk,
-                        **{
-                            field: getattr(disk, field) * np.exp(step * power)
-                            for field, power in fields.items()
-                        },
+                    Scenario(
+                        disk=replace(
+                            disk,
+                            **{
+                                field: getattr(disk, field) * np.exp(step * power)
+                                for field, power in fields.items()
+                            },
+                        )
                     )
                 ).spin
                 for step in (1e-5, -1e-5)
@@ -206,7 +221,7 @@ def test_closed_form_sensitivities_are_derivatives_of_the_closed_form() -> None:
 
 
 def test_size_is_the_sum_of_its_parts() -> None:
-    for sensitivity in full_sensitivities(STEEL_DISK, FRICTION, (0.0, 100.0)):
+    for sensitivity in full_sensitivities(PAPER, (0.0, 100.0)):
         values = sensitivity.values
         parts = sum(power * values[field] for field, power in DISK_PARAMETERS["size"].items())
         assert values["size"] == pytest.approx(parts, abs=1e-7)
@@ -214,7 +229,7 @@ def test_size_is_the_sum_of_its_parts() -> None:
 
 def test_dimensions_tie_size_and_friction_together() -> None:
     """In units of the disk's size, size**(1/2) * mu / epsilon is the friction."""
-    for sensitivity in full_sensitivities(STEEL_DISK, FRICTION, (0.0, 100.0)):
+    for sensitivity in full_sensitivities(PAPER, (0.0, 100.0)):
         values = sensitivity.values
         expected = -0.5 + 0.5 * values["friction_gradient"]
         assert values["size"] == pytest.approx(expected, abs=1e-7)
@@ -224,9 +239,9 @@ def test_full_sensitivities_predict_the_critical_speeds_of_another_disk() -> Non
     for name in ("inertia_x", "eccentricity", "mass"):
         change = 1e-3
         disk = replace(STEEL_DISK, **{name: getattr(STEEL_DISK, name) * (1 + change)})
-        moved = critical_speeds("full", disk, FRICTION, (0.0, 100.0)).crossings
+        moved = critical_speeds(Scenario(disk=disk), (0.0, 100.0)).crossings
         for sensitivity, crossing in zip(
-            full_sensitivities(STEEL_DISK, FRICTION, (0.0, 100.0)), moved, strict=True
+            full_sensitivities(PAPER, (0.0, 100.0)), moved, strict=True
         ):
             expected = sensitivity.values[name] * log(1 + change)
             actual = log(crossing.spin / sensitivity.crossing.spin)
@@ -234,8 +249,8 @@ def test_full_sensitivities_predict_the_critical_speeds_of_another_disk() -> Non
 
 
 def test_full_system_feels_the_inertia_that_the_closed_form_does_not_know() -> None:
-    closed = closed_form_sensitivities(STEEL_DISK)
-    _, slow = full_sensitivities(STEEL_DISK, FRICTION)
+    closed = closed_form_sensitivities(PAPER)
+    _, slow = full_sensitivities(PAPER)
     assert closed["inertia_x"] == 0.0
     assert closed["inertia_y"] == pytest.approx(-0.5061, abs=5e-5)
     assert slow.values["inertia_x"] == pytest.approx(-0.506, abs=5e-4)
@@ -247,7 +262,7 @@ def test_a_parameter_at_its_bound_cannot_be_varied() -> None:
         radius=0.045, hole_radius=0.015, hole_distance=0.02, thickness=1e-9, density=7.7e10
     )
     with pytest.raises(ValueError, match="cannot be varied by"):
-        full_sensitivities(thin, FRICTION)
+        full_sensitivities(Scenario(disk=thin))
 
 
 @pytest.mark.parametrize(
@@ -261,20 +276,59 @@ def test_a_parameter_at_its_bound_cannot_be_varied() -> None:
 )
 def test_bad_grids_are_refused(spins: list[float], gradients: list[float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        stability_chart(STEEL_DISK, spins, gradients)
+        stability_chart(PAPER, spins, gradients)
 
 
 def test_bad_rectangles_and_motions_are_refused() -> None:
     with pytest.raises(ValueError, match="spins must have 0 <= lowest < highest, got 5 to 1"):
-        hopf_curves(STEEL_DISK, spins=(5.0, 1.0))
+        hopf_curves(PAPER, spins=(5.0, 1.0))
     with pytest.raises(ValueError, match="gradients must be positive"):
-        hopf_curves(STEEL_DISK, gradients=(0.0, 1.0))
+        hopf_curves(PAPER, gradients=(0.0, 1.0))
     with pytest.raises(ValueError, match="gradients must have lowest < highest, got 2 to 2"):
-        hopf_curves(STEEL_DISK, gradients=(2.0, 2.0))
+        hopf_curves(PAPER, gradients=(2.0, 2.0))
     message = "motion must be one of inverted, noninverted, got 'flat'"
     with pytest.raises(ValueError, match=message):
-        stability_chart(STEEL_DISK, [1.0], [1.0], "flat")  # type: ignore[arg-type]
+        stability_chart(PAPER, [1.0], [1.0], "flat")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=message):
-        static_gradient(STEEL_DISK, [1.0], "flat")  # type: ignore[arg-type]
+        static_gradient(PAPER, [1.0], "flat")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=message):
-        hopf_curves(STEEL_DISK, "flat")  # type: ignore[arg-type]
+        hopf_curves(PAPER, "flat")  # type: ignore[arg-type]
+
+
+def test_leaning_table_and_other_models_are_refused() -> None:
+    leaning = Scenario(table=Table(inclination=0.1))
+    held = Scenario(constraints=MODELS[2])
+    calls: tuple[Callable[[Scenario], object], ...] = (
+        lambda scenario: stability_chart(scenario, [1.0], [1.0]),
+        lambda scenario: static_gradient(scenario, [1.0]),
+        hopf_curves,
+        full_sensitivities,
+    )
+    for call in calls:
+        with pytest.raises(ValueError, match="system needs a horizontal table, got an inclinat"):
+            call(leaning)
+    for call in calls[:3]:
+        with pytest.raises(ValueError, match="the full system is that of Model 1, got Model 2"):
+            call(held)
+    with pytest.raises(ValueError, match="the closed form needs a horizontal table"):
+        closed_form_sensitivities(leaning)
+
+
+def test_static_curve_of_another_planet_is_that_of_this_one_in_its_own_units() -> None:
+    there = Scenario(table=Table(gravity=4 * PAPER.table.gravity))
+    spins = np.array([30.0, 50.0])
+    np.testing.assert_allclose(
+        static_gradient(there, 2 * spins), static_gradient(PAPER, spins) / 2, rtol=1e-13
+    )
+
+
+def test_corners_of_another_planet_are_those_of_this_one_in_its_own_units(
+    meeting: dict[str, Corner],
+) -> None:
+    there = Scenario(table=Table(gravity=4 * PAPER.table.gravity))
+    curves = hopf_curves(there, spins=(0.0, 200.0), gradients=(0.05, 500.0))
+    found = corners(there, curves)
+    assert {corner.kind for corner in found} == set(meeting)
+    for corner in found:
+        assert corner.spin == pytest.approx(2 * meeting[corner.kind].spin, rel=1e-6)
+        assert corner.gradient == pytest.approx(meeting[corner.kind].gradient / 2, rel=1e-6)

@@ -1,61 +1,64 @@
 """Spins at which the spinning is stable as a whole."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from analysis import STEEL_DISK, SmoothCoulomb
+from analysis import MODELS, POSSIBLE_SETS, ConstraintSet, Level, Motion, Scenario, SmoothCoulomb
+from analysis.data.constraint_set import set_name
 from analysis.stability import linear_reduced, spectra
-from analysis.stability.linear_full import Motion
-from analysis.stability.spectra import SYSTEMS, System
 from analysis.stability.stable_spins import stable_spins
 from validation import cli
 
-PAPER = SmoothCoulomb()
-MILD = SmoothCoulomb(smoothing=0.2)
+PAPER = Scenario()
+REDUCED = Scenario(constraints=MODELS[4])
+MILD = Scenario(friction=SmoothCoulomb(smoothing=0.2))
 """With this friction inverted spinning is stable somewhere in the full system."""
 
 
 def test_inverted_spinning_is_stable_nowhere_in_the_full_system() -> None:
-    assert stable_spins("full", STEEL_DISK, PAPER) == ()
+    assert stable_spins(PAPER) == ()
 
 
 def test_inverted_spinning_is_stable_above_the_closed_form_in_the_reduced_system() -> None:
-    closed = linear_reduced.critical_speed(STEEL_DISK).spin
-    ((low, high),) = stable_spins("reduced", STEEL_DISK, PAPER)
+    closed = linear_reduced.critical_speed(REDUCED).spin
+    ((low, high),) = stable_spins(REDUCED)
     assert low == pytest.approx(closed, abs=1e-6)
     assert high == 60.0
 
 
-@pytest.mark.parametrize("system", ["full", "model2", "reduced"])
+@pytest.mark.parametrize("level", [1, 2, 4])
 @pytest.mark.parametrize("motion", ["inverted", "noninverted"])
 def test_every_eigenvalue_decays_inside_and_one_grows_outside(
-    system: System, motion: Motion
+    level: Level, motion: Motion
 ) -> None:
-    found = stable_spins(system, STEEL_DISK, MILD, (0.0, 50.0), motion)
+    scenario = replace(MILD, constraints=MODELS[level])
+    found = stable_spins(scenario, (0.0, 50.0), motion=motion)
     for spin in np.linspace(0.3, 49.7, 20).tolist():
-        values = spectra.relevant_matrices(system, STEEL_DISK, MILD, spin, motion)[0]
+        values = spectra.relevant_matrices(scenario, spin, motion=motion)[0]
         inside = any(low < spin < high for low, high in found)
         assert (np.max(np.linalg.eigvals(values).real) < 0.0) == inside
 
 
 def test_full_system_has_an_interval_between_two_pairs() -> None:
-    ((low, high),) = stable_spins("full", STEEL_DISK, MILD)
+    ((low, high),) = stable_spins(MILD)
     assert 0.0 < low < high < 60.0
-    inside = spectra.eigenvalues("full", STEEL_DISK, MILD, [low + 0.01, high - 0.01])
+    inside = spectra.eigenvalues(MILD, [low + 0.01, high - 0.01])
     # The drift pair lies on the axis by definition.
     assert np.all(np.sort(inside.real, axis=1)[:, :-2] < 0.0)
 
 
-@pytest.mark.parametrize("system", SYSTEMS)
-def test_nothing_is_stable_without_friction(system: System) -> None:
-    frictionless = SmoothCoulomb(coefficient=0.0)
-    assert stable_spins(system, STEEL_DISK, frictionless, (25.0, 35.0)) == ()
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_nothing_is_stable_without_friction(constraints: ConstraintSet) -> None:
+    frictionless = Scenario(constraints=constraints, friction=SmoothCoulomb(coefficient=0.0))
+    assert stable_spins(frictionless, (25.0, 35.0)) == ()
 
 
 @pytest.mark.parametrize("interval", [(5.0, 5.0), (-1.0, 5.0), (0.0, np.inf)])
 def test_empty_interval_is_refused(interval: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match="interval must"):
-        stable_spins("full", STEEL_DISK, PAPER, interval)
+        stable_spins(PAPER, interval)
 
 
 def test_critical_calls_stable_only_what_is_so_as_a_whole(

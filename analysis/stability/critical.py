@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from analysis.data.checks import Array, number
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
+from analysis.stability.hopf_points import spin_scale
 from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.spectra import (
     Branches,
@@ -32,8 +33,11 @@ Spectrum = Callable[[float], ComplexArray]
 _ROUND_OFF = 1e-12
 """Real parts below this part of the largest eigenvalue have no sign."""
 
-_ZERO = 1e-8
-"""Eigenvalues and differences below this part of the largest eigenvalue count as zero."""
+_ZERO = 1e-6
+"""Eigenvalues and differences below this part of the largest eigenvalue count as zero.
+
+Round-off in the numeric systems, some 1e-12, splits a double zero into two of its square root.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,6 +148,9 @@ def critical_speeds(
     spectrum = _spectrum(scenario, system, motion)
     followed = branches(scenario, helper_spins(low, high), system, motion)
     values = np.delete(followed.values, followed.drift, axis=1)
+    # Where all eigenvalues are zero, as those of a round disk that is held in all but its tilt,
+    # what rounding makes of them is not to be judged against itself.
+    values[np.abs(values) < _ZERO * spin_scale(scenario)] = 0.0
     relevant = Branches(spins=followed.spins, values=values)
 
     crossings: list[Crossing] = []
@@ -238,7 +245,7 @@ def _static_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
     """
     size = np.abs(followed.values)
     spins = followed.spins.tolist()
-    neutral = int(np.min(np.sum(size < _ZERO * np.max(size), axis=1)))
+    neutral = _neutral(followed)
     others = np.argsort(size, axis=1)[:, neutral:]
     unstable = np.sum(np.take_along_axis(followed.values, others, axis=1).real > 0.0, axis=1)
     samples = _low_coefficient(followed.values, neutral)
@@ -256,6 +263,12 @@ def _static_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
     return result
 
 
+def _neutral(followed: Branches) -> int:
+    """Number of eigenvalues that are zero at every spin."""
+    size = np.abs(followed.values)
+    return int(np.min(np.sum(size < _ZERO * np.max(size), axis=1)))
+
+
 def _low_coefficient(spectra: ComplexArray, power: int) -> Array:
     """Coefficient of lambda^power of the polynomials with these roots, shape (n,) for (n, k)."""
     coefficients = np.zeros((len(spectra), spectra.shape[1] + 1), dtype=complex)
@@ -269,7 +282,12 @@ def _low_coefficient(spectra: ComplexArray, power: int) -> Array:
 def _pair_changes(followed: Branches, spectrum: Spectrum) -> list[PairChange]:
     """Collisions of two real eigenvalues: changes between real and complex along a branch."""
     values, spins = followed.values, followed.spins.tolist()
-    largest = np.max(np.abs(values))
+    largest, neutral = np.max(np.abs(values)), _neutral(followed)
+
+    def moving(spin: float) -> ComplexArray:
+        found = spectrum(spin)
+        return found[np.argsort(np.abs(found))[neutral:]]
+
     result = []
     for column, branch in enumerate(values.T):
         is_complex = branch.imag > 0.0
@@ -283,7 +301,7 @@ def _pair_changes(followed: Branches, spectrum: Spectrum) -> list[PairChange]:
                 centres = pairs.mean(axis=1).real.tolist()
                 ends = (spins[start], spins[start + 1])
                 side: Side = "below" if is_complex[start] else "above"
-                result.append(_pair_change(ends, (centres[0], centres[1]), side, spectrum))
+                result.append(_pair_change(ends, (centres[0], centres[1]), side, moving))
     return result
 
 

@@ -1,0 +1,268 @@
+"""Any set of constraints linearised numerically, against closed matrices and textbooks."""
+
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+from analysis import (
+    CENTRED_DISK,
+    LAWS,
+    LOADS,
+    MODELS,
+    MOTIONS,
+    POSSIBLE_SETS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    ConstraintSet,
+    FrictionLaw,
+    Load,
+    Motion,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Stribeck,
+    Table,
+    TanhCoulomb,
+    ViscousFriction,
+)
+from analysis.data.checks import Array
+from analysis.data.constraint_set import set_name
+from analysis.models import constraints as levels
+from analysis.stability.chart import with_gradient
+from analysis.stability.critical import critical_speeds
+from analysis.stability.linear_full import full_system, signed_eccentricity
+from analysis.stability.linear_numeric import NumericSystem, numeric_matrices, upright_gamma
+from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.spectra import eigenvalues
+from analysis.stability.stable_spins import stable_spins
+from tests.helpers import random_disk
+
+SPINS = np.array([0.0, 1e-3, 5.0, 30.0, 60.0])
+STATES = [0, 1, 4, 5, 6, 7, 10, 11]
+"""Of coordinates and rates, those of the full linear system: x, y, beta, gamma and their rates."""
+
+ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
+
+
+def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
+    """State matrix of Eq. (55), shape (8, 8), with linearised constraints on acceleration level.
+
+    The forces that hold the slip or the centre of gravity are zero in the stationary motion, so
+    that they act along their directions there, and add no stiffness.
+    """
+    free = replace(scenario, constraints=MODELS[1])
+    system = full_system(with_gradient(free, 0.0), spin, motion)
+    r, e = scenario.disk.radius, signed_eccentricity(scenario.disk, motion)
+    slips = (
+        ("no-slip-along", (1.0, 0.0, 0.0, r), (0.0, -spin, -r * spin, 0.0)),
+        ("no-slip-across", (0.0, 1.0, r, 0.0), (spin, 0.0, 0.0, 0.0)),
+    )
+    forces = -np.hstack((system.stiffness[0], system.gyroscopic[0]))
+    rows, terms = [], []
+    for name, by_rate, by_place in slips:
+        if name in scenario.constraints:
+            rows.append(np.array(by_rate))
+            terms.append(np.concatenate((np.zeros(4), by_place)))
+        else:
+            slope = scenario.friction.gradient * scenario.weight
+            forces -= slope * np.outer(by_rate, np.concatenate((by_place, by_rate)))
+    if "fixed-cog" in scenario.constraints:
+        rows += [np.array((1.0, 0.0, 0.0, -e)), np.array((0.0, 1.0, -e, 0.0))]
+        terms += [np.zeros(8), np.zeros(8)]
+    count = len(rows)
+    W, chi = np.reshape(rows, (count, 4)), np.reshape(terms, (count, 8))
+    matrix = np.block([[system.mass[0], -W.T], [W, np.zeros((count, count))]])
+    accelerations = np.linalg.solve(matrix, np.vstack((forces, -chi)))[:4]
+    return np.vstack((np.hstack((np.zeros((4, 4)), np.eye(4))), accelerations))
+
+
+def error(scenario: Scenario, motion: Motion, spins: Array = SPINS) -> float:
+    """Largest error of the matrices relative to the largest entry, entry by entry.
+
+    The columns of the basis B are tangent to the constraints, and the closed matrix A maps them
+    as the numeric one N does: A B = B N.
+    """
+    system = NumericSystem(scenario, upright_gamma(motion))
+    r, rate = scenario.disk.radius, system.frequency
+    units = np.array((r, r, 1.0, 1.0, r * rate, r * rate, rate, rate))
+    worst = 0.0
+    bases, _ = system.bases(spins)
+    for spin, basis, found in zip(spins, bases, system.matrices(spins), strict=True):
+        assert not np.any(np.abs(np.delete(basis, STATES, axis=0)) > 1e-12)
+        closed = closed_matrix(scenario, spin, motion) * units / units[:, None]
+        gap = closed @ basis[STATES] - basis[STATES] @ found
+        worst = max(worst, float(np.max(np.abs(gap)) / np.max(np.abs(closed))))
+    return worst
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_every_set_linearises_to_the_closed_matrices_under_its_constraints(
+    constraints: ConstraintSet, motion: Motion
+) -> None:
+    disks = [random_disk(np.random.default_rng(seed)) for seed in range(2)]
+    for disk in (STEEL_DISK, ROUNDED_STEEL_DISK, CENTRED_DISK, *disks):
+        assert error(Scenario(constraints=constraints, disk=disk), motion) < 1e-11
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("smoothing", [1.0, 0.01, 1e-3])
+def test_kink_and_load_of_the_friction_law_do_not_spoil_the_derivatives(
+    load: Load, smoothing: float
+) -> None:
+    friction = SmoothCoulomb(smoothing=smoothing, load=load)
+    for constraints in MODELS.values():
+        scenario = Scenario(constraints=constraints, friction=friction)
+        assert error(scenario, "inverted") < 1e-10
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_linearisation_is_as_good_at_a_spin_far_from_those_it_is_made_of(
+    constraints: ConstraintSet,
+) -> None:
+    assert error(Scenario(constraints=constraints), "inverted", np.array([-40.0, 2e3])) < 1e-10
+
+
+def sizes() -> dict[ConstraintSet, int]:
+    """Number of eigenvalues: what the freedom leaves, alpha and a free spin aside."""
+    result = {}
+    for held in POSSIBLE_SETS:
+        places = len(levels.positions(held, STEEL_DISK, np.zeros(6)))
+        speeds = len(levels.directions(held, STEEL_DISK, np.zeros(6)))
+        result[held] = 12 - places - speeds - (1 if "constant-spin" in held else 2)
+    return result
+
+
+def test_number_of_eigenvalues_is_what_the_freedom_leaves() -> None:
+    for held, size in sizes().items():
+        assert eigenvalues(Scenario(constraints=held), [7.0]).shape == (1, size)
+        assert numeric_matrices(Scenario(constraints=held), [7.0]).shape == (1, size, size)
+    assert [sizes()[held] for held in MODELS.values()] == [8, 4, 3, 3]
+    assert sizes()[ROLLING] == 6
+
+
+def gap(found: ComplexArray, expected: ComplexArray) -> float:
+    """Largest distance of an eigenvalue to the nearest expected one, relative to the largest."""
+    nearest = np.min(np.abs(found[:, :, None] - expected[:, None, :]), axis=2)
+    return float(np.max(nearest) / np.max(np.abs(expected)))
+
+
+LAWS_OF_ONE_GRADIENT: tuple[FrictionLaw, ...] = (
+    SmoothCoulomb(coefficient=0.3, smoothing=0.1),
+    SmoothCoulomb(coefficient=0.03, smoothing=0.01, load="contact"),
+    Stribeck(static=0.3, kinetic=0.1, stribeck_speed=0.05, smoothing=0.1),
+    TanhCoulomb(coefficient=0.6, smoothing=0.2),
+    ViscousFriction(viscosity=3.0),
+)
+
+
+def test_laws_of_one_gradient_hold_every_shipped_law() -> None:
+    assert {type(law) for law in LAWS_OF_ONE_GRADIENT} == set(LAWS.values())
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_linear_stability_depends_on_the_law_by_its_slope_at_no_slip_alone(
+    constraints: ConstraintSet,
+) -> None:
+    first, *others = (
+        eigenvalues(Scenario(constraints=constraints, friction=law), SPINS, "numeric")
+        for law in LAWS_OF_ONE_GRADIENT
+    )
+    for values in others:
+        assert gap(values, first) < 1e-10
+    steeper = Scenario(constraints=constraints, friction=ViscousFriction(viscosity=3.01))
+    assert (gap(eigenvalues(steeper, SPINS, "numeric"), first) > 1e-6) == steeper.rubs
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+@pytest.mark.parametrize("gravity", [1.62, 24.79])
+def test_spins_grow_with_the_root_of_gravity(constraints: ConstraintSet, gravity: float) -> None:
+    faster = sqrt(gravity / Table().gravity)
+    here = Scenario(constraints=constraints)
+    there = replace(
+        here,
+        table=Table(gravity=gravity),
+        friction=SmoothCoulomb(smoothing=0.1 * faster),
+    )
+    expected = eigenvalues(here, SPINS, "numeric")
+    assert gap(eigenvalues(there, faster * SPINS, "numeric") / faster, expected) < 1e-10
+
+
+@pytest.mark.parametrize("held", POSSIBLE_SETS, ids=set_name)
+def test_holding_the_spin_changes_no_other_eigenvalue(held: ConstraintSet) -> None:
+    both = (*held, "constant-spin")
+    if "constant-spin" not in held and both in POSSIBLE_SETS:
+        free = eigenvalues(Scenario(constraints=held), SPINS)
+        assert gap(eigenvalues(Scenario(constraints=both), SPINS, "numeric"), free) < 1e-10
+
+
+def test_endless_friction_rolls() -> None:
+    """Six eigenvalues of the full system tend to those of rolling; the others decay at once."""
+    rolling = eigenvalues(Scenario(constraints=ROLLING), [40.0])
+    errors = []
+    for gradient in (1e4, 1e5):
+        full = eigenvalues(with_gradient(Scenario(), gradient), [40.0])
+        assert np.sum(full.real < -1e5) == 2
+        errors.append(gap(full[full.real > -1e5][None], rolling))
+    assert errors[1] < 1e-4
+    assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.01)
+
+
+def test_round_disk_that_spins_without_slip_is_upright_above_the_textbooks_spin() -> None:
+    """Spin² > m g r / (A + m r²), which is 4 g / (5 r) for a thin homogeneous disk."""
+    across = CENTRED_DISK.mass * CENTRED_DISK.radius**2 / 4
+    disk = replace(CENTRED_DISK, inertia_x=across, inertia_y=across, inertia_z=2 * across)
+    scenario = Scenario(constraints=ROLLING, disk=disk)
+    threshold = sqrt(0.8 * scenario.table.gravity / disk.radius)
+    below, above = eigenvalues(scenario, [0.999 * threshold, 1.001 * threshold])
+    assert np.max(below.real) > 0.1
+    assert np.max(above.real) < 1e-4
+    (change,) = critical_speeds(scenario).pair_changes
+    assert change.spin == pytest.approx(threshold, rel=1e-9)
+
+
+def test_rolling_is_never_asymptotically_stable() -> None:
+    assert stable_spins(Scenario(constraints=ROLLING)) == ()
+
+
+def test_spinning_is_stable_with_slip_held_across_the_edge_and_not_along_it() -> None:
+    across = Scenario(constraints=("contact", "no-slip-across"))
+    along = Scenario(constraints=("contact", "no-slip-along"))
+    ((low, high),) = stable_spins(across)
+    assert (low, high) == (pytest.approx(23.31109, abs=5e-6), 60.0)
+    assert stable_spins(along) == ()
+
+
+def test_stationary_motions_are_stationary_under_every_set() -> None:
+    for held in POSSIBLE_SETS:
+        for motion in MOTIONS:
+            system = NumericSystem(Scenario(constraints=held), upright_gamma(motion))
+            assert np.max(np.abs(system.accelerations(40.0))) < 1e-13
+
+
+def test_a_place_that_is_not_stationary_is_refused() -> None:
+    system = NumericSystem(Scenario(), pi / 2 - 0.2)
+    with pytest.raises(ArithmeticError, match="change of the spin or of the place of Model 1"):
+        system.matrices(np.array([20.0]))
+
+
+def test_friction_that_bends_too_finely_is_refused() -> None:
+    for smoothing in (1e-5, 1e-6):
+        scenario = Scenario(friction=SmoothCoulomb(coefficient=1e-3, smoothing=smoothing))
+        assert error(scenario, "inverted") < 1e-5
+    with pytest.raises(ValueError, match="finest_speed of at least 3e-07 m/s to be differenced"):
+        numeric_matrices(Scenario(friction=SmoothCoulomb(smoothing=1e-8)), [1.0])
+
+
+def test_a_leaning_table_and_a_compliant_contact_are_refused() -> None:
+    leaning = Scenario(table=Table(inclination=0.03))
+    with pytest.raises(ValueError, match="numeric linearisation needs a horizontal table"):
+        numeric_matrices(leaning, [1.0])
+    with pytest.raises(ValueError, match="numeric linearisation needs the ideal contact"):
+        numeric_matrices(Scenario(contact=PenaltyContact(stiffness=1e5)), [1.0])
+    with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
+        numeric_matrices(Scenario(), 1.0, "upright")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="spins must be finite numbers in rad/s, got nan"):
+        numeric_matrices(Scenario(), [1.0, np.nan])
