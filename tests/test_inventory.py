@@ -19,6 +19,7 @@ from mbs_models.runs import run
 from tests.scenes import rest_scene, scenario_of, scene_of
 from validation import cli
 from validation.commands.scene import scene_table
+from validation.parser.top import parser
 from validation.studies import lean
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
@@ -199,7 +200,7 @@ def test_joint_with_six_axes_holds_the_same_motion() -> None:
     assert abs(ends[0] - ends[1]).max() < 1e-9
 
 
-def test_price_of_friction_that_does_nothing_is_measured() -> None:
+def test_cost_of_friction_that_does_nothing_is_measured() -> None:
     frictionless = scene_of(2, "floating", friction=SMOOTH)
 
     def carried() -> Model:
@@ -207,15 +208,15 @@ def test_price_of_friction_that_does_nothing_is_measured() -> None:
         BALLAST["friction of coefficient zero"](model)
         return model
 
-    found = lean.price("part", "scene", carried, lambda: build(frictionless), repeats=2)
+    found = lean.overhead("part", "scene", carried, lambda: build(frictionless), repeats=2)
     assert found.carried > 0.0
     assert found.left_out > 0.0
     assert found.spread >= 1.0
-    assert len(lean.price_table([found]).rows) == 1
+    assert len(lean.overhead_table([found]).rows) == 1
 
 
 def test_start_up_is_measured_for_every_subcommand() -> None:
-    actions = cli._parser()._actions
+    actions = parser()._actions
     (commands,) = (each for each in actions if isinstance(each, argparse._SubParsersAction))
     assert {call.split()[0] for call in lean.START_UPS} == set(commands.choices)
     for modules in lean.START_UPS.values():
