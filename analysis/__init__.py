@@ -19,6 +19,7 @@ from analysis.data.constraint_set import (
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import CENTRED_DISK, DISKS, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
+from analysis.data.endings import CONDITIONS, Condition, Ending, StopWhen
 from analysis.data.friction import (
     LAWS,
     LOADS,
@@ -34,7 +35,7 @@ from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.start import MOTIONS, Motion, Start
 from analysis.data.state import COORDINATES, FlatError, State
 from analysis.data.table import GRAVITY, Table
-from analysis.data.trajectory import Ending, Trajectory
+from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress
 from analysis.models.balance import constraint_drift, energies, energy_residual, power
 from analysis.models.forms import FORMS, Form
@@ -47,6 +48,7 @@ from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 __all__ = [
     "CAUSES",
     "CENTRED_DISK",
+    "CONDITIONS",
     "CONSTRAINTS",
     "COORDINATES",
     "DISKS",
@@ -63,6 +65,7 @@ __all__ = [
     "REST_METHODS",
     "ROUNDED_STEEL_DISK",
     "STEEL_DISK",
+    "Condition",
     "Constraint",
     "ConstraintSet",
     "Disk",
@@ -86,6 +89,7 @@ __all__ = [
     "SpatialMotion",
     "Start",
     "State",
+    "StopWhen",
     "Stribeck",
     "Table",
     "TanhCoulomb",

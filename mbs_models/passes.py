@@ -10,7 +10,6 @@ import numpy as np
 
 from analysis.data.checks import Array, TimeLimitError
 from analysis.data.state import COORDINATES, FlatError, State, check_upright
-from analysis.data.trajectory import EndingReason
 from analysis.data.watch import Watch
 from mbs_models.build import build
 from mbs_models.integrators import Integrator
@@ -53,7 +52,7 @@ class Pass:
     counts: Counter[str]
     setup_seconds: float = 0.0
     seconds: float = 0.0
-    ended: EndingReason | None = None
+    ended: str | None = None
     pulling: tuple[tuple[float, float], ...] = ()
 
 
@@ -118,7 +117,7 @@ class _Block:
     """Samples of a stretch of even spacing; the last at `last` if it has ended early."""
 
     values: Array
-    ended: EndingReason | None
+    ended: str | None
     last: float
 
 
@@ -192,7 +191,7 @@ class _Runner:
         self._count(samples)
         values = _values(model, samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
-        ended: EndingReason | None = None
+        ended: str | None = None
         if self._must_not_pull(model):
             width = (samples.stopped or 0.0) - period * (len(values) - 1) if stop.pulled else 0.0
             pulled = self._first_pull(scene, values, moments, substeps, width)
@@ -209,8 +208,8 @@ class _Runner:
                 ) from failure
             raise EngineError(f"{failure} ({place})") from failure
         check_upright(moments, values[:, :6])
-        if not model.continuous_angles:
-            _unwrap(values, moments, scene.scenario.initial_state)
+        if not model.has_euler_angles:
+            _unwrap(values, moments, model.start)
         self.moments += moments.tolist()
         self.forces += values[:, 12].tolist()
         if ended is None and len(values) <= intervals * finer:

@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import TimeLimitError, ToleranceError, increasing_times, positive
+from analysis.data.endings import Ending
 from analysis.data.state import FlatError
-from analysis.data.trajectory import Ending, EndingReason, Trajectory, versions
+from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models.advice import advice
 from mbs_models.build import build
@@ -184,7 +185,7 @@ def _to_tolerance(
     ladder = Ladder(scene.built_as, integrator.name)
     counts: Counter[str] = Counter()
     failure: EngineError | FlatError | None = None
-    kind: tuple[EndingReason | None, int] = (None, 0)
+    kind: tuple[str | None, int] = (None, 0)
     for halvings in range(HALVINGS):
         try:
             result = run(integrator.first_step, halvings)

@@ -1,7 +1,6 @@
 """What the in-house simulation refuses, and how it reports what it cannot do."""
 
-from itertools import count
-from math import nan, pi
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 
 from analysis import (
     METHODS,
-    Form,
     Level,
     Method,
     PenaltyContact,
@@ -21,31 +19,9 @@ from analysis import (
     simulate,
 )
 from analysis.data.checks import Array
-from analysis.models import index1, reduced, simulation
+from analysis.models import reduced, simulation
 from analysis.models.integration import Run
 from tests.helpers import model
-
-FALLING = Start(beta=1.0, gamma=pi / 2, spin=0.0)
-
-
-@pytest.mark.parametrize("form", ["index-1", "reduced"])
-def test_disk_that_falls_flat_is_reported(form: Form) -> None:
-    with pytest.raises(ArithmeticError, match="beta leaves"):
-        simulate(model(4, start=FALLING), [0.0, 0.2], form=form, local_tolerance=1e-6)
-
-
-def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> None:
-    # Beyond beta = 0 the equations go on to the next singular tilt and get stuck there.
-    calls = count()
-
-    def within_budget(*given: Any) -> Any:
-        assert next(calls) < 5000
-        return accelerations(*given)
-
-    accelerations = index1.accelerations
-    monkeypatch.setattr(index1, "accelerations", within_budget)
-    with pytest.raises(ArithmeticError, match="beta leaves"):
-        simulate(Scenario(start=FALLING), [0.0, 0.5], tolerance=1e-6)
 
 
 def test_integration_that_gives_up_says_where(monkeypatch: pytest.MonkeyPatch) -> None:

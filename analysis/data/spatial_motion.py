@@ -11,12 +11,12 @@ import numpy as np
 from analysis.data import frames
 from analysis.data.checks import Array, choice, increasing_times, number, real_array, settings
 from analysis.data.dissipation import CAUSES
+from analysis.data.endings import Ending
 from analysis.data.files import read_archive, whole_file
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import (
     FORMAT,
     SOURCES,
-    Ending,
     Setting,
     Source,
     Trajectory,

@@ -20,6 +20,7 @@ from analysis.data.checks import (
     settings,
 )
 from analysis.data.constraint_set import multiplier_names
+from analysis.data.endings import Ending
 from analysis.data.files import read_archive, whole_file
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES, State
@@ -30,43 +31,6 @@ FORMAT = 2
 Source = Literal["engine", "in-house"]
 SOURCES: tuple[Source, ...] = get_args(Source)
 Setting = str | float | int | None
-
-
-EndingReason = Literal["contact would pull", "time limit"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ending:
-    """Why a motion ends before the last time asked for.
-
-    Parameters
-    ----------
-    reason : {"contact would pull", "time limit"}
-        An ideal contact would have to hold the disk down; or the run met its time limit.
-    time : float
-        Where the motion ends, in s.
-    value : float
-        Normal force there in N; or processor time taken, in s.
-
-    Raises
-    ------
-    ValueError
-        If the reason is unknown or a number is not finite.
-    """
-
-    reason: EndingReason
-    time: float
-    value: float
-
-    def __post_init__(self) -> None:
-        choice("reason", self.reason, get_args(EndingReason))
-        for name in ("time", "value"):
-            object.__setattr__(self, name, number(name, getattr(self, name)))
-
-    def __str__(self) -> str:
-        if self.reason == "time limit":
-            return f"ended at t = {self.time:.6g} s: time limit, after {self.value:.3g} s"
-        return f"ended at t = {self.time:.9g} s: beyond, the contact would have to pull"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -247,7 +211,9 @@ class Trajectory:
 
 def stored_meta(text: Any) -> dict[str, Any]:
     """What a file says of its motion; `ValueError` if it is of another format than `FORMAT`."""
-    meta: dict[str, Any] = json.loads(str(text))
+    meta = json.loads(str(text))
+    if not isinstance(meta, dict):
+        raise ValueError(f"meta must be a mapping, got {type(meta).__name__}")
     found = meta.pop("format", 1)
     if found != FORMAT:
         age = "a newer" if isinstance(found, int) and found > FORMAT else "an older"

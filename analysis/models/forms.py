@@ -1,8 +1,8 @@
 """Forms of the equations of motion as initial value problems, and the way back to trajectories."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from math import sin
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from math import hypot, sin
 from typing import Literal, get_args
 
 import numpy as np
@@ -10,7 +10,9 @@ import numpy as np
 from analysis.data import frames
 from analysis.data.checks import Array, choice
 from analysis.data.constraint_set import multiplier_names
+from analysis.data.endings import Condition
 from analysis.data.scenario import Scenario
+from analysis.data.state import State
 from analysis.models import index1, reduced
 from analysis.models.constraints import check_admissible
 from analysis.models.effort import longest_step
@@ -32,6 +34,8 @@ class PosedForm:
     expand : callable
         From times, shape (n,), and states, shape (n, m), to co-rotating coordinates and rates,
         each shape (n, 6), and multipliers, shape (n, k).
+    state : callable
+        From one state, shape (m,), to a `State`; its alpha counts for nothing.
     attitudes : callable
         From states, shape (n, m), to numbers that tell beta and gamma, shape (n, k), in rad;
         errors are judged by them.
@@ -39,6 +43,7 @@ class PosedForm:
 
     problem: InitialValueProblem
     expand: Callable[[Array, Array], tuple[Array, Array, Array]]
+    state: Callable[[Array], State]
     attitudes: Callable[[Array], Array]
 
 
@@ -47,8 +52,18 @@ def default_form(scenario: Scenario) -> Form:
     return "index-1" if scenario.contact is None else "free-body"
 
 
-def pose(scenario: Scenario, form: Form) -> PosedForm:
+def pose(
+    scenario: Scenario, form: Form, conditions: Mapping[str, Condition] | None = None
+) -> PosedForm:
     """Initial value problem of a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    form : str
+        One of `FORMS`.
+    conditions : mapping
+        From reasons to functions of a `State`; the motion ends where one turns negative.
 
     Raises
     ------
@@ -61,10 +76,18 @@ def pose(scenario: Scenario, form: Form) -> PosedForm:
             f"form {form!r} {'needs' if form == 'free-body' else 'knows no'} penalty contact, got "
             f"contact {scenario.contact!r}"
         )
-    if form == "free-body":
-        return _free_body(scenario)
-    check_admissible(scenario, scenario.initial_state)
-    return _index1(scenario) if form == "index-1" else _reduced(scenario)
+    if form != "free-body":
+        check_admissible(scenario, scenario.initial_state)
+    makers = {"index-1": _index1, "reduced": _reduced, "free-body": _free_body}
+    posed = makers[form](scenario)
+    if not conditions:
+        return posed
+
+    def in_states(condition: Condition) -> Callable[[Array], float]:
+        return lambda state: condition(posed.state(state))
+
+    named = {reason: in_states(condition) for reason, condition in conditions.items()}
+    return replace(posed, problem=replace(posed.problem, conditions=named))
 
 
 def _index1(scenario: Scenario) -> PosedForm:
@@ -89,6 +112,7 @@ def _index1(scenario: Scenario) -> PosedForm:
             longest_step(scenario),
         ),
         expand,
+        lambda state: _state(state[:6], state[6:]),
         lambda states: states[:, 4:6],
     )
 
@@ -112,6 +136,9 @@ def _reduced(scenario: Scenario) -> PosedForm:
         coordinates, rates = reduced.expand(scenario.disk, spin, turned, states)
         return coordinates, rates, _multipliers(scenario, np.hstack((coordinates, rates)))
 
+    def state(values: Array) -> State:
+        return _state(*_first(reduced.expand(scenario.disk, spin, np.zeros(1), values[None])))
+
     return PosedForm(
         InitialValueProblem(
             derivative,
@@ -121,6 +148,7 @@ def _reduced(scenario: Scenario) -> PosedForm:
             longest_step(scenario),
         ),
         expand,
+        state,
         lambda states: states[:, :2],
     )
 
@@ -129,7 +157,7 @@ def _free_body(scenario: Scenario) -> PosedForm:
     model = FreeDisk(scenario)
     start = scenario.initial_state
 
-    def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
+    def kinematics(times: Array, states: Array) -> tuple[Array, Array, Array]:
         states = states.copy()
         states[:, 3:7] /= np.linalg.norm(states[:, 3:7], axis=1)[:, None]
         motion = sampled(model, times, states)
@@ -139,30 +167,39 @@ def _free_body(scenario: Scenario) -> PosedForm:
             motion["velocities"],
             motion["angular_velocities"],
         )
+        return coordinates, rates, motion["normal_force"]
+
+    def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
+        coordinates, rates, force = kinematics(times, states)
         # The first sample is the start itself, turns and all.
         coordinates[0], rates[0] = start.coordinates, start.rates
         frames.follow_turns(times, coordinates, rates)
-        return coordinates, rates, motion["normal_force"][:, None]
+        return coordinates, rates, force[:, None]
 
-    def upright(state: Array) -> float:
+    def leaning(state: Array) -> float:
         x, y, _ = vertical(state.tolist())
-        return float(np.hypot(x, y)) - _NEARLY_FLAT
+        return hypot(x, y)
 
     return PosedForm(
         InitialValueProblem(
             model.derivative,
             start_vector(scenario.disk, start),
-            upright,
+            leaning,
             lambda state: model.touch(state.tolist()).force,
             min(longest_step(scenario), contact_time(model)),
         ),
         expand,
+        lambda state: _state(*_first(kinematics(np.zeros(1), state[None]))),
         lambda states: np.array([vertical(state) for state in states.tolist()]),
     )
 
 
-_NEARLY_FLAT = 1e-6
-"""Sine of the inclination at which the Euler angles of a free body end."""
+def _state(coordinates: Array, rates: Array) -> State:
+    return State(coordinates=tuple(coordinates.tolist()), rates=tuple(rates.tolist()))
+
+
+def _first(rows: tuple[Array, ...]) -> tuple[Array, Array]:
+    return rows[0][0], rows[1][0]
 
 
 def _multipliers(scenario: Scenario, states: Array) -> Array:

@@ -4,8 +4,8 @@
 its solvers are stepped here.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -14,8 +14,8 @@ from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
 from scipy.optimize import brentq
 
 from analysis.data.checks import Array
-from analysis.data.state import raise_flat
-from analysis.data.trajectory import EndingReason
+from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
+from analysis.data.limits import LEAST_TILT
 from analysis.data.watch import Watch
 
 Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA"]
@@ -31,6 +31,10 @@ _SOLVERS: dict[Method, Any] = {
 }
 
 
+NEARLY_FLAT = LEAST_TILT
+"""Sine of the angle between disk and table at which a motion in Euler angles ends."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class InitialValueProblem:
     """An initial value problem of the disk.
@@ -40,19 +44,22 @@ class InitialValueProblem:
     right_hand_side : callable
         Time derivative of the state from time and state.
     start : ndarray, shape (n,)
-    upright : callable
-        From a state to a number that is positive until the disk lies flat.
+    leaning : callable
+        From a state to the sine of the angle between disk and table.
     normal_force : callable
         From a state to the normal contact force in N.
     longest_step : float
         In s.
+    conditions : mapping
+        From reasons to functions of a state; the motion ends where one turns negative.
     """
 
     right_hand_side: Callable[[float, Array], npt.ArrayLike]
     start: Array
-    upright: Callable[[Array], float]
+    leaning: Callable[[Array], float]
     normal_force: Callable[[Array], float]
     longest_step: float
+    conditions: Mapping[str, Callable[[Array], float]] = field(default_factory=dict)
 
     def with_steps_up_to(self, part: float) -> "InitialValueProblem":
         """The same problem with this part of its longest step."""
@@ -70,8 +77,10 @@ class Run:
     states : ndarray, shape (n, m)
     evaluations : int
         Of the right-hand side.
-    ended : {"contact would pull", "time limit"} or None
+    ended : str or None
         Why it ended before the last time asked for.
+    value : float
+        What the condition that ended it says there.
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
     """
@@ -79,8 +88,9 @@ class Run:
     times: Array
     states: Array
     evaluations: int
-    ended: EndingReason | None
+    ended: str | None
     pulling: tuple[tuple[float, float], ...]
+    value: float = 0.0
 
 
 def integrate(
@@ -110,7 +120,7 @@ def integrate(
     Raises
     ------
     ArithmeticError
-        If the disk comes to lie flat, or the solver gives up.
+        If the solver gives up.
     ValueError
         If the contact would have to pull at the start and must not.
     """
@@ -125,7 +135,7 @@ def integrate(
         max_step=problem.longest_step,
         **_jacobian(problem, method),
     )
-    ended: EndingReason | None = None
+    ended: str | None = None
     states, row = [problem.start], 1
     while row < times.size and ended is None:
         message = solver.step()
@@ -133,15 +143,15 @@ def integrate(
             raise ArithmeticError(f"{method} stopped after t = {solver.t:g} s: {message}")
         within = times[row : np.searchsorted(times, solver.t, side="right")]
         for moment, state in _states(solver, within):
-            if lookout.passes(moment, state, solver):
-                ended = "contact would pull"
+            if lookout.ends(moment, state, solver):
+                ended = lookout.reason
                 break
             if row < times.size and moment == times[row]:
                 states.append(state)
                 row += 1
         else:
             if watch.is_over(solver.t, times[-1]) and row < times.size:
-                ended = "time limit"
+                ended = TIME_LIMIT
     reached = times[:row]
     if ended is not None:
         last, state = lookout.end or (solver.t, solver.y)
@@ -149,7 +159,12 @@ def integrate(
             reached = np.append(reached, last)
             states.append(state)
     return Run(
-        reached, np.array(states), _evaluations(solver), ended, lookout.pulling(reached[-1])
+        reached,
+        np.array(states),
+        _evaluations(solver),
+        ended,
+        lookout.pulling(reached[-1]),
+        lookout.value,
     )
 
 
@@ -191,7 +206,7 @@ def _states(solver: Any, within: Array) -> Iterator[tuple[float, Array]]:
 
 
 class _Lookout:
-    """Looks out for a disk that lies flat and for a contact that pulls.
+    """Looks out for what ends a motion, and for a contact that pulls.
 
     Parameters
     ----------
@@ -202,42 +217,66 @@ class _Lookout:
 
     Attributes
     ----------
+    reason : str
+        Why the motion ends.
     end : tuple of time and state, or None
-        Where the contact would have to pull.
+        Where it does.
+    value : float
+        What the condition says there.
     """
 
     def __init__(self, problem: InitialValueProblem, begin: float, allow_pulling: bool) -> None:
-        self._problem, self._allow = problem, allow_pulling
-        self._time, self._force = begin, problem.normal_force(problem.start)
-        self._edges = [begin] if self._force < 0.0 else []
-        self.end: tuple[float, Array] | None = None
-        if self._force < 0.0 and not allow_pulling:
+        force = problem.normal_force(problem.start)
+        if force < 0.0 and not allow_pulling:
             raise ValueError(
-                f"start needs a contact that pulls, with a normal force of {self._force:.3g} N; "
+                f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
                 "allow_pulling lets it"
             )
+        self._conditions = {
+            FLAT: lambda state: problem.leaning(state) - NEARLY_FLAT,
+            CONTACT_WOULD_PULL: problem.normal_force,
+            **problem.conditions,
+        }
+        self._allow, self._time = allow_pulling, begin
+        self._values = {name: says(problem.start) for name, says in self._conditions.items()}
+        self._edges = [begin] if force < 0.0 else []
+        self.reason, self.value = "", 0.0
+        self.end: tuple[float, Array] | None = None
 
-    def passes(self, moment: float, state: Array, solver: Any) -> bool:
-        """Look at a state within the last step; returns whether the contact would pull there."""
-        problem = self._problem
-        if problem.upright(state) <= 0.0:
-            path = solver.dense_output()
-            raise_flat(_root(lambda t: problem.upright(path(t)), solver.t_old, moment))
-        force = problem.normal_force(state)
-        if (force < 0.0) != (self._force < 0.0) and moment > self._time:
-            path = solver.dense_output()
-            edge = _root(lambda t: problem.normal_force(path(t)), self._time, moment)
-            if not self._allow:
-                self.end = (edge, path(edge))
-                return True
-            self._edges.append(edge)
-        self._time, self._force = moment, force
-        return False
+    def ends(self, moment: float, state: Array, solver: Any) -> bool:
+        """Look at a state within the last step; returns whether the motion ends up to there."""
+        if moment <= self._time:
+            return False
+        crossings: list[tuple[float, str]] = []
+        for name, says in self._conditions.items():
+            before, here = self._values[name], says(state)
+            self._values[name] = here
+            crosses = here < 0.0 <= before
+            lets = self._allow and name == CONTACT_WOULD_PULL
+            if crosses or (lets and before < 0.0 <= here):
+                path = solver.dense_output()
+                edge = _root(_along(path, says), self._time, moment)
+                if lets:
+                    self._edges.append(edge)
+                else:
+                    crossings.append((edge, name))
+        self._time = moment
+        if not crossings:
+            return False
+        edge, self.reason = min(crossings)
+        self.end = (edge, solver.dense_output()(edge))
+        self.value = self._conditions[self.reason](self.end[1])
+        return True
 
     def pulling(self, last: float) -> tuple[tuple[float, float], ...]:
         """Times between which the contact has pulled, up to `last`."""
         edges = [*self._edges, last] if len(self._edges) % 2 else self._edges
         return tuple(zip(edges[::2], edges[1::2], strict=True))
+
+
+def _along(path: Any, function: Callable[[Array], float]) -> Callable[[float], float]:
+    """Function of the state as one of time, over the last step of a solver."""
+    return lambda time: function(path(time))
 
 
 def _root(function: Callable[[float], float], first: float, last: float) -> float:

@@ -6,11 +6,9 @@ from typing import Literal, get_args
 import numpy as np
 
 from analysis.data.checks import Array, increasing_times
+from analysis.data.endings import REACHED
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.trajectory import Trajectory
-
-REACHED = 0.9
-"""Part of its largest height above the geometric centre that the centre of gravity reaches."""
 
 STAYING = 1.0
 """Time in s for which it then stays above the geometric centre.

@@ -15,8 +15,9 @@ from analysis.data.checks import (
     increasing_times,
     positive,
 )
+from analysis.data.endings import FLAT, TIME_LIMIT, Ending, StopWhen, named_conditions
 from analysis.data.scenario import Scenario
-from analysis.data.trajectory import Ending, Setting, Trajectory, versions
+from analysis.data.trajectory import Setting, Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from analysis.models.effort import simulation_effort
 from analysis.models.forms import Form, default_form, pose
@@ -37,6 +38,7 @@ def simulate(
     method: Method = "DOP853",
     tolerance: float | None = None,
     local_tolerance: float | None = None,
+    stop_when: StopWhen = (),
     allow_pulling: bool = False,
     time_limit: float | None = None,
     progress: Progress | None = None,
@@ -47,8 +49,9 @@ def simulate(
     local tolerances until two runs agree; the difference is returned as `error_estimate`. With
     `local_tolerance`, there is a single run without an estimate.
 
-    A run ends where the ideal contact would have to pull, or at its time limit: the trajectory
-    then holds fewer samples than asked for, the last one at the ending, and says why.
+    A run ends where the ideal contact would have to pull, where the disk lies flat, where it is
+    told to, or at its time limit: the trajectory then holds fewer samples than asked for, the
+    last one at the ending, and says why.
 
     Parameters
     ----------
@@ -64,6 +67,8 @@ def simulate(
         Largest error in beta and gamma in rad; 1e-8 if neither tolerance is given.
     local_tolerance : float, optional
         Relative tolerance of a single step; the absolute one is the same number in m and rad.
+    stop_when : str, callable or sequence of them
+        What else ends the run: "inverted", or functions of a `State` that turn negative there.
     allow_pulling : bool
         Go on where the contact pulls; friction then has no load.
     time_limit : float, optional
@@ -84,15 +89,13 @@ def simulate(
         If `tolerance` cannot be met.
     TimeLimitError
         If the limit is met before two runs agree to `tolerance` anywhere.
-    FlatError
-        If the disk comes to lie flat.
     ArithmeticError
         If the integration fails on the way.
     """
     times = increasing_times(times)
     choice("method", method, METHODS)
     form = default_form(scenario) if form is None else form
-    posed = pose(scenario, form)
+    posed = pose(scenario, form, named_conditions(stop_when))
     watch = Watch(time_limit, progress)
 
     def check_effort(**accuracy: float) -> None:
@@ -139,15 +142,15 @@ def simulate(
         error_estimate=estimate,
         counts={"right_hand_sides": evaluations},
         versions=versions("numpy", "scipy"),
-        ending=_ending(result, multipliers, watch),
+        ending=_ending(result, watch),
         pulling=result.pulling,
     )
 
 
-def _ending(run: Run, multipliers: Array, watch: Watch) -> Ending | None:
+def _ending(run: Run, watch: Watch) -> Ending | None:
     if run.ended is None:
         return None
-    value = watch.seconds if run.ended == "time limit" else float(multipliers[-1, 0])
+    value = watch.seconds if run.ended == TIME_LIMIT else run.value
     return Ending(reason=run.ended, time=float(run.times[-1]), value=value)
 
 
@@ -163,7 +166,7 @@ def _integrate_to(
     longest = 1.0
     coarse = run(_floor(local), longest)
     evaluations, estimate = coarse.evaluations, inf
-    while local >= 3.0 * TIGHTEST_LOCAL_TOLERANCE and coarse.ended != "time limit":
+    while local >= 3.0 * TIGHTEST_LOCAL_TOLERANCE and coarse.ended != TIME_LIMIT:
         # Nor may both take the longest steps there are.
         local, longest = local / 10.0, 0.8 * longest
         fine = run(_floor(local), longest)
@@ -172,7 +175,7 @@ def _integrate_to(
         if estimate <= tolerance:
             return fine, evaluations, _floor(local), estimate
         coarse = fine
-    if coarse.ended == "time limit":
+    if coarse.ended == TIME_LIMIT:
         raise TimeLimitError(
             f"time limit met at t = {coarse.times[-1]:.6g} s of a run before two runs agreed to "
             f"{tolerance:g} rad"
@@ -189,14 +192,16 @@ def _compare(fine: Run, coarse: Run, attitudes: Callable[[Array], Array]) -> tup
     The error in beta and gamma is infinite if the two do not end alike. Where the contact
     would pull, the last states are those of two endings.
     """
-    if fine.ended == "time limit" and fine.times.size > 2:
+    if fine.ended == TIME_LIMIT and fine.times.size > 2:
         fine = replace(fine, times=fine.times[:-1], states=fine.states[:-1])
     elif fine.ended != coarse.ended or fine.times.size != coarse.times.size:
         return fine, inf
     common = fine.times.size
     if coarse.times.size < common:
         return fine, inf
-    apart = np.abs(attitudes(fine.states) - attitudes(coarse.states[:common]))
+    # Where the disk lies flat, only the sum or the difference of alpha and gamma has a meaning.
+    judged = slice(common - 1 if fine.ended == FLAT else common)
+    apart = np.abs(attitudes(fine.states[judged]) - attitudes(coarse.states[judged]))
     return fine, CAUTION * float(np.max(apart))
 
 

@@ -12,11 +12,12 @@ from analysis.data.agreement import TIGHTEST, until_agreement
 from analysis.data.checks import Array, TimeLimitError, choice, positive
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
+from analysis.data.endings import TIME_LIMIT, Ending
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.data.state import State
-from analysis.data.trajectory import Ending, versions
+from analysis.data.trajectory import versions
 from analysis.data.watch import Progress, Watch
 from analysis.models.effort import rest_effort
 from analysis.rest.free_disk import FreeDisk, norm, to_inertial
@@ -229,7 +230,7 @@ class _Task:
                 f"time limit met after {seconds:.3g} s of processor time, in the first stretch "
                 "of the motion"
             )
-        return Ending(reason="time limit", time=time, value=seconds)
+        return Ending(reason=TIME_LIMIT, time=time, value=seconds)
 
 
 def contact_time(model: FreeDisk) -> float:

@@ -90,7 +90,7 @@ def claim(run: Trajectory, least: Bound) -> Claim:
         measured=f"possible from μ = {least.coefficient:.4f} on, at β = {least.beta:.3f} and "
         f"γ = {least.gamma:.3f} rad, in no attitude below. At the places that Table 3's motion "
         f"(μ = {friction.coefficient:g}) passes within 2 s, the worst slip needs "
-        f"μ = {np.min(worst[early]):.2f}, the slip it has μ = {np.min(actual[early]):.0f}; until {run.times[-1]:g} s "
-        f"{np.min(worst):.2f} and {np.min(actual):.1f}",
+        f"μ = {np.min(worst[early]):.2f}, the slip it has μ = {np.min(actual[early]):.0f}; "
+        f"until {run.times[-1]:g} s {np.min(worst):.2f} and {np.min(actual):.1f}",
         verdict="yes" if np.isfinite(least.coefficient) else "no",
     )

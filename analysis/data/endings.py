@@ -1,0 +1,101 @@
+"""Why a motion ends, and what a run can be told to end at."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from math import sin
+
+from analysis.data.checks import choice, number
+from analysis.data.state import State
+
+CONTACT_WOULD_PULL = "contact would pull"
+TIME_LIMIT = "time limit"
+FLAT = "flat"
+INVERTED = "inverted"
+AT_REST = "at rest"
+
+REACHED = 0.9
+"""Part of its largest height above the geometric centre from which on the COG is up."""
+
+Condition = Callable[[State], float]
+"""From a state to a number; a run ends where that turns negative."""
+
+StopWhen = str | Condition | Iterable[str | Condition]
+"""Conditions of one's own, or names of `CONDITIONS`."""
+
+
+def _not_up(state: State) -> float:
+    return REACHED - sin(state.coordinates[4]) * sin(state.coordinates[5])
+
+
+CONDITIONS: dict[str, Condition] = {INVERTED: _not_up}
+"""By name: the first rise of the centre of gravity to `REACHED`, whether it stays there or not."""
+
+_SAYING = {
+    CONTACT_WOULD_PULL: "beyond, the contact would have to pull",
+    FLAT: "the disk lies flat, where its Euler angles end",
+    INVERTED: f"the centre of gravity is up, at {REACHED:.0%} of its largest height",
+    AT_REST: "the disk is at rest",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ending:
+    """Why a motion ends before the last time asked for.
+
+    Parameters
+    ----------
+    reason : str
+        "contact would pull": an ideal contact would have to hold the disk down. "flat": the Euler
+        angles end. "at rest": see `RestCriterion`. "time limit". "inverted", or the name of the
+        condition that the run was told to end at.
+    time : float
+        Where the motion ends, in s.
+    value : float
+        Normal force there in N, processor time taken in s, kinetic energy at rest in J, or what
+        else the condition says there.
+
+    Raises
+    ------
+    ValueError
+        If the reason is no text or a number is not finite.
+    """
+
+    reason: str
+    time: float
+    value: float
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.reason, str) or not self.reason:
+            raise ValueError(f"reason must be text, got {self.reason!r}")
+        for name in ("time", "value"):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+
+    def __str__(self) -> str:
+        if self.reason == TIME_LIMIT:
+            return f"ended at t = {self.time:.6g} s: time limit, after {self.value:.3g} s"
+        saying = _SAYING.get(self.reason, self.reason)
+        return f"ended at t = {self.time:.9g} s: {saying}"
+
+
+def named_conditions(stop_when: StopWhen) -> dict[str, Condition]:
+    """Conditions by the reason they give.
+
+    Parameters
+    ----------
+    stop_when : str, callable or iterable of them
+
+    Raises
+    ------
+    ValueError
+        If a name is unknown, or something is neither a name nor callable.
+    """
+    given = [stop_when] if isinstance(stop_when, str) or callable(stop_when) else list(stop_when)
+    found: dict[str, Condition] = {}
+    for each in given:
+        if isinstance(each, str):
+            found[each] = CONDITIONS[choice("stop_when", each, CONDITIONS)]
+        elif callable(each):
+            found[getattr(each, "__name__", type(each).__name__)] = each
+        else:
+            raise ValueError(f"stop_when must hold names or functions of a State, got {each!r}")
+    return found

@@ -1,0 +1,143 @@
+"""Why a motion ends, and where: flat, inverted, or where the user says."""
+
+from itertools import count
+from math import pi, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+from analysis import (
+    Ending,
+    Form,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    State,
+    Trajectory,
+)
+from analysis.data.endings import REACHED
+from analysis.models import index1
+from tests.helpers import model
+
+FALLING = Start(beta=1.0, gamma=pi / 2, spin=0.0)
+TIMES = np.linspace(0.0, 0.6, 121)
+SOFT = PenaltyContact(stiffness=1e6, damping=300.0)
+
+
+def fall_time(scenario: Scenario) -> float:
+    """Time of an upright fall about the contact, by the pendulum's energy integral."""
+    disk = scenario.disk
+    # In Model 4 the centre of gravity stays above one point while the disk turns about it.
+    reach = disk.radius + disk.eccentricity
+    inertia = disk.inertia_about_cog[1]
+
+    def rate(beta: float) -> float:
+        fallen = 2 * scenario.weight * reach * (sin(1.0) - sin(beta))
+        return float(np.sqrt(fallen / (inertia + disk.mass * (reach * np.cos(beta)) ** 2)))
+
+    # beta = 1 - s^2 takes the root out of the integrand at the start.
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    places = 0.5 * (nodes + 1.0)
+    return float(np.sum(0.5 * weights * 2.0 * places / [rate(1.0 - s * s) for s in places]))
+
+
+@pytest.mark.parametrize("form", ["index-1", "reduced"])
+def test_a_fall_is_a_result_that_ends_where_the_disk_lies_flat(form: Form) -> None:
+    scenario = model(4, start=FALLING, friction=SmoothCoulomb(coefficient=0.0))
+    run = analysis.simulate(scenario, TIMES, form=form, tolerance=1e-9)
+    assert run.ending is not None
+    assert run.ending.reason == "flat"
+    assert run.ending.time == run.times[-1]
+    assert run.coordinate("beta")[-1] == pytest.approx(1e-6, abs=1e-9)
+    # The last millionth of a radian is what the closed form holds more.
+    assert run.ending.time == pytest.approx(fall_time(scenario), abs=1e-6)
+    assert np.all(run.normal_force > 0.0)
+    assert "the disk lies flat" in str(run.ending)
+
+
+def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Beyond beta = 0 the equations go on to the next singular tilt and get stuck there.
+    calls = count()
+
+    def within_budget(*given: Any) -> Any:
+        assert next(calls) < 8000
+        return accelerations(*given)
+
+    accelerations = index1.accelerations
+    monkeypatch.setattr(index1, "accelerations", within_budget)
+    run = analysis.simulate(Scenario(start=FALLING), [0.0, 0.5], tolerance=1e-6)
+    assert run.ending is not None
+    assert run.ending.reason == "flat"
+
+
+@pytest.mark.parametrize("contact", [None, SOFT], ids=["ideal", "penalty"])
+def test_a_run_ends_where_the_disk_is_inverted(contact: PenaltyContact | None) -> None:
+    scenario = Scenario(contact=contact)
+    whole = analysis.simulate(scenario, TIMES, tolerance=1e-8)
+    ended = analysis.simulate(scenario, TIMES, tolerance=1e-8, stop_when="inverted")
+    assert ended.ending is not None
+    assert ended.ending.reason == "inverted"
+    assert ended.cog_direction[-1] == pytest.approx(REACHED, abs=1e-9)
+    count = ended.times.size - 1
+    np.testing.assert_allclose(
+        ended.coordinates[:count, 4:], whole.coordinates[:count, 4:], atol=2e-8
+    )
+    assert np.all(whole.cog_direction[:count] < REACHED)
+    assert whole.cog_direction[count] > REACHED
+
+
+def lateral(state: State) -> float:
+    return 0.02 - state.coordinates[1]
+
+
+def slow(state: State) -> float:
+    return state.rates[3] - 39.5
+
+
+def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
+    first = analysis.simulate(Scenario(), TIMES, tolerance=1e-9, stop_when=[slow, "inverted"])
+    assert first.ending is not None
+    assert first.ending.reason == "slow"
+    assert first.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-7)
+    assert first.ending.value == pytest.approx(0.0, abs=1e-9)
+    assert str(first.ending).endswith("s: slow")
+    times = np.linspace(0.0, 3.0, 301)
+    other = analysis.simulate(
+        model(4), times, form="reduced", tolerance=1e-9, stop_when=[slow, "inverted"]
+    )
+    assert other.ending is not None
+    assert other.ending.reason == "inverted"
+
+
+def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
+    inverted = Scenario(start=Start(beta=pi / 2, gamma=pi / 2 - 0.01, spin=40.0))
+    run = analysis.simulate(inverted, TIMES, tolerance=1e-6, stop_when="inverted")
+    assert run.ending is None
+
+
+def test_ending_comes_back_from_a_file(tmp_path: Path) -> None:
+    run = analysis.simulate(Scenario(), TIMES, tolerance=1e-6, stop_when=slow)
+    run.save(tmp_path / "run.npz")
+    assert Trajectory.load(tmp_path / "run.npz").ending == run.ending
+
+
+@pytest.mark.parametrize(
+    ("stop_when", "message"),
+    [
+        ("asleep", "stop_when must be one of inverted, got 'asleep'"),
+        ([3], "stop_when must hold names or functions of a State, got 3"),
+    ],
+)
+def test_what_a_run_cannot_end_at_is_named(stop_when: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        analysis.simulate(Scenario(), [0.0, 0.1], stop_when=stop_when)
+
+
+@pytest.mark.parametrize("reason", ["", 3])
+def test_an_ending_has_a_reason(reason: Any) -> None:
+    with pytest.raises(ValueError, match=f"^reason must be text, got {reason!r}$"):
+        Ending(reason=reason, time=1.0, value=0.0)
