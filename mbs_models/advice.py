@@ -1,7 +1,7 @@
 """What else to try where a run of the engine has not got there."""
 
 from mbs_models.integrators import Integrator
-from mbs_models.scene import Scene, formulations
+from mbs_models.scene import Scene
 
 
 def advice(scene: Scene, integrator: Integrator) -> str:
@@ -15,9 +15,10 @@ def advice(scene: Scene, integrator: Integrator) -> str:
     """
     ways = []
     if scene.scenario.contact is None:
-        if "contact-tree" in formulations(scene.scenario):
-            if scene.built_as != "contact-tree":
-                ways.append("formulation 'contact-tree', which has no constraints")
+        best = Scene(scene.scenario)
+        if not best.has_constraints:
+            if scene.built_as != best.built_as:
+                ways.append(f"formulation {best.built_as!r}, which has no constraints")
             elif not integrator.controls_step:
                 ways.append("integrator 'DOPRI5', which controls its step")
         ways.append("the in-house equations (analysis.simulate, stiff ones with method 'Radau')")

@@ -28,7 +28,7 @@ def idle_friction(model: Model) -> None:
     def nothing(_system: Any) -> float:
         return 0.0
 
-    if model.scene.built_as.startswith("floating"):
+    if model.name.startswith("floating"):
         table, body = _object_of(model, "Ground"), _object_of(model, "RigidBody")
         upward = system.AddMarker(
             items.MarkerBodyRigid(
@@ -44,7 +44,7 @@ def idle_friction(model: Model) -> None:
             )
         )
     else:
-        law = contact_tree_force if model.scene.built_as == "contact-tree" else euler_tree_force
+        law = contact_tree_force if model.name == "contact-tree" else euler_tree_force
         system.SetObjectParameter(
             _object_of(model, "KinematicTree"),
             "forceUserFunction",
@@ -120,4 +120,4 @@ def _object_of(model: Model, kind: str) -> int:
     for number in range(system.systemData.NumberOfObjects()):
         if system.GetObject(number)["objectType"] == kind:
             return number
-    raise LookupError(f"no object of type {kind!r} in formulation {model.scene.built_as!r}")
+    raise LookupError(f"no object of type {kind!r} in formulation {model.name!r}")

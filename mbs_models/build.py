@@ -1,16 +1,8 @@
 """From a scene to its model in the engine."""
 
-from mbs_models.floating import Floating, FloatingLie
+from mbs_models.formulations import CLASSES
 from mbs_models.model import Model
-from mbs_models.scene import Formulation, Scene
-from mbs_models.trees import ContactTree, EulerTree
-
-_MODELS: dict[Formulation, type[Model]] = {
-    "floating": Floating,
-    "floating-lie": FloatingLie,
-    "euler-tree": EulerTree,
-    "contact-tree": ContactTree,
-}
+from mbs_models.scene import Scene
 
 
 def build(scene: Scene) -> Model:
@@ -20,4 +12,4 @@ def build(scene: Scene) -> Model:
     ----------
     scene : Scene
     """
-    return _MODELS[scene.built_as](scene)
+    return CLASSES[scene.built_as](scene.scenario)

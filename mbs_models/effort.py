@@ -11,6 +11,7 @@ import numpy as np
 
 from analysis.data.checks import Array, positive, within
 from analysis.data.limits import SHORTEST_STEP, Effort
+from mbs_models.formulations import CLASSES
 from mbs_models.integrators import Integrator, find_integrator
 from mbs_models.runs import MINIMUM_STEP
 from mbs_models.scene import Scene
@@ -115,7 +116,7 @@ def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tupl
     disk, friction, start = scenario.disk, scenario.friction, scenario.initial_state
     turning = sum(abs(rate) for rate in start.rates[3:])
     sine = abs(sin(start.coordinates[4]))
-    attitude = turning / sine if scene.built_as.endswith("tree") else turning
+    attitude = turning / sine if CLASSES[scene.built_as].has_euler_angles else turning
     inertia = min(disk.inertia_about_cog[:2])
     mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
     decay = friction.gradient * scenario.weight * mobility

@@ -3,15 +3,9 @@
 import numpy as np
 
 from analysis.data.checks import Array
-from mbs_models.integrators import IntegratorName
-from mbs_models.scene import Formulation
-
-_EXPONENTS: dict[IntegratorName, tuple[int, ...]] = {
-    "RK44": (4, 5, 6, 7, 8),
-    "RK67": (6, 7, 8, 9),
-    "TrapezoidalIndex2": (2, 4, 6, 8),
-    "GeneralizedAlpha": (2, 3, 4, 5),
-}
+from mbs_models.formulations import CLASSES
+from mbs_models.integrators import RULES, IntegratorName
+from mbs_models.model import Formulation
 
 ROUNDING = 1e-13
 """Error in rad that no estimate goes below."""
@@ -24,13 +18,8 @@ FINEST = CAUTION * ROUNDING
 
 
 def error_exponents(formulation: Formulation, integrator: IntegratorName) -> tuple[int, ...]:
-    """Exponents of the step in the error expansion.
-
-    The trapezoidal rule is symmetric and has even ones only, but not on the Lie group.
-    """
-    if formulation == "floating-lie":
-        return (2, 3, 4, 5)
-    return _EXPONENTS[integrator]
+    """Exponents of the step in the error expansion."""
+    return CLASSES[formulation].exponents or RULES[integrator].exponents
 
 
 class Ladder:

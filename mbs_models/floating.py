@@ -1,7 +1,7 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
 from math import pi
-from typing import Any
+from typing import Any, ClassVar
 
 import exudyn as exu
 import exudyn.itemInterface as items
@@ -11,6 +11,7 @@ from exudyn.rigidBodyUtilities import EulerParameters2GLocal, RigidBodyInertia, 
 
 from analysis.data import frames
 from analysis.data.checks import Array
+from analysis.data.scenario import Scenario
 from mbs_models.friction import (
     UPWARD,
     Force,
@@ -18,8 +19,7 @@ from mbs_models.friction import (
     friction_load,
 )
 from mbs_models.loads import Loads
-from mbs_models.model import Model
-from mbs_models.scene import Scene
+from mbs_models.model import Formulation, Model
 
 _OUTPUT = exu.OutputVariableType
 
@@ -33,16 +33,20 @@ class Floating(Model):
         What acts on the disk at its centre on a penalty contact.
     """
 
+    name: ClassVar[Formulation] = "floating"
+    # The square of the norm of the Euler parameters is one.
+    own_equations: ClassVar[tuple[float, ...]] = (1.0,)
+
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scenario: Scenario) -> None:
         self.loads: Loads | None = None
-        if scene.scenario.contact is not None:
-            self.loads = Loads(scene.scenario, scene.scenario.contact)
-        super().__init__(scene)
+        if scenario.contact is not None:
+            self.loads = Loads(scenario, scenario.contact)
+        super().__init__(scenario)
 
     def _build(self) -> None:
-        start, disk = self.scenario.initial_state, self.scenario.disk
+        start, disk = self.start, self.scenario.disk
         coordinates, rates = np.array([start.coordinates]), np.array([start.rates])
         position, rotation = frames.poses(coordinates)
         velocity, angular = frames.twists(coordinates, rates)
@@ -163,7 +167,7 @@ class Floating(Model):
 
     def _add_carrier(self, centre: int) -> None:
         """Add a carrier that turns at the prescribed spin and takes the disk's axis along."""
-        start = self.scenario.initial_state
+        start = self.start
         node = self._add(
             items.Node1D(
                 referenceCoordinates=[0.0],
@@ -228,6 +232,11 @@ class Floating(Model):
 
 class FloatingLie(Floating):
     """The same with a rotation vector, which the engine integrates on the Lie group."""
+
+    name = "floating-lie"
+    own_equations = ()
+    # A symmetric integrator is none on the Lie group, and has odd powers there, too.
+    exponents = (2, 3, 4, 5)
 
     _node_type = exu.NodeType.RotationRotationVector
 

@@ -1,16 +1,43 @@
 """The engine's integrators the study uses, and their options."""
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 from analysis.data.checks import choice, number, positive
+from mbs_models.formulations import CLASSES
+from mbs_models.model import Formulation
 from mbs_models.newton import Newton
-from mbs_models.scene import Formulation
 
 IntegratorName = Literal["RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"]
 INTEGRATORS: tuple[IntegratorName, ...] = get_args(IntegratorName)
 
-_IMPLICIT = ("TrapezoidalIndex2", "GeneralizedAlpha")
+
+class Rule(NamedTuple):
+    """Traits of an integrator.
+
+    Parameters
+    ----------
+    exponents : tuple of int
+        Exponents of the step in its error expansion; the first is its order.
+    stages : int
+        Evaluations of the right-hand side in a step of an explicit one, 0 for an implicit one.
+    controls_step : bool
+        Whether it chooses its steps by itself.
+    """
+
+    exponents: tuple[int, ...]
+    stages: int = 0
+    controls_step: bool = False
+
+
+RULES: dict[IntegratorName, Rule] = {
+    "RK44": Rule((4, 5, 6, 7, 8), stages=4),
+    "RK67": Rule((6, 7, 8, 9), stages=7),
+    "DOPRI5": Rule((5, 6, 7, 8), stages=7, controls_step=True),
+    # It is symmetric.
+    "TrapezoidalIndex2": Rule((2, 4, 6, 8)),
+    "GeneralizedAlpha": Rule((2, 3, 4, 5)),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,12 +91,12 @@ class Integrator:
     @property
     def implicit(self) -> bool:
         """Whether it takes constraints."""
-        return self.name in _IMPLICIT
+        return not RULES[self.name].stages
 
     @property
     def controls_step(self) -> bool:
         """Whether it chooses its steps by itself."""
-        return self.name == "DOPRI5"
+        return RULES[self.name].controls_step
 
     @property
     def first_step(self) -> float:
@@ -102,11 +129,12 @@ def integrators(
         Whether algebraic equations are left (`Scene.has_constraints`); by default whether the
         formulation has any on the ideal contact.
     """
-    if formulation == "contact-tree":
-        return ("RK67", "RK44", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha")
-    if constrained is None or constrained:
-        return ("TrapezoidalIndex2", "GeneralizedAlpha")
-    return ("TrapezoidalIndex2", "GeneralizedAlpha", "RK44", "RK67", "DOPRI5")
+    implicit: tuple[IntegratorName, ...] = ("TrapezoidalIndex2", "GeneralizedAlpha")
+    explicit: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
+    if CLASSES[formulation].closes_contact:
+        return explicit + implicit
+    # What has no constraints otherwise has a stiff contact.
+    return implicit if constrained is None or constrained else implicit + explicit
 
 
 def find_integrator(

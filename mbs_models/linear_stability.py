@@ -10,10 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import choice
-from mbs_models.integrators import IntegratorName
+from mbs_models.integrators import RULES, IntegratorName
 from mbs_models.quiet import quiet
 
-STAGES: dict[IntegratorName, int] = {"RK44": 4, "RK67": 7}
+STAGES: dict[IntegratorName, int] = {
+    name: rule.stages for name, rule in RULES.items() if rule.stages and not rule.controls_step
+}
 """Fixed-step explicit integrators and their stages, the degree of the stability function."""
 
 

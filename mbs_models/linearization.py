@@ -68,7 +68,7 @@ def stock_eigenvalues(scene: Scene) -> ComplexArray:
             computeComplexEigenvalues=True, useAbsoluteValues=False
         )
     result = np.asarray(values, dtype=complex)
-    if scene.built_as == "contact-tree":
+    if model.closes_contact:
         result = result[np.argsort(np.abs(result))][2:]
     return result
 

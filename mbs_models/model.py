@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from math import sqrt
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
 import exudyn as exu
 import exudyn.itemInterface as items
@@ -12,8 +12,11 @@ import numpy as np
 from analysis.data.checks import Array
 from analysis.data.constraint_set import Constraint
 from analysis.data.frames import turn_about_vertical
+from analysis.data.scenario import Scenario
 from mbs_models.loads import normal_forces
-from mbs_models.scene import Scene
+
+Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
+FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
 
 Kind = Literal["node", "object", "marker", "load", "sensor"]
 
@@ -31,30 +34,53 @@ class Residual(NamedTuple):
 
 
 class Model(ABC):
-    """A scene built in the engine.
+    """A scenario built in the engine. Each formulation is a class, which holds its traits.
 
     Parameters
     ----------
-    scene : Scene
+    scenario : Scenario
+        One that meets no `obstacle`.
 
     Attributes
     ----------
-    scene : Scene
     scenario : Scenario
+    start : State
+        That of the scenario.
     system : exudyn.MainSystem
         Assembled, with the start of the scene as its initial state.
     reasons : dict
         From kind and number of every item in the system to why it is there.
     """
 
-    continuous_angles = False
-    """Whether alpha and gamma are coordinates of the engine, and not taken from a rotation."""
+    name: ClassVar[Formulation]
 
-    records_accelerations = False
-    """Whether records need accelerations at the end of every step."""
+    has_euler_angles: ClassVar[bool] = False
+    """Whether alpha, beta and gamma are coordinates of the engine, singular at a flat disk.
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene, self.scenario = scene, scene.scenario
+    Otherwise alpha and gamma are taken from a rotation, and known up to whole turns.
+    """
+
+    closes_contact: ClassVar[bool] = False
+    """Whether the contact is closed without a constraint; its force comes from accelerations."""
+
+    own_equations: ClassVar[tuple[float, ...]] = ()
+    """Sizes of the terms of algebraic equations besides those of the constraints."""
+
+    exponents: ClassVar[tuple[int, ...] | None] = None
+    """Exponents of the step in the error expansion, if not those of the integrator."""
+
+    @classmethod
+    def obstacle(cls, scenario: Scenario) -> str:  # noqa: ARG003 - of a formulation without any
+        """Why it cannot build a scenario; empty if it can."""
+        return ""
+
+    @classmethod
+    def has_constraints(cls, scenario: Scenario) -> bool:
+        """Whether algebraic equations are left, which explicit integrators cannot take."""
+        return scenario.contact is None or bool(cls.own_equations)
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario, self.start = scenario, scenario.initial_state
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
         # Joints by what they hold; the friction functions read the contact's number at run time.
@@ -220,16 +246,15 @@ class Model(ABC):
         """
         scenario = self.scenario
         disk, friction, contact = scenario.disk, scenario.friction, scenario.contact
-        gravity, rates = scenario.table.gravity, scenario.initial_state.rates[3:]
+        gravity, rates = scenario.table.gravity, self.start.rates[3:]
         fastest = sqrt(sum(rate * rate for rate in rates) + gravity / disk.radius)
         rim_speed = disk.radius * fastest
         largest = [disk.mass * (gravity + rim_speed * fastest)]
-        if self.scene.has_constraints:
+        largest += self.own_equations
+        if self.has_constraints(scenario):
             largest.append(rim_speed)
             if "constant-spin" in scenario.constraints:
                 largest.append(abs(rates[0]))
-            if self.scene.built_as == "floating":
-                largest.append(1.0)
         lost = friction.gradient * scenario.weight * rim_speed
         if contact is not None:
             lost += contact.stiffness * disk.radius
@@ -317,7 +342,7 @@ class Model(ABC):
         self._spin = self._add(
             items.ObjectConnectorCoordinate(
                 markerNumbers=[fixed, turning],
-                offset=self.scenario.initial_state.rates[3],
+                offset=self.start.rates[3],
                 velocityLevel=True,
             ),
             "holds the spin constant; its torque is an output",

@@ -208,8 +208,8 @@ class _Runner:
                 ) from failure
             raise EngineError(f"{failure} ({place})") from failure
         check_upright(moments, values[:, :6])
-        if not model.continuous_angles:
-            _unwrap(values, moments, scene.scenario.initial_state)
+        if not model.has_euler_angles:
+            _unwrap(values, moments, model.start)
         self.moments += moments.tolist()
         self.forces += values[:, 12].tolist()
         if ended is None and len(values) <= intervals * finer:

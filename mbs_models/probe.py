@@ -80,7 +80,7 @@ class Probe:
             Largest residual let through in m, and in m/s for a spin up to 1 rad/s.
         """
         scenario = self._model.scenario
-        spin = abs(scenario.initial_state.rates[3])
+        spin = abs(self._model.start.rates[3])
         for residual in self._model.start_residuals(self._velocity_residuals()):
             unit, allowed = "m", tolerance
             if residual.level == "velocity":

@@ -83,7 +83,7 @@ def rounded_contact(scene: Scene) -> PenaltyContact:
             "half_thickness must be positive, since only then the contact is defined when the "
             "disk lies flat, got 0"
         )
-    if scene.built_as != "floating-lie":
+    if scene.has_constraints:
         raise ValueError(
             "scene must be of formulation 'floating-lie', which the explicit integrator of this "
             f"run can take, got {scene.built_as!r}"
@@ -132,7 +132,7 @@ class RestRun:
         self.counts = {"steps": 0, "rejected_steps": 0}
         self._watch, self._step, self._local_tolerance = watch, step, local_tolerance
         self._end, self._calls = 0.0, 0
-        self._model = Tally(scene)
+        self._model = Tally(scene.scenario)
         self._sensor = self._model.add_sensor(self._record)
         self._limiter = StepLimiter(spacing, MINIMUM_STEP)
         if step is None:

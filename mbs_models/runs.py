@@ -101,7 +101,7 @@ def run(
     """
     system = model.system
     sensor = model.add_sensor()
-    accelerates = integrator.implicit or model.records_accelerations
+    accelerates = integrator.implicit or model.closes_contact
     start = _set_initial_accelerations(model) if accelerates else _Start()
     if integrator.implicit:
         complete_jacobian(model)
@@ -165,7 +165,7 @@ def _samples(
     unknowns = len(model.record())
     # The engine's own first sample holds neither.
     stored[:1, 1 + unknowns :] = start.algebraic
-    if model.records_accelerations:
+    if model.closes_contact:
         stored[:1, 1 + unknowns - start.accelerations.size : 1 + unknowns] = start.accelerations
     return Samples(
         records=stored[:, 1 : 1 + unknowns],
@@ -240,7 +240,7 @@ def _set_initial_accelerations(model: Model) -> _Start:
     first-order accurate.
     """
     probe, data = Probe(model), model.system.systemData
-    if model.scene.has_constraints:
+    if model.has_constraints(model.scenario):
         velocities = probe.admissible_velocities().tolist()
         data.SetODE2Coordinates_t(velocities, exu.ConfigurationType.Initial)
         data.SetODE2Coordinates_t(velocities)
@@ -271,7 +271,7 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
     stepping.generalizedAlpha.computeInitialAccelerations = False
     stepping.generalizedAlpha.resetAccelerations = False
     # Without a multiplier, the contact force is taken from them.
-    stepping.explicit.computeEndOfStepAccelerations = model.records_accelerations
+    stepping.explicit.computeEndOfStepAccelerations = model.closes_contact
     settings.solution.file.write = False
     return settings
 

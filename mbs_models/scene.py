@@ -1,62 +1,14 @@
 """What is to be built: a scenario, and how the engine is to build it."""
 
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
 
 from analysis.data.checks import choice
-from analysis.data.constraint_set import MODELS
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
-
-Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
-FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
-
-_BY_ACCURACY: tuple[Formulation, ...] = (
-    "contact-tree",
-    "euler-tree",
-    "floating",
-    "floating-lie",
-)
-_TO_REST: tuple[Formulation, ...] = ("floating-lie", "floating")
+from mbs_models.formulations import CLASSES, formulations
+from mbs_models.model import FORMULATIONS, Formulation
 
 _PAPER = Scenario()
-
-
-def formulations(scenario: Scenario) -> tuple[Formulation, ...]:
-    """Formulations that can build a scenario, the most accurate one first.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    """
-    contact = scenario.contact
-    lies_flat = contact is not None and (contact.is_rounded or scenario.dissipation.is_on)
-    ranked = _TO_REST if lies_flat else _BY_ACCURACY
-    return tuple(each for each in ranked if not _obstacle(scenario, each))
-
-
-def _obstacle(scenario: Scenario, formulation: Formulation) -> str:
-    """Why a formulation cannot build a scenario; empty if it can."""
-    contact = scenario.contact
-    if formulation == "contact-tree":
-        if scenario.constraints != MODELS[1]:
-            return f"exists for Model 1 alone, got {scenario.name}"
-        if contact is not None:
-            return "closes the contact by its topology and has no room for a penalty contact"
-        if scenario.friction.load == "contact":
-            return (
-                "has no contact constraint whose force the load 'contact' of the friction law "
-                "could take"
-            )
-    if formulation == "euler-tree" and contact is not None:
-        if contact.is_rounded:
-            return (
-                "is singular when the disk lies flat, which a contact with half_thickness = "
-                f"{contact.half_thickness:g} lasts until"
-            )
-        if scenario.dissipation.is_on:
-            return "knows no dissipation besides friction and the contact's damping"
-    return ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +39,7 @@ class Scene:
         if self.formulation is None:
             return
         choice("formulation", self.formulation, FORMULATIONS)
-        if why := _obstacle(self.scenario, self.formulation):
+        if why := CLASSES[self.formulation].obstacle(self.scenario):
             able = ", ".join(formulations(self.scenario))
             raise ValueError(f"formulation {self.formulation!r} {why}; use one of {able}")
 
@@ -102,9 +54,7 @@ class Scene:
 
         Euler parameters bring one of their own.
         """
-        if self.scenario.contact is not None:
-            return self.built_as == "floating"
-        return self.built_as != "contact-tree"
+        return CLASSES[self.built_as].has_constraints(self.scenario)
 
     def starting_at(self, state: State) -> "Scene":
         """The same scene with this state as its start."""

@@ -9,6 +9,7 @@ import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.data.checks import Array
+from analysis.data.constraint_set import MODELS
 from analysis.data.scenario import Scenario
 from mbs_models.friction import (
     Force,
@@ -26,7 +27,7 @@ _JOINT = exu.JointType
 class _Tree(Model):
     """A chain of massless links with the disk at its end."""
 
-    continuous_angles = True
+    has_euler_angles = True
 
     _law: Callable[[Scenario, Load], Force]
     _node: int
@@ -92,11 +93,25 @@ class _Tree(Model):
 class EulerTree(_Tree):
     """Tree in the paper's coordinates: alpha, then x, y, z in the R-frame, then beta, gamma."""
 
+    name = "euler-tree"
+
     _law = staticmethod(euler_tree_force)
     _order = (3, 0, 1, 2, 4, 5)
 
+    @classmethod
+    def obstacle(cls, scenario: Scenario) -> str:
+        contact = scenario.contact
+        if contact is not None and contact.is_rounded:
+            return (
+                "is singular when the disk lies flat, which a contact with half_thickness = "
+                f"{contact.half_thickness:g} lasts until"
+            )
+        if scenario.dissipation.is_on:
+            return "knows no dissipation besides friction and the contact's damping"
+        return ""
+
     def _build(self) -> None:
-        start, order = self.scenario.initial_state, list(self._order)
+        start, order = self.start, list(self._order)
         self._add_tree(
             (
                 _JOINT.RevoluteZ,
@@ -145,13 +160,31 @@ class ContactTree(_Tree):
     coordinates, which the engine's explicit integrators can take.
     """
 
-    records_accelerations = True
+    name = "contact-tree"
+    closes_contact = True
 
     _law = staticmethod(contact_tree_force)
 
+    @classmethod
+    def obstacle(cls, scenario: Scenario) -> str:
+        if scenario.constraints != MODELS[1]:
+            return f"exists for Model 1 alone, got {scenario.name}"
+        if scenario.contact is not None:
+            return "closes the contact by its topology and has no room for a penalty contact"
+        if scenario.friction.load == "contact":
+            return (
+                "has no contact constraint whose force the load 'contact' of the friction law "
+                "could take"
+            )
+        return ""
+
+    @classmethod
+    def has_constraints(cls, scenario: Scenario) -> bool:  # noqa: ARG003 - whatever it is
+        return False
+
     def _build(self) -> None:
-        x, y, _, alpha, beta, gamma = self.scenario.initial_state.coordinates
-        xd, yd, _, ad, bd, gd = self.scenario.initial_state.rates
+        x, y, _, alpha, beta, gamma = self.start.coordinates
+        xd, yd, _, ad, bd, gd = self.start.rates
         r = self.scenario.disk.radius
         self._add_tree(
             (
@@ -210,7 +243,7 @@ class ContactTree(_Tree):
 
     def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
         coordinates, rates = self.decode(self.record()[None])
-        start = self.scenario.initial_state
+        start = self.start
         return [
             Residual("contact", "position", start.coordinates[2] - float(coordinates[0, 2])),
             Residual("contact", "velocity", start.rates[2] - float(rates[0, 2])),

@@ -36,7 +36,7 @@ CALLS = [
         IN_HOUSE + "--eps 1e-12",
         "--eps: friction gradient 3e+11 s/m up to",
     ),
-    (IN_HOUSE + "--mu 1e6 --end 10", "--eps: friction gradient 1e+07 s/m up to t = 10"),
+    (IN_HOUSE + "--mu 1e6 --end 10", "--mu: friction gradient 1e+07 s/m up to t = 10"),
     (IN_HOUSE + "--beta 1.1e-6 --end 10", "--beta: beta 1.1e-06 rad up to t = 10 s would take"),
     ("rest --stiffness 1e12", "--end: end = 80 s with steps of 2.0e-07 s, at stiffness 1e+12 N/m"),
     ("rest --source in-house --stiffness 1e12", "--stiffness: stiffness 1e+12 N/m until end = 80"),

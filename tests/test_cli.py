@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +10,10 @@ import pytest
 import analysis
 import mbs_models
 from analysis import Trajectory
+from analysis.data.constraint_set import CONSTRAINTS
+from analysis.data.trajectory import SOURCES
 from validation import cli
+from validation.parser import commands, groups
 
 
 def run(*arguments: str) -> int:
@@ -21,12 +24,14 @@ def run(*arguments: str) -> int:
 
 
 def test_choices_are_those_of_the_packages() -> None:
-    assert set(cli.FORMULATIONS) == {*mbs_models.FORMULATIONS, *analysis.FORMS}
-    assert cli.LOADS == analysis.LOADS
-    assert cli.MODELS == analysis.LEVELS
-    assert tuple(analysis.DISKS) == cli.DISKS
-    assert cli.INVERSION == analysis.models.inversion.DEFINITION
-    assert set(cli.SOURCES) == set(get_args(Trajectory.__annotations__["source"]))
+    assert groups.FORMULATIONS == mbs_models.FORMULATIONS
+    assert groups.FORMS == analysis.FORMS
+    assert groups.LOADS == analysis.LOADS
+    assert groups.MODELS == analysis.LEVELS
+    assert groups.CONSTRAINTS == CONSTRAINTS
+    assert tuple(analysis.DISKS) == groups.DISKS
+    assert commands.INVERSION == analysis.models.inversion.DEFINITION
+    assert groups.SOURCES == SOURCES
 
 
 def test_help_teaches_by_example(capsys: pytest.CaptureFixture[str]) -> None:
@@ -37,7 +42,7 @@ def test_help_teaches_by_example(capsys: pytest.CaptureFixture[str]) -> None:
         assert f"\n  {code}  " in shown
 
 
-@pytest.mark.parametrize("source", cli.SOURCES)
+@pytest.mark.parametrize("source", groups.SOURCES)
 def test_simulate_stores_arrays_and_all_parameters(source: str, tmp_path: Path) -> None:
     out = tmp_path / "run.npz"
     call = f"simulate --source {source} --model 2 --mu 0.2 --eps 0.05 --spin 35 --end 0.2"
@@ -47,22 +52,22 @@ def test_simulate_stores_arrays_and_all_parameters(source: str, tmp_path: Path) 
         assert stored["q"].shape == stored["u"].shape == (21, 6)
         assert stored["normal_force"].shape == (21,)
         meta = json.loads(str(stored["meta"]))
-    assert meta["level"] == 2
     assert meta["source"] == source
-    assert meta["friction"] == {
+    assert meta["scenario"]["constraints"] == ["contact", "fixed-cog"]
+    assert meta["scenario"]["friction"] == {
         "law": "smooth-coulomb",
         "coefficient": 0.2,
         "smoothing": 0.05,
         "load": "weight",
     }
-    assert meta["disk"]["radius"] == 0.045
+    assert meta["scenario"]["disk"]["radius"] == 0.045
     assert 0 < meta["error_estimate"] <= 1e-6
     assert "numpy" in meta["versions"]
 
 
 def test_engine_and_in_house_files_agree(tmp_path: Path) -> None:
     runs = []
-    for source in cli.SOURCES:
+    for source in groups.SOURCES:
         out = tmp_path / f"{source}.npz"
         assert run("simulate", "--source", source, "--end", "0.3", "--out", str(out)) == 0
         runs.append(Trajectory.load(out))
@@ -96,13 +101,13 @@ BAD = [
     ("--beta 3.5", "beta must lie in the open interval (0, pi)"),
     ("--spin inf", "spin must be a finite number, got inf"),
     ("--model 5", "--model: invalid choice: 5"),
-    ("--model 2 --formulation contact-tree", "exists for Model 1 alone, got level 2"),
+    ("--model 2 --formulation contact-tree", "exists for Model 1 alone, got Model 2"),
     ("--formulation tree", "--formulation: invalid choice: 'tree'"),
     ("--formulation reduced", "formulation must be one of floating"),
     ("--source in-house --formulation euler-tree", "form must be one of index-1, reduced"),
     ("--source in-house --formulation reduced", "form 'reduced' exists for Model 4 alone"),
     ("--source in-house --step 0.01", "--step needs --source engine"),
-    ("--model 3 --gamma-rate 5", "gamma_rate must be -spin * cos(beta)"),
+    ("--model 3 --gamma-rate 5", "gamma_rate must be -2.44929e-15 in Model 3"),
     ("--end 0", "--end must be positive, got 0"),
     ("--samples 1", "--samples must be at least 2, got 1"),
     ("--tolerance 1e-17", "tolerance 1e-17 rad cannot be reached"),
@@ -110,7 +115,7 @@ BAD = [
     ("--tolerance 1e-3 --step 1e-3", "not allowed with argument --tolerance"),
     ("--step -1", "step must be positive, got -1"),
     ("--step 1 --end 4 --samples 3 --formulation euler-tree", "engine run stopped at t ="),
-    ("--load contact --formulation contact-tree", "use the load 'weight'"),
+    ("--load contact --formulation contact-tree", "has no contact constraint whose force"),
     ("--disk gold", "--disk: invalid choice: 'gold'"),
 ]
 

@@ -10,14 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import (
-    STEEL_DISK,
-    Dissipation,
-    PenaltyContact,
-    SmoothCoulomb,
-    SpatialMotion,
-    Trajectory,
-)
+from analysis import Scenario, SpatialMotion, Trajectory
 from analysis.data.limits import LARGEST_STORAGE
 from tests.helpers import random_trajectory
 from validation import cli
@@ -43,10 +36,7 @@ def still_motion() -> SpatialMotion:
         normal_force=numbers,
         energies=vectors,
         dissipated=np.zeros((SAMPLES, 6)),
-        disk=STEEL_DISK,
-        friction=SmoothCoulomb(),
-        contact=PenaltyContact.rounded(STEEL_DISK),
-        dissipation=Dissipation(),
+        scenario=Scenario.rest(),
         source="in-house",
         rest_time=0.0,
         method={"method": "LSODA"},
@@ -68,11 +58,11 @@ def described(meta: str, **changes: Any) -> Callable[[Stored], Stored]:
     def change(arrays: Stored) -> Stored:
         description = json.loads(str(arrays[meta]))
         for name, value in changes.items():
-            outer, _, inner = name.partition("__")
-            if inner:
-                description[outer][inner] = value
-            else:
-                description[outer] = value
+            *outer, last = name.split("__")
+            place = description
+            for each in outer:
+                place = place[each]
+            place[last] = value
         return arrays | {meta: np.array(json.dumps(description))}
 
     return change
@@ -119,13 +109,41 @@ TRAJECTORIES = {
     "error as text": (described("meta", error_estimate="small"), f"error_estimate {NUMBER}"),
     "negative error": (described("meta", error_estimate=-1.0), "error_estimate must not be neg"),
     "nan error": (described("meta", error_estimate=np.nan), f"error_estimate {NUMBER} nan"),
-    "level as text": (described("meta", level="3"), "level must be one of 1, 2, 3, 4, got '3'"),
-    "level is a list": (described("meta", level=[3]), "level must be one of"),
+    "constraints are a number": (
+        described("meta", scenario__constraints=3),
+        "constraints must be a list of names, got 3",
+    ),
+    "constraints are text": (
+        described("meta", scenario__constraints="contact"),
+        "constraints must be a list of names, got 'contact'",
+    ),
+    "unknown constraint": (
+        described("meta", scenario__constraints=["contact", "glue"]),
+        "constraints must be one of contact, fixed-cog",
+    ),
+    "no scenario": (described("meta", scenario=None), "."),
+    "foreign part of the scenario": (
+        described("meta", scenario__wind=3),
+        "scenario must be one of",
+    ),
+    "start is null": (described("meta", scenario__start=None), "start must be a table, got None"),
+    "spin as text": (described("meta", scenario__start__spin="40"), f"spin {NUMBER} '40'"),
+    "newer format": (
+        described("meta", format=99),
+        "format must be 2, got 99: the file comes from a newer version",
+    ),
+    "no format": (
+        lambda arrays: arrays | {"meta": np.array("{}")},
+        "format must be 2, got 1: the file comes from an older version",
+    ),
     "unknown source": (described("meta", source="me"), "source must be one of engine, in-house"),
-    "disk is null": (described("meta", disk=None), "."),
-    "radius as text": (described("meta", disk__radius="0.045"), f"radius {NUMBER} '0.045'"),
-    "huge mass": (described("meta", disk__mass=10**400), "mass must be a finite number"),
-    "mass is true": (described("meta", disk__mass=True), f"mass {NUMBER} True"),
+    "disk is null": (described("meta", scenario__disk=None), "."),
+    "radius as text": (
+        described("meta", scenario__disk__radius="0.045"),
+        f"radius {NUMBER} '0.045'",
+    ),
+    "huge mass": (described("meta", scenario__disk__mass=10**400), "mass must be a finite number"),
+    "mass is true": (described("meta", scenario__disk__mass=True), f"mass {NUMBER} True"),
     "pulling as text": (described("meta", pulling=["ab"]), f"pulling {NUMBER} 'a'"),
     "pulling backwards": (described("meta", pulling=[[2, 1]]), "pulling must hold rising times"),
     "ending is text": (described("meta", ending="soon"), "."),
@@ -133,9 +151,12 @@ TRAJECTORIES = {
         described("meta", ending={"reason": "bored", "time": 1.0, "value": 0.0}),
         "reason must be one of",
     ),
-    "unknown load": (described("meta", friction__load="none"), "load must be one of"),
-    "foreign piece": (described("meta", friction__colour="red"), ".*colour"),
-    "description is a number": (lambda arrays: arrays | {"meta": np.array(3.0)}, "."),
+    "unknown load": (described("meta", scenario__friction__load="none"), "load must be one of"),
+    "foreign piece": (described("meta", scenario__friction__colour="red"), ".*colour"),
+    "description is a number": (
+        lambda arrays: arrays | {"meta": np.array(3.0)},
+        "meta must be a mapping, got float",
+    ),
     "deep description": (lambda arrays: arrays | {"meta": np.array("[" * 100_000)}, "."),
 }
 
@@ -155,9 +176,12 @@ MOTIONS = {
         "quaternions must have unit length",
     ),
     "huge quaternion": (sampled("quaternions", last_is(1e200)), "quaternions must not exceed"),
-    "stiffness as text": (described("spatial_meta", contact__stiffness="1e6"), "stiffness must"),
+    "stiffness as text": (
+        described("spatial_meta", scenario__contact__stiffness="1e6"),
+        "stiffness must",
+    ),
     "bilateral as text": (
-        described("spatial_meta", contact__bilateral="no"),
+        described("spatial_meta", scenario__contact__bilateral="no"),
         "bilateral must be True or False, got 'no'",
     ),
     "foreign piece": (described("spatial_meta", colour="red"), ".*colour"),

@@ -192,7 +192,7 @@ def test_a_run_ends_at_its_time_limit_with_what_it_has_reached(side: str) -> Non
 @pytest.mark.parametrize("side", ["engine", "in-house"])
 def test_a_tolerance_that_nothing_has_met_by_the_time_limit_raises(side: str) -> None:
     scene, times = scene_of(2), np.linspace(0.0, 1000.0, 100_001)
-    limits = {"tolerance": 1e-6, "time_limit": 0.1}
+    limits: dict[str, Any] = {"tolerance": 1e-6, "time_limit": 0.1}
     runs: dict[str, Callable[[], Trajectory]] = {
         "engine": lambda: mbs_models.simulate(scene, times, **limits),
         "in-house": lambda: analysis.simulate(scene.scenario, times, **limits),

@@ -10,9 +10,12 @@ from hypothesis import strategies as st
 
 import analysis
 import mbs_models
+from analysis import Scenario
+from analysis.data.scenario_file import scenario_text
 from tests.helpers import random_trajectory
 from validation import cli
 from validation.commands import basic, rest
+from validation.parser import groups
 
 NUMBERS = st.one_of(
     st.floats(),
@@ -22,13 +25,24 @@ NUMBERS = st.one_of(
     st.floats(1e250),
     st.floats(-16.0, 16.0).map(lambda digits: 10.0**digits),
     st.sampled_from(["", "x", "1e400", "-0", "nan", "inf", "1_000", "١٢", "0x10", "1:2:3"]),
+    st.sampled_from(["pi/2", "-pi", "90deg", "1/0", "contact", "contact,no-slip-along", "tanh"]),
 ).map(str)
 
-START = ("--spin", "--beta", "--gamma", "--beta-rate", "--gamma-rate", "--mu", "--eps")
+START = (
+    "--spin", "--beta", "--gamma", "--alpha", "--beta-rate", "--gamma-rate", "--x", "--y",
+    "--x-rate", "--y-rate", "--height", "--mu", "--eps",
+)  # fmt: skip
+TABLE = ("--gravity", "--inclination", "--downhill")
+DISK = (
+    "--radius", "--mass", "--eccentricity", "--inertia-x", "--inertia-y", "--inertia-z",
+    "--hole-radius", "--hole-distance", "--thickness", "--density", "--disk",
+)  # fmt: skip
+CONTACT = ("--stiffness", "--damping", "--half-thickness")
 LOSSES = ("--rolling", "--rolling-viscous", "--pivoting", "--air-drag")
-SIMULATE = (*START, "--end", "--samples", "--tolerance", "--step", "--model", "--time-limit")
-REST = (*START, *LOSSES, "--stiffness", "--half-thickness", "--step", "--end")
-SOURCES = st.sampled_from(cli.SOURCES)
+PROBLEM = (*START, *TABLE, *DISK, *CONTACT, *LOSSES, "--model", "--constraints", "--law", "--load")
+SIMULATE = (*PROBLEM, "--end", "--samples", "--tolerance", "--step", "--time-limit")
+REST = (*PROBLEM, "--step", "--end")
+SOURCES = st.sampled_from(groups.SOURCES)
 
 
 def with_values(*names: str) -> st.SearchStrategy[list[str]]:
@@ -68,7 +82,7 @@ def nothing_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(analysis, "simulate", accept)
     monkeypatch.setattr(mbs_models, "simulate", accept)
-    monkeypatch.setattr(rest, "simulate_to_rest", accept)
+    monkeypatch.setattr(analysis, "simulate_to_rest", accept)
     monkeypatch.setattr(mbs_models, "simulate_to_rest", accept)
     monkeypatch.setattr(basic, "announce", lambda _, effort, __=None: effort.check())
     monkeypatch.setattr(rest, "announce", lambda _, effort, __=None: effort.check())
@@ -96,6 +110,46 @@ def test_rest_answers_in_one_line(
     capsys: pytest.CaptureFixture[str], source: str, given_options: list[str]
 ) -> None:
     answer(["rest", "--source", source, *given_options], capsys)
+
+
+@QUICK
+@given(with_values(*PROBLEM))
+@example(["--radius=1", "--hole-radius=0.1", "--hole-distance=1", "--thickness=1", "--density=1"])
+@example(["--mass=1", "--density=1"])
+@example(["--law=.x:Law"])
+@example(["--bilateral"])
+def test_scenario_answers_in_one_line_or_prints_what_can_be_read(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, given_options: list[str]
+) -> None:
+    answer(["scenario", *given_options], capsys)
+    if cli.main(["scenario", *given_options]) == 0:
+        text = capsys.readouterr().out
+        (tmp_path / "my.toml").write_text(text)
+        assert cli.main(["scenario", str(tmp_path / "my.toml")]) == 0
+        assert capsys.readouterr().out == text
+
+
+@QUICK
+@given(st.binary(max_size=60) | st.text(max_size=60).map(str.encode))
+def test_any_file_is_a_scenario_or_refused_in_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, content: bytes
+) -> None:
+    (tmp_path / "my.toml").write_bytes(content)
+    answer(["scenario", str(tmp_path / "my.toml")], capsys)
+
+
+@QUICK
+@given(st.lists(st.tuples(st.integers(0), st.integers(0)), max_size=4), st.integers(0))
+def test_any_mutilated_scenario_is_answered_in_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, swaps: list[tuple[int, int]], cut: int
+) -> None:
+    lines = scenario_text(Scenario()).replace("# ", "").split("\n")
+    for first, second in swaps:
+        one, other = first % len(lines), second % len(lines)
+        lines[one], lines[other] = lines[other], lines[one]
+    del lines[cut % len(lines)]
+    (tmp_path / "my.toml").write_text("\n".join(lines))
+    answer(["scenario", str(tmp_path / "my.toml")], capsys)
 
 
 @settings(QUICK, max_examples=20)
@@ -156,8 +210,8 @@ def test_animate_answers_in_one_line(
             "--mu": st.floats(0.0, 10.0),
             "--eps": st.floats(1e-2, 10.0),
             "--gamma": st.floats(-10.0, 10.0),
-            "--model": st.sampled_from(cli.MODELS),
-            "--load": st.sampled_from(cli.LOADS),
+            "--model": st.sampled_from(groups.MODELS),
+            "--load": st.sampled_from(groups.LOADS),
         },
     ),
 )

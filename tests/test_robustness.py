@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import MODELS, STEEL_DISK, Scenario
+from analysis import MODELS, POSSIBLE_SETS, STEEL_DISK, Scenario
 from mbs_models import Scene
 from mbs_models.linear_stability import STAGES, amplification, largest_step, stability_polynomial
 from validation.studies.robustness import section as robustness
@@ -247,7 +247,7 @@ def test_full_grid_covers_all_formulations_integrators_and_models() -> None:
 def test_report_and_grid_have_every_axis_of_the_study() -> None:
     for quick in (True, False):
         axes = {problem.axis for problem in problems(quick=quick)}
-        assert len(axes) == 12
+        assert len(axes) == 14
         contacts = [each for each in problems(quick=quick) if each.scenario.contact is not None]
         assert contacts
         for problem in contacts:
@@ -255,6 +255,25 @@ def test_report_and_grid_have_every_axis_of_the_study() -> None:
             assert {way.formulation for way in ways_of_it} == {
                 "euler-tree", "floating", "floating-lie",
             }  # fmt: skip
+
+
+def test_full_grid_tries_every_possible_set_of_constraints_on_both_sides() -> None:
+    tried = {
+        (problem.scenario.constraints, way.source)
+        for problem in problems(quick=False)
+        for way in ways(problem, quick=False)
+    }
+    assert tried == {(each, source) for each in POSSIBLE_SETS for source in ("engine", "in-house")}
+
+
+@pytest.mark.parametrize("axis", ["constraint set", "inclination of the table"])
+def test_further_sets_and_a_leaning_table_are_accurate_in_every_formulation(axis: str) -> None:
+    for problem in problems(quick=True):
+        if problem.axis == axis:
+            short = replace(problem, end=0.1, samples=11)
+            known = reference(short)
+            for way in ways(short, quick=True):
+                assert run_case(short, way, known).verdict == "accurate"
 
 
 def test_every_quick_problem_is_known_by_its_key() -> None:

@@ -297,15 +297,15 @@ def test_failed_runs_survive_the_store() -> None:
 
 @pytest.mark.parametrize("quick", [True, False])
 def test_jobs_have_keys_of_their_own(quick: bool) -> None:
-    found = study.jobs(quick)
+    found = study.jobs(quick=quick)
     assert all(isinstance(job, Job) and job.key[0] == "work-precision" for job in found)
     assert len({job.key for job in found}) == len(found)
 
 
 def test_full_jobs_cover_all_problems_and_quick_ones_some_of_them() -> None:
-    full = {job.key for job in study.jobs(False)}
+    full = {job.key for job in study.jobs(quick=False)}
     assert {key[1] for key in full} == {"agreement", "price", *PROBLEMS}
-    assert {job.key for job in study.jobs(True)} < full
+    assert {job.key for job in study.jobs(quick=True)} < full
 
 
 def test_fastest_way_is_the_quickest_run_that_is_good_enough() -> None:
@@ -352,12 +352,12 @@ def test_observed_order_takes_four_rungs_that_agree() -> None:
 def test_command_prints_the_tables_and_the_page(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    def main(folder: Path, *, quick: bool, fresh: bool) -> tuple[Path, list[Any]]:
+    def make(folder: Path, *, quick: bool, fresh: bool) -> tuple[Path, list[Any]]:
         assert (quick, fresh) == (True, False)
         table = Table(name="x", title="Fastest way", columns=("a",), rows=[[1]])
         return folder / "report.html", [table]
 
-    monkeypatch.setattr(study, "main", main)
+    monkeypatch.setattr(study, "make", make)
     options = argparse.Namespace(out=str(tmp_path), quick=True, fresh=False)
     assert commands_work_precision.work_precision(options) == 0
     printed = capsys.readouterr().out
@@ -367,9 +367,9 @@ def test_command_prints_the_tables_and_the_page(
 
 @pytest.mark.slow
 def test_quick_study_writes_its_page_and_resumes(tmp_path: Path) -> None:
-    page, tables = study.main(tmp_path, quick=True)
+    page, tables = study.make(tmp_path, quick=True)
     assert page.exists()
     assert (tmp_path / "work-precision-all-runs.csv").exists()
-    again, same = study.main(tmp_path, quick=True)
+    again, same = study.make(tmp_path, quick=True)
     assert again == page
     assert same[0].rows == tables[0].rows

@@ -36,8 +36,10 @@ from mbs_models.rest_run import largest_step
 from validation.kit.provenance import machine
 from validation.kit.tables import Cell, Table
 from validation.run import run
-from validation.studies.crosscheck import TABLE_3_TIMES, angle_error
+from validation.studies.robustness.reference import deviation
 from validation.studies.stability.eigenvalue_check import engine_matrices
+
+TIMES = np.linspace(0.0, 2.0, 201)
 
 MODEL_SCENARIOS = tuple(Scenario(constraints=each) for each in MODELS.values())
 MODEL_1, MODEL_2, MODEL_3, MODEL_4 = MODEL_SCENARIOS
@@ -55,7 +57,7 @@ class Row:
 
     def call(self) -> Trajectory:
         """Run it once."""
-        return run(self.scenario, TABLE_3_TIMES, **self.how)
+        return run(self.scenario, TIMES, **self.how)
 
 
 def rows() -> list[Row]:
@@ -112,12 +114,12 @@ def median_milliseconds(call: Callable[[], object], repeats: int) -> float:
 def targets(repeats: int) -> Table:
     """Error and time of every row beside what it should stay below."""
     truths = {
-        scenario.name: analysis.simulate(scenario, TABLE_3_TIMES, local_tolerance=1e-13)
+        scenario.name: analysis.simulate(scenario, TIMES, local_tolerance=1e-13)
         for scenario in MODEL_SCENARIOS
     }
     cells: list[list[Cell]] = []
     for row in rows():
-        error = angle_error(row.call(), truths[row.scenario.name])
+        error = deviation(row.call(), truths[row.scenario.name])
         taken = median_milliseconds(row.call, repeats)
         cells.append(
             [
@@ -146,7 +148,7 @@ def load_laws(repeats: int) -> Table:
         taken = []
         for load in analysis.LOADS:
             scene = Scene(replace(scenario, friction=SmoothCoulomb(load=load)), "euler-tree")
-            call = partial(mbs_models.simulate, scene, TABLE_3_TIMES, step=2.5e-3)
+            call = partial(mbs_models.simulate, scene, TIMES, step=2.5e-3)
             taken.append(median_milliseconds(call, repeats))
         cells.append([scenario.name, round(taken[0], 1), round(taken[1], 1), taken[1] / taken[0]])
     return Table(

@@ -53,7 +53,7 @@ def constraint_set(constraints: Iterable[Constraint]) -> ConstraintSet:
     ValueError
         If one is unknown or named twice, if the contact is missing, or if no freedom is left.
     """
-    if isinstance(constraints, str | int):
+    if isinstance(constraints, str) or not isinstance(constraints, Iterable):
         raise ValueError(f"constraints must be a list of names, got {constraints!r}")
     given = list(constraints)
     for each in given:

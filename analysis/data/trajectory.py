@@ -211,7 +211,9 @@ class Trajectory:
 
 def stored_meta(text: Any) -> dict[str, Any]:
     """What a file says of its motion; `ValueError` if it is of another format than `FORMAT`."""
-    meta: dict[str, Any] = json.loads(str(text))
+    meta = json.loads(str(text))
+    if not isinstance(meta, dict):
+        raise ValueError(f"meta must be a mapping, got {type(meta).__name__}")
     found = meta.pop("format", 1)
     if found != FORMAT:
         age = "a newer" if isinstance(found, int) and found > FORMAT else "an older"

@@ -7,14 +7,15 @@ from analysis.data.checks import number, positive, within
 from analysis.data.files import whole_file
 from analysis.data.limits import PLAYBACK_SPEEDS
 from validation.commands.options import output_path
-from validation.kit.animation.keyframes import Keyframes, keyframes, load
+from validation.kit.animation.keyframes import Keyframes, keyframes
+from validation.run import load_run
 
 
 def animate(options: argparse.Namespace) -> int:
     """Write an animation of a stored motion."""
     source, out = _paths(options)
     _check_numbers(options, out)
-    poses = keyframes(load(source)).between(options.begin, options.end)
+    poses = keyframes(load_run(source)).between(options.begin, options.end)
     detail = (
         _write_gif(poses, out, options)
         if out.suffix == ".gif"

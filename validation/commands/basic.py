@@ -5,22 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-import analysis
-from analysis import DISKS, Progress, Trajectory, multiplier_names
-from analysis.data.checks import Array
+from analysis import Trajectory, multiplier_names
 from analysis.data.files import whole_file
 from analysis.data.limits import check_storage
-from analysis.models.effort import simulation_effort
-from validation.commands.options import (
-    PICTURES,
-    announce,
-    chosen_end,
-    chosen_friction,
-    chosen_start,
-    output_folder,
-    output_path,
-)
+from validation.commands.options import PICTURES, announce, chosen_end, output_folder, output_path
+from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
+from validation.run import run, run_effort
 
 
 def report(options: argparse.Namespace) -> int:
@@ -36,68 +27,42 @@ def report(options: argparse.Namespace) -> int:
 
 
 def simulate(options: argparse.Namespace) -> int:
-    """Simulate one model and store the motion."""
+    """Simulate a scenario and store the motion."""
     out = output_path("--out", options.out, (".npz",))
     if options.samples < 2:
         raise ValueError(f"--samples must be at least 2, got {options.samples}")
+    if options.step is not None and options.source == "in-house":
+        raise ValueError("--step needs --source engine; the in-house solvers choose theirs")
+    scenario = chosen_scenario(options)
     # Time, six coordinates, their rates and the constraint forces.
-    check_storage("--samples", options.samples, 13 + len(multiplier_names(options.model)))
+    columns = 13 + len(multiplier_names(scenario.constraints))
+    check_storage("--samples", options.samples, columns)
     times = np.linspace(0.0, chosen_end(options), options.samples)
+    how = {
+        "source": options.source,
+        "formulation": options.formulation,
+        "tolerance": options.tolerance,
+        "step": options.step,
+    }
+    announce("simulate", run_effort(scenario, times, **how), options.time_limit)
     with progress_bar() as progress:
-        trajectory = _simulate(options, times, progress)
+        trajectory = run(
+            scenario,
+            times,
+            **how,
+            allow_pulling=options.allow_pulling,
+            time_limit=options.time_limit,
+            progress=progress,
+        )
     trajectory.save(out)
     estimate = trajectory.error_estimate
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
-    print(f"{out}: {trajectory.times.size} samples of Model {trajectory.level}{accuracy}")
+    print(f"{out}: {trajectory.times.size} samples of {scenario.name}{accuracy}")
     if trajectory.ending is not None:
         print(f"{trajectory.ending}")
     for first, last in trajectory.pulling:
         print(f"the contact pulls from t = {first:.6g} s to {last:.6g} s")
     return 0
-
-
-def _simulate(options: argparse.Namespace, times: Array, progress: Progress) -> Trajectory:
-    disk = DISKS[options.disk]
-    friction = chosen_friction(options, options.load)
-    start = chosen_start(options, options.model, disk)
-    if options.source == "in-house":
-        if options.step is not None:
-            raise ValueError("--step needs --source engine; the in-house solvers choose theirs")
-        effort = simulation_effort(times, disk, friction, start, tolerance=options.tolerance)
-        announce("simulate", effort, options.time_limit)
-        return analysis.simulate(
-            options.model,
-            times,
-            disk=disk,
-            friction=friction,
-            start=start,
-            form=options.formulation or "index-1",
-            tolerance=options.tolerance,
-            allow_pulling=options.allow_pulling,
-            time_limit=options.time_limit,
-            progress=progress,
-        )
-    import mbs_models
-    from mbs_models.effort import simulation_effort as engine_effort
-
-    scene = mbs_models.Scene(
-        level=options.model,
-        formulation=options.formulation,
-        disk=disk,
-        friction=friction,
-        start=start,
-    )
-    effort = engine_effort(scene, times, step=options.step, tolerance=options.tolerance)
-    announce("simulate", effort, options.time_limit)
-    return mbs_models.simulate(
-        scene,
-        times,
-        step=options.step,
-        tolerance=options.tolerance,
-        allow_pulling=options.allow_pulling,
-        time_limit=options.time_limit,
-        progress=progress,
-    )
 
 
 def show(options: argparse.Namespace) -> int:

@@ -6,20 +6,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
 
-from analysis import (
-    Disk,
-    Dissipation,
-    FrictionLaw,
-    Level,
-    Load,
-    SmoothCoulomb,
-    State,
-    consistent_start,
-)
 from analysis.data.checks import number, positive, within
-from analysis.data.friction import law_from
 from analysis.data.limits import LONGEST_MOTION, Effort
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -108,35 +96,6 @@ def output_folder(name: str, value: str) -> Path:
     return path
 
 
-def chosen_friction(options: argparse.Namespace, load: Load = "weight") -> FrictionLaw:
-    """Friction law from --law, or the paper's from --mu and --eps.
-
-    Parameters
-    ----------
-    options : Namespace
-    load : {"weight", "contact"}
-
-    Raises
-    ------
-    ValueError
-        If the law or one of its parameters is unknown or out of range.
-    """
-    if options.law is None:
-        return SmoothCoulomb(coefficient=options.mu, smoothing=options.eps, load=load)
-    name, *parameters = options.law.split(",")
-    values: dict[str, Any] = {"law": name, "load": load}
-    for parameter in parameters:
-        key, equals, text = parameter.partition("=")
-        if not equals:
-            raise ValueError(f"--law must hold parameter=value behind its name, got {parameter!r}")
-        values[key.strip()] = written_number(f"--law: {key.strip()}", text)
-    sys.path.insert(0, "")
-    try:
-        return law_from(values)
-    finally:
-        sys.path.remove("")
-
-
 def written_number(name: str, text: str) -> float:
     """Finite number from the text of an option.
 
@@ -161,35 +120,3 @@ def chosen_end(options: argparse.Namespace) -> float:
         If it is not positive or beyond `LONGEST_MOTION`.
     """
     return within("--end", positive("--end", options.end), 0.0, LONGEST_MOTION)
-
-
-def chosen_start(options: argparse.Namespace, level: Level, disk: Disk) -> State:
-    """Start from --spin, --beta, --gamma and the rates of the two.
-
-    Raises
-    ------
-    ValueError
-        If a value is out of range or breaks a constraint of the model.
-    """
-    given = {
-        name: number(f"--{name.replace('_', '-')}", value)
-        for name in ("beta", "gamma", "gamma_rate")
-        if (value := getattr(options, name)) is not None
-    }
-    return consistent_start(level, disk, spin=options.spin, beta_rate=options.beta_rate, **given)
-
-
-def chosen_dissipation(options: argparse.Namespace) -> Dissipation:
-    """Dissipation from --rolling, --rolling-viscous, --pivoting and --air-drag.
-
-    Raises
-    ------
-    ValueError
-        If a value is negative or not finite.
-    """
-    return Dissipation(
-        rolling_dry=options.rolling,
-        rolling_viscous=options.rolling_viscous,
-        pivoting=options.pivoting,
-        air_drag=options.air_drag,
-    )

@@ -1,32 +1,16 @@
 """What `tippedisk rest` does."""
 
 import argparse
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 
-from analysis import (
-    CAUSES,
-    DISKS,
-    PenaltyContact,
-    SpatialMotion,
-    State,
-    find_phases,
-    judge_inversion,
-    simulate_to_rest,
-)
-from analysis.data.checks import not_negative, positive
+from analysis import CAUSES, SpatialMotion, find_phases, judge_inversion
+from analysis.data.checks import positive
 from analysis.data.files import whole_file
-from analysis.models.effort import rest_effort
-from validation.commands.options import (
-    PICTURES,
-    announce,
-    chosen_dissipation,
-    chosen_end,
-    chosen_friction,
-    chosen_start,
-    output_path,
-)
+from validation.commands.options import PICTURES, announce, chosen_end, output_path
+from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
+from validation.run import rest_effort, run_to_rest
 
 
 def rest(options: argparse.Namespace) -> int:
@@ -65,59 +49,26 @@ def rest(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> SpatialMotion:
-    disk, end = DISKS[options.disk], chosen_end(options)
+    end = chosen_end(options)
     if options.source == "in-house" and options.step is not None:
         raise ValueError(
             "--step must be left out with --source in-house, which controls its steps by "
             f"--tolerance, got {options.step:g}"
         )
-    friction = chosen_friction(options, "contact")
-    contact = PenaltyContact.rounded(
-        disk, stiffness=options.stiffness, half_thickness=options.half_thickness
-    )
-    dissipation = chosen_dissipation(options)
-    start = contact.lowered(disk, chosen_start(options, 1, disk))
-    if not_negative("--height", options.height):
-        start = _lifted(start, options.height + contact.resting_penetration(disk))
-    if options.source == "in-house":
-        announce("rest", rest_effort(end, disk, contact), options.time_limit)
+    step = None if options.step is None else positive("--step", options.step)
+    scenario = chosen_scenario(options, rest=True)
+    effort = rest_effort(scenario, end, source=options.source, step=step)
+    announce("rest", effort, options.time_limit)
     with progress_bar() as progress:
-        if options.source == "in-house":
-            return simulate_to_rest(
-                end,
-                disk=disk,
-                friction=friction,
-                contact=contact,
-                dissipation=dissipation,
-                start=start,
-                tolerance=options.tolerance,
-                time_limit=options.time_limit,
-                progress=progress,
-            )
-        from mbs_models import Scene
-        from mbs_models import simulate_to_rest as simulate_in_engine
-        from mbs_models.effort import rest_effort as engine_effort
-        from mbs_models.rest_run import SAFETY, largest_step
-
-        scene = Scene.rest(
-            disk=disk, friction=friction, contact=contact, dissipation=dissipation, start=start
-        )
-        step = SAFETY * largest_step(scene) if options.step is None else options.step
-        effort = engine_effort(scene, end, positive("--step", step))
-        announce("rest", effort, options.time_limit)
-        return simulate_in_engine(
-            scene,
+        return run_to_rest(
+            scenario,
             end,
-            step=options.step,
+            source=options.source,
+            step=step,
             tolerance=options.tolerance,
             time_limit=options.time_limit,
             progress=progress,
         )
-
-
-def _lifted(start: State, height: float) -> State:
-    x, y, z, *angles = start.coordinates
-    return replace(start, coordinates=(x, y, z + height, *angles))
 
 
 def _plot(motion: SpatialMotion, out: Path) -> None:

@@ -6,24 +6,26 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis import DISKS, Disk, FrictionLaw
+from analysis import Scenario
 from analysis.data.checks import Array
 from analysis.data.files import whole_file
 from analysis.data.limits import MOST_SPINS
 from analysis.stability import linear_reduced, spectra
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import Branches
-from validation.commands.options import PICTURES, chosen_friction, output_path, written_number
+from validation.commands.options import PICTURES, output_path, written_number
+from validation.commands.scenarios import chosen_scenario
 from validation.kit.tables import Table
 
 
 def eigenvalues(options: argparse.Namespace) -> int:
     """Print, store or plot eigenvalues over the spin."""
-    spins = parse_spins(options.spin)
+    spins = parse_spins(options.spins)
     picture = None if options.plot is None else output_path("--plot", options.plot, PICTURES)
     if options.formulation is not None and options.source != "engine":
         raise ValueError("--formulation needs --source engine")
-    found = _branches(options, spins)
+    scenario = _scenario(options)
+    found = _branches(options, scenario, spins)
     if options.json:
         rows = [
             {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
@@ -33,7 +35,7 @@ def eigenvalues(options: argparse.Namespace) -> int:
     elif picture is not None:
         _plot(found, picture)
     else:
-        table = _table(options.system, found)
+        table = _table(scenario.name, found)
         if options.csv is None:
             print(table.to_text())
         else:
@@ -46,17 +48,17 @@ def critical(options: argparse.Namespace) -> int:
     """Print critical spins, closed form beside computed."""
     from validation.studies.stability.tables import critical_table, stable_table
 
-    disk, friction = _disk_and_friction(options)
-    ends = options.spin.split(":")
+    scenario = _scenario(options)
+    ends = options.spins.split(":")
     if len(ends) != 2:
-        raise ValueError(f"--spin must be FIRST:LAST, got {options.spin!r}")
+        raise ValueError(f"--spin must be FIRST:LAST, got {options.spins!r}")
     low, high = (written_number("--spin", end) for end in ends)
-    found = critical_speeds(options.system, disk, friction, (low, high), options.motion)
+    found = critical_speeds(scenario, (low, high), options.system, options.motion)
     table = critical_table(found)
     print(f"{table.title}\n{table.to_text() if table.rows else 'none'}")
     if table.note:
         print(table.note)
-    closed = linear_reduced.critical_speed(disk, options.motion)
+    closed = linear_reduced.critical_speed(scenario, options.motion)
     meaning = {
         "hopf": f"a complex pair crosses at {closed.frequency:.6g} rad/s and decays above",
         "static": "without eccentricity, a real eigenvalue crosses",
@@ -66,7 +68,7 @@ def critical(options: argparse.Namespace) -> int:
         f"\nClosed form of the reduced system with any friction, Eq. (126): {closed.spin:.6g} "
         f"rad/s; {meaning}."
     )
-    table = stable_table(disk, friction, (low, high), options.motion)
+    table = stable_table(scenario, (low, high), options.motion)
     print(f"\n{table.title}\n{table.to_text()}")
     return 0
 
@@ -101,33 +103,31 @@ def parse_spins(texts: list[str]) -> Array:
     return np.array(spins)
 
 
-def _disk_and_friction(options: argparse.Namespace) -> tuple[Disk, FrictionLaw]:
-    return DISKS[options.disk], chosen_friction(options)
+def _scenario(options: argparse.Namespace) -> Scenario:
+    """Scenario of the options; a system names its model unless constraints are given."""
+    model = {"full": 1, "reduced": 4}.get(options.system)
+    if model is not None and options.model is None and options.constraints is None:
+        options.model = model
+    return chosen_scenario(options)
 
 
-def _branches(options: argparse.Namespace, spins: Array) -> Branches:
-    disk, friction = _disk_and_friction(options)
+def _branches(options: argparse.Namespace, scenario: Scenario, spins: Array) -> Branches:
     if options.source == "in-house":
-        return spectra.branches(options.system, disk, friction, spins, options.motion)
-    from validation.studies.stability.eigenvalue_check import LEVEL_OF_SYSTEM, engine_matrices
+        return spectra.branches(scenario, spins, options.system, options.motion)
+    from validation.studies.stability.eigenvalue_check import engine_matrices
 
     matrices = engine_matrices(
-        LEVEL_OF_SYSTEM[options.system],
-        spins,
-        formulation=options.formulation,
-        motion=options.motion,
-        disk=disk,
-        friction=friction,
+        scenario, spins, formulation=options.formulation, motion=options.motion
     )
     return Branches(spins=spins, values=spectra.follow(matrices))
 
 
-def _table(system: str, found: Branches) -> Table:
+def _table(name: str, found: Branches) -> Table:
     size = found.values.shape[1]
     heads = [f"{part} {index + 1}" for index in range(size) for part in ("Re λ", "Im λ")]
     return Table(
         name="eigenvalues",
-        title=f"Eigenvalues of the {system} system in 1/s",
+        title=f"Eigenvalues of {name} in 1/s",
         columns=("spin in rad/s", *heads),
         rows=[
             [spin, *np.column_stack((values.real, values.imag)).ravel().tolist()]

@@ -21,7 +21,7 @@ def work_precision(options: argparse.Namespace) -> int:
     from validation.studies.work_precision import study
 
     folder = output_folder("--out", options.out)
-    page, tables = study.main(folder, quick=options.quick, fresh=options.fresh)
+    page, tables = study.make(folder, quick=options.quick, fresh=options.fresh)
     for table in tables:
         print(f"\n{table.title}\n{table.to_text()}")
     print(f"\nOpen {page}")

@@ -94,8 +94,8 @@ def overhead(
 
 
 def _seconds(model: Model, name: IntegratorName | None) -> float:
-    scene = model.scene
-    integrator = find_integrator(scene.built_as, name, constrained=scene.has_constraints)
+    constrained = model.has_constraints(model.scenario)
+    integrator = find_integrator(model.name, name, constrained=constrained)
     spacing = 5e-3
     samples = run(
         model,

@@ -2,16 +2,18 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import pi, sqrt
+from math import pi, radians, sqrt
 
 from analysis import (
     MODELS,
+    POSSIBLE_SETS,
     STEEL_DISK,
     Disk,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
+    Table,
 )
 from validation.studies.robustness.cases import HardProblem
 
@@ -28,8 +30,14 @@ QUICK: dict[str, tuple[str, ...]] = {
     "friction μ": ("0",),
     "start": ("inverted, below critical spin",),
     "sampling, duration": ("2 samples, 0.5 s", "2 samples, rolling fast"),
+    "inclination of the table": ("2°",),
+    "constraint set": (
+        "contact + no-slip-along",
+        "contact + no-slip-along + no-slip-across",
+        "contact + fixed-cog + constant-spin",
+    ),
 }
-"""Labels of the sample of each axis, in Model 1, that the quick version runs."""
+"""Labels of the sample of each axis that the quick version runs, in Model 1 or none of them."""
 
 
 def problems(*, quick: bool) -> list[HardProblem]:
@@ -49,9 +57,13 @@ def problems(*, quick: bool) -> list[HardProblem]:
         found += _rest(base)
         found += _sampling(base)
         found += _long(base)
+        found += _inclination(base)
+    found += _constraint_sets()
     if quick:
         return [
-            each for each in found if each.scenario.model == 1 and each.label in QUICK[each.axis]
+            each
+            for each in found
+            if each.scenario.model in {1, None} and each.label in QUICK[each.axis]
         ]
     return found
 
@@ -288,3 +300,20 @@ def _long(base: Scenario) -> Iterator[HardProblem]:
         samples=5001,
         cover="fastest",
     )
+
+
+def _inclination(base: Scenario) -> Iterator[HardProblem]:
+    for degrees in (2, 30):
+        yield HardProblem(
+            axis="inclination of the table",
+            label=f"{degrees}°",
+            scenario=replace(base, table=Table(inclination=radians(degrees), downhill=1.0)),
+        )
+
+
+def _constraint_sets() -> Iterator[HardProblem]:
+    """Sets of constraints that are none of the paper's models."""
+    for constraints in POSSIBLE_SETS:
+        scenario = Scenario(constraints=constraints)
+        if scenario.model is None:
+            yield HardProblem(axis="constraint set", label=scenario.name, scenario=scenario)

@@ -98,7 +98,8 @@ def ways(problem: HardProblem, *, quick: bool) -> list[Way]:
     if scenario.friction.finest_speed < STIFF:
         methods = ("Radau",)
     forms: tuple[Form, ...] = ("index-1",)
-    if scenario.model == 4 and scenario.friction.load == "weight":
+    by_weight = scenario.friction.load == "weight"
+    if scenario.model == 4 and by_weight and scenario.table.is_horizontal:
         forms = ("index-1", "reduced")
     in_house = [
         Way(source="in-house", formulation=form, integrator=method)

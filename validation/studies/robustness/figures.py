@@ -38,14 +38,17 @@ _LOWEST = 1e-13
 
 
 def verdicts(outcomes: Sequence[Outcome]) -> list[Picture]:
-    """Error or failure of every case, one panel per axis, one picture per model."""
+    """Error or failure of every case, one panel per axis, one picture per model.
+
+    Sets of constraints that are none of the paper's models share a picture.
+    """
     levels = dict.fromkeys(outcome.level for outcome in outcomes)
     return [
         _verdicts(level, [each for each in outcomes if each.level == level]) for level in levels
     ]
 
 
-def _verdicts(level: Level, outcomes: Sequence[Outcome]) -> Picture:
+def _verdicts(level: Level | None, outcomes: Sequence[Outcome]) -> Picture:
     by_axis: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
         by_axis.setdefault(outcome.axis, []).append(outcome)
@@ -78,8 +81,8 @@ def _verdicts(level: Level, outcomes: Sequence[Outcome]) -> Picture:
     _legend(figure, panels.flat[0], {outcome.way.formulation for outcome in outcomes})
     return render(
         figure,
-        name=f"robustness-model-{level}",
-        title=f"Hard cases, Model {level}",
+        name="robustness-other-sets" if level is None else f"robustness-model-{level}",
+        title=f"Hard cases, {'other sets' if level is None else f'Model {level}'}",
         caption=f"Each mark is a run with one integrator; dotted: the {TOLERANCE:g} rad asked "
         "for. Hollow: accurate up to where the contact would have to pull, where the run ends. "
         "Above the line, if there are any: runs without a result. Crosses: results that are "

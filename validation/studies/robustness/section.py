@@ -1,12 +1,17 @@
 """Numerical stability on stiff and extreme cases: the jobs, and the section they fill."""
 
+import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 from analysis import LOADS
-from validation.kit.report import Job, Section
+from validation.kit.full_study import FULL_STUDY
+from validation.kit.provenance import Provenance
+from validation.kit.report import Job, Section, run_jobs, write
+from validation.kit.tables import Table
 from validation.studies.robustness import causes, steps, stored, tables
 from validation.studies.robustness import drift as long_runs
 from validation.studies.robustness import figures as draw
@@ -144,6 +149,42 @@ def section(results: Mapping[Any, Any], *, quick: bool) -> Section:
             tables.all_cases(outcomes),
         ],
     )
+
+
+def make(folder: Path, *, quick: bool = False) -> tuple[Path, list[Table], int]:
+    """Run the study and write its page, figures and tables.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it does not exist. A full study leaves its results there for
+        `validation.studies.robustness.ship`.
+    quick : bool
+        A sample of the cases of Model 1.
+
+    Returns
+    -------
+    page : Path
+    tables : list of Table
+        The tables a terminal should show.
+    wrong : int
+        See `wrong`.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
+    """
+    # The commit may move on while the study runs.
+    begin, provenance = time.perf_counter(), Provenance.here()
+    results = run_jobs(jobs(quick=quick), title="robustness")
+    made = section(results, quick=quick)
+    page = write([made], folder, seconds=time.perf_counter() - begin)
+    if not quick:
+        outcomes = tuple(cases(results, quick=False))
+        full = stored.Study(provenance=provenance, outcomes=outcomes)
+        stored.FILE.write(full, folder / FULL_STUDY)
+    return page, list(made.tables[:2]), wrong(results)
 
 
 def wrong(results: Mapping[Any, Any]) -> int:

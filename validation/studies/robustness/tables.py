@@ -1,5 +1,6 @@
 """Tables of the study of numerical stability."""
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import get_args
 
@@ -150,7 +151,12 @@ def confirmation(pairs: Sequence[tuple[Outcome, Outcome | None]]) -> Table:
             for here, there in known
             if here.verdict != there.verdict
         ]
-        rows.append([axis, len(found), len(known), len(known) - len(other), "; ".join(other)])
+        same = len(known) - len(other)
+        if not known:
+            counts = Counter(here.verdict for here, _ in found).most_common()
+            made = ", ".join(f"{number} {verdict}" for verdict, number in counts)
+            other = [f"not in the full study; here {made}"]
+        rows.append([axis, len(found), len(known), same, "; ".join(other)])
     return Table(
         name="robustness-confirmation",
         title="This run beside the full study",

@@ -1,7 +1,6 @@
 """The methods of the work-precision study, each with its ladder of steps or tolerances."""
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -9,11 +8,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import mbs_models
-from analysis import Form, Scenario, Trajectory
-from analysis.data.checks import Array
+from analysis import Form, Trajectory
 from analysis.data.trajectory import versions
-from analysis.models import index1, reduced
-from analysis.models.effort import longest_step
+from analysis.models.forms import pose
 from mbs_models import Formulation, Integrator, Scene
 from mbs_models.extrapolation import Ladder
 from mbs_models.passes import one_pass
@@ -204,19 +201,19 @@ class InHouseMethod:
         ArithmeticError
             If the integration does not reach its end.
         """
-        function, start = right_hand_side(problem.scenario, self.form)
+        posed = pose(problem.scenario, self.form).problem
         begin = time.process_time()
         # Radau and BDF let the difference step of coordinates that matter to nothing overflow.
         with np.errstate(over="ignore", invalid="ignore"):
             result = solve_ivp(
-                function,
+                posed.right_hand_side,
                 (TIMES[0], TIMES[-1]),
-                start,
+                posed.start,
                 method=self.scheme,
                 t_eval=TIMES,
                 rtol=setting,
                 atol=setting,
-                max_step=longest_step(problem.scenario),
+                max_step=posed.longest_step,
             )
         seconds = time.process_time() - begin
         if not result.success:
@@ -226,22 +223,14 @@ class InHouseMethod:
 
     def trajectory(self, problem: StandardProblem, run: TimedRun) -> Trajectory:
         """Trajectory of a run; adds the constraint forces, outside of its time."""
-        scenario = problem.scenario
-        coordinates, rates = run.values[:, :6], run.values[:, 6:]
-        if self.form == "reduced":
-            start = scenario.initial_state
-            angle = start.coordinates[3] + start.rates[3] * TIMES
-            coordinates, rates = reduced.expand(scenario.disk, start.rates[3], angle, run.values)
-        forces = [
-            index1.accelerations(scenario, z, u)[1]
-            for z, u in zip(coordinates.tolist(), rates.tolist(), strict=True)
-        ]
+        posed = pose(problem.scenario, self.form)
+        coordinates, rates, multipliers = posed.expand(TIMES, run.values)
         return Trajectory(
             times=TIMES,
             coordinates=coordinates,
             rates=rates,
-            multipliers=np.array(forces),
-            scenario=scenario,
+            multipliers=multipliers,
+            scenario=problem.scenario,
             source="in-house",
             method={"form": self.form, "method": self.scheme},
             versions=versions("numpy", "scipy"),
@@ -249,26 +238,6 @@ class InHouseMethod:
 
 
 Method = EngineMethod | InHouseMethod
-
-
-def right_hand_side(scenario: Scenario, form: Form) -> tuple[Callable[[float, Array], Any], Array]:
-    """Right-hand side of the in-house equations, and the start."""
-    start = scenario.initial_state
-    if form == "reduced":
-        spin = start.rates[3]
-
-        def minimal(_t: float, state: Array) -> tuple[float, float, float]:
-            return reduced.right_hand_side(scenario, spin, state.tolist())
-
-        return minimal, np.array((*start.coordinates[4:6], start.rates[4]))
-
-    def full(_t: float, state: Array) -> Array:
-        values = state.tolist()
-        z, u = values[:6], values[6:]
-        acceleration, _forces = index1.accelerations(scenario, z, u)
-        return np.concatenate((u, acceleration))
-
-    return full, start.vector
 
 
 def label(method: Method) -> str:

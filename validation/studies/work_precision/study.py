@@ -117,7 +117,7 @@ def measuring_conditions(quick: bool) -> dict[str, Any]:
     }
 
 
-def jobs(quick: bool, store: Path | None = None) -> list[Job]:
+def jobs(*, quick: bool, store: Path | None = None) -> list[Job]:
     """Everything that is to be computed, under keys that start with "work-precision".
 
     Parameters
@@ -151,15 +151,15 @@ def jobs(quick: bool, store: Path | None = None) -> list[Job]:
     return first + curves + compared
 
 
-def collect(results: Mapping[Any, Any], quick: bool) -> Study:
-    """Study from the results of `jobs(quick)`; other results beside them do not matter.
+def collect(results: Mapping[Any, Any], *, quick: bool) -> Study:
+    """Study from the results of `jobs`; other results beside them do not matter.
 
     Raises
     ------
     KeyError
         If a result is missing.
     """
-    keys = [job.key for job in jobs(quick)]
+    keys = [job.key for job in jobs(quick=quick)]
     agreements = {key[2]: results[key] for key in keys if key[1] == "agreement"}
     return Study(
         provenance=Provenance.here(),
@@ -170,12 +170,12 @@ def collect(results: Mapping[Any, Any], quick: bool) -> Study:
     )
 
 
-def section(results: Mapping[Any, Any], quick: bool) -> Section:
-    """Section of the report from the results of `jobs(quick)`."""
-    return make_section(collect(results, quick))
+def section(results: Mapping[Any, Any], *, quick: bool) -> Section:
+    """Section of the report from the results of `jobs`."""
+    return make_section(collect(results, quick=quick))
 
 
-def main(folder: Path, *, quick: bool = False, fresh: bool = False) -> tuple[Path, list[Table]]:
+def make(folder: Path, *, quick: bool = False, fresh: bool = False) -> tuple[Path, list[Table]]:
     """Run the study, write its page, figures and tables, and keep every finished result.
 
     Parameters
@@ -209,8 +209,8 @@ def main(folder: Path, *, quick: bool = False, fresh: bool = False) -> tuple[Pat
             path.unlink()
     # The commit may move on while the study runs.
     provenance = Provenance.here()
-    results = run_jobs(jobs(quick, store), workers=WORKERS, title="work-precision")
-    study = replace(collect(results, quick), provenance=provenance)
+    results = run_jobs(jobs(quick=quick, store=store), workers=WORKERS, title="work-precision")
+    study = replace(collect(results, quick=quick), provenance=provenance)
     if not quick:
         FILE.write(study, folder / FULL_STUDY)
     made = make_section(study)

@@ -1,0 +1,196 @@
+"""From options of the command line to the scenario that they describe."""
+
+import argparse
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+from analysis import DISKS, Disk, Dissipation, FrictionLaw, PenaltyContact, Scenario, Start, State
+from analysis.data.angles import angle
+from analysis.data.constraint_set import MODELS
+from analysis.data.friction import law_class, law_from
+from analysis.data.scenario_file import load_scenario
+from analysis.data.scenario_keys import RING, SIX
+from validation.commands.options import written_number
+from validation.run import load_run
+
+_ANGLES = ("alpha", "beta", "gamma", "inclination", "downhill")
+_TABLE = ("gravity", "inclination", "downhill")
+_CONTACT = ("stiffness", "damping", "half_thickness", "bilateral")
+_START = tuple(field.name for field in fields(Start))
+_LOSSES = {
+    "rolling": "rolling_dry",
+    "rolling_viscous": "rolling_viscous",
+    "pivoting": "pivoting",
+    "air_drag": "air_drag",
+}
+_FRICTION = {"mu": "coefficient", "eps": "smoothing", "load": "load"}
+
+
+def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scenario:
+    """Scenario of --scenario, or the default one, with what the other options change.
+
+    Parameters
+    ----------
+    options : Namespace
+        Some of those of `validation.parser.groups`; None for what is not given.
+    rest : bool
+        Whether the default is that of the way to rest.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If the file is none, or an option is out of range or does not fit the rest.
+    """
+    with _modules_here():
+        if getattr(options, "law", None) is not None:
+            # A stored run with a law of one's own can be read once that has been imported.
+            law_class(options.law.partition(",")[0])
+        file = None if options.scenario is None else read_scenario(options.scenario)
+        base = file or (Scenario.rest() if rest else Scenario())
+        friction = _friction(options, base.friction)
+    disk = _disk(options, base.disk)
+    computed = file is None and rest
+    return Scenario(
+        constraints=_constraints(options, base),
+        disk=disk,
+        friction=friction,
+        table=replace(base.table, **_given(options, _TABLE)),
+        contact=_rounded(options, disk) if computed else _contact(options, base.contact, disk),
+        dissipation=_dissipation(options, base.dissipation),
+        start=_start(options, base.start),
+    )
+
+
+def read_scenario(path: str) -> Scenario:
+    """Scenario from its file, or from a stored run (.npz) of either kind.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is neither.
+    """
+    return load_run(path).scenario if Path(path).suffix == ".npz" else load_scenario(path)
+
+
+@contextmanager
+def _modules_here() -> Iterator[None]:
+    """Find modules of the working directory, for laws of one's own."""
+    sys.path.insert(0, "")
+    try:
+        yield
+    finally:
+        sys.path.remove("")
+
+
+def _given(options: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
+    """What is given of some options, angles as numbers."""
+    given = {name: getattr(options, name, None) for name in names}
+    return {
+        name: angle(name, value) if name in _ANGLES else value
+        for name, value in given.items()
+        if value is not None
+    }
+
+
+def _constraints(options: argparse.Namespace, base: Scenario) -> Any:
+    if options.model is not None:
+        return MODELS[options.model]
+    if options.constraints is not None:
+        return [name.strip() for name in options.constraints.split(",")]
+    return base.constraints
+
+
+def _disk(options: argparse.Namespace, base: Disk) -> Disk:
+    ring = _given(options, RING)
+    own = _given(options, SIX)
+    if set(ring) <= {"radius"}:
+        return replace(base if options.disk is None else DISKS[options.disk], **own)
+    foreign = [name for name in ("disk", *SIX[1:]) if getattr(options, name) is not None]
+    if foreign:
+        raise ValueError(
+            f"{_option(foreign[0])} does not go together with {_option(list(ring)[-1])}: a disk "
+            "with a round hole is told by its geometry and density"
+        )
+    missing = [name for name in RING if name not in ring]
+    if missing:
+        raise ValueError(f"a disk with a round hole needs {', '.join(map(_option, missing))}, too")
+    return Disk.ring(**ring)
+
+
+def _friction(options: argparse.Namespace, base: FrictionLaw) -> FrictionLaw:
+    law = base
+    if options.law is not None:
+        name, *parameters = options.law.split(",")
+        values: dict[str, Any] = {"law": name, "load": base.load}
+        for parameter in parameters:
+            key, equals, text = parameter.partition("=")
+            if not equals:
+                raise ValueError(
+                    f"--law must hold parameter=value behind its name, got {parameter!r}"
+                )
+            values[key.strip()] = written_number(f"--law: {key.strip()}", text)
+        law = law_from(values)
+    changes = {}
+    for option, name in _FRICTION.items():
+        value = getattr(options, option)
+        if value is None:
+            continue
+        known = [field.name for field in fields(law)]
+        if name not in known:
+            raise ValueError(
+                f"--{option} needs a friction law with a {name}; {type(law).__name__} has "
+                f"{', '.join(known)}, to be given behind --law"
+            )
+        changes[name] = value
+    return replace(law, **changes)
+
+
+def _rounded(options: argparse.Namespace, disk: Disk) -> PenaltyContact:
+    # Its damping follows from the stiffness and the disk, unless it is given.
+    contact = PenaltyContact.rounded(disk, **_given(options, ("stiffness", "half_thickness")))
+    return replace(contact, **_given(options, ("damping", "bilateral")))
+
+
+def _contact(
+    options: argparse.Namespace, base: PenaltyContact | None, disk: Disk
+) -> PenaltyContact | None:
+    given = _given(options, _CONTACT)
+    if base is not None:
+        return replace(base, **given)
+    if not given:
+        return None
+    if "stiffness" not in given:
+        name, value = next(iter(given.items()))
+        raise ValueError(f"{_option(name)} needs the penalty contact of --stiffness, got {value}")
+    return replace(PenaltyContact.damped(given["stiffness"], disk), **given)
+
+
+def _dissipation(options: argparse.Namespace, base: Dissipation) -> Dissipation:
+    given = {
+        name: value
+        for option, name in _LOSSES.items()
+        if (value := getattr(options, option, None)) is not None
+    }
+    return replace(base, **given)
+
+
+def _start(options: argparse.Namespace, base: Start | State) -> Start | State:
+    given = _given(options, _START)
+    if given and isinstance(base, State):
+        raise ValueError(
+            f"{_option(next(iter(given)))} cannot change a start that is told by its coordinates "
+            "and rates; change those"
+        )
+    return replace(base, **given)
+
+
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"

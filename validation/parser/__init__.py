@@ -1,0 +1,1 @@
+"""Parser of the command line; it loads neither NumPy nor the engine."""

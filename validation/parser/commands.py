@@ -1,0 +1,303 @@
+"""The subcommands: what each is called, takes and does."""
+
+import argparse
+from typing import NoReturn
+
+from validation.parser.groups import (
+    FORMS,
+    FORMULATIONS,
+    MOTIONS,
+    SYSTEMS,
+    add_contact,
+    add_problem,
+    add_source,
+    add_start,
+)
+
+
+class Parser(argparse.ArgumentParser):
+    """Parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Exit with code 2 and one line."""
+        self.exit(2, f"{self.prog}: error: {message}\n")
+
+
+INVERSION = (
+    "The disk is inverted from the first time at which its centre of gravity has risen to 90% of "
+    "its largest height above the geometric centre and from which it stays above that centre for "
+    "1 s; if the motion ends before, it is not decided."
+)
+
+
+def add_report(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Report."""
+    report = commands.add_parser(
+        "report",
+        help="run all checks and write them with the paper's figures to one HTML page",
+        description="Run engine and in-house equations, compare them, and write one page of HTML "
+        "with everything in it, the figures as PNG and SVG and the tables as CSV. " + INVERSION,
+    )
+    report.set_defaults(module="basic")
+    report.add_argument(
+        "--out", default="report", metavar="DIR", help="folder to write to (default: %(default)s)"
+    )
+
+
+def add_simulate(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Simulate."""
+    simulate = commands.add_parser(
+        "simulate",
+        help="simulate a scenario and store the motion",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Simulate a scenario and store the motion.\n\n"
+        "The file holds t (N,), q and u (N, 6) in the order x, y, z, alpha, beta, gamma of the\n"
+        "co-rotating coordinates (m, rad, m/s, rad/s), normal_force (N,) in N, multipliers\n"
+        "(N, k), and meta, a JSON string with the scenario, versions and the error estimate.",
+    )
+    simulate.set_defaults(module="basic")
+    add = simulate.add_argument
+    add_source(simulate)
+    add(
+        "--formulation",
+        choices=(*FORMULATIONS, *FORMS),
+        help="engine: floating, floating-lie, euler-tree or contact-tree; in-house: index-1, "
+        "reduced (Model 4) or free-body (with --stiffness); by default the most accurate",
+    )
+    add("--end", type=float, default=2.0, help="end of the simulation in s (2)")
+    add("--samples", type=int, default=201, help="number of evenly spaced samples (201)")
+    accuracy = simulate.add_mutually_exclusive_group()
+    accuracy.add_argument(
+        "--tolerance", type=float, help="largest error of beta and gamma in rad (1e-8)"
+    )
+    accuracy.add_argument("--step", type=float, help="engine only: fixed step in s instead")
+    add(
+        "--allow-pulling",
+        action="store_true",
+        help="go on where the ideal contact would have to pull, instead of ending there",
+    )
+    add("--time-limit", type=float, help="processor time in s after which the run ends")
+    add("--out", required=True, metavar="FILE", help="file to write, .npz")
+    add_problem(simulate)
+    add_contact(simulate)
+    add_start(simulate)
+
+
+def add_show(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Show."""
+    show = commands.add_parser(
+        "show",
+        help="plot stored motions over each other",
+        description="Plot beta, gamma, spinning velocity and normal force of stored motions.",
+    )
+    show.set_defaults(module="basic")
+    show.add_argument("files", nargs="+", metavar="FILE", help="files written by simulate")
+    show.add_argument(
+        "--out", metavar="PICTURE", help="write a .png, .svg or .pdf instead of opening a window"
+    )
+
+
+def add_scenario(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Scenario."""
+    scenario = commands.add_parser(
+        "scenario",
+        help="print a problem as a commented file, to be changed and run",
+        description="Print the whole problem as a TOML file, which says of every key what it is "
+        "and what is allowed: the paper's; or that of a file or a stored run; with what the "
+        "options change.",
+    )
+    scenario.set_defaults(module="scenario")
+    scenario.add_argument(
+        "--rest", action="store_true", help="start from the defaults of `tippedisk rest`"
+    )
+    add_problem(scenario, file=True)
+    add_contact(scenario)
+    add_start(scenario)
+
+
+def add_check(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Check."""
+    check = commands.add_parser(
+        "check",
+        help="compare engine and in-house equations on a scenario of your own",
+        description="Compare accelerations, trajectories and, where they are defined, "
+        "eigenvalues of a scenario between the in-house equations and every formulation of the "
+        "engine that can build it. Exit code 1 if they disagree.",
+    )
+    check.set_defaults(module="scenario")
+    add_problem(check)
+    add_contact(check)
+    add_start(check)
+
+
+def add_eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Eigenvalues."""
+    eigenvalues = commands.add_parser(
+        "eigenvalues",
+        help="eigenvalues of inverted and noninverted spinning",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Eigenvalues of the stationary spinning motions over the spin, in 1/s.\n\n"
+        "full: the eight of Eq. (55), Model 1; reduced: the three of Eq. (111), Model 4;\n"
+        "numeric: those of any constraints, linearised numerically. With --source engine they\n"
+        "come from the engine. Columns follow the branches.",
+    )
+    eigenvalues.set_defaults(module="stability")
+    _add_system(eigenvalues)
+    add = eigenvalues.add_argument
+    add_source(eigenvalues, "in-house")
+    add("--formulation", choices=FORMULATIONS, help="with --source engine: how it is built")
+    add(
+        "--spin",
+        dest="spins",
+        nargs="+",
+        required=True,
+        metavar="SPIN",
+        help="spins in rad/s: values, or first:last:number",
+    )
+    output = eigenvalues.add_mutually_exclusive_group()
+    output.add_argument(
+        "--json", action="store_true", help="print a list with spin, real and imag for each spin"
+    )
+    output.add_argument("--csv", metavar="FILE", help="write a table with full precision")
+    output.add_argument("--plot", metavar="PICTURE", help="write a .png, .svg or .pdf")
+    add_problem(eigenvalues)
+
+
+def add_critical(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Critical."""
+    critical = commands.add_parser(
+        "critical",
+        help="spins at which eigenvalues cross, and at which the spinning is stable",
+        description="Critical spins with their frequency and the side on which the eigenvalue or "
+        "pair that crosses decays, beside the closed form of the reduced system, Eq. (126); and "
+        "for each model the spins at which all of its eigenvalues do.",
+    )
+    critical.set_defaults(module="stability")
+    _add_system(critical)
+    critical.add_argument(
+        "--spin",
+        dest="spins",
+        default="0:60",
+        metavar="FIRST:LAST",
+        help="range in rad/s (default: %(default)s)",
+    )
+    add_problem(critical)
+
+
+def add_scene(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Scene."""
+    scene = commands.add_parser(
+        "scene",
+        help="list what is in a scene of the engine, and why",
+        description="List the nodes, objects, markers and sensors of a scene with the reason for "
+        "each, and count its coordinates, constraints and user functions.",
+    )
+    scene.set_defaults(module="scene")
+    scene.add_argument("--formulation", choices=FORMULATIONS, help="how the disk is built")
+    add_problem(scene)
+    add_contact(scene)
+    add_start(scene)
+
+
+def add_work_precision(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """work-precision."""
+    study = commands.add_parser(
+        "work-precision",
+        help="measure error against run time of every formulation and integrator",
+        description="Run every formulation with every integrator on ladders of steps or "
+        "tolerances and write diagrams, tables and the lesson to one page. An interrupted study "
+        "goes on where it stopped.",
+    )
+    study.set_defaults(module="work_precision", command="work_precision")
+    add = study.add_argument
+    add("--quick", action="store_true", help="a selection, less than a minute")
+    add("--out", default="work-precision", metavar="DIR", help="folder (default: %(default)s)")
+    add("--fresh", action="store_true", help="measure again what is kept")
+
+
+def add_robustness(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Robustness."""
+    study = commands.add_parser(
+        "robustness",
+        help="numerical stability on stiff and extreme cases",
+        description="Run a grid of hard cases in separate processes, classify each from its "
+        "measured error, drift and energy, and write tables and figures to one page.",
+    )
+    study.set_defaults(module="robustness")
+    add = study.add_argument
+    add("--quick", action="store_true", help="a selection, about a minute")
+    add("--out", default="robustness", metavar="DIR", help="folder (default: %(default)s)")
+
+
+def add_rest(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Rest."""
+    rest = commands.add_parser(
+        "rest",
+        help="simulate the disk from the paper's start until it lies still",
+        description="Simulate the disk on a stiff unilateral contact until it lies still, and "
+        "print when each phase began and where the energy went. By default the rim is rounded, "
+        "friction knows the contact force, and nothing but sliding friction and the contact's "
+        "damper takes energy; then the disk does not lie flat. " + INVERSION,
+    )
+    rest.set_defaults(module="rest")
+    add = rest.add_argument
+    add_source(rest)
+    add("--tolerance", type=float, help="largest error in rad and parts of the energy (1e-3)")
+    add("--step", type=float, help="engine only: a single run of fixed steps in s instead")
+    add("--time-limit", type=float, help="processor time in s after which it ends as it is")
+    add("--end", type=float, default=80.0, help="longest time in s (80)")
+    add("--out", metavar="FILE", help="store the motion, .npz")
+    add("--plot", metavar="PICTURE", help="draw the story, .png, .svg or .pdf")
+    add_problem(rest)
+    add_contact(rest)
+    add_start(rest)
+
+
+def add_animate(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """Animate."""
+    animate = commands.add_parser(
+        "animate",
+        help="turn a stored motion into a page that plays it, or a GIF",
+        description="Write a page that plays a motion stored by simulate or rest, and needs no "
+        "network; or, with --out FILE.gif, an animated picture.",
+    )
+    animate.set_defaults(module="animate")
+    add = animate.add_argument
+    add("file", metavar="FILE", help="motion written by simulate or rest, .npz")
+    add("--out", metavar="FILE", help=".html or .gif to write (default: FILE with .html)")
+    add("--begin", type=float, help="in s (default: that of the motion)")
+    add("--end", type=float, help="in s (default: that of the motion)")
+    add("--speed", type=float, help="1 for real time (default: 0.1 until the disk is inverted)")
+    add("--fps", type=float, help="GIF only: frames per second (20)")
+    add("--width", type=int, help="GIF only: width and height in pixels (480)")
+
+
+def _add_system(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--system",
+        choices=SYSTEMS,
+        help="linear system (that of the constraints; full without any)",
+    )
+    parser.add_argument(
+        "--motion",
+        choices=MOTIONS,
+        default="inverted",
+        help="centre of gravity above (default) or below the geometric centre",
+    )
+
+
+SUBCOMMANDS = (
+    add_report,
+    add_simulate,
+    add_show,
+    add_scenario,
+    add_check,
+    add_rest,
+    add_eigenvalues,
+    add_critical,
+    add_scene,
+    add_animate,
+    add_work_precision,
+    add_robustness,
+)
+"""In the order of the help."""

@@ -1,0 +1,55 @@
+"""The parser of the command `tippedisk` as a whole."""
+
+import argparse
+from importlib.metadata import version
+
+from validation.parser.commands import SUBCOMMANDS, Parser
+
+_DESCRIPTION = """\
+The tippedisk: a rigid disk whose centre of gravity lies off its centre. Spun fast about an
+in-plane axis on a table, it turns itself upside down through friction.
+
+Models 1 to 4 each add a constraint: 1 the disk stays on the table, 2 its centre of gravity
+stays above one point, 3 it does not slip along its edge, 4 its spin is constant; other sets of
+constraints go as well. Each runs in the multibody engine Exudyn (--source engine) and in
+independent in-house equations (--source in-house).
+"""
+
+_EPILOG = """\
+examples:
+  tippedisk report                                   everything, as one page in ./report
+  tippedisk simulate --model 1 --out engine.npz      the engine, from the paper's start
+  tippedisk simulate --model 1 --source in-house --out equations.npz
+  tippedisk show engine.npz equations.npz --out compare.png
+  tippedisk scenario > my.toml                       the whole problem as a file, to be changed
+  tippedisk simulate --scenario my.toml --out mine.npz
+  tippedisk check --scenario my.toml                 do engine and equations agree on it?
+  tippedisk simulate --inclination 2deg --law tanh --gamma -pi/2+0.3 --out slope.npz
+  tippedisk eigenvalues --system full --spin 0:50:501 --plot figure-6.png
+  tippedisk critical --system full                   where eigenvalues cross, where it is stable
+  tippedisk rest --rolling 1e-3 --pivoting 5e-5 --plot rest.png
+  tippedisk animate engine.npz                       a page that plays the motion
+
+exit codes:
+  0  done
+  1  done, and a check fails
+  2  wrong call or failed run; one line says what is allowed or what happened
+  3  done, all files are written, but standard output could not be written to
+
+`python -m validation` is the same command.
+"""
+
+
+def parser() -> Parser:
+    """Parser of the command `tippedisk`."""
+    top = Parser(
+        prog="tippedisk",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    top.add_argument("--version", action="version", version=f"tippedisk {version('tippedisk')}")
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for add in SUBCOMMANDS:
+        add(commands)
+    return top
