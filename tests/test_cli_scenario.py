@@ -321,12 +321,15 @@ def test_check_answers_by_its_exit_code(
     ):
         checks = [made_check(difference) for difference in differences]
 
-        def answer(scenario: Scenario, found: list[crosscheck.Check] = checks) -> Any:
+        def answer(
+            scenario: Scenario, *, found: list[crosscheck.Check] = checks, **how: float
+        ) -> Any:
+            assert how == {"states": 10, "end": 2.0}
             asked.append(scenario)
             return found
 
         monkeypatch.setattr(crosscheck, "check_scenario", answer)
-        assert cli.main(["check", "--mu", "0.2"]) == code
+        assert cli.main(["check", "--mu", "0.2", "--states", "10"]) == code
         assert capsys.readouterr().out.endswith(f"{verdict}\n")
     assert asked == [chosen("--mu 0.2")] * 2
 

@@ -19,6 +19,7 @@ from mbs_models.runs import run
 from tests.scenes import rest_scene, scenario_of, scene_of
 from validation import cli
 from validation.commands.scene import scene_table
+from validation.parser.top import parser
 from validation.studies import lean
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
@@ -216,7 +217,7 @@ def test_price_of_friction_that_does_nothing_is_measured() -> None:
 
 
 def test_start_up_is_measured_for_every_subcommand() -> None:
-    actions = cli._parser()._actions
+    actions = parser()._actions
     (commands,) = (each for each in actions if isinstance(each, argparse._SubParsersAction))
     assert {call.split()[0] for call in lean.START_UPS} == set(commands.choices)
     for modules in lean.START_UPS.values():
