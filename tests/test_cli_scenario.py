@@ -293,6 +293,14 @@ def test_scenario_of_a_stored_run_of_either_kind_is_printed(
     assert SpatialMotion.load(motion).scenario.start == Start(height=0.001)
 
 
+@pytest.mark.parametrize("source", ["engine", "in-house"])
+def test_way_to_rest_on_an_ideal_contact_is_refused_with_the_way_out(
+    source: str, file: Callable[[Scenario], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["rest", "--source", source, "--scenario", file(PAPER)]) == 2
+    assert "give --stiffness and --half-thickness, or the table [co" in capsys.readouterr().err
+
+
 def test_scene_lists_a_scenario_of_ones_own(
     file: Callable[[Scenario], str], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -257,7 +257,8 @@ def _add_system(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--system",
         choices=SYSTEMS,
-        help="linear system (that of the constraints; full without any)",
+        help="full and reduced stand for Models 1 and 4, unless constraints are given; by default "
+        "that of the constraints, numeric if there is none",
     )
     parser.add_argument(
         "--motion",
