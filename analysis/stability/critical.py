@@ -16,8 +16,8 @@ from scipy.optimize import brentq
 from analysis.data.checks import Array, number
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.hopf_points import spin_scale
 from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.scope import spin_scale
 from analysis.stability.spectra import (
     Branches,
     System,
