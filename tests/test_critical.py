@@ -274,3 +274,13 @@ def test_a_round_disk_has_no_event_out_of_rounding(constraints: ConstraintSet) -
         replace(PAPER, constraints=constraints, disk=CENTRED_DISK), (0.0, 30.0)
     )
     assert len(found.crossings) + len(found.pair_changes) <= 3
+
+
+def test_two_eigenvalues_that_meet_at_zero_undamped_are_no_crossing() -> None:
+    found = critical_speeds(
+        replace(PAPER, constraints=("contact", "no-slip-across"), disk=CENTRED_DISK)
+    )
+    assert found.crossings == ()
+    (change,) = found.pair_changes
+    assert change.value == pytest.approx(0.0, abs=1e-2)
+    assert change.complex_side == "above"
