@@ -23,6 +23,7 @@ from analysis import (
 from analysis.models import equations, index1
 from analysis.rest import free_disk
 from mbs_models import Scene
+from validation.run import run
 from validation.studies import crosscheck
 from validation.studies.crosscheck import Check
 
@@ -135,14 +136,14 @@ def test_wrong_sign_on_one_side_is_found(name: str, monkeypatch: pytest.MonkeyPa
 
 
 def test_motions_that_end_otherwise_do_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene, run = Scene(Scenario(start=FAST)), crosscheck.run
+    scene = Scene(Scenario(start=FAST))
 
     def let(scenario: Scenario, times: object, **options: object) -> object:
         pulls = options.get("source") != "in-house"
         return run(scenario, times, allow_pulling=pulls, **options)  # type: ignore[arg-type]
 
     crosscheck.reference.cache_clear()
-    monkeypatch.setattr(crosscheck, "run", let)
+    monkeypatch.setattr("validation.studies.crosscheck.run", let)
     check = crosscheck.check_trajectory(scene, 0.02)
     assert check.verdict is False
     assert check.detail.startswith("engine runs through; in-house ended at t = 0.0158")

@@ -225,13 +225,10 @@ def _penalty_differences(scene: Scene, state: State) -> tuple[float, float]:
 def _derivative(function: Callable[[float], Array], step: float) -> Array:
     """Derivative at 0 by central differences of eighth order."""
     weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
-    result: Array = (
-        sum(
-            weight * (function(k * step) - function(-k * step))
-            for k, weight in enumerate(weights, 1)
-        )
-        / step
-    )
+    differences = [
+        weight * (function(k * step) - function(-k * step)) for k, weight in enumerate(weights, 1)
+    ]
+    result: Array = np.sum(differences, axis=0) / step
     return result
 
 
