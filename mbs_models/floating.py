@@ -37,6 +37,12 @@ class Floating(Model):
     # The square of the norm of the Euler parameters is one.
     own_equations: ClassVar[tuple[float, ...]] = (1.0,)
 
+    _outputs = (
+        _OUTPUT.Position,
+        _OUTPUT.RotationMatrix,
+        _OUTPUT.Velocity,
+        _OUTPUT.AngularVelocity,
+    )
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
     def __init__(self, scenario: Scenario) -> None:
@@ -197,21 +203,8 @@ class Floating(Model):
             "takes the disk's axis along with the carrier",
         )
 
-    def record(self) -> Array:
-        return np.concatenate(
-            [
-                self.system.GetNodeOutput(self._node, output)
-                for output in (
-                    _OUTPUT.Position,
-                    _OUTPUT.RotationMatrix,
-                    _OUTPUT.Velocity,
-                    _OUTPUT.AngularVelocity,
-                )
-            ]
-        )
-
     def decode(self, records: Array) -> tuple[Array, Array]:
-        position, velocity, angular = records[:, :3], records[:, 12:15], records[:, 15:]
+        position, velocity, angular = records[:, :3], records[:, 12:15], records[:, 15:18]
         rotation = records[:, 3:12].reshape(-1, 3, 3)
         return frames.from_poses(position, rotation, velocity, angular)
 

@@ -34,28 +34,44 @@ UPWARD = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 def per_speed(law: FrictionLaw) -> PerSpeed:
     """Friction law for the engine; a law of the user's own is taken as it is."""
-    if isinstance(law, SmoothCoulomb):
-        coefficient, smoothing = law.coefficient, law.smoothing
-        return lambda speed: coefficient / (speed + smoothing)
-    if isinstance(law, Stribeck):
-        kinetic, drop, smoothing = law.kinetic, law.static - law.kinetic, law.smoothing
-        narrowness = 1.0 / law.stribeck_speed**2
-        return lambda speed: (
-            (kinetic + drop * exp(-narrowness * speed * speed)) / (smoothing + speed)
-        )
-    if isinstance(law, TanhCoulomb):
-        coefficient, smoothing = law.coefficient, law.smoothing
-        gradient = coefficient / smoothing
-        # Below a ten-thousandth of the smoothing, (x/s)^2 / 3 is all that tanh bends.
-        return lambda speed: (
-            coefficient * tanh(speed / smoothing) / speed
-            if speed > 1e-4 * smoothing
-            else gradient - gradient * (speed / smoothing) ** 2 / 3.0
-        )
-    if isinstance(law, ViscousFriction):
-        viscosity = law.viscosity
-        return lambda _speed: viscosity
-    return law.per_speed
+    written = _WRITTEN.get(type(law))
+    return law.per_speed if written is None else written(law)
+
+
+def _smooth_coulomb(law: SmoothCoulomb) -> PerSpeed:
+    coefficient, smoothing = law.coefficient, law.smoothing
+    return lambda speed: coefficient / (speed + smoothing)
+
+
+def _stribeck(law: Stribeck) -> PerSpeed:
+    kinetic, drop, smoothing = law.kinetic, law.static - law.kinetic, law.smoothing
+    narrowness = 1.0 / law.stribeck_speed**2
+    return lambda speed: (kinetic + drop * exp(-narrowness * speed * speed)) / (smoothing + speed)
+
+
+def _tanh(law: TanhCoulomb) -> PerSpeed:
+    coefficient, smoothing = law.coefficient, law.smoothing
+    gradient = coefficient / smoothing
+    # Below a ten-thousandth of the smoothing, (x/s)^2 / 3 is all that tanh bends.
+    return lambda speed: (
+        coefficient * tanh(speed / smoothing) / speed
+        if speed > 1e-4 * smoothing
+        else gradient - gradient * (speed / smoothing) ** 2 / 3.0
+    )
+
+
+def _viscous(law: ViscousFriction) -> PerSpeed:
+    viscosity = law.viscosity
+    return lambda _speed: viscosity
+
+
+_WRITTEN: dict[type[FrictionLaw], Callable[[Any], PerSpeed]] = {
+    SmoothCoulomb: _smooth_coulomb,
+    Stribeck: _stribeck,
+    TanhCoulomb: _tanh,
+    ViscousFriction: _viscous,
+}
+"""Laws written a second time. What derives from one of them may differ, so it is not of it."""
 
 
 def friction_load(scenario: Scenario, contact: list[int]) -> Load:

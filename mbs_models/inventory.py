@@ -47,7 +47,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inventory:
-    """All items of a scene as it runs, with its sensor.
+    """All items of a scene as it runs, with its sensors.
 
     Parameters
     ----------
@@ -104,7 +104,6 @@ def inventory(scene: Scene) -> Inventory:
         If an item has no recorded reason to be there.
     """
     model = build(scene)
-    model.add_sensor()
     return Inventory(scene=scene, items=tuple(_items(model)))
 
 

@@ -1,7 +1,6 @@
 """An assembled engine system, and the way from its coordinates to the paper's."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from math import sqrt
 from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
@@ -63,6 +62,11 @@ class Model(ABC):
     closes_contact: ClassVar[bool] = False
     """Whether the contact is closed without a constraint; its force comes from accelerations."""
 
+    _outputs: ClassVar[tuple[Any, ...]]
+    """Output variables of the disk's node that make up a record."""
+
+    _node: int
+
     own_equations: ClassVar[tuple[float, ...]] = ()
     """Sizes of the terms of algebraic equations besides those of the constraints."""
 
@@ -89,15 +93,13 @@ class Model(ABC):
         self._cog: int | None = None
         self._spin: int | None = None
         self._build()
+        self._sensors = self._add_sensors()
+        # What is added later needs this anew, which forgets initial accelerations.
         self.system.Assemble()
 
     @abstractmethod
     def _build(self) -> None:
         """Add nodes, bodies, markers and joints to `system`."""
-
-    @abstractmethod
-    def record(self) -> Array:
-        """Pose and velocity in the engine's current state, shape (k,)."""
 
     @abstractmethod
     def decode(self, records: Array) -> tuple[Array, Array]:
@@ -153,33 +155,42 @@ class Model(ABC):
             columns.append(-algebraic[:, self._equations(self._spin)[0]])
         return np.column_stack(columns)
 
-    def add_sensor(self, read: Callable[[], Array] | None = None) -> int:
-        """Add the one sensor of a run: all that is sampled, read at the same instant.
+    def _readings(self) -> list[tuple[int, Any]]:
+        """Nodes, and their output variables, which make up a record."""
+        return [(self._node, output) for output in self._outputs]
 
-        Parameters
-        ----------
-        read : callable, optional
-            What to store after the time; by default `record` and the algebraic coordinates.
-        """
-        data = self.system.systemData
+    def record(self) -> Array:
+        """Pose and velocity in the engine's current state, shape (k,)."""
+        return np.concatenate(
+            [self.system.GetNodeOutput(node, output) for node, output in self._readings()]
+        )
 
-        def sample(*_unused: Any) -> Array:
-            if read is not None:
-                return read()
-            return np.concatenate((self.record(), data.GetAECoordinates()))
-
-        sensor = self._add(
-            items.SensorUserFunction(
+    def _add_sensors(self) -> list[int]:
+        """Add what is sampled in a run: the record, and the algebraic coordinates if any."""
+        data, store = self.system.systemData, {"storeInternal": True, "writeToFile": False}
+        sensors = [
+            self._add(
+                items.SensorNode(nodeNumber=node, outputVariableType=output, **store),
+                f"{output.name} at every sample",
+            )
+            for node, output in self._readings()
+        ]
+        if self.has_constraints(self.scenario):
+            forces = items.SensorUserFunction(
                 sensorNumbers=[],
                 factors=[],
-                storeInternal=True,
-                writeToFile=False,
-                sensorUserFunction=sample,
-            ),
-            "state and forces at every sample, by a user function",
-        )
-        self.system.Assemble()
-        return sensor
+                sensorUserFunction=lambda *_unused: data.GetAECoordinates(),
+                **store,
+            )
+            why = "constraint forces at every sample, by a user function"
+            sensors.append(self._add(forces, why))
+        return sensors
+
+    def samples(self) -> tuple[Array, Array]:
+        """Times in s, shape (n,), and what the sensors have stored in a run, shape (n, k)."""
+        stored = [np.array(self.system.GetSensorStoredData(sensor)) for sensor in self._sensors]
+        stored = [np.atleast_2d(values) for values in stored]
+        return stored[0][:, 0], np.hstack([values[:, 1:] for values in stored])
 
     def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
         """Constraint residuals of the start; a penalty contact is no constraint.

@@ -14,8 +14,9 @@ from analysis.data.watch import Watch
 from mbs_models.build import build
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
+from mbs_models.probe import Probe
 from mbs_models.pulling import Dip, dips, pulling_times, zero
-from mbs_models.runs import EngineError, Samples, run
+from mbs_models.runs import EngineError, Samples, Start, run, settle
 from mbs_models.scene import Scene
 
 NEARLY_FLAT = 0.1
@@ -171,9 +172,11 @@ class _Runner:
     ) -> _Block:
         """Samples of one stretch of even spacing."""
         model = self._build(scene)
-        finer, substeps = self._fineness(scene, spacing, substeps)
+        start = None if self.moments else self._checked_start(model)
+        finer, substeps = self._fineness(model, spacing, substeps)
         period = spacing / finer
         stop = _Stop(model, self._watch, begin, self._end)
+        stops = self._must_not_pull(model) and model.contact_equation is not None
         failure: EngineError | None = None
         try:
             samples = run(
@@ -182,7 +185,8 @@ class _Runner:
                 spacing=period,
                 intervals=intervals * finer,
                 substeps=substeps,
-                stop=stop if not self._watch.is_idle or self._must_not_pull(model) else None,
+                start=start,
+                stop=stop if stops or not self._watch.is_idle else None,
             )
         except EngineError as error:
             if error.samples is None:
@@ -218,6 +222,20 @@ class _Runner:
         if ended == "contact would pull" and kept[-1] != len(values) - 1:
             kept = np.append(kept, len(values) - 1)
         return _Block(values[kept], ended, float(moments[kept[-1]]))
+
+    def _checked_start(self, model: Model) -> Start:
+        """Raise if the start breaks a constraint, or needs a contact that pulls and must not."""
+        probe = Probe(model)
+        probe.check_start()
+        start = settle(model, probe)
+        if self._must_not_pull(model):
+            force = float(probe.multipliers(*start)[0])
+            if force < 0.0:
+                raise ValueError(
+                    f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
+                    "allow_pulling lets it"
+                )
+        return start
 
     def _must_not_pull(self, model: Model) -> bool:
         return model.may_pull and not self._allow
@@ -280,16 +298,15 @@ class _Runner:
         self.counts.update(samples.counts)
         self.seconds += samples.seconds
 
-    def _fineness(self, scene: Scene, spacing: float, substeps: int) -> tuple[int, int]:
+    def _fineness(self, model: Model, spacing: float, substeps: int) -> tuple[int, int]:
         """Records per sample, and steps per record.
 
         Less than about a radian lies between two records, so that neither turns nor a contact
         that pulls are missed. That is estimated from the rates at the start, and from those that
         the fall of the disk can add.
         """
-        scenario = scene.scenario
-        fall = np.sqrt(scenario.table.gravity / scenario.disk.radius)
-        fastest = 2.0 * (sum(abs(rate) for rate in scenario.initial_state.rates[3:]) + fall)
+        fall = np.sqrt(model.scenario.table.gravity / model.scenario.disk.radius)
+        fastest = 2.0 * (sum(abs(rate) for rate in model.start.rates[3:]) + fall)
         needed = int(np.ceil(fastest * spacing))
         if self._integrator.controls_step:
             return needed, int(np.ceil(substeps / needed))

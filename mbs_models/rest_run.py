@@ -9,7 +9,7 @@ import numpy as np
 from analysis.data.checks import Array, TimeLimitError
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import Disk
-from analysis.data.dissipation import RestCriterion
+from analysis.data.dissipation import CAUSES, RestCriterion
 from analysis.data.endings import Ending
 from analysis.data.trajectory import Setting
 from analysis.data.watch import Watch
@@ -133,11 +133,10 @@ class RestRun:
         self._watch, self._step, self._local_tolerance = watch, step, local_tolerance
         self._end, self._calls = 0.0, 0
         self._model = Tally(scene.scenario)
-        self._sensor = self._model.add_sensor(self._record)
         self._limiter = StepLimiter(spacing, MINIMUM_STEP)
         if step is None:
             self._model.system.SetPreStepUserFunction(self._before_step)
-        self._records: list[Array] = [self._record()[None]]
+        self._records: list[Array] = [self._model.record()[None]]
 
     def until_rest(self, count: int, criterion: RestCriterion) -> int | None:
         """Run over so many sampling intervals; number of the sample at which rest began."""
@@ -172,10 +171,9 @@ class RestRun:
     @property
     def records(self) -> Array:
         """Position of G, rotation, velocity, angular velocity and energy taken, shape (n, 24)."""
-        return np.concatenate(self._records)
-
-    def _record(self) -> Array:
-        return np.concatenate((self._model.record(), self._model.taken))
+        units = np.repeat((1.0, self._model.unit), (18, len(CAUSES)))
+        result: Array = np.concatenate(self._records) * units
+        return result
 
     def _before_step(self, system: Any, moment: float) -> bool:
         """Limit the step, and end the run where its time is over."""
@@ -204,7 +202,7 @@ class RestRun:
             raise EngineError(
                 f"engine run stopped after t = {self._time:.6g} s: {cause}"
             ) from error
-        stored = np.array(system.GetSensorStoredData(self._sensor))[:, 1:]
+        _, stored = self._model.samples()
         if len(stored) != intervals + 1 or not np.all(np.isfinite(stored)):
             raise EngineError(f"engine run stopped after t = {self._time:.6g} s")
         data, iteration = system.systemData, system.sys["dynamicSolver"].it

@@ -70,6 +70,7 @@ def run(
     spacing: float,
     intervals: int,
     substeps: int,
+    start: "Start | None" = None,
     stop: Stop | None = None,
 ) -> Samples:
     """Run a model from its initial state and sample it evenly; samples fall on steps.
@@ -85,6 +86,8 @@ def run(
         Number of such intervals.
     substeps : int
         Steps per interval; the least number of them if the integrator controls its step.
+    start : Start, optional
+        What `settle` has returned, if it has been called.
     stop : callable, optional
         Ends the run early.
 
@@ -100,9 +103,7 @@ def run(
         If the run did not reach its end with finite results, or step control gave up.
     """
     system = model.system
-    sensor = model.add_sensor()
-    accelerates = integrator.implicit or model.closes_contact
-    start = _set_initial_accelerations(model) if accelerates else _Start()
+    start = start or _start(model, integrator)
     if integrator.implicit:
         complete_jacobian(model)
     settings = _settings(model, integrator, spacing * intervals, intervals * substeps)
@@ -137,7 +138,7 @@ def run(
         failure = error
     if raised:
         raise raised[0]
-    samples = _samples(model, integrator, sensor, start, spacing)
+    samples = _samples(model, integrator, start, spacing)
     complete = len(samples.records) == intervals + 1 or bool(stopped)
     samples = replace(
         samples, seconds=time.process_time() - begin, stopped=stopped[0] if stopped else None
@@ -147,29 +148,27 @@ def run(
     return samples
 
 
-class _Start(NamedTuple):
+class Start(NamedTuple):
     """Second derivatives of the engine's coordinates and multipliers at the start."""
 
     accelerations: Array = np.zeros(0)
     algebraic: Array = np.zeros(0)
 
 
-def _samples(
-    model: Model, integrator: Integrator, sensor: int, start: _Start, spacing: float
-) -> Samples:
-    """What the sensor has stored at multiples of `spacing`, as far as it is finite."""
-    stored = np.atleast_2d(np.array(model.system.GetSensorStoredData(sensor)))
+def _samples(model: Model, integrator: Integrator, start: Start, spacing: float) -> Samples:
+    """What the sensors have stored at multiples of `spacing`, as far as it is finite."""
+    times, stored = model.samples()
     places = spacing * np.arange(len(stored))
-    good = np.all(np.isfinite(stored), axis=1) & (np.abs(stored[:, 0] - places) < 0.5 * spacing)
+    good = np.all(np.isfinite(stored), axis=1) & (np.abs(times - places) < 0.5 * spacing)
     stored = stored[: len(good) if np.all(good) else int(np.argmin(good))]
     unknowns = len(model.record())
     # The engine's own first sample holds neither.
-    stored[:1, 1 + unknowns :] = start.algebraic
+    stored[:1, unknowns:] = start.algebraic
     if model.closes_contact:
-        stored[:1, 1 + unknowns - start.accelerations.size : 1 + unknowns] = start.accelerations
+        stored[:1, unknowns - start.accelerations.size : unknowns] = start.accelerations
     return Samples(
-        records=stored[:, 1 : 1 + unknowns],
-        algebraic=stored[:, 1 + unknowns :],
+        records=stored[:, :unknowns],
+        algebraic=stored[:, unknowns:],
         counts=_counts(model.system.sys["dynamicSolver"], integrator),
     )
 
@@ -232,21 +231,28 @@ def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
     }
 
 
-def _set_initial_accelerations(model: Model) -> _Start:
+def _start(model: Model, integrator: Integrator) -> Start:
+    """Start of a run, with accelerations where somebody wants them."""
+    if integrator.implicit or model.closes_contact:
+        return settle(model, Probe(model))
+    return Start()
+
+
+def settle(model: Model, probe: Probe) -> Start:
     """Give the engine its own accurate initial accelerations, and return them.
 
     Left to itself the engine starts from a contact force of zero, which a friction law may want
     to know, and leaves out terms of velocity-level joints. Either makes every later result
     first-order accurate.
     """
-    probe, data = Probe(model), model.system.systemData
+    data = model.system.systemData
     if model.has_constraints(model.scenario):
         velocities = probe.admissible_velocities().tolist()
         data.SetODE2Coordinates_t(velocities, exu.ConfigurationType.Initial)
         data.SetODE2Coordinates_t(velocities)
     second_derivatives, algebraic = probe.solve()
     data.SetODE2Coordinates_tt(second_derivatives.tolist(), exu.ConfigurationType.Initial)
-    return _Start(second_derivatives, algebraic)
+    return Start(second_derivatives, algebraic)
 
 
 def _settings(model: Model, integrator: Integrator, duration: float, steps: int) -> Any:

@@ -14,12 +14,10 @@ from analysis.data.state import FlatError
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models.advice import advice
-from mbs_models.build import build
 from mbs_models.effort import HALVINGS, simulation_effort
 from mbs_models.extrapolation import FINEST, Ladder
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.passes import Pass, one_pass
-from mbs_models.probe import Probe
 from mbs_models.runs import EngineError
 from mbs_models.scene import Scene
 
@@ -103,7 +101,6 @@ def simulate(
         )
     simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
     watch = Watch(time_limit, progress)
-    _check_start(scene, allow_pulling=allow_pulling)
 
     def run(largest: float, halvings: int = 0) -> Pass:
         return one_pass(
@@ -125,21 +122,6 @@ def simulate(
     except (EngineError, ToleranceError, TimeLimitError) as error:
         raise type(error)(f"{error}; {advice(scene, chosen)}") from error
     return trajectory(scene, chosen, result, watch=watch, tolerance=tolerance, estimate=estimate)
-
-
-def _check_start(scene: Scene, *, allow_pulling: bool) -> None:
-    """Raise if the start breaks a constraint, or needs a contact that pulls and must not."""
-    model = build(scene)
-    probe = Probe(model)
-    probe.check_start()
-    if not model.may_pull or allow_pulling:
-        return
-    force = float(probe.multipliers(*probe.solve())[0])
-    if force < 0.0:
-        raise ValueError(
-            f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
-            "allow_pulling lets it"
-        )
 
 
 def trajectory(

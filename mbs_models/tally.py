@@ -4,9 +4,7 @@ from typing import Any
 
 import exudyn as exu
 import exudyn.itemInterface as items
-import numpy as np
 
-from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from mbs_models.floating import FloatingLie
 
@@ -19,12 +17,17 @@ class Tally(FloatingLie):
     The energies are variables of order 1 with the powers as their rates: they go through the same
     stages of the integrator as the motion, under the same control of the step. They are held
     relative to weight times radius, since step control has one tolerance for all variables.
+
+    Attributes
+    ----------
+    unit : float
+        Weight times radius in J, in which records hold the energies.
     """
 
     def _hold(self) -> None:
         super()._hold()
         zeros = [0.0] * len(CAUSES)
-        self._unit = self.scenario.weight * self.scenario.disk.radius
+        self.unit = self.scenario.weight * self.scenario.disk.radius
         self._energies = self._add(
             items.NodeGenericODE1(
                 referenceCoordinates=zeros,
@@ -49,10 +52,7 @@ class Tally(FloatingLie):
         load = self.loads.at(
             output(_OUTPUT.Position)[2], (matrix[2], matrix[5], matrix[8]), (x, y, z), (p, q, r)
         )
-        return [power / self._unit for power in load.taken]
+        return [power / self.unit for power in load.taken]
 
-    @property
-    def taken(self) -> Array:
-        """Energy in J taken so far by each of `CAUSES`, shape (6,)."""
-        energies: Array = np.array(self.system.GetNodeOutput(self._energies, _OUTPUT.Coordinates))
-        return energies * self._unit
+    def _readings(self) -> list[tuple[int, Any]]:
+        return [*super()._readings(), (self._energies, _OUTPUT.Coordinates)]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from math import cos, sin
-from typing import Any
+from typing import Any, ClassVar
 
 import exudyn as exu
 import exudyn.itemInterface as items
@@ -21,16 +21,16 @@ from mbs_models.friction import (
 from mbs_models.model import Model, Residual
 from mbs_models.penalty import euler_tree_contact
 
-_JOINT = exu.JointType
+_JOINT, _OUTPUT = exu.JointType, exu.OutputVariableType
 
 
 class _Tree(Model):
     """A chain of massless links with the disk at its end."""
 
     has_euler_angles = True
+    _outputs: ClassVar[tuple[Any, ...]] = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t)
 
     _law: Callable[[Scenario, Load], Force]
-    _node: int
     _tree: int
 
     def _add_tree(
@@ -84,10 +84,6 @@ class _Tree(Model):
             data.GetODE2CoordinatesTotal().tolist(),
             data.GetODE2Coordinates_t().tolist(),
         )
-
-    def record(self) -> Array:
-        data = self.system.systemData
-        return np.concatenate((data.GetODE2Coordinates(), data.GetODE2Coordinates_t()))
 
 
 class EulerTree(_Tree):
@@ -162,6 +158,8 @@ class ContactTree(_Tree):
 
     name = "contact-tree"
     closes_contact = True
+    # No constraint carries the contact force, so it is taken from the accelerations.
+    _outputs = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t, _OUTPUT.Coordinates_tt)
 
     _law = staticmethod(contact_tree_force)
 
@@ -198,11 +196,6 @@ class ContactTree(_Tree):
             np.array((alpha, x, y - r * cos(beta), beta, gamma)),
             np.array((ad, xd, yd + r * sin(beta) * bd, bd, gd)),
         )
-
-    def record(self) -> Array:
-        # No constraint carries the contact force, so it is taken from the accelerations.
-        accelerations = self.system.systemData.GetODE2Coordinates_tt()
-        return np.concatenate((super().record(), accelerations))
 
     def decode(self, records: Array) -> tuple[Array, Array]:
         r = self.scenario.disk.radius

@@ -23,7 +23,8 @@ from validation.parser.top import parser
 from validation.studies import lean
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
-SENSOR = ["sensor UserFunction"]
+READ = ["sensor Node"]
+FORCES = ["sensor UserFunction"]
 
 TREE = ["node GenericODE2", "object KinematicTree"]
 TABLE = ["object Ground", "marker BodyRigid"]
@@ -37,19 +38,20 @@ SPIN = [
 ]
 BODY = ["object RigidBody", "marker BodyMass", "load MassProportional"]
 FRICTION = ["marker BodyRigid", "object ConnectorRigidBodySpringDamper"]
+HELD_BODY = [*BODY, *TABLE, "marker BodyRigid", FRICTION[1], *(4 * READ)]
 CARRIER = ["node 1D", "object RotationalMass1D", "marker BodyRigid", "object JointGeneric"]
 
 
 def expected(level: Level, formulation: Formulation, *, rough: bool) -> list[str]:
     if formulation == "contact-tree":
-        return TREE + SENSOR
+        return TREE + 3 * READ
     if formulation == "euler-tree":
         marker = ["marker KinematicTreeRigid"]
-        listed = TREE + SENSOR + TABLE + CONTACT + marker
+        listed = TREE + 2 * READ + FORCES + TABLE + CONTACT + marker
         listed += COG + marker if level >= 2 else []
         return listed + (SPIN if level >= 4 else [])
     node = "RigidBodyEP" if formulation == "floating" else "RigidBodyRotVecLG"
-    listed = [f"node {node}", *BODY, *SENSOR, *TABLE, *CONTACT, "marker BodyRigid"]
+    listed = [f"node {node}", *BODY, *(4 * READ), *FORCES, *TABLE, *CONTACT, "marker BodyRigid"]
     listed += FRICTION if rough else []
     listed += [*COG, "marker BodyRigid"] if level >= 2 else []
     return listed + (CARRIER + SPIN if level >= 4 else [])
@@ -75,7 +77,7 @@ def test_scene_holds_what_it_needs_and_nothing_else(
     scene = scene_of(level, formulation, friction=friction)
     found = inventory(scene)
     assert listed(found) == sorted(expected(level, formulation, rough=rough))
-    assert found.user_functions == 1 + rough
+    assert found.user_functions == scene.has_constraints + rough
     assert not unused_markers(scene)
 
 
@@ -99,12 +101,9 @@ def test_counts_are_those_of_the_assembled_system(
 @pytest.mark.parametrize(
     ("formulation", "items"),
     [
-        ("euler-tree", TREE),
-        ("floating", ["node RigidBodyEP", *BODY, *TABLE, "marker BodyRigid", FRICTION[1]]),
-        (
-            "floating-lie",
-            ["node RigidBodyRotVecLG", *BODY, *TABLE, "marker BodyRigid", FRICTION[1]],
-        ),
+        ("euler-tree", [*TREE, *(2 * READ)]),
+        ("floating", ["node RigidBodyEP", *HELD_BODY, *FORCES]),
+        ("floating-lie", ["node RigidBodyRotVecLG", *HELD_BODY]),
     ],
 )
 def test_penalty_contact_needs_one_force_law_and_no_joint(
@@ -116,7 +115,7 @@ def test_penalty_contact_needs_one_force_law_and_no_joint(
         contact=PenaltyContact(stiffness=1e5),
         friction=SmoothCoulomb() if rough else SMOOTH,
     )
-    assert listed(inventory(scene)) == sorted(items + SENSOR)
+    assert listed(inventory(scene)) == sorted(items)
     assert not unused_markers(scene)
 
 
@@ -135,7 +134,7 @@ def test_rest_scene_has_one_connector_which_names_what_is_on(
     dissipation: Dissipation, named: str
 ) -> None:
     found = inventory(rest_scene(dissipation=dissipation))
-    items = ["node RigidBodyRotVecLG", *BODY, *TABLE, "marker BodyRigid", FRICTION[1], *SENSOR]
+    items = ["node RigidBodyRotVecLG", *HELD_BODY]
     assert listed(found) == sorted(items)
     assert found.equations == 0
     assert sum(item.why.startswith(named) for item in found.items) == 1
@@ -201,7 +200,7 @@ def test_joint_with_six_axes_holds_the_same_motion() -> None:
     assert abs(ends[0] - ends[1]).max() < 1e-9
 
 
-def test_price_of_friction_that_does_nothing_is_measured() -> None:
+def test_cost_of_friction_that_does_nothing_is_measured() -> None:
     frictionless = scene_of(2, "floating", friction=SMOOTH)
 
     def carried() -> Model:
@@ -209,11 +208,11 @@ def test_price_of_friction_that_does_nothing_is_measured() -> None:
         BALLAST["friction of coefficient zero"](model)
         return model
 
-    found = lean.price("part", "scene", carried, lambda: build(frictionless), repeats=2)
+    found = lean.overhead("part", "scene", carried, lambda: build(frictionless), repeats=2)
     assert found.carried > 0.0
     assert found.left_out > 0.0
     assert found.spread >= 1.0
-    assert len(lean.price_table([found]).rows) == 1
+    assert len(lean.overhead_table([found]).rows) == 1
 
 
 def test_start_up_is_measured_for_every_subcommand() -> None:

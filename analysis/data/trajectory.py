@@ -5,6 +5,7 @@ import os
 import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cache
 from importlib.metadata import version
 from typing import Any, Literal, get_args
 
@@ -226,7 +227,11 @@ def stored_meta(text: Any) -> dict[str, Any]:
 
 def versions(*packages: str) -> dict[str, str]:
     """Versions of Python and of these packages."""
-    return {"python": platform.python_version()} | {name: version(name) for name in packages}
+    return {"python": platform.python_version()} | {name: _version(name) for name in packages}
+
+
+# Reading one takes as long as the shortest runs.
+_version = cache(version)
 
 
 def _column(name: str) -> int:
