@@ -36,6 +36,7 @@ from analysis.rest.free_disk import FreeDisk
 from analysis.rest.to_rest import start_vector
 from analysis.stability import spectra
 from mbs_models import Formulation, Scene
+from validation.kit.progress import counted
 from validation.kit.report import Job, Section
 from validation.kit.tables import Cell, Table
 from validation.run import run, run_effort
@@ -108,7 +109,7 @@ def check_scenario(scenario: Scenario, *, states: int = 100, end: float = END) -
     """
     return [
         check
-        for formulation in mbs_models.formulations(scenario)
+        for formulation in counted(mbs_models.formulations(scenario), "formulations")
         for check in check_formulation(scenario, formulation, states=states, end=end)
     ]
 
