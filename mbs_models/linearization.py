@@ -118,12 +118,13 @@ def _chart(scene: Scene) -> _Chart:
     names = independent_coordinates(constraints)
     places = [COORDINATES.index(name.removesuffix("_rate")) for name in names]
     moves = np.array([name.endswith("_rate") for name in names])
-    # Steps keep the slip below a thousandth of its finest speed, since the friction law's
-    # derivative has a kink at zero slip, and below 1e-4 of the size of the disk and of a turn.
-    slip = 1e-3 * scenario.friction.finest_speed
+    # Steps keep the slip below 0.3 % of its finest speed, since the friction law's
+    # derivative has a kink at zero slip, and below 3e-4 of the size of the disk and of a turn.
+    # Shorter ones would lose digits to the engine's rounding.
+    slip = 3e-3 * scenario.friction.finest_speed
     turning = abs(spin) + 1.0
-    length = min(1e-4 * disk.radius, slip / turning)
-    angle = min(1e-4, slip / (turning * disk.radius))
+    length = min(3e-4 * disk.radius, slip / turning)
+    angle = min(3e-4, slip / (turning * disk.radius))
     steps = {"x": length, "y": length, "beta": angle, "gamma": angle}
     steps |= {"x_rate": slip, "y_rate": slip}
     steps |= {"beta_rate": slip / disk.radius, "gamma_rate": slip / disk.radius}

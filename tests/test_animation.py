@@ -15,28 +15,21 @@ import numpy as np
 import pytest
 from PIL.GifImagePlugin import GifImageFile
 
-from analysis import (
-    STEEL_DISK,
-    Dissipation,
-    PenaltyContact,
-    SmoothCoulomb,
-    SpatialMotion,
-    Trajectory,
-    simulate,
-)
+from analysis import STEEL_DISK, Scenario, SpatialMotion, Trajectory, simulate
 from analysis.data import frames
 from analysis.data.checks import Array
 from tests.helpers import random_trajectory
 from validation import cli
 from validation.kit import report
 from validation.kit.animation import gif as animation_gif
-from validation.kit.animation.keyframes import Motion, keyframes
+from validation.kit.animation.keyframes import keyframes
 from validation.kit.animation.player import LEVELS, Animation, encode, player
+from validation.run import StoredRun
 
 
 @cache
 def inversion() -> Trajectory:
-    return simulate(1, np.linspace(0.0, 1.6, 161), tolerance=1e-6)
+    return simulate(Scenario(), np.linspace(0.0, 1.6, 161), tolerance=1e-6)
 
 
 def turning(samples: int, spin: float) -> Trajectory:
@@ -50,9 +43,7 @@ def turning(samples: int, spin: float) -> Trajectory:
         coordinates=start + times[:, None] * rates,
         rates=rates,
         multipliers=np.ones((samples, 1)),
-        level=1,
-        disk=STEEL_DISK,
-        friction=SmoothCoulomb(),
+        scenario=Scenario(),
         source="in-house",
         method={},
     )
@@ -75,16 +66,13 @@ def tumbling(samples: int = 101, rate: float = 2.0) -> SpatialMotion:
         normal_force=zeros[:, 0],
         energies=zeros,
         dissipated=np.zeros((samples, 6)),
-        disk=STEEL_DISK,
-        friction=SmoothCoulomb(load="contact"),
-        contact=PenaltyContact.rounded(STEEL_DISK),
-        dissipation=Dissipation(),
+        scenario=Scenario.rest(),
         source="engine",
         rest_time=0.75,
     )
 
 
-MOTIONS: dict[str, Callable[[], Motion]] = {"trajectory": inversion, "spatial": tumbling}
+MOTIONS: dict[str, Callable[[], StoredRun]] = {"trajectory": inversion, "spatial": tumbling}
 
 
 def embedded(page: str) -> dict[str, Any]:
@@ -103,7 +91,7 @@ def decoded(data: dict[str, Any]) -> tuple[Array, Array]:
     return times, low + step * columns
 
 
-def poses(motion: Motion) -> tuple[Array, Array]:
+def poses(motion: StoredRun) -> tuple[Array, Array]:
     if isinstance(motion, SpatialMotion):
         return motion.positions, motion.rotations
     return frames.poses(motion.coordinates)

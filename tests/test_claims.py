@@ -8,17 +8,15 @@ import numpy as np
 import pytest
 
 from analysis import (
-    STEEL_DISK,
     Inversion,
     Level,
     Load,
+    Scenario,
     SmoothCoulomb,
     Trajectory,
-    energies,
     simulate,
 )
-from analysis.models import equations, index1
-from analysis.models.pure_rolling import simulate_pure_rolling
+from analysis.models import index1
 from tests.helpers import random_trajectory
 from validation.studies.claims import (
     attraction,
@@ -29,7 +27,7 @@ from validation.studies.claims import (
     pure_rolling,
     start_spins,
 )
-from validation.studies.claims.attraction import Results, Start
+from validation.studies.claims.attraction import RandomStart, Results
 from validation.studies.claims.claim import Claim, falls, grade, table
 from validation.studies.claims.start_spins import LeastSpin
 
@@ -38,7 +36,8 @@ from validation.studies.claims.start_spins import LeastSpin
 def model_1(load: Load = "weight") -> Trajectory:
     """From Table 3 over 2 s."""
     times = np.linspace(0.0, 2.0, 401)
-    return simulate(1, times, friction=SmoothCoulomb(load=load), local_tolerance=1e-8)
+    scenario = Scenario(friction=SmoothCoulomb(load=load))
+    return simulate(scenario, times, local_tolerance=1e-8)
 
 
 def upright(gamma: np.ndarray, times: np.ndarray) -> Trajectory:
@@ -162,7 +161,7 @@ def test_contact_matrix_is_singular_at_the_coefficient_found() -> None:
         # Sliding along e_y without turning.
         u = np.array([0.0, speed, 0.0, 0.0, 0.0, 0.0])
         try:
-            index1.accelerations(1, STEEL_DISK, friction, z, u)
+            index1.accelerations(Scenario(friction=friction), z, u)
         except ArithmeticError:
             return True
         return False
@@ -179,7 +178,7 @@ def test_no_attitude_needs_less_friction_to_be_singular() -> None:
     run = random_trajectory(1)
     coordinates = run.coordinates.copy()
     coordinates[:, 4:] = rng.uniform((0.05, -np.pi), (np.pi - 0.05, np.pi), (5, 2))
-    run = replace(run, coordinates=coordinates, disk=STEEL_DISK)
+    run = replace(run, coordinates=coordinates, scenario=Scenario())
     assert np.min(contact_matrix.least_coefficients(run, any_slip=True)) >= least
     actual = contact_matrix.least_coefficients(run, any_slip=False)
     assert np.all(actual >= contact_matrix.least_coefficients(run, any_slip=True))
@@ -269,33 +268,36 @@ def test_subcritical_start_does_not_invert_and_supercritical_does() -> None:
 
 
 def test_random_starts_are_the_same_every_time_and_differ_by_number() -> None:
-    start = Start(level=1, tilt="any tilt", spin=40.0, number=3)
-    assert start.state() == start.state()
-    assert start.state() != replace(start, number=4).state()
-    one, other = start.state(), replace(start, spin=50.0, level=4).state()
+    start = RandomStart(level=1, tilt="any tilt", spin=40.0, number=3)
+    assert start.scenario == start.scenario
+    assert start.scenario != replace(start, number=4).scenario
+    one, other = (
+        each.scenario.initial_state for each in (start, replace(start, spin=50.0, level=4))
+    )
     assert one.coordinates[4:] == other.coordinates[4:]
-    near = [replace(start, tilt="near upright", number=n).state() for n in range(50)]
-    assert max(abs(state.coordinates[4] - np.pi / 2) for state in near) <= 0.2
+    near = [replace(start, tilt="near upright", number=n).scenario for n in range(50)]
+    tilts = [scenario.initial_state.coordinates[4] - np.pi / 2 for scenario in near]
+    assert max(map(abs, tilts)) <= 0.2
 
 
-@pytest.mark.parametrize("level", attraction.MODELS)
+@pytest.mark.parametrize("level", attraction.LEVELS)
 def test_motion_that_comes_to_need_a_pulling_contact_is_told_apart(level: Level) -> None:
-    start = Start(level=level, tilt="any tilt", spin=100.0, number=0)
+    start = RandomStart(level=level, tilt="any tilt", spin=100.0, number=0)
     assert attraction.outcome(start) == "contact would pull"
 
 
 def test_disk_that_falls_is_flat() -> None:
-    start = Start(level=4, tilt="near upright", spin=25.0, number=0)
+    start = RandomStart(level=4, tilt="near upright", spin=25.0, number=0)
     assert attraction.outcome(start) == "flat"
 
 
 def stored(share: float = 1.0) -> Results:
     """Twenty starts of each kind, of which a share is inverted."""
     return {
-        Start(level=level, tilt=tilt, spin=spin, number=number): (
+        RandomStart(level=level, tilt=tilt, spin=spin, number=number): (
             "inverted" if number < 20 * share else "not inverted"
         )
-        for level in attraction.MODELS
+        for level in attraction.LEVELS
         for tilt in attraction.TILTS
         for spin in attraction.SPINS
         for number in range(20)
@@ -329,7 +331,7 @@ def test_attraction_is_judged_by_the_worst_supercritical_spin() -> None:
     assert attraction.claim(stored()).verdict == "yes"
     assert attraction.claim(stored(0.9)).verdict == "no"
     one = stored()
-    key = Start(level=1, tilt="any tilt", spin=50.0, number=0)
+    key = RandomStart(level=1, tilt="any tilt", spin=50.0, number=0)
     other = replace(key, number=1)
     assert attraction.claim(one | {key: "not inverted"}).verdict == "yes"
     assert attraction.claim(one | {key: "flat", other: "flat"}).verdict == "partly"
@@ -361,31 +363,20 @@ def test_study_writes_one_line_for_every_start(
     assert str(out) in capsys.readouterr().out
 
 
-def test_pure_rolling_keeps_its_constraints_and_its_energy() -> None:
-    times = np.linspace(0.0, 1.0, 101)
-    coordinates, rates = simulate_pure_rolling(times, 40.0)
-    slips = [
-        equations.tangential_directions(STEEL_DISK, z).T @ u
-        for z, u in zip(coordinates, rates, strict=True)
-    ]
-    assert np.max(np.abs(slips)) < 1e-7
-    height = STEEL_DISK.radius * np.sin(coordinates[:, 4])
-    np.testing.assert_allclose(coordinates[:, 2], height, atol=1e-9)
-    energy = np.add(*energies(STEEL_DISK, coordinates, rates))
-    np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
-
-
 def test_friction_tends_to_pure_rolling() -> None:
     times = np.linspace(0.0, 0.5, 51)
-    rolled = simulate_pure_rolling(times, 40.0)[0][:, 5]
+    limit = Scenario(constraints=pure_rolling.PURE_ROLLING)
+    rolled = simulate(limit, times, local_tolerance=1e-8).coordinate("gamma")
     errors = []
     for coefficient in (3e3, 3e4):
-        friction = SmoothCoulomb(coefficient=coefficient)
-        slipping = simulate(1, times, friction=friction, method="LSODA", local_tolerance=1e-8)
+        scenario = Scenario(friction=SmoothCoulomb(coefficient=coefficient))
+        slipping = simulate(scenario, times, method="LSODA", local_tolerance=1e-8)
         errors.append(np.max(np.abs(slipping.coordinate("gamma") - rolled)))
     assert errors[1] < 0.15 * errors[0] < 0.01
 
 
-def test_pure_rolling_names_what_is_out_of_range() -> None:
-    with pytest.raises(ValueError, match="spin must be a finite number, got nan"):
-        simulate_pure_rolling([0.0, 1.0], float("nan"))
+def test_pure_rolling_is_the_same_in_the_engine() -> None:
+    engine, inhouse = pure_rolling.slip(np.inf)
+    difference = np.abs(engine.cog_direction - inhouse.cog_direction)
+    assert np.max(difference[engine.times <= 1.0]) < 1e-3
+    assert np.max(engine.cog_direction) == pytest.approx(np.max(inhouse.cog_direction), abs=1e-4)

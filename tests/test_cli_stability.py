@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import mbs_models
+from analysis import MOTIONS
 from analysis.stability import spectra
 from validation import cli
 from validation.parser import groups
@@ -22,16 +23,27 @@ def run(call: str) -> int:
 
 def test_choices_are_those_of_the_packages() -> None:
     assert groups.SYSTEMS == spectra.SYSTEMS
-    assert groups.MOTIONS == mbs_models.MOTIONS
+    assert groups.MOTIONS == MOTIONS
     assert groups.FORMULATIONS == mbs_models.FORMULATIONS
 
 
-@pytest.mark.parametrize(("system", "size"), [("full", 8), ("reduced", 3), ("model2", 4)])
+@pytest.mark.parametrize(
+    ("system", "size"),
+    [
+        ("", 8),
+        ("--system full", 8),
+        ("--system reduced", 3),
+        ("--model 4", 3),
+        ("--model 2", 4),
+        ("--system numeric --model 3", 3),
+        ("--constraints contact,no-slip-along", 7),
+    ],
+)
 @pytest.mark.parametrize("source", groups.SOURCES)
 def test_json_holds_every_eigenvalue(
     system: str, size: int, source: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(f"eigenvalues --system {system} --source {source} --spin 0:40:3 --json") == 0
+    assert run(f"eigenvalues {system} --source {source} --spin 0:40:3 --json") == 0
     rows = json.loads(capsys.readouterr().out)
     assert [row["spin"] for row in rows] == [0.0, 20.0, 40.0]
     assert all(len(row["real"]) == len(row["imag"]) == size for row in rows)
@@ -71,6 +83,11 @@ def test_critical_says_why_there_is_no_crossing(capsys: pytest.CaptureFixture[st
 
 
 BAD = [
+    ("eigenvalues --spin 1 --system full --model 2", "Model 2"),
+    ("eigenvalues --spin 1 --system reduced --model 1", "Model 1"),
+    ("eigenvalues --spin 1 --inclination 1deg", "needs a horizontal table, got an inclination"),
+    ("eigenvalues --spin 1 --source engine --inclination 1deg", "needs a horizontal table"),
+    ("critical --inclination 1deg", "needs a horizontal table, got an inclination of 0.0174533"),
     ("eigenvalues --spin 5:1:10", "--spin must have FIRST < LAST, got '5:1:10'"),
     ("eigenvalues --spin x", "--spin must be a finite number, got 'x'"),
     ("eigenvalues --spin nan", "--spin must be a finite number, got nan"),

@@ -16,22 +16,24 @@ from analysis import (
     LAWS,
     LEVELS,
     LOADS,
-    STEEL_DISK,
     FrictionLaw,
     Level,
     Load,
+    Scenario,
     SmoothCoulomb,
+    Start,
     Stribeck,
     TanhCoulomb,
     Trajectory,
     ViscousFriction,
-    consistent_start,
 )
 from analysis.data.friction import law_from, law_values
 from analysis.models import index1
-from analysis.stability import linear_full, linear_reduced
-from mbs_models import Formulation, Scene, formulations
+from analysis.stability import spectra
+from analysis.stability.spectra import SYSTEMS, System
+from mbs_models import Scene, formulations
 from mbs_models.friction import per_speed
+from tests.helpers import model
 from validation import cli
 
 TIMES = np.linspace(0.0, 0.2, 21)
@@ -92,13 +94,12 @@ def test_stribeck_without_a_drop_is_the_papers_law() -> None:
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("law", [*OTHERS, SquareRoot()], ids=name)
 def test_accelerations_agree_under_every_law(law: FrictionLaw, level: Level, load: Load) -> None:
-    law = replace(law, load=load)
-    start = consistent_start(level, STEEL_DISK, beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
-    expected, forces = index1.accelerations(level, STEEL_DISK, law, start.coordinates, start.rates)
-    for formulation in formulations(level):
-        if formulation == "contact-tree" and load == "contact":
-            continue
-        scene = Scene(level=level, formulation=formulation, friction=law, start=start)
+    start = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
+    scenario = model(level, friction=replace(law, load=load), start=start)
+    state = scenario.initial_state
+    expected, forces = index1.accelerations(scenario, state.coordinates, state.rates)
+    for formulation in formulations(scenario):
+        scene = Scene(scenario=scenario, formulation=formulation)
         found, multipliers = mbs_models.acceleration(scene)
         np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-7)
         np.testing.assert_allclose(multipliers, forces, rtol=1e-8, atol=1e-8)
@@ -106,44 +107,43 @@ def test_accelerations_agree_under_every_law(law: FrictionLaw, level: Level, loa
 
 @pytest.mark.parametrize("law", [*OTHERS, SquareRoot()], ids=name)
 def test_motions_agree_under_every_law(law: FrictionLaw) -> None:
-    cases: tuple[tuple[Level, Formulation], ...] = ((1, "contact-tree"), (4, "euler-tree"))
-    for level, formulation in cases:
-        truth = analysis.simulate(level, TIMES, friction=law, tolerance=1e-10)
-        scene = Scene(level=level, formulation=formulation, friction=law)
-        run = mbs_models.simulate(scene, TIMES, tolerance=1e-7)
+    for level in (1, 4):
+        scenario = model(level, friction=law)
+        truth = analysis.simulate(scenario, TIMES, tolerance=1e-10)
+        run = mbs_models.simulate(Scene(scenario=scenario), TIMES, tolerance=1e-7)
         np.testing.assert_allclose(run.coordinates, truth.coordinates, atol=2e-7)
 
 
 @pytest.mark.parametrize("law", OTHERS, ids=name)
 def test_reduced_and_full_equations_agree_under_every_law(law: FrictionLaw) -> None:
     full, reduced = (
-        analysis.simulate(4, TIMES, friction=law, form=form, tolerance=1e-10)
-        for form in analysis.FORMS
+        analysis.simulate(model(4, friction=law), TIMES, form=form, tolerance=1e-10)
+        for form in ("index-1", "reduced")
     )
     np.testing.assert_allclose(reduced.coordinates, full.coordinates, atol=1e-9)
 
 
+@pytest.mark.parametrize("system", SYSTEMS)
 @pytest.mark.parametrize("law", OTHERS, ids=name)
-def test_linear_stability_depends_on_the_gradient_alone(law: FrictionLaw) -> None:
+def test_linear_stability_depends_on_the_gradient_alone(law: FrictionLaw, system: System) -> None:
+    level: Level = 4 if system == "reduced" else 1
     papers = SmoothCoulomb(coefficient=law.gradient, smoothing=1.0)
     spins = np.linspace(10.0, 50.0, 9)
     found, expected = (
-        linear_full.full_system(STEEL_DISK, each, spins).state_matrices for each in (law, papers)
+        spectra.state_matrices(model(level, friction=each), spins, system)
+        for each in (law, papers)
     )
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-9)
-    found, expected = (
-        linear_reduced.reduced_matrices(STEEL_DISK, each, spins) for each in (law, papers)
-    )
-    np.testing.assert_allclose(found, expected, rtol=1e-13)
 
 
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("law", OTHERS, ids=name)
 def test_engine_eigenvalues_depend_on_the_gradient_alone(law: FrictionLaw, level: Level) -> None:
     papers = SmoothCoulomb(coefficient=law.gradient * 0.1, smoothing=0.1)
+    start = Start.stationary(25.0)
     found, expected = (
         np.sort_complex(
-            mbs_models.eigenvalues(mbs_models.stationary_scene(level, 25.0, friction=each))
+            mbs_models.eigenvalues(Scene(scenario=model(level, friction=each, start=start)))
         )
         for each in (law, papers)
     )
@@ -152,9 +152,9 @@ def test_engine_eigenvalues_depend_on_the_gradient_alone(law: FrictionLaw, level
 
 @pytest.mark.parametrize("law", [*SHIPPED, SquareRoot(coefficient=0.2)], ids=name)
 def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -> None:
-    run = analysis.simulate(1, TIMES, friction=law, local_tolerance=1e-4)
+    run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
     run.save(tmp_path / "run.npz")
-    assert Trajectory.load(tmp_path / "run.npz").friction == law
+    assert Trajectory.load(tmp_path / "run.npz").scenario.friction == law
     assert law_from(law_values(law)) == law
 
 
@@ -194,8 +194,8 @@ def test_command_line_takes_a_law(law: str, tmp_path: Path) -> None:
         call = ["simulate", "--source", source, "--law", law, "--end", "0.2", "--samples", "21"]
         assert cli.main([*call, "--tolerance", "1e-7", "--out", str(out)]) == 0
         runs.append(Trajectory.load(out))
-    assert runs[0].friction == runs[1].friction
-    assert type(runs[0].friction) is LAWS[law.partition(",")[0]]
+    assert runs[0].scenario == runs[1].scenario
+    assert type(runs[0].scenario.friction) is LAWS[law.partition(",")[0]]
     np.testing.assert_allclose(runs[0].coordinates, runs[1].coordinates, atol=2e-7)
     assert cli.main(["critical", "--system", "reduced", "--law", law]) == 0
 
@@ -204,11 +204,24 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     text = (Path(__file__).parent.parent / "README.md").read_text()
     begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
     (tmp_path / "rough.py").write_text(text[begin : text.index("```", begin)])
-    call = [sys.executable, "-m", "validation", "simulate", "--law"]
-    call += ["rough:SquareRoot,coefficient=0.2", "--end", "0.1", "--out", "own.npz"]
-    subprocess.run(call, cwd=tmp_path, check=True)
+
+    def tippedisk(*words: str) -> subprocess.CompletedProcess[str]:
+        call = [sys.executable, "-m", "validation", *words]
+        return subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
+
+    law = "--law=rough:SquareRoot,coefficient=0.2"
+    assert tippedisk("simulate", law, "--end=0.1", "--out=own.npz").returncode == 0
     with pytest.raises(ValueError, match="'rough:SquareRoot' must be imported first"):
         Trajectory.load(tmp_path / "own.npz")
+    # A stored run executes nothing: its law comes from the file of a scenario, or from --law.
+    assert "must be imported first" in tippedisk("scenario", "own.npz").stderr
+    again = tippedisk("scenario", "own.npz", law)
+    (tmp_path / "own.toml").write_text(again.stdout)
+    assert tippedisk("scenario", "own.toml").stdout == again.stdout
+    assert 'law = "rough:SquareRoot"' in again.stdout
+    assert "coefficient = 0.2" in again.stdout
+    words = ("simulate", "--scenario=own.toml", "--source=in-house", "--end=0.1")
+    assert tippedisk(*words, "--out=again.npz").returncode == 0
 
 
 @pytest.mark.parametrize(

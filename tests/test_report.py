@@ -12,7 +12,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from analysis import LEVELS, LOADS, Level, Load, SmoothCoulomb, Trajectory, simulate
+from analysis import (
+    LEVELS,
+    LOADS,
+    MODELS,
+    Level,
+    Load,
+    Scenario,
+    SmoothCoulomb,
+    Trajectory,
+    simulate,
+)
 from validation.kit import figures
 from validation.studies import inversion
 from validation.studies.claims.claim import VERDICTS
@@ -30,7 +40,8 @@ FIGURES = {
 @cache
 def run(level: Level, load: Load, end: float, tolerance: float) -> Trajectory:
     times = np.linspace(0.0, end, round(100 * end) + 1)
-    return simulate(level, times, friction=SmoothCoulomb(load=load), local_tolerance=tolerance)
+    scenario = Scenario(constraints=MODELS[level], friction=SmoothCoulomb(load=load))
+    return simulate(scenario, times, local_tolerance=tolerance)
 
 
 def pair(level: Level, load: Load, end: float) -> tuple[Trajectory, Trajectory]:

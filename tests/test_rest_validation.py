@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis import STEEL_DISK, Dissipation, PenaltyContact, SmoothCoulomb, SpatialMotion
+from analysis import STEEL_DISK, Scenario, SpatialMotion
 from analysis.data.checks import Array
 from validation.cli import main
 from validation.studies.rest import contact as rest_contact
@@ -49,7 +49,7 @@ def test_command_drops_the_disk_from_a_height(
     arguments = ["rest", "--source", "in-house", "--height", "5e-3", "--end", "0.1"]
     assert main([*arguments, "--out", str(out)]) == 0
     motion = SpatialMotion.load(out)
-    assert motion.positions[0, 2] - motion.disk.radius == pytest.approx(5e-3)
+    assert motion.positions[0, 2] - motion.scenario.disk.radius == pytest.approx(5e-3)
     assert motion.normal_force[0] == 0.0
     assert motion.energy_taken("damping")[-1] > 0.01
     assert "estimated error" in capsys.readouterr().out
@@ -72,7 +72,7 @@ def test_command_says_that_a_time_limit_ended_it(capsys: pytest.CaptureFixture[s
         (["--step", "1"], "step must not exceed"),
         (["--step", "1e-4", "--tolerance", "1"], "give either step or tolerance, not both"),
         (["--step", "1e-4", "--source", "in-house"], "--step must be left out with --source"),
-        (["--height", "-1"], "--height must not be negative, got -1"),
+        (["--height", "-1"], "height must not be negative, got -1"),
         (["--tolerance", "0"], "tolerance must be positive, got 0"),
         (["--out", "rest.txt"], "--out must end in .npz, got 'rest.txt'"),
         (["--plot", "nowhere/rest.png"], "--plot must lie in an existing folder"),
@@ -111,7 +111,8 @@ def test_fit_finds_the_law_and_its_deviation() -> None:
     tilts = (10.0 + 0.02 * times) ** -0.5
     tilts[times >= rest_creep.TIMES[1]] *= 1.01
     zeros = np.zeros((times.size, 3))
-    height = 1.5 * STEEL_DISK.weight * STEEL_DISK.radius * np.sin(tilts)
+    scenario = Scenario.rest()
+    height = 1.5 * scenario.weight * STEEL_DISK.radius * np.sin(tilts)
     motion = SpatialMotion(
         times=times,
         positions=zeros,
@@ -124,10 +125,7 @@ def test_fit_finds_the_law_and_its_deviation() -> None:
         normal_force=zeros[:, 0],
         energies=np.column_stack((zeros[:, 0], height, zeros[:, 0])),
         dissipated=np.zeros((times.size, 6)),
-        disk=STEEL_DISK,
-        friction=SmoothCoulomb(),
-        contact=PenaltyContact.rounded(STEEL_DISK),
-        dissipation=Dissipation(),
+        scenario=scenario,
         source="in-house",
     )
     found = rest_creep.fit(motion)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 import analysis
 from analysis import Progress, RestCriterion, Scenario, SpatialMotion, Trajectory
 from analysis.data.checks import choice, increasing_times
+from analysis.data.endings import StopWhen
 from analysis.data.limits import Effort
 from analysis.data.trajectory import SOURCES, Source
 from analysis.models import effort as inhouse_effort
@@ -38,6 +39,7 @@ def run(
     integrator: "Integrator | IntegratorName | None" = None,
     local_tolerance: float | None = None,
     method: str | None = None,
+    stop_when: StopWhen | None = None,
     allow_pulling: bool = False,
     time_limit: float | None = None,
     progress: Progress | None = None,
@@ -60,7 +62,7 @@ def run(
         Of the engine alone; see `mbs_models.simulate`.
     local_tolerance, method
         Of the in-house equations alone; see `analysis.simulate`.
-    allow_pulling, time_limit, progress
+    stop_when, allow_pulling, time_limit, progress
         As both sides take them.
 
     Raises
@@ -77,6 +79,7 @@ def run(
         local_tolerance=local_tolerance,
         method=method,
         tolerance=tolerance,
+        stop_when=stop_when,
     )
     given |= {"allow_pulling": allow_pulling, "time_limit": time_limit, "progress": progress}
     if source == "in-house":

@@ -60,15 +60,17 @@ def accelerations(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Arra
     matrix[:6, :6] = equations.mass_matrix(disk, z)
     matrix[:6, 6:] = -W.T
     matrix[6:, :6] = W
-    by_contact = scenario.rubs and scenario.friction.load == "contact"
+    rubs = scenario.rubs
+    by_contact = rubs and scenario.friction.load == "contact"
     right = np.zeros((6 + n, 2 if by_contact else 1), order="F")
-    right[:6, 0] = equations.gyroscopic_forces(disk, z, u)
-    right[:6, 0] += equations.gravity_forces(disk, scenario.table, z)
-    right[6:, 0] = -constraints.acceleration_terms(held, disk, z, u)
+    forces = equations.gyroscopic_forces(disk, z, u)
+    forces += equations.gravity_forces(disk, scenario.table, z)
     if by_contact:
         right[:6, 1] = friction_per_load(scenario, z, u)
-    elif scenario.rubs:
-        right[:6, 0] += scenario.weight * friction_per_load(scenario, z, u)
+    elif rubs:
+        forces += scenario.weight * friction_per_load(scenario, z, u)
+    right[:6, 0] = forces
+    right[6:, 0] = -constraints.acceleration_terms(held, disk, z, u)
     _, _, solution, info = dgesv(matrix, right, overwrite_a=True, overwrite_b=True)
     if info != 0:
         raise ArithmeticError(

@@ -57,6 +57,11 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
         )
     step = None if options.step is None else positive("--step", options.step)
     scenario = chosen_scenario(options, rest=True)
+    if scenario.contact is None:
+        raise ValueError(
+            "the way to rest needs a penalty contact, and the scenario's is ideal; give "
+            "--stiffness and --half-thickness, or the table [contact]"
+        )
     effort = rest_effort(scenario, end, source=options.source, step=step)
     announce("rest", effort, options.time_limit)
     with progress_bar() as progress:

@@ -3,6 +3,7 @@
 import argparse
 
 from analysis.data.scenario_file import scenario_text
+from validation.commands.options import chosen_end
 from validation.commands.scenarios import chosen_scenario
 
 
@@ -14,10 +15,12 @@ def scenario(options: argparse.Namespace) -> int:
 
 def check(options: argparse.Namespace) -> int:
     """Print how the engine and the in-house equations agree; 1 if they do not."""
-    chosen = chosen_scenario(options)
+    chosen, end = chosen_scenario(options), chosen_end(options)
+    if options.states < 1:
+        raise ValueError(f"--states must be at least 1, got {options.states}")
     from validation.studies import crosscheck
 
-    checks = crosscheck.check_scenario(chosen)
+    checks = crosscheck.check_scenario(chosen, states=options.states, end=end)
     table = crosscheck.table(checks)
     print(f"{table.title}\n{table.to_text()}")
     failed = sum(each.verdict is False for each in checks)

@@ -37,7 +37,7 @@ def eigenvalues(options: argparse.Namespace) -> int:
     else:
         table = _table(scenario.name, found)
         if options.csv is None:
-            print(table.to_text())
+            print(f"{table.title}\n{table.to_text()}")
         else:
             with whole_file(options.csv) as stream:
                 stream.write(table.to_csv().encode())

@@ -8,10 +8,9 @@ from validation.parser.groups import (
     FORMULATIONS,
     MOTIONS,
     SYSTEMS,
-    add_contact,
     add_problem,
+    add_scenario,
     add_source,
-    add_start,
 )
 
 
@@ -30,8 +29,7 @@ INVERSION = (
 )
 
 
-def add_report(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Report."""
+def _report(commands: "argparse._SubParsersAction[Parser]") -> None:
     report = commands.add_parser(
         "report",
         help="run all checks and write them with the paper's figures to one HTML page",
@@ -44,8 +42,7 @@ def add_report(commands: "argparse._SubParsersAction[Parser]") -> None:
     )
 
 
-def add_simulate(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Simulate."""
+def _simulate(commands: "argparse._SubParsersAction[Parser]") -> None:
     simulate = commands.add_parser(
         "simulate",
         help="simulate a scenario and store the motion",
@@ -78,13 +75,10 @@ def add_simulate(commands: "argparse._SubParsersAction[Parser]") -> None:
     )
     add("--time-limit", type=float, help="processor time in s after which the run ends")
     add("--out", required=True, metavar="FILE", help="file to write, .npz")
-    add_problem(simulate)
-    add_contact(simulate)
-    add_start(simulate)
+    add_scenario(simulate)
 
 
-def add_show(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Show."""
+def _show(commands: "argparse._SubParsersAction[Parser]") -> None:
     show = commands.add_parser(
         "show",
         help="plot stored motions over each other",
@@ -97,8 +91,7 @@ def add_show(commands: "argparse._SubParsersAction[Parser]") -> None:
     )
 
 
-def add_scenario(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Scenario."""
+def _scenario(commands: "argparse._SubParsersAction[Parser]") -> None:
     scenario = commands.add_parser(
         "scenario",
         help="print a problem as a commented file, to be changed and run",
@@ -110,13 +103,10 @@ def add_scenario(commands: "argparse._SubParsersAction[Parser]") -> None:
     scenario.add_argument(
         "--rest", action="store_true", help="start from the defaults of `tippedisk rest`"
     )
-    add_problem(scenario, file=True)
-    add_contact(scenario)
-    add_start(scenario)
+    add_scenario(scenario, file=True)
 
 
-def add_check(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Check."""
+def _check(commands: "argparse._SubParsersAction[Parser]") -> None:
     check = commands.add_parser(
         "check",
         help="compare engine and in-house equations on a scenario of your own",
@@ -125,13 +115,14 @@ def add_check(commands: "argparse._SubParsersAction[Parser]") -> None:
         "engine that can build it. Exit code 1 if they disagree.",
     )
     check.set_defaults(module="scenario")
-    add_problem(check)
-    add_contact(check)
-    add_start(check)
+    check.add_argument("--end", type=float, default=2.0, help="of the motions in s, at most (2)")
+    check.add_argument(
+        "--states", type=int, default=100, help="random states for accelerations (100)"
+    )
+    add_scenario(check)
 
 
-def add_eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Eigenvalues."""
+def _eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
     eigenvalues = commands.add_parser(
         "eigenvalues",
         help="eigenvalues of inverted and noninverted spinning",
@@ -163,8 +154,7 @@ def add_eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_problem(eigenvalues)
 
 
-def add_critical(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Critical."""
+def _critical(commands: "argparse._SubParsersAction[Parser]") -> None:
     critical = commands.add_parser(
         "critical",
         help="spins at which eigenvalues cross, and at which the spinning is stable",
@@ -184,8 +174,7 @@ def add_critical(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_problem(critical)
 
 
-def add_scene(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Scene."""
+def _scene(commands: "argparse._SubParsersAction[Parser]") -> None:
     scene = commands.add_parser(
         "scene",
         help="list what is in a scene of the engine, and why",
@@ -194,13 +183,10 @@ def add_scene(commands: "argparse._SubParsersAction[Parser]") -> None:
     )
     scene.set_defaults(module="scene")
     scene.add_argument("--formulation", choices=FORMULATIONS, help="how the disk is built")
-    add_problem(scene)
-    add_contact(scene)
-    add_start(scene)
+    add_scenario(scene)
 
 
-def add_work_precision(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """work-precision."""
+def _work_precision(commands: "argparse._SubParsersAction[Parser]") -> None:
     study = commands.add_parser(
         "work-precision",
         help="measure error against run time of every formulation and integrator",
@@ -215,8 +201,7 @@ def add_work_precision(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--fresh", action="store_true", help="measure again what is kept")
 
 
-def add_robustness(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Robustness."""
+def _robustness(commands: "argparse._SubParsersAction[Parser]") -> None:
     study = commands.add_parser(
         "robustness",
         help="numerical stability on stiff and extreme cases",
@@ -229,8 +214,7 @@ def add_robustness(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--out", default="robustness", metavar="DIR", help="folder (default: %(default)s)")
 
 
-def add_rest(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Rest."""
+def _rest(commands: "argparse._SubParsersAction[Parser]") -> None:
     rest = commands.add_parser(
         "rest",
         help="simulate the disk from the paper's start until it lies still",
@@ -248,13 +232,10 @@ def add_rest(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--end", type=float, default=80.0, help="longest time in s (80)")
     add("--out", metavar="FILE", help="store the motion, .npz")
     add("--plot", metavar="PICTURE", help="draw the story, .png, .svg or .pdf")
-    add_problem(rest)
-    add_contact(rest)
-    add_start(rest)
+    add_scenario(rest)
 
 
-def add_animate(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """Animate."""
+def _animate(commands: "argparse._SubParsersAction[Parser]") -> None:
     animate = commands.add_parser(
         "animate",
         help="turn a stored motion into a page that plays it, or a GIF",
@@ -276,7 +257,8 @@ def _add_system(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--system",
         choices=SYSTEMS,
-        help="linear system (that of the constraints; full without any)",
+        help="full and reduced stand for Models 1 and 4, unless constraints are given; by default "
+        "that of the constraints, numeric if there is none",
     )
     parser.add_argument(
         "--motion",
@@ -287,17 +269,17 @@ def _add_system(parser: argparse.ArgumentParser) -> None:
 
 
 SUBCOMMANDS = (
-    add_report,
-    add_simulate,
-    add_show,
-    add_scenario,
-    add_check,
-    add_rest,
-    add_eigenvalues,
-    add_critical,
-    add_scene,
-    add_animate,
-    add_work_precision,
-    add_robustness,
+    _report,
+    _simulate,
+    _show,
+    _scenario,
+    _check,
+    _rest,
+    _eigenvalues,
+    _critical,
+    _scene,
+    _animate,
+    _work_precision,
+    _robustness,
 )
 """In the order of the help."""

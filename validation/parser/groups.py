@@ -17,8 +17,15 @@ SYSTEMS = ("full", "reduced", "numeric")
 MOTIONS = ("inverted", "noninverted")
 
 
+def add_scenario(parser: argparse.ArgumentParser, *, file: bool = False) -> None:
+    """Everything that describes a scenario; the arguments are those of `add_problem`."""
+    add_problem(parser, file=file)
+    _add_contact(parser)
+    _add_start(parser)
+
+
 def add_problem(parser: argparse.ArgumentParser, *, file: bool = False) -> None:
-    """Everything but the start: scenario, constraints, disk, friction, table, contact.
+    """Everything but contact and start: scenario, constraints, disk, friction, table.
 
     Parameters
     ----------
@@ -91,7 +98,7 @@ def _add_friction(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_contact(parser: argparse.ArgumentParser) -> None:
+def _add_contact(parser: argparse.ArgumentParser) -> None:
     """Penalty contact, and what takes energy on it."""
     add = parser.add_argument_group(
         "contact", "A spring and a damper in place of the ideal contact, for Model 1."
@@ -111,7 +118,7 @@ def add_contact(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_start(parser: argparse.ArgumentParser) -> None:
+def _add_start(parser: argparse.ArgumentParser) -> None:
     """Where and how fast the motion begins."""
     add = parser.add_argument_group(
         "start", "The paper's Table 3 by default; what is not given meets the constraints."

@@ -1,13 +1,16 @@
-"""What goes into the report: the jobs behind it and its sections."""
+"""The report: every study's jobs, run side by side, and the sections they fill.
+
+A study offers `jobs`, the calls behind it, and `section`, which makes a section of the report from
+their results by key; those with a long form are asked for their quick one.
+"""
 
 import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from analysis import LEVELS, LOADS, find_inversion
-from analysis.models.inversion import DEFINITION
-from validation.kit import snapshots
-from validation.kit.animation import player as animation
 from validation.kit.report import Job, Section, run_jobs, write
 from validation.kit.tables import Table
 from validation.studies import crosscheck, inversion, lean, paper_numbers
@@ -16,6 +19,43 @@ from validation.studies.rest import section as rest
 from validation.studies.robustness import section as robustness
 from validation.studies.stability import section as stability
 from validation.studies.work_precision import study as work_precision
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """What a study offers to the report.
+
+    Parameters
+    ----------
+    jobs : callable
+        Returns the jobs.
+    section : callable
+        From the results of all jobs by key to the section.
+    timed : bool
+        Whether the jobs measure run times, and have to run beside their like.
+    """
+
+    jobs: Callable[[], Sequence[Job]]
+    section: Callable[[dict[Any, Any]], Section]
+    timed: bool = False
+
+
+def _quick(study: Any) -> Study:
+    return Study(partial(study.jobs, quick=True), partial(study.section, quick=True), timed=True)
+
+
+STUDIES = (
+    Study(inversion.jobs, inversion.section),
+    Study(claims.jobs, claims.section),
+    Study(crosscheck.jobs, crosscheck.section),
+    Study(stability.jobs, stability.section),
+    Study(rest.jobs, rest.section),
+    _quick(work_precision),
+    _quick(robustness),
+    Study(partial(lean.jobs, quick=True), lean.section, timed=True),
+    Study(list, paper_numbers.section),
+)
+"""In the order of their sections."""
 
 
 def make(folder: Path) -> tuple[Path, list[Table]]:
@@ -30,122 +70,17 @@ def make(folder: Path) -> tuple[Path, list[Table]]:
     -------
     page : Path
     tables : list of Table
-        The tables a terminal should show.
+        The tables a terminal should show: the first of each section, and all with verdicts.
     """
     begin = time.perf_counter()
-    results = run_jobs(
-        [
-            # What is timed comes first, so that it runs beside its like.
-            *lean.jobs(quick=True),
-            *work_precision.jobs(quick=True),
-            *robustness.jobs(quick=True),
-            *rest.jobs(),
-            *_inversion_jobs(),
-            *_crosscheck_jobs(),
-            *claims.jobs(),
-            *stability.jobs(),
-        ],
-        title="report",
-    )
-    precision = work_precision.section(results, quick=True)
-    hard = robustness.section(results, quick=True)
-    sections = [
-        _inversion(results),
-        claims.section(results),
-        _crosscheck(results),
-        stability.section(results),
-        rest.section(results),
-        precision,
-        hard,
-        lean.section(results),
-        _numbers(),
-    ]
+    ordered = sorted(STUDIES, key=lambda study: not study.timed)
+    results = run_jobs((job for study in ordered for job in study.jobs()), title="report")
+    sections = [study.section(results) for study in STUDIES]
     page = write(sections, folder, seconds=time.perf_counter() - begin)
     shown = [
-        *sections[0].tables,
-        *sections[1].tables,
-        *sections[2].tables,
-        *sections[3].tables[:3],
+        table
+        for section in sections
+        for table in section.tables
+        if table is section.tables[0] or any(isinstance(c, bool) for r in table.rows for c in r)
     ]
-    return page, [*shown, precision.tables[0], hard.tables[0]]
-
-
-def _inversion_jobs() -> list[Job]:
-    return [
-        Job(("run", *arguments), inversion.run_pair, arguments)
-        for arguments in inversion.level_jobs()
-    ]
-
-
-def _inversion(results: dict[Any, Any]) -> Section:
-    loads = {load: results["run", 1, load, 2.0] for load in LOADS}
-    levels = [results["run", level, "weight", 4.0] for level in LEVELS]
-    inverted = find_inversion(loads["weight"][0])
-    after = "more than 2 s" if inverted is None else f"{inverted:.2f} s"
-    return Section(
-        name="inversion",
-        title="The inversion",
-        paragraphs=[
-            (
-                "A disk whose centre of gravity lies off its centre is spun about an in-plane "
-                "axis with the centre of gravity low (start of Table 3). Friction at the contact "
-                f"turns it upside down, in Model 1 after {after}. {DEFINITION}"
-            ),
-            (
-                "The engine's runs and the in-house equations share the description of the disk, "
-                "the friction parameters and the start, and nothing of the mechanics."
-            ),
-        ],
-        animations=[
-            animation.player(
-                loads["weight"][0],
-                name="inversion-animation",
-                title="The inversion",
-                caption="Table 3's start. Drag to turn the view.",
-            )
-        ],
-        pictures=[
-            snapshots.strip(loads["weight"][0], (0.0, 0.2, 0.3, 0.38, 0.45, 0.55, 0.8)),
-            *inversion.draw(loads, levels),
-        ],
-        tables=[inversion.agreement(levels)],
-    )
-
-
-def _crosscheck_jobs() -> list[Job]:
-    cases = crosscheck.cases()
-    return [Job(("trajectory", case), crosscheck.check_trajectory, (case,)) for case in cases] + [
-        Job(("acceleration", case), crosscheck.check_accelerations, (case,)) for case in cases
-    ]
-
-
-def _crosscheck(results: dict[Any, Any]) -> Section:
-    cases = crosscheck.cases()
-    return Section(
-        name="crosscheck",
-        title="Engine against in-house equations",
-        paragraphs=[
-            (
-                "Accelerations: mass matrix, right-hand side and constraint residual are taken "
-                "from the engine, and one linear solve gives its accelerations and constraint "
-                "forces; the in-house ones come from the index-1 systems (79), (80) and (92)."
-            ),
-            (
-                "Trajectories: the engine halves its step and extrapolates until its own error "
-                "estimate is below the limit; the in-house run is integrated with DOP853 to a "
-                "hundredth of the limit. The normal force is the joint's multiplier in the engine."
-            ),
-        ],
-        tables=[
-            crosscheck.acceleration_table([results["acceleration", case] for case in cases]),
-            crosscheck.trajectory_table([results["trajectory", case] for case in cases]),
-        ],
-    )
-
-
-def _numbers() -> Section:
-    return Section(
-        name="numbers",
-        title="The numbers the paper prints",
-        tables=[paper_numbers.disk_numbers(), paper_numbers.misprints()],
-    )
+    return page, shown

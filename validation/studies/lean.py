@@ -30,6 +30,8 @@ START_UPS: dict[str, str] = {
     "simulate --source engine": "validation.commands.basic, mbs_models",
     "simulate --source in-house": "validation.commands.basic",
     "show": "validation.commands.basic, validation.kit.figures",
+    "scenario": "validation.commands.scenario",
+    "check": "validation.commands.scenario, validation.studies.crosscheck",
     "eigenvalues --source engine": (
         "validation.commands.stability, validation.studies.stability.eigenvalue_check"
     ),

@@ -1,6 +1,10 @@
 """Numbers the paper prints about the disk and its start, and misprints that matter."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from analysis import GRAVITY, MODELS, ROUNDED_STEEL_DISK, STEEL_DISK, Scenario
+from validation.kit.report import Section
 from validation.kit.tables import Cell, Table
 
 COLUMNS = ("quantity", "unit", "paper", "here", "difference in %", "explanation")
@@ -64,4 +68,13 @@ def misprints() -> Table:
         title="Misprints that matter, each found by a derivation (see the tests)",
         columns=("place", "printed", "right", "why"),
         rows=rows,
+    )
+
+
+def section(_results: Mapping[Any, Any]) -> Section:
+    """Section of the report; no job is behind it."""
+    return Section(
+        name="numbers",
+        title="The numbers the paper prints",
+        tables=[disk_numbers(), misprints()],
     )

@@ -102,9 +102,14 @@ def outcome(start: RandomStart, source: Source = "in-house") -> Outcome:
             )
     except FlatError:
         return "flat"
-    if found.ending is not None and found.ending.reason == "contact would pull":
-        return "contact would pull"
+    if found.ending is not None:
+        return known_outcome(found.ending.reason)
     return judge_inversion(found).outcome
+
+
+def known_outcome(name: str) -> Outcome:
+    """The one of `OUTCOMES` with this name; `KeyError` if there is none."""
+    return {each: each for each in OUTCOMES}[name]
 
 
 def outcomes(level: Level, tilt: Tilt, spin: float, numbers: Sequence[int]) -> list[Outcome]:
@@ -154,7 +159,6 @@ def load(path: Path = STORED) -> Results | None:
     """
     if not path.exists():
         return None
-    known: dict[str, Outcome] = {name: name for name in OUTCOMES}
     tilts: dict[str, Tilt] = {name: name for name in TILTS}
     levels: dict[str, Level] = {str(level): level for level in LEVELS}
     results: Results = {}
@@ -167,7 +171,7 @@ def load(path: Path = STORED) -> Results | None:
                 start = RandomStart(
                     level=levels[level], tilt=tilts[tilt], spin=float(spin), number=int(number)
                 )
-                results[start] = known[result]
+                results[start] = known_outcome(result)
         except (KeyError, ValueError) as error:
             raise ValueError(f"{path} has a line that is no start: {error}") from error
     return results

@@ -64,10 +64,7 @@ class Rolling:
 def roll(spin: float) -> Rolling:
     """Roll without slip from Table 3's position with this spin."""
     scenario = Scenario(constraints=PURE_ROLLING, start=Start(spin=spin))
-    # Whether it turns over is asked of the constraints, so they may pull.
-    found = run(
-        scenario, TIMES, source="in-house", local_tolerance=LOCAL_TOLERANCE, allow_pulling=True
-    )
+    found = run(scenario, TIMES, source="in-house", local_tolerance=LOCAL_TOLERANCE)
     return Rolling(
         spin=spin,
         direction=found.cog_direction,
@@ -83,14 +80,13 @@ def slip(coefficient: float) -> tuple[Trajectory, Trajectory]:
         scenario = Scenario(friction=SmoothCoulomb(coefficient=coefficient))
         method = "LSODA"
     return (
-        run(scenario, TIMES, formulation="euler-tree", step=ENGINE_STEP, allow_pulling=True),
+        run(scenario, TIMES, formulation="euler-tree", step=ENGINE_STEP),
         run(
             scenario,
             TIMES,
             source="in-house",
             method=method,
             local_tolerance=LOCAL_TOLERANCE,
-            allow_pulling=True,
         ),
     )
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis import MODELS, FlatError, Level, Scenario, Start, judge_inversion
+from analysis.data.endings import FLAT
 from analysis.data.trajectory import Source
 from analysis.models.inversion import STAYING
 from analysis.stability import linear_reduced
@@ -50,6 +51,8 @@ def outcome(level: Level, spin: float, source: Source = "in-house") -> str:
             found = run(scenario, times, source=source, formulation=form, local_tolerance=1e-6)
     except FlatError:
         return "flat"
+    if found.ending is not None and found.ending.reason == FLAT:
+        return FLAT
     return judge_inversion(found).outcome
 
 

@@ -26,7 +26,6 @@ from validation.kit.figures import Picture
 from validation.kit.report import Job
 from validation.kit.tables import Cell, Table
 from validation.run import run_to_rest
-from validation.studies.rest.starts import on_contact
 
 START = 0.28
 """Inclination in rad at which the runs of the law start, about where the fall ends."""
@@ -85,9 +84,17 @@ def run_creep(smoothing: float) -> Creep:
         scenario.weight * scenario.disk.radius / (_across(scenario.disk) * sin(START))
     )
     # The rates keep the centre of gravity over its place, as the constraint of Model 2 would.
-    held = Start(beta=START, gamma=0.0, spin=precession).state(MODELS[2], scenario.disk)
+    start = Start(beta=START, gamma=0.0, spin=precession)
+    held = start.state(MODELS[2], scenario.disk)
+    start = replace(
+        start,
+        x=held.coordinates[0],
+        y=held.coordinates[1],
+        x_rate=held.rates[0],
+        y_rate=held.rates[1],
+    )
     motion = run_to_rest(
-        replace(scenario, start=on_contact(held)),
+        replace(scenario, start=start),
         TIMES[-1],
         source="in-house",
         spacing=1e-2,

@@ -19,7 +19,6 @@ from validation.kit.figures import Picture
 from validation.kit.report import Job
 from validation.kit.tables import Table
 from validation.run import run_to_rest
-from validation.studies.rest.starts import on_contact
 
 START = 0.1
 """Inclination at the start in rad."""
@@ -41,7 +40,7 @@ def scenario_of(name: str) -> Scenario:
         dissipation=STAGES[name][0],
     )
     start = rolling_start(DISK, START, euler_disk_precession(scenario, START), 0.0)
-    return replace(scenario, start=on_contact(start))
+    return replace(scenario, start=start)
 
 
 def run_stage(name: str) -> SpatialMotion:

@@ -23,7 +23,6 @@ from mbs_models.rest_run import largest_step
 from validation.kit.report import Job
 from validation.kit.tables import Table
 from validation.run import run_to_rest
-from validation.studies.rest.starts import on_contact
 
 STICKY = SmoothCoulomb(coefficient=2.0, smoothing=5e-3, load="contact")
 """Friction in which a rolling disk hardly slips."""
@@ -46,8 +45,8 @@ def starts() -> dict[str, tuple[Start, float]]:
     euler = rolling_start(DISK, EULER_BETA, euler_disk_precession(ON_TABLE, EULER_BETA), 0.0)
     rolling = rolling_start(DISK, beta, rate, axial_spin(ON_TABLE, beta, rate))
     return {
-        "Euler's disk": (on_contact(euler), 1.0),
-        "rolling": (on_contact(rolling), 0.3),
+        "Euler's disk": (euler, 1.0),
+        "rolling": (rolling, 0.3),
         "upright, faster": (_upright(1.05 * upright), 2.5),
         "upright, slower": (_upright(0.95 * upright), 2.5),
     }

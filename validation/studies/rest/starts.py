@@ -9,7 +9,7 @@ from math import acos, pi
 
 import numpy as np
 
-from analysis import Dissipation, Scenario, Start, State, find_phases
+from analysis import Dissipation, Scenario, Start, find_phases
 from validation.kit.report import Job, run_jobs
 from validation.kit.tables import Table
 from validation.run import run_to_rest
@@ -48,24 +48,6 @@ class Outcome:
     lifted: bool
     lowest_force: float
     residual: float
-
-
-def on_contact(state: State) -> Start:
-    """The same place and rates, at the height at which the contact carries the weight."""
-    x, y, _, alpha, beta, gamma = state.coordinates
-    x_rate, y_rate, _, spin, beta_rate, gamma_rate = state.rates
-    return Start(
-        alpha=alpha,
-        beta=beta,
-        gamma=gamma,
-        spin=spin,
-        beta_rate=beta_rate,
-        gamma_rate=gamma_rate,
-        x=x,
-        y=y,
-        x_rate=x_rate,
-        y_rate=y_rate,
-    )
 
 
 def random_start(seed: int) -> Start:

@@ -10,18 +10,19 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.colors import BoundaryNorm, ListedColormap
 
-from analysis import STEEL_DISK, SmoothCoulomb
+from analysis import MODELS, Motion, Scenario
 from analysis.data.checks import Array
 from analysis.stability import linear_reduced, spectra
 from analysis.stability.chart import StabilityChart, static_gradient
 from analysis.stability.corners import Corner
 from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import HopfCurve
-from mbs_models import Motion
 from validation.kit import figures
 from validation.kit.figures import Picture
 
 ComplexArray = npt.NDArray[np.complex128]
+
+FULL, REDUCED = Scenario(constraints=MODELS[1]), Scenario(constraints=MODELS[4])
 
 SPINS = np.linspace(0.0, 50.0, 501)
 """Spins of the lines in rad/s, those of the paper's figures."""
@@ -111,7 +112,7 @@ def figure_6(engine: ComplexArray) -> Picture:
     engine : ndarray, complex, shape (26, 8)
         Eigenvalues of the engine's Model 1 at `ENGINE_SPINS`.
     """
-    branches = spectra.branches("full", STEEL_DISK, SmoothCoulomb(), SPINS)
+    branches = spectra.branches(FULL, SPINS)
     columns = full_columns(branches)
     figure, axes = figures.new_figure(3, height=9.5, share=False)
     branch_lines(axes, branches, columns)
@@ -124,7 +125,7 @@ def figure_6(engine: ComplexArray) -> Picture:
     axes[2].axhspan(0.0, 1.0, **_UNSTABLE)
     branch_lines((axes[2], _Nothing()), branches, columns)
     engine_markers((axes[2], _Nothing()), ENGINE_SPINS, engine)
-    for crossing in critical_speeds("full", STEEL_DISK, SmoothCoulomb(), (0.0, 50.0)).hopf:
+    for crossing in critical_speeds(FULL, (0.0, 50.0)).hopf:
         axes[2].plot(crossing.spin, 0.0, "D", color="black", markersize=5, zorder=4)
         axes[2].annotate(
             f"{crossing.spin:.2f} rad/s",
@@ -161,16 +162,15 @@ def figure_10(engine: ComplexArray) -> Picture:
     engine : ndarray, complex, shape (26, 3)
         Eigenvalues of the engine's Model 4 at `ENGINE_SPINS`.
     """
-    friction = SmoothCoulomb()
-    branches = spectra.branches("reduced", STEEL_DISK, friction, SPINS)
+    branches = spectra.branches(REDUCED, SPINS)
     pair = np.flatnonzero(branches.values[-1].imag)
     columns = [(int(pair[0]), 0, "$λ_{1,2}$"), (int(pair[1]), 0, "")]
-    critical = linear_reduced.critical_speed(STEEL_DISK).spin
+    critical = linear_reduced.critical_speed(REDUCED).spin
     figure, axes = figures.new_figure(2, height=6.5)
     for each in axes:
         each.axvspan(0.0, critical, **_UNSTABLE)
     branch_lines(axes, branches, columns)
-    closed = linear_reduced.closed_form(STEEL_DISK, friction, SPINS).eigenvalues
+    closed = linear_reduced.closed_form(REDUCED, SPINS).eigenvalues
     for index in range(2):
         look = {"color": "black", "linewidth": 0.9, "linestyle": ":"}
         label = "closed form" if index == 0 else None
@@ -204,7 +204,7 @@ def figure_11(engine: ComplexArray) -> Picture:
         Eigenvalues of the engine's Model 1 at `ENGINE_SPINS`.
     """
     motion: Motion = "noninverted"
-    branches = spectra.branches("full", STEEL_DISK, SmoothCoulomb(), SPINS, motion)
+    branches = spectra.branches(FULL, SPINS, motion=motion)
     slow = [
         column
         for column in range(branches.values.shape[1])
@@ -255,7 +255,7 @@ def chart(grid: StabilityChart, curves: Sequence[HopfCurve], corners: Sequence[C
             linestyle=("-", "--", "-.")[index % 3],
             label="a slow pair crosses" if index == 0 else "a fast pair crosses",
         )
-    static = static_gradient(STEEL_DISK, grid.spins, grid.motion)
+    static = static_gradient(FULL, grid.spins, grid.motion)
     axes.plot(grid.spins, static, color="black", linestyle=":", label="a real eigenvalue is zero")
     for corner in corners:
         axes.plot(corner.spin, corner.gradient, "o", color="black", markersize=5)

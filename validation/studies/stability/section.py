@@ -4,11 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from analysis import STEEL_DISK, Level
+from analysis import MODELS, POSSIBLE_SETS, Level, Motion, Scenario
 from analysis.stability.chart import stability_chart
 from analysis.stability.corners import corners
 from analysis.stability.hopf_curves import hopf_curves
-from mbs_models import Motion
 from validation.kit.figures import Picture
 from validation.kit.report import Job, Section
 from validation.kit.tables import Table
@@ -21,7 +20,7 @@ from validation.studies.stability.eigenvalue_check import ComplexArray
 def engine_spectra(level: Level, motion: Motion) -> ComplexArray:
     """Eigenvalues of the engine at the spins of the figures' markers, shape (n, k)."""
     matrices = eigenvalue_check.engine_matrices(
-        level, stability_figures.ENGINE_SPINS, motion=motion
+        Scenario(constraints=MODELS[level]), stability_figures.ENGINE_SPINS, motion=motion
     )
     return np.linalg.eigvals(matrices).astype(complex)
 
@@ -37,9 +36,10 @@ def engine_numbers() -> dict[str, float]:
 
 def draw_chart() -> tuple[Picture, Table]:
     """Stability chart with its curves and corners."""
-    curves = hopf_curves(STEEL_DISK)
-    meeting = corners(STEEL_DISK, curves)
-    grid = stability_chart(STEEL_DISK, np.linspace(0.0, 80.0, 200), np.geomspace(0.3, 30.0, 200))
+    scenario = Scenario()
+    curves = hopf_curves(scenario)
+    meeting = corners(scenario, curves)
+    grid = stability_chart(scenario, np.linspace(0.0, 80.0, 200), np.geomspace(0.3, 30.0, 200))
     return stability_figures.chart(grid, curves, meeting), stability_tables.corner_table(meeting)
 
 
@@ -50,6 +50,10 @@ def jobs() -> list[Job]:
         *(
             Job(("eigenvalues", case), eigenvalue_check.check_eigenvalues, (case,))
             for case in eigenvalue_check.cases()
+        ),
+        *(
+            Job(("eigenvalues of a set", held), eigenvalue_check.check_set, (held,))
+            for held in POSSIBLE_SETS
         ),
         *(Job(("spectra", *each), engine_spectra, each) for each in spectra),
         Job("stock eigenvalues", eigenvalue_check.stock_table),
@@ -93,6 +97,9 @@ def section(results: dict[Any, Any]) -> Section:
         ],
         tables=[
             check_table(results),
+            eigenvalue_check.sets_table(
+                [results["eigenvalues of a set", held] for held in POSSIBLE_SETS]
+            ),
             results["stock eigenvalues"],
             stability_tables.printed_numbers(results["engine's critical speeds"]),
             results["variants"],

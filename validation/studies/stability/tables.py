@@ -1,17 +1,26 @@
 """Tables of the linear stability: printed numbers, variants, corners, sensitivities."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from analysis import ROUNDED_STEEL_DISK, STEEL_DISK, Disk, FrictionLaw, SmoothCoulomb
+from analysis import (
+    LEVELS,
+    MODELS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Motion,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+)
 from analysis.stability import linear_reduced, spectra
 from analysis.stability.corners import Corner
 from analysis.stability.critical import CriticalSpeeds, critical_speeds
-from analysis.stability.linear_full import Motion
 from analysis.stability.linear_variants import PRINTED, reproduces, variants
 from analysis.stability.sensitivities import closed_form_sensitivities, full_sensitivities
-from analysis.stability.spectra import System
 from analysis.stability.stable_spins import stable_spins
 from validation.kit.tables import Cell, Table
 
@@ -30,13 +39,13 @@ _NAMES = {
 
 def found_numbers(disk: Disk) -> dict[str, float]:
     """What the in-house systems give for every printed number of Sections 3 and 6."""
-    friction = SmoothCoulomb()
-    closed = linear_reduced.critical_speed(disk)
-    limit = linear_reduced.closed_form(disk, friction, [_SPIN]).a
-    reduced = critical_speeds("reduced", disk, friction, (0.0, 60.0))
-    full = critical_speeds("full", disk, friction, (0.0, 60.0)).hopf
-    strong = SmoothCoulomb(smoothing=0.01)
-    third = spectra.eigenvalues("reduced", disk, friction, np.linspace(0.0, 50.0, 501)).real
+    model_1, model_4 = (Scenario(constraints=MODELS[level], disk=disk) for level in (1, 4))
+    closed = linear_reduced.critical_speed(model_4)
+    limit = linear_reduced.closed_form(model_4, [_SPIN]).a
+    reduced = critical_speeds(model_4, (0.0, 60.0), "reduced")
+    full = critical_speeds(model_1, (0.0, 60.0), "full").hopf
+    strong = replace(model_1, friction=SmoothCoulomb(smoothing=0.01))
+    third = spectra.eigenvalues(model_4, np.linspace(0.0, 50.0, 501), "reduced").real
     result = {
         "critical spin, closed form (126)": closed.spin,
         "frequency there (127)": closed.frequency,
@@ -47,8 +56,8 @@ def found_numbers(disk: Disk) -> dict[str, float]:
         "Ω_crit1": full[0].spin,
         "Ω_crit2": full[1].spin,
     }
-    for law, label in ((friction, "ε = 0.1 m/s"), (strong, "ε = 0.01 m/s")):
-        two = np.sort(spectra.eigenvalues("full", disk, law, [_SPIN])[0].real)[:2]
+    for scenario, label in ((model_1, "ε = 0.1 m/s"), (strong, "ε = 0.01 m/s")):
+        two = np.sort(spectra.eigenvalues(scenario, [_SPIN], "full")[0].real)[:2]
         result[f"λ₇ at 30 rad/s, {label}"] = float(two[1])
         result[f"λ₈ at 30 rad/s, {label}"] = float(two[0])
     return result
@@ -150,38 +159,46 @@ def critical_table(found: CriticalSpeeds) -> Table:
     ]
     return Table(
         name=f"critical-{found.system}-{found.motion}",
-        title=f"Critical speeds, {found.system} system, {found.motion}, from "
-        f"{found.interval[0]:g} to {found.interval[1]:g} rad/s",
+        title=f"Critical speeds of {found.scenario.name}, {found.system} system, {found.motion}, "
+        f"from {found.interval[0]:g} to {found.interval[1]:g} rad/s",
         columns=("event", "spin in rad/s", "frequency in rad/s", "this one decays"),
         rows=rows,
         note=found.reason or "",
     )
 
 
-_SYSTEM_OF_MODEL: dict[str, System] = {
-    "Model 1": "full",
-    "Model 2": "model2",
-    "Model 3": "model3",
-    "Model 4": "reduced",
-}
-
-
 def stable_table(
-    disk: Disk, friction: FrictionLaw, interval: tuple[float, float], motion: Motion
+    scenario: Scenario, interval: tuple[float, float], motion: Motion = "inverted"
 ) -> Table:
-    """Spins at which each model's motion is stable as a whole: every eigenvalue decays."""
-    rows: list[list[Cell]] = []
-    for model, system in _SYSTEM_OF_MODEL.items():
-        found = stable_spins(system, disk, friction, interval, motion)
-        named = ", ".join(f"{low:.6g} to {high:.6g}" for low, high in found)
-        rows.append([model, named or "nowhere"])
+    """Spins at which a motion is stable as a whole: every eigenvalue decays.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its own constraints and those of the four models, with its disk, friction and gravity.
+    interval : tuple of 2 floats
+        Lowest and highest spin in rad/s.
+    motion : {"inverted", "noninverted"}
+    """
+    sets = [MODELS[level] for level in LEVELS]
+    if scenario.model is None:
+        sets.append(scenario.constraints)
+    compared = [replace(scenario, constraints=each, start=Start()) for each in sets]
     return Table(
         name=f"stable-{motion}",
         title=f"Where {motion} spinning is stable, all eigenvalues of a model together, from "
         f"{interval[0]:g} to {interval[1]:g} rad/s",
         columns=("model", "stable spins in rad/s"),
-        rows=rows,
+        rows=[[each.name, stable_range(each, interval, motion)] for each in compared],
     )
+
+
+def stable_range(
+    scenario: Scenario, interval: tuple[float, float], motion: Motion = "inverted"
+) -> str:
+    """Spins at which a motion is stable as a whole, in words."""
+    found = stable_spins(scenario, interval, motion=motion)
+    return ", ".join(f"{low:.6g} to {high:.6g}" for low, high in found) or "nowhere"
 
 
 def corner_table(corners: Sequence[Corner]) -> Table:
@@ -208,18 +225,17 @@ def corner_table(corners: Sequence[Corner]) -> Table:
 
 def sensitivity_table() -> Table:
     """How the critical speeds move with the disk and the friction gradient."""
-    closed = closed_form_sensitivities(STEEL_DISK)
+    scenario = Scenario()
+    closed = closed_form_sensitivities(scenario)
     full = [
-        each
-        for each in full_sensitivities(STEEL_DISK, SmoothCoulomb(), (0.0, 60.0))
-        if each.crossing.kind == "hopf"
+        each for each in full_sensitivities(scenario, (0.0, 60.0)) if each.crossing.kind == "hopf"
     ]
     return Table(
         name="sensitivities",
         title="Sensitivities of the critical speeds, d ln Ω / d ln p",
         columns=(
             "parameter p",
-            f"closed form {linear_reduced.critical_speed(STEEL_DISK).spin:.3f} rad/s",
+            f"closed form {linear_reduced.critical_speed(scenario).spin:.3f} rad/s",
             *(f"full system {each.crossing.spin:.3f} rad/s" for each in full),
         ),
         rows=[

@@ -1,0 +1,78 @@
+"""Whether a scenario starts exactly on a stationary motion that is unstable."""
+
+from dataclasses import replace
+from math import hypot, pi, sin, sqrt
+
+import numpy as np
+
+from analysis.data.dissipation import Dissipation
+from analysis.data.friction import ViscousFriction
+from analysis.data.limits import STEEPEST_FRICTION
+from analysis.data.scenario import Scenario
+from analysis.data.start import Start
+from analysis.stability.linear_numeric import NumericSystem, has_drift
+
+_EXACT = 1e-12
+"""Largest deviation that rounding makes, in radii, rad and sqrt(g / r)."""
+
+_SLOWEST = 1e-4
+"""Growth rate in sqrt(g / r) that counts; rounding may split zero eigenvalues by as much."""
+
+_ROUND_OFF = 1e-10
+"""Real parts of less than this part of the largest eigenvalue are none."""
+
+
+def unstable_start(scenario: Scenario) -> str | None:
+    """Say so if a scenario starts exactly on a stationary motion that is unstable.
+
+    Such a run stays there until rounding has grown, and rounding decides when and to which side
+    it leaves. On a penalty contact the stability is that of the same disk on the ideal one.
+
+    Parameters
+    ----------
+    scenario : Scenario
+
+    Returns
+    -------
+    str or None
+        One line; None if the start is none of inverted or noninverted spinning, or a stable one.
+    """
+    if not scenario.table.is_horizontal or not _stands_still(scenario):
+        return None
+    spin, gamma = scenario.initial_state.rates[3], scenario.initial_state.coordinates[5]
+    # Of friction only its slope at no slip matters, and neither its kink nor its load.
+    friction = ViscousFriction(viscosity=min(scenario.friction.gradient, STEEPEST_FRICTION))
+    system = NumericSystem(
+        replace(
+            scenario, friction=friction, contact=None, dissipation=Dissipation(), start=Start()
+        ),
+        gamma,
+    )
+    relative = spin / system.frequency
+    rubbing = friction.gradient * scenario.disk.radius * system.frequency
+    largest = 1.0 + relative**2 + rubbing * abs(relative)
+    if np.max(np.abs(system.accelerations(spin))) > _EXACT * largest:
+        return None
+    values = np.linalg.eigvals(system.matrices(np.array([spin]), drift=False)[0])
+    growth = float(np.max(values.real))
+    if growth <= _SLOWEST * system.frequency + _ROUND_OFF * np.max(np.abs(values)):
+        return None
+    motion = "inverted" if sin(gamma) > 0.0 else "noninverted"
+    if not scenario.disk.eccentricity:
+        motion = "upright"
+    return (
+        f"start is exactly {motion} spinning, which is unstable at {spin:g} rad/s (deviations "
+        f"grow with {growth:.3g} 1/s): rounding decides when and to which side the disk leaves it"
+    )
+
+
+def _stands_still(scenario: Scenario) -> bool:
+    """Whether the disk starts upright and turns about the vertical alone, at one place."""
+    x, y, _, _, beta, _ = scenario.initial_state.coordinates
+    x_rate, y_rate, _, spin, beta_rate, gamma_rate = scenario.initial_state.rates
+    radius = scenario.disk.radius
+    frequency = sqrt(scenario.table.gravity / radius)
+    free = has_drift(scenario.constraints)
+    drifting = free * hypot(x_rate - spin * y, y_rate + spin * x) / (radius * frequency)
+    turning = max(abs(beta_rate), abs(gamma_rate)) / frequency
+    return max(abs(beta - pi / 2), turning, drifting) <= _EXACT

@@ -1,0 +1,367 @@
+"""A problem told by options, by a file, or by a stored run."""
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import fields, replace
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from analysis import (
+    MODELS,
+    ROUNDED_STEEL_DISK,
+    Disk,
+    Dissipation,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    SpatialMotion,
+    Start,
+    State,
+    Table,
+    TanhCoulomb,
+    Trajectory,
+    ViscousFriction,
+)
+from analysis.data.scenario_file import load_scenario, scenario_text
+from tests.scenario_texts import with_key
+from validation import cli
+from validation.commands.scenarios import chosen_scenario
+from validation.parser.top import parser
+from validation.studies import crosscheck
+
+ROOT = Path(__file__).parent.parent
+PAPER = Scenario()
+RING = "--radius 0.05 --hole-radius 0.02 --hole-distance 0.02 --thickness 0.01 --density 7700"
+STATE = State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.1), rates=(0.0,) * 6)
+SOFT = PenaltyContact(stiffness=1e5, damping=3.0, half_thickness=1e-4)
+TANH = TanhCoulomb(coefficient=0.7, load="contact")
+COMPLIANT = Scenario(
+    contact=SOFT,
+    dissipation=Dissipation(pivoting=1e-5),
+    friction=TANH,
+    table=Table(inclination=0.1),
+)
+
+
+def chosen(words: str, *, rest: bool = False) -> Scenario:
+    """Scenario of a command line."""
+    joined = cli._joined(["scenario", *words.split()])
+    return chosen_scenario(parser().parse_args(joined), rest=rest)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Callable[[Scenario], str]:
+    """Write the file of a scenario."""
+
+    def write(scenario: Scenario) -> str:
+        path = tmp_path / "my.toml"
+        path.write_text(scenario_text(scenario))
+        return str(path)
+
+    return write
+
+
+OPTIONS: list[tuple[str, Scenario]] = [
+    ("", PAPER),
+    ("--model 3", replace(PAPER, constraints=MODELS[3])),
+    (
+        "--constraints no-slip-along,contact",
+        replace(PAPER, constraints=("contact", "no-slip-along")),
+    ),
+    ("--disk steel-rounded", replace(PAPER, disk=ROUNDED_STEEL_DISK)),
+    (
+        "--disk steel-rounded --mass 0.5 --inertia-z 4.7e-4",
+        replace(PAPER, disk=replace(ROUNDED_STEEL_DISK, mass=0.5, inertia_z=4.7e-4)),
+    ),
+    ("--eccentricity 0", replace(PAPER, disk=replace(PAPER.disk, eccentricity=0.0))),
+    (
+        RING,
+        replace(
+            PAPER,
+            disk=Disk.ring(
+                radius=0.05, hole_radius=0.02, hole_distance=0.02, thickness=0.01, density=7700
+            ),
+        ),
+    ),
+    (
+        "--radius 1 --mass 2 --eccentricity 0.1 --inertia-x 3 --inertia-y 3 --inertia-z 4",
+        replace(
+            PAPER,
+            disk=Disk(
+                radius=1.0, mass=2.0, eccentricity=0.1, inertia_x=3.0, inertia_y=3.0, inertia_z=4.0
+            ),
+        ),
+    ),
+    (
+        "--mu 0.2 --eps 0.05",
+        replace(PAPER, friction=SmoothCoulomb(coefficient=0.2, smoothing=0.05)),
+    ),
+    ("--law tanh", replace(PAPER, friction=TanhCoulomb())),
+    ("--law tanh --mu 0.2", replace(PAPER, friction=TanhCoulomb(coefficient=0.2))),
+    ("--law viscous --load contact", replace(PAPER, friction=ViscousFriction(load="contact"))),
+    ("--gravity 1.62", replace(PAPER, table=Table(gravity=1.62))),
+    (
+        "--inclination 2deg --downhill -pi/2",
+        replace(PAPER, table=Table(inclination=pi / 90, downhill=-pi / 2)),
+    ),
+    (
+        "--stiffness 1e5",
+        replace(PAPER, contact=PenaltyContact.damped(1e5, PAPER.disk)),
+    ),
+    (
+        "--stiffness 1e5 --damping 2 --half-thickness 1e-4 --bilateral --rolling 1e-3",
+        replace(
+            PAPER,
+            contact=PenaltyContact(
+                stiffness=1e5, damping=2.0, half_thickness=1e-4, bilateral=True
+            ),
+            dissipation=Dissipation(rolling_dry=1e-3),
+        ),
+    ),
+    (
+        "--stiffness 1e5 --rolling-viscous 1e-3 --pivoting 1e-4 --air-drag 1.2 --height 0.005",
+        replace(
+            PAPER,
+            contact=PenaltyContact.damped(1e5, PAPER.disk),
+            dissipation=Dissipation(rolling_viscous=1e-3, pivoting=1e-4, air_drag=1.2),
+            start=Start(height=0.005),
+        ),
+    ),
+    (
+        "--spin 35 --beta 80deg --gamma -pi/2+0.2 --alpha 1 --beta-rate -1e-3 --gamma-rate 2",
+        replace(
+            PAPER,
+            start=Start(
+                spin=35.0, beta=80 * pi / 180, gamma=-pi / 2 + 0.2, alpha=1.0, beta_rate=-1e-3,
+                gamma_rate=2.0,
+            ),
+        ),
+    ),
+    (
+        "--x 0.01 --y -0.02 --x-rate 3 --y-rate -.4",
+        replace(PAPER, start=Start(x=0.01, y=-0.02, x_rate=3.0, y_rate=-0.4)),
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("words", "expected"), OPTIONS, ids=[words for words, _ in OPTIONS])
+def test_options_change_what_they_name_and_nothing_else(
+    words: str, expected: Scenario, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["scenario", *words.split()]) == 0
+    assert capsys.readouterr().out == scenario_text(expected)
+
+
+def test_every_field_of_a_scenario_has_an_option() -> None:
+    tried = " ".join(words for words, _ in OPTIONS)
+    for kind in (Disk, Table, PenaltyContact, Start):
+        for field in fields(kind):
+            assert f"--{field.name.replace('_', '-')} " in tried
+
+
+def test_options_override_the_file_and_the_rest_stays(file: Callable[[Scenario], str]) -> None:
+    path = file(COMPLIANT)
+    assert chosen(path) == COMPLIANT
+    assert chosen(f"{path} --mu 0.1").friction == replace(TANH, coefficient=0.1)
+    assert chosen(f"{path} --law viscous").friction.load == "contact"
+    # The damping of a file stays, too: it follows from the stiffness only where nobody tells it.
+    assert chosen(f"{path} --stiffness 1e6") == replace(
+        COMPLIANT, contact=replace(SOFT, stiffness=1e6)
+    )
+    assert chosen(f"{path} --spin 30 --downhill 1").start == Start(spin=30.0)
+    assert chosen(f"{path} --mass 0.5").contact == COMPLIANT.contact
+
+
+def test_way_to_rest_has_its_own_defaults(
+    file: Callable[[Scenario], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert chosen("", rest=True) == Scenario.rest()
+    heavy = replace(PAPER.disk, mass=1.0)
+    assert chosen("--mass 1", rest=True) == Scenario.rest(disk=heavy)
+    assert chosen("--stiffness 1e5", rest=True).contact == PenaltyContact.rounded(
+        PAPER.disk, stiffness=1e5
+    )
+    assert chosen(f"{file(PAPER)}", rest=True) == PAPER
+    assert cli.main(["scenario", "--rest"]) == 0
+    assert capsys.readouterr().out == scenario_text(Scenario.rest())
+
+
+REFUSED = [
+    (
+        "--hole-radius 0.01",
+        "a disk with a round hole needs --radius, --hole-distance, --th",
+    ),
+    (f"{RING} --mass 1", "--mass does not go together with --density"),
+    (f"{RING} --disk steel", "--disk does not go together with --density"),
+    ("--constraints glue", "--constraints: constraints must be one of contact, fixed-cog"),
+    ("--constraints fixed-cog", "--constraints: constraints must hold 'contact'"),
+    ("--model 1 --constraints contact", "not allowed with argument --model"),
+    ("--law viscous --mu 1", "--mu needs a friction law with a coefficient; ViscousFriction has"),
+    ("--damping 1", "--damping needs the penalty contact of --stiffness, got 1.0"),
+    ("--bilateral", "--bilateral needs the penalty contact of --stiffness, got True"),
+    ("--rolling 1e-3", "dissipation acts on a penalty contact alone"),
+    ("--height 1", "--height: height must be 0 or left out on an ideal contact"),
+    ("--model 2 --stiffness 1e5", "contact must be left out, or constraints be those of Model 1"),
+    ("--inclination 100deg", "--inclination: inclination must be less than pi / 2"),
+    ("--beta x", "--beta: beta must be an angle: a number in rad, or text such as pi/2 or 90deg"),
+    ("--gravity 0", "--gravity: gravity must be positive, got 0"),
+    ("--thickness x", "argument --thickness: invalid float value: 'x'"),
+    ("--model 2 --x 1", "--x: x must be -0.000249584 in Model 2"),
+    ("no-such.toml", "No such file or directory: 'no-such.toml'"),
+    ("no-such.npz", "No such file or directory: 'no-such.npz'"),
+]
+
+
+@pytest.mark.parametrize(("words", "message"), REFUSED, ids=[words for words, _ in REFUSED])
+def test_options_that_do_not_fit_are_refused_in_one_line(
+    words: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["scenario", *words.split()]) == 2
+    shown = capsys.readouterr()
+    assert message in shown.err
+    assert (shown.out, shown.err.count("\n")) == ("", 1)
+
+
+def test_start_told_by_coordinates_takes_no_options(
+    file: Callable[[Scenario], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = file(replace(PAPER, start=STATE))
+    assert cli.main(["scenario", path, "--mu", "0.1"]) == 0
+    assert "coordinates = [0.0, 0.0, 0.045, 0.0, 1.5, 0.1]" in capsys.readouterr().out
+    assert cli.main(["scenario", path, "--spin", "30"]) == 2
+    assert "--spin cannot change a start that is told by its coord" in capsys.readouterr().err
+
+
+COMMANDS = [
+    "simulate --end 0.01 --samples 3 --out {out}",
+    "simulate --end 0.01 --samples 3 --source in-house --out {out}",
+    "rest --end 0.01",
+    "eigenvalues --spin 30",
+    "critical --spin 20:40",
+    "scene",
+    "check",
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_that_runs_a_problem_says_what_is_wrong_with_its_file(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = with_key(scenario_text(PAPER), "friction", "smoothing", "0")
+    path = tmp_path / "my.toml"
+    path.write_text(text)
+    line = text.split("\n").index("smoothing = 0") + 1
+    words = command.format(out=tmp_path / "run.npz").split()
+    assert cli.main([*words, "--scenario", str(path)]) == 2
+    error = (
+        f"tippedisk {words[0]}: error: {path}, line {line}: smoothing must be positive, got 0\n"
+    )
+    assert capsys.readouterr().err == error
+    assert [entry.name for entry in tmp_path.iterdir()] == ["my.toml"]
+
+
+@pytest.mark.parametrize("source", ["engine", "in-house"])
+def test_run_can_be_repeated_from_its_own_result(source: str, tmp_path: Path) -> None:
+    words = f"simulate --source {source} --end 0.05 --samples 6 --tolerance 1e-6"
+    problem = f"{RING} --model 2 --law tanh --spin 30 --gamma -pi/2+0.3 --inclination 2deg"
+    first, again = tmp_path / "first.npz", tmp_path / "again.npz"
+    assert cli.main([*words.split(), *problem.split(), f"--out={first}"]) == 0
+    assert cli.main([*words.split(), f"--scenario={first}", f"--out={again}"]) == 0
+    runs = [Trajectory.load(path) for path in (first, again)]
+    assert runs[0].scenario == runs[1].scenario == chosen(problem)
+    assert (runs[0].coordinates == runs[1].coordinates).all()
+
+
+def test_scenario_of_a_stored_run_of_either_kind_is_printed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    trajectory, motion = tmp_path / "run.npz", tmp_path / "rest.npz"
+    cli.main(["simulate", "--mu=0.2", "--end=0.01", "--samples=3", f"--out={trajectory}"])
+    rest = ["rest", "--source=in-house", "--pivoting=1e-4", "--height=0.001", "--end=0.01"]
+    cli.main([*rest, f"--out={motion}"])
+    for path, kind in ((trajectory, Trajectory), (motion, SpatialMotion)):
+        capsys.readouterr()
+        assert cli.main(["scenario", str(path)]) == 0
+        again = tmp_path / "my.toml"
+        again.write_text(capsys.readouterr().out)
+        assert load_scenario(again) == kind.load(path).scenario
+    assert SpatialMotion.load(motion).scenario.start == Start(height=0.001)
+
+
+@pytest.mark.parametrize("source", ["engine", "in-house"])
+def test_way_to_rest_on_an_ideal_contact_is_refused_with_the_way_out(
+    source: str, file: Callable[[Scenario], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["rest", "--source", source, "--scenario", file(PAPER)]) == 2
+    assert "give --stiffness and --half-thickness, or the table [co" in capsys.readouterr().err
+
+
+def test_scene_lists_a_scenario_of_ones_own(
+    file: Callable[[Scenario], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = file(replace(PAPER, constraints=("contact", "no-slip-along")))
+    assert cli.main(["scene", "--scenario", path, "--formulation", "floating"]) == 0
+    assert capsys.readouterr().out.startswith("contact + no-slip-along, formulation floating\n")
+
+
+def made_check(difference: float) -> crosscheck.Check:
+    return crosscheck.Check(
+        quantity="accelerations",
+        formulation="floating",
+        criterion=1e-8,
+        difference=difference,
+        detail="relative",
+    )
+
+
+def test_check_answers_by_its_exit_code(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked: list[Scenario] = []
+    for differences, code, verdict in (
+        ([1e-9, 1e-10], 0, "All 2 checks hold."),
+        ([1e-9, 1e-3], 1, "1 checks FAIL."),
+    ):
+        checks = [made_check(difference) for difference in differences]
+
+        def answer(
+            scenario: Scenario, *, found: list[crosscheck.Check] = checks, **how: float
+        ) -> Any:
+            assert how == {"states": 10, "end": 2.0}
+            asked.append(scenario)
+            return found
+
+        monkeypatch.setattr(crosscheck, "check_scenario", answer)
+        assert cli.main(["check", "--mu", "0.2", "--states", "10"]) == code
+        assert capsys.readouterr().out.endswith(f"{verdict}\n")
+    assert asked == [chosen("--mu 0.2")] * 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "problem",
+    ["--model 3 --law tanh", "--constraints contact,no-slip-along --inclination 2deg", RING],
+)
+def test_check_of_ones_own_problem_holds(problem: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["check", *problem.split()]) == 0
+    assert "checks hold" in capsys.readouterr().out
+
+
+def test_value_that_begins_with_a_minus_needs_no_equals_sign() -> None:
+    def parsed(*words: str) -> argparse.Namespace:
+        return parser().parse_args(cli._joined(words))
+
+    assert parsed("scenario", "--gamma", "-pi/2+0.1").gamma == "-pi/2+0.1"
+    assert parsed("scenario", "--beta-rate", "-1e-3").beta_rate == -1e-3
+    assert parsed("eigenvalues", "--spin", "-5", "5").spins == ["-5", "5"]
+
+
+def test_module_of_the_command_line_is_the_command() -> None:
+    call = [sys.executable, "-m", "validation.cli", "scenario", "--model", "2"]
+    done = subprocess.run(call, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout == scenario_text(replace(PAPER, constraints=MODELS[2]))

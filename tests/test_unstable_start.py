@@ -1,0 +1,125 @@
+"""Starts that lie exactly on an unstable stationary motion are told from all others."""
+
+from dataclasses import replace
+from math import pi
+
+import pytest
+
+from analysis import (
+    CENTRED_DISK,
+    MODELS,
+    POSSIBLE_SETS,
+    ConstraintSet,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    State,
+    Table,
+    simulate,
+)
+from analysis.data.constraint_set import set_name
+from analysis.stability.critical import critical_speeds
+from analysis.stability.unstable_start import unstable_start
+
+SPINNING = Start.stationary(40.0)
+
+
+def test_message_names_the_motion_its_spin_and_its_growth() -> None:
+    assert unstable_start(Scenario(start=SPINNING)) == (
+        "start is exactly inverted spinning, which is unstable at 40 rad/s (deviations grow with "
+        "0.316 1/s): rounding decides when and to which side the disk leaves it"
+    )
+    message = unstable_start(Scenario(start=Start.stationary(0.0, "noninverted")))
+    assert message is not None
+    assert message.startswith("start is exactly noninverted spinning, which is unstable at 0")
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_message_ends_where_the_last_pair_begins_to_decay(constraints: ConstraintSet) -> None:
+    scenario = Scenario(constraints=constraints)
+    crossings = critical_speeds(scenario, system="numeric").crossings
+    for crossing in crossings:
+        if crossing.stable_side == "above" and len(crossings) == 1:
+            below, above = (
+                unstable_start(replace(scenario, start=Start.stationary(crossing.spin + shift)))
+                for shift in (-0.1, 0.1)
+            )
+            assert below is not None
+            assert above is None
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        Start(),
+        replace(SPINNING, beta=pi / 2 + 1e-9),
+        replace(SPINNING, gamma=pi / 2 + 1e-9),
+        replace(SPINNING, beta_rate=1e-9),
+        replace(SPINNING, gamma_rate=1e-9),
+        replace(SPINNING, x=0.01),
+        replace(SPINNING, x_rate=1e-6),
+    ],
+)
+def test_start_beside_the_stationary_motion_is_none(start: Start) -> None:
+    assert unstable_start(Scenario(start=start)) is None
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        replace(SPINNING, gamma=5 * pi / 2),
+        replace(SPINNING, alpha=2.0),
+        replace(SPINNING, x=0.01, y_rate=-0.4),
+        Scenario(start=SPINNING).initial_state,
+    ],
+)
+def test_same_motion_told_otherwise_or_elsewhere_is_one(start: Start | State) -> None:
+    assert unstable_start(Scenario(start=start)) == unstable_start(Scenario(start=SPINNING))
+
+
+def test_start_on_a_penalty_contact_is_one_at_any_height() -> None:
+    for height in (None, 0.005):
+        resting = Scenario.rest(start=replace(SPINNING, height=height))
+        assert unstable_start(resting) == unstable_start(Scenario(start=SPINNING))
+    hard = Scenario(contact=PenaltyContact(stiffness=2e5), start=SPINNING)
+    assert unstable_start(hard) is not None
+
+
+def test_stable_motion_and_leaning_table_are_none() -> None:
+    assert unstable_start(Scenario(constraints=MODELS[4], start=SPINNING)) is None
+    assert unstable_start(Scenario(table=Table(inclination=0.1), start=SPINNING)) is None
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_neutral_motion_of_a_round_disk_is_none(constraints: ConstraintSet) -> None:
+    """All eigenvalues are zero or imaginary without friction, some of them defective zeros."""
+    scenario = Scenario(
+        constraints=constraints,
+        disk=CENTRED_DISK,
+        friction=SmoothCoulomb(coefficient=0.0),
+        start=Start(gamma=0.3, gamma_rate=None, spin=40.0),
+    )
+    assert unstable_start(scenario) is None
+
+
+def test_round_disk_stands_at_any_angle() -> None:
+    start = Start(gamma=0.3, gamma_rate=0.0, spin=10.0)
+    message = unstable_start(Scenario(disk=CENTRED_DISK, start=start))
+    assert message is not None
+    assert message.startswith("start is exactly upright spinning, which is unstable at 10 rad/s")
+    assert unstable_start(Scenario(start=start)) is None
+
+
+def test_friction_however_fine_is_taken() -> None:
+    friction = SmoothCoulomb(smoothing=1e-8, load="contact")
+    assert unstable_start(Scenario(friction=friction, start=Start.stationary(5.0))) is not None
+
+
+def test_start_that_is_told_really_stays_until_rounding_has_grown() -> None:
+    """Within three seconds a deviation of 1e-3 rad falls over."""
+    assert unstable_start(Scenario(start=Start.stationary(20.0))) is not None
+    for gamma, leaves in ((pi / 2, False), (pi / 2 + 1e-3, True)):
+        start = replace(Start.stationary(20.0), gamma=gamma)
+        run = simulate(Scenario(start=start), [0.0, 3.0], local_tolerance=1e-8)
+        assert (abs(run.coordinates[-1, 5] - pi / 2) > 0.1) == leaves
