@@ -5,16 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import linear_sum_assignment
 
 import analysis
 import mbs_models
 from analysis import (
     LOADS,
-    MOTIONS,
     POSSIBLE_SETS,
     ConstraintSet,
-    Motion,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -27,8 +24,6 @@ from analysis import (
 from analysis.data.constraint_set import set_name
 from analysis.models import constraints as rows
 from analysis.models import index1
-from analysis.stability import spectra
-from analysis.stability.linear_reduced import ComplexArray
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.inventory import inventory
 from mbs_models.linearization import independent_coordinates
@@ -163,38 +158,6 @@ def test_start_that_slips_is_refused_by_the_name_of_what_it_breaks(
     for formulation in formulations(scenario):
         with pytest.raises(ValueError, match=f"'{broken}' of contact.* on velocity level"):
             mbs_models.acceleration(Scene(scenario, formulation))
-
-
-def gap(found: ComplexArray, expected: ComplexArray) -> float:
-    """Largest relative difference of two sets of eigenvalues, matched for the smallest sum."""
-    gaps = np.abs(found[:, None] - expected) / np.maximum(np.abs(expected), 1.0)
-    pairs = linear_sum_assignment(gaps)
-    return float(np.max(gaps[pairs]))
-
-
-def eigenvalue_gap(
-    constraints: ConstraintSet, spin: float, motion: Motion, formulation: Formulation | None
-) -> float:
-    scenario = Scenario(constraints=constraints, start=Start.stationary(spin, motion))
-    expected = spectra.eigenvalues(scenario, [spin], system="numeric", motion=motion)[0]
-    found = mbs_models.eigenvalues(Scene(scenario, formulation))
-    assert found.size == expected.size
-    return gap(found, expected)
-
-
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=name)
-def test_eigenvalues_are_those_of_the_in_house_linearisation(constraints: ConstraintSet) -> None:
-    assert eigenvalue_gap(constraints, 25.0, "inverted", None) < 2e-6
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize(("constraints", "formulation"), CASES, ids=name)
-def test_eigenvalues_agree_for_every_formulation_and_motion(
-    constraints: ConstraintSet, formulation: Formulation, motion: Motion
-) -> None:
-    for spin in (0.0, 25.0, -60.0):
-        assert eigenvalue_gap(constraints, spin, motion, formulation) < 5e-6
 
 
 @pytest.mark.parametrize(
