@@ -2,20 +2,23 @@
 
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import sin
+from typing import NamedTuple
 
 import numpy as np
 
 from analysis.data.checks import Array, TimeLimitError
+from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
 from analysis.data.state import COORDINATES, FlatError, State, check_upright
 from analysis.data.watch import Watch
 from mbs_models.build import build
 from mbs_models.integrators import Integrator
+from mbs_models.lookout import Records, Says, Stop, conditions_of, first_ending, state_of
 from mbs_models.model import Model
 from mbs_models.probe import Probe
-from mbs_models.pulling import Dip, dips, pulling_times, zero
+from mbs_models.pulling import pulling_times
 from mbs_models.runs import EngineError, Samples, Start, run, settle
 from mbs_models.scene import Scene
 
@@ -41,8 +44,10 @@ class Pass:
         Processor time that building the scene took.
     seconds : float
         Processor time that the engine's solver took.
-    ended : {"contact would pull", "time limit"} or None
-        Why it ended before the last time asked for.
+    ended : str or None
+        Why it ended before the last time asked for; see `Ending`.
+    value : float
+        What the condition that has ended it says there.
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
     """
@@ -54,6 +59,7 @@ class Pass:
     setup_seconds: float = 0.0
     seconds: float = 0.0
     ended: str | None = None
+    value: float = 0.0
     pulling: tuple[tuple[float, float], ...] = ()
 
 
@@ -65,9 +71,12 @@ def one_pass(
     halvings: int = 0,
     *,
     allow_pulling: bool = False,
+    conditions: Mapping[str, Condition] | None = None,
     watch: Watch | None = None,
 ) -> Pass:
     """One pass over all times, with steps of at most `step` that are then halved so often.
+
+    It ends early where one of the conditions, by their reasons, turns negative.
 
     Raises
     ------
@@ -82,13 +91,14 @@ def one_pass(
         integrator,
         float(times[-1]),
         allow_pulling=allow_pulling,
+        conditions=conditions or {},
         watch=watch or Watch(),
     )
     blocks: list[_Block] = []
     longest = 0.0
     for first, intervals, spacing in _even_stretches(times):
         if blocks:
-            scene = scene.starting_at(_restart(blocks[-1].values))
+            scene = scene.starting_at(state_of(blocks[-1].values[-1]))
         substeps = max(1, int(np.ceil(spacing / step - 1e-9))) << halvings
         longest = max(longest, spacing / substeps)
         block = runner.stretch(scene, float(times[first]), intervals, spacing, substeps)
@@ -109,7 +119,8 @@ def one_pass(
         runner.setup_seconds,
         runner.seconds,
         blocks[-1].ended,
-        pulling_times(runner.moments, runner.forces),
+        blocks[-1].value,
+        pulling_times(runner.moments, runner.forces) if allow_pulling else (),
     )
 
 
@@ -120,25 +131,14 @@ class _Block:
     values: Array
     ended: str | None
     last: float
+    value: float = 0.0
 
 
-class _Stop:
-    """Ends a run where the contact's constraint pulls, or when the watch calls time.
+class _Lost(NamedTuple):
+    """First sample at which the turns of an angle cannot be followed."""
 
-    Attributes
-    ----------
-    pulled : bool
-        Whether it ended it for the contact.
-    """
-
-    def __init__(self, model: Model, watch: Watch, begin: float, end: float) -> None:
-        self._model, self._watch = model, watch
-        self._begin, self._end = begin, end
-        self.pulled = False
-
-    def __call__(self, moment: float) -> bool:
-        self.pulled = self._model.pulls()
-        return self.pulled or self._watch.is_over(self._begin + moment, self._end)
+    row: int
+    coordinate: str
 
 
 class _Runner:
@@ -158,10 +158,11 @@ class _Runner:
         end: float,
         *,
         allow_pulling: bool,
+        conditions: Mapping[str, Condition],
         watch: Watch,
     ) -> None:
         self._integrator, self._end = integrator, end
-        self._allow, self._watch = allow_pulling, watch
+        self._allow, self._named, self._watch = allow_pulling, conditions, watch
         self.counts: Counter[str] = Counter()
         self.setup_seconds = self.seconds = 0.0
         self.moments: list[float] = []
@@ -172,11 +173,11 @@ class _Runner:
     ) -> _Block:
         """Samples of one stretch of even spacing."""
         model = self._build(scene)
-        start = None if self.moments else self._checked_start(model)
+        conditions = conditions_of(model, self._named, allow_pulling=self._allow)
+        start = None if self.moments else self._checked_start(model, conditions)
         finer, substeps = self._fineness(model, spacing, substeps)
         period = spacing / finer
-        stop = _Stop(model, self._watch, begin, self._end)
-        stops = self._must_not_pull(model) and model.contact_equation is not None
+        stop = Stop(model, conditions, self._watch, begin, self._end)
         failure: EngineError | None = None
         try:
             samples = run(
@@ -186,7 +187,7 @@ class _Runner:
                 intervals=intervals * finer,
                 substeps=substeps,
                 start=start,
-                stop=stop if stops or not self._watch.is_idle else None,
+                stop=None if stop.is_idle else stop,
             )
         except EngineError as error:
             if error.samples is None:
@@ -195,14 +196,40 @@ class _Runner:
         self._count(samples)
         values = _values(model, samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
-        ended: str | None = None
-        if self._must_not_pull(model):
-            width = (samples.stopped or 0.0) - period * (len(values) - 1) if stop.pulled else 0.0
-            pulled = self._first_pull(scene, values, moments, substeps, width)
-            if pulled is not None:
-                ended, failure, (moments, values) = "contact would pull", None, pulled
+        lost = None if model.has_euler_angles else _unwrap(values, moments, model.start)
+        known = values if lost is None else values[: lost.row]
+        width = (samples.stopped or 0.0) - period * (len(values) - 1) if stop.reason else 0.0
+
+        def after(state: State, duration: float, records: int) -> Array:
+            return self._after(scene.starting_at(state), duration, records * substeps)
+
+        records = Records(known, moments[: len(known)], period)
+        found = first_ending(conditions, records, (stop.reason, width), after)
+        if found is not None:
+            moments, values = found.moments, found.values
+        else:
+            self._check(values, moments, failure, lost, begin)
+        self.moments += moments.tolist()
+        self.forces += values[:, 12].tolist()
+        kept = np.arange(0, len(values), finer)
+        if found is not None and kept[-1] != len(values) - 1:
+            kept = np.append(kept, len(values) - 1)
+        last = float(moments[kept[-1]])
+        if found is not None:
+            return _Block(values[kept], found.reason, last, found.value)
+        return _Block(values[kept], TIME_LIMIT if len(values) <= intervals * finer else None, last)
+
+    def _check(
+        self,
+        values: Array,
+        moments: Array,
+        failure: EngineError | None,
+        lost: "_Lost | None",
+        begin: float,
+    ) -> None:
+        """Raise if a stretch has failed, or holds an attitude that cannot be told."""
+        check_upright(moments, values[:, :6])
         if failure is not None:
-            check_upright(moments, values[:, :6])
             place = f"stretch from t = {begin:.6g} s"
             tilt = float(values[-1, 4])
             if sin(tilt) < NEARLY_FLAT:
@@ -211,24 +238,18 @@ class _Runner:
                     float(moments[-1]),
                 ) from failure
             raise EngineError(f"{failure} ({place})") from failure
-        check_upright(moments, values[:, :6])
-        if not model.has_euler_angles:
-            _unwrap(values, moments, model.start)
-        self.moments += moments.tolist()
-        self.forces += values[:, 12].tolist()
-        if ended is None and len(values) <= intervals * finer:
-            ended = "time limit"
-        kept = np.arange(0, len(values), finer)
-        if ended == "contact would pull" and kept[-1] != len(values) - 1:
-            kept = np.append(kept, len(values) - 1)
-        return _Block(values[kept], ended, float(moments[kept[-1]]))
+        if lost is not None:
+            raise EngineError(
+                f"the turns of {lost.coordinate} cannot be followed after sample {lost.row - 1}: "
+                "the disk lies flat, or the samples are too far apart"
+            )
 
-    def _checked_start(self, model: Model) -> Start:
+    def _checked_start(self, model: Model, conditions: Mapping[str, Says]) -> Start:
         """Raise if the start breaks a constraint, or needs a contact that pulls and must not."""
         probe = Probe(model)
         probe.check_start()
         start = settle(model, probe)
-        if self._must_not_pull(model):
+        if CONTACT_WOULD_PULL in conditions:
             force = float(probe.multipliers(*start)[0])
             if force < 0.0:
                 raise ValueError(
@@ -237,55 +258,15 @@ class _Runner:
                 )
         return start
 
-    def _must_not_pull(self, model: Model) -> bool:
-        return model.may_pull and not self._allow
-
-    def _first_pull(
-        self, scene: Scene, values: Array, moments: Array, substeps: int, beyond: float
-    ) -> tuple[Array, Array] | None:
-        """Times and values up to where the contact would first pull, if it would.
-
-        Parameters
-        ----------
-        substeps : int
-            Steps between two records.
-        beyond : float
-            Time after the last record at which the run was stopped for the contact, 0 if not.
-        """
-        period = float(moments[1] - moments[0]) if len(moments) > 1 else beyond
-        places: list[Dip] = list(dips(values[:, 12]))
-        if beyond > 1e-9 * period:
-            places.append(Dip(len(values) - 1, beyond / period, sure=True))
-        for row, width, sure in places:
-            check_upright(moments[: row + 1], values[: row + 1, :6])
-            # From one record earlier: very short steps would make the forces noisy.
-            first = max(0, row - 1)
-            start = scene.starting_at(_restart(values[first : first + 1]))
-            steps = (int(np.ceil(width)) + row - first) * substeps
-            lead = period * (row - first)
-
-            def after(
-                moment: float, start: Scene = start, lead: float = lead, steps: int = steps
-            ) -> Array:
-                return self._after(start, lead + moment, steps)
-
-            moment = zero(
-                lambda time: float(after(time)[12]),
-                float(values[row, 12]),
-                width * period,
-                sure=sure,
-            )
-            if moment is not None:
-                times = np.append(moments[: row + 1], moments[row] + moment)
-                return times, np.vstack((values[: row + 1], after(moment)))
-        return None
-
     def _after(self, scene: Scene, duration: float, steps: int) -> Array:
         """Values that a short run of so many steps ends with, shape (12 + k,)."""
         model = self._build(scene)
         samples = run(model, self._integrator, spacing=duration, intervals=1, substeps=steps)
         self._count(samples)
-        result: Array = _values(model, samples)[-1]
+        values = _values(model, samples)
+        if not model.has_euler_angles:
+            _unwrap(values, np.array((0.0, duration)), model.start)
+        result: Array = values[-1]
         return result
 
     def _build(self, scene: Scene) -> Model:
@@ -333,30 +314,24 @@ def _even_stretches(times: Array) -> Iterator[tuple[int, int, float]]:
         first += length
 
 
-def _restart(values: Array) -> State:
-    last = values[-1].tolist()
-    return State(coordinates=tuple(last[:6]), rates=tuple(last[6:12]))
-
-
 def _whole_turns(angles: Array) -> Array:
     return 2 * np.pi * np.round(angles / (2 * np.pi))
 
 
-def _unwrap(values: Array, moments: Array, start: State) -> None:
-    """Make alpha and gamma continuous in place, from where they start.
+def _unwrap(values: Array, moments: Array, start: State) -> _Lost | None:
+    """Make alpha and gamma continuous in place, from where they start, as far as possible.
 
     Their mean rates predict each sample, so that coarse sampling of a fast spin does not lose
     turns. A sample half a turn off its prediction cannot be told from the next.
     """
+    lost: list[_Lost] = []
     for column in (3, 5):
         angle, rate = values[:, column], values[:, 6 + column]
         angle += _whole_turns(start.coordinates[column] - angle[:1])
         predicted = 0.5 * np.diff(moments) * (rate[1:] + rate[:-1])
         turns = _whole_turns(predicted - np.diff(angle))
-        doubt = np.abs(predicted - np.diff(angle) - turns)
-        if np.any(doubt > 0.5 * np.pi):
-            raise EngineError(
-                f"the turns of {COORDINATES[column]} cannot be followed after sample "
-                f"{int(np.argmax(doubt))}: the disk lies flat, or the samples are too far apart"
-            )
+        doubt = np.abs(predicted - np.diff(angle) - turns) > 0.5 * np.pi
+        if np.any(doubt):
+            lost.append(_Lost(1 + int(np.argmax(doubt)), COORDINATES[column]))
         angle[1:] += np.cumsum(turns)
+    return min(lost, default=None)

@@ -9,7 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import TimeLimitError, ToleranceError, increasing_times, positive
-from analysis.data.endings import Ending
+from analysis.data.endings import (
+    CONTACT_WOULD_PULL,
+    TIME_LIMIT,
+    Ending,
+    StopWhen,
+    named_conditions,
+)
 from analysis.data.state import FlatError
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
@@ -29,6 +35,7 @@ def simulate(
     step: float | None = None,
     tolerance: float | None = None,
     integrator: Integrator | IntegratorName | None = None,
+    stop_when: StopWhen = (),
     allow_pulling: bool = False,
     time_limit: float | None = None,
     progress: Progress | None = None,
@@ -39,8 +46,9 @@ def simulate(
     `tolerance`, runs with steps halved again and again are extrapolated until the estimated
     error of beta and gamma is below it.
 
-    A run ends where a bilateral contact would have to pull, or at its time limit: the trajectory
-    then holds fewer samples than asked for, the last one at the ending, and says why.
+    A run ends where a bilateral contact would have to pull, where a tree comes to lie flat, where
+    it is told to, or at its time limit: the trajectory then holds fewer samples than asked for,
+    the last one at the ending, and says why.
 
     Parameters
     ----------
@@ -56,6 +64,8 @@ def simulate(
         With its options, or the name of one of `integrators(scene.built_as)`; by default the
         first of them. DOPRI5 takes its accuracy from `Integrator.local_tolerance`, and `step`
         only limits its steps.
+    stop_when : str, callable or sequence of them
+        What else ends the run: "inverted", or functions of a `State` that turn negative there.
     allow_pulling : bool
         Go on where the contact pulls; friction then has no load.
     time_limit : float, optional
@@ -100,6 +110,7 @@ def simulate(
             f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
         )
     simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
+    conditions = named_conditions(stop_when)
     watch = Watch(time_limit, progress)
 
     def run(largest: float, halvings: int = 0) -> Pass:
@@ -110,6 +121,7 @@ def simulate(
             largest,
             halvings,
             allow_pulling=allow_pulling,
+            conditions=conditions,
             watch=watch,
         )
 
@@ -136,8 +148,11 @@ def trajectory(
     """Trajectory from the samples of a pass."""
     ending = None
     if result.ended is not None:
-        force = float(result.values[-1, 12])
-        value = force if result.ended == "contact would pull" else (watch or Watch()).seconds
+        value = result.value
+        if result.ended == TIME_LIMIT:
+            value = (watch or Watch()).seconds
+        elif result.ended == CONTACT_WOULD_PULL:
+            value = float(result.values[-1, 12])
         ending = Ending(reason=result.ended, time=float(result.times[-1]), value=value)
     return Trajectory(
         times=result.times,
@@ -179,7 +194,7 @@ def _to_tolerance(
             continue
         failure = None
         counts.update(result.counts)
-        over = result.ended == "time limit"
+        over = result.ended == TIME_LIMIT
         if not over and kind != (result.ended, result.times.size):
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
