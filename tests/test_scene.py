@@ -69,7 +69,7 @@ def test_engine_starts_where_the_scene_says(level: Any) -> None:
     for formulation in mbs_models.formulations(model(level)):
         built = build(scene_of(level, formulation, start=start))
         coordinates, rates = built.decode(built.record()[None])
-        state = model.scenario.initial_state
+        state = built.scenario.initial_state
         np.testing.assert_allclose(coordinates[0], state.coordinates, atol=1e-12)
         np.testing.assert_allclose(rates[0], state.rates, atol=1e-11)
 
