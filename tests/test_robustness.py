@@ -276,6 +276,12 @@ def test_further_sets_and_a_leaning_table_are_accurate_in_every_formulation(axis
                 assert run_case(short, way, known).verdict == "accurate"
 
 
+def test_reduced_equations_are_not_asked_for_a_leaning_table() -> None:
+    for problem in problems(quick=False):
+        tried = {way.formulation for way in ways(problem, quick=False)}
+        assert problem.scenario.table.is_horizontal or "reduced" not in tried
+
+
 def test_every_quick_problem_is_known_by_its_key() -> None:
     keys = [job.key for job in robustness.jobs(quick=True)]
     assert len(set(keys)) == len(keys)
