@@ -23,6 +23,7 @@ from analysis import (
     SmoothCoulomb,
 )
 from mbs_models import Formulation, Scene
+from validation.kit.progress import counted
 from validation.kit.report import Job, Section
 from validation.kit.tables import Cell, Table
 from validation.studies.comparisons import (
@@ -86,7 +87,7 @@ def check_scenario(scenario: Scenario, *, states: int = 100, end: float = END) -
     """
     return [
         check
-        for formulation in mbs_models.formulations(scenario)
+        for formulation in counted(mbs_models.formulations(scenario), "formulations")
         for check in check_formulation(scenario, formulation, states=states, end=end)
     ]
 
