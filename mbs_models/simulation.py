@@ -3,13 +3,18 @@
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from math import isclose
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import TimeLimitError, ToleranceError, increasing_times, positive
-from analysis.data.endings import Ending
+from analysis.data.endings import (
+    CONTACT_WOULD_PULL,
+    TIME_LIMIT,
+    Ending,
+    StopWhen,
+    named_conditions,
+)
 from analysis.data.state import FlatError
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
@@ -21,6 +26,9 @@ from mbs_models.passes import Pass, one_pass
 from mbs_models.runs import EngineError
 from mbs_models.scene import Scene
 
+PATIENCE = 6
+"""Halvings of the step in a row after which a disk that lies all but flat is given up."""
+
 
 def simulate(
     scene: Scene,
@@ -29,6 +37,7 @@ def simulate(
     step: float | None = None,
     tolerance: float | None = None,
     integrator: Integrator | IntegratorName | None = None,
+    stop_when: StopWhen = (),
     allow_pulling: bool = False,
     time_limit: float | None = None,
     progress: Progress | None = None,
@@ -39,8 +48,9 @@ def simulate(
     `tolerance`, runs with steps halved again and again are extrapolated until the estimated
     error of beta and gamma is below it.
 
-    A run ends where a bilateral contact would have to pull, or at its time limit: the trajectory
-    then holds fewer samples than asked for, the last one at the ending, and says why.
+    A run ends where a bilateral contact would have to pull, where the disk lies flat, where it is
+    told to, or at its time limit: the trajectory then holds fewer samples than asked for, the
+    last one at the ending, and says why.
 
     Parameters
     ----------
@@ -56,6 +66,8 @@ def simulate(
         With its options, or the name of one of `integrators(scene.built_as)`; by default the
         first of them. DOPRI5 takes its accuracy from `Integrator.local_tolerance`, and `step`
         only limits its steps.
+    stop_when : str, callable or sequence of them
+        What else ends the run: "inverted", or functions of a `State` that turn negative there.
     allow_pulling : bool
         Go on where the contact pulls; friction then has no load.
     time_limit : float, optional
@@ -76,7 +88,7 @@ def simulate(
     EngineError
         If the engine does not reach the end.
     FlatError
-        If the disk comes to lie flat.
+        If the disk comes so close to lying flat that the Euler angles cannot be followed.
     ToleranceError
         If `tolerance` cannot be met.
     TimeLimitError
@@ -100,6 +112,7 @@ def simulate(
             f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
         )
     simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
+    conditions = named_conditions(stop_when)
     watch = Watch(time_limit, progress)
 
     def run(largest: float, halvings: int = 0) -> Pass:
@@ -109,6 +122,7 @@ def simulate(
             chosen,
             largest,
             halvings,
+            stop_when=conditions,
             allow_pulling=allow_pulling,
             watch=watch,
         )
@@ -136,8 +150,9 @@ def trajectory(
     """Trajectory from the samples of a pass."""
     ending = None
     if result.ended is not None:
-        force = float(result.values[-1, 12])
-        value = force if result.ended == "contact would pull" else (watch or Watch()).seconds
+        seconds = (watch or Watch()).seconds
+        pulls = result.ended == CONTACT_WOULD_PULL
+        value = seconds if result.ended == TIME_LIMIT else pulls * float(result.values[-1, 12])
         ending = Ending(reason=result.ended, time=float(result.times[-1]), value=value)
     return Trajectory(
         times=result.times,
@@ -168,18 +183,20 @@ def _to_tolerance(
     counts: Counter[str] = Counter()
     failure: EngineError | FlatError | None = None
     kind: tuple[str | None, int] = (None, 0)
+    flat = 0
     for halvings in range(HALVINGS):
         try:
             result = run(integrator.first_step, halvings)
         except (EngineError, FlatError) as error:
             # A step too long for the iteration is no failure of the tolerance: halve it.
-            if _lies_flat(failure, error):
+            flat = flat + 1 if isinstance(error, FlatError) else 0
+            if flat == PATIENCE:
                 raise
             failure, ladder = error, Ladder(scene.built_as, integrator.name)
             continue
         failure = None
         counts.update(result.counts)
-        over = result.ended == "time limit"
+        over = result.ended == TIME_LIMIT
         if not over and kind != (result.ended, result.times.size):
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
@@ -203,10 +220,3 @@ def _to_tolerance(
         f"tolerance {tolerance:g} rad cannot be reached with {integrator.name} on formulation "
         f"{scene.built_as!r}: the best estimated error is {ladder.best_estimate:.1e} rad"
     )
-
-
-def _lies_flat(before: Exception | None, error: Exception) -> bool:
-    """Whether two runs in a row say that the disk comes to lie flat, and when."""
-    if not isinstance(before, FlatError) or not isinstance(error, FlatError):
-        return False
-    return isclose(before.time, error.time, rel_tol=1e-2)
