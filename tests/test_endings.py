@@ -9,22 +9,18 @@ import numpy as np
 import pytest
 
 import analysis
-import mbs_models
 from analysis import (
     Ending,
     Form,
-    Level,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
     State,
-    StopWhen,
     Trajectory,
 )
 from analysis.data.endings import REACHED
 from analysis.models import index1
-from mbs_models import Formulation, Scene, formulations
 from tests.helpers import model
 
 FALLING = Start(beta=1.0, gamma=pi / 2, spin=0.0)
@@ -115,54 +111,6 @@ def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
     )
     assert other.ending is not None
     assert other.ending.reason == "inverted"
-
-
-ENGINE_WAYS = ["contact-tree", "euler-tree", "floating", "floating-lie"]
-
-
-def turning(state: State) -> float:
-    return 6 * pi + 1.2 - state.coordinates[5]
-
-
-@pytest.mark.parametrize("formulation", ENGINE_WAYS)
-@pytest.mark.parametrize("condition", ["inverted", slow, turning])
-def test_engine_runs_end_where_the_in_house_ones_do(
-    formulation: Formulation, condition: StopWhen
-) -> None:
-    # Many turns of gamma before the start: a free body's angles are followed on from there.
-    scenario = Scenario(start=Start(gamma=-pi / 2 + 0.1 + 6 * pi))
-    expected = analysis.simulate(scenario, TIMES, tolerance=1e-10, stop_when=condition)
-    found = mbs_models.simulate(
-        Scene(scenario, formulation), TIMES, tolerance=1e-6, stop_when=condition
-    )
-    assert found.ending is not None
-    assert expected.ending is not None
-    assert found.ending.reason == expected.ending.reason
-    assert found.ending.time == pytest.approx(expected.ending.time, abs=1e-9)
-    np.testing.assert_allclose(found.coordinates, expected.coordinates, atol=1e-7)
-
-
-@pytest.mark.parametrize("level", [1, 2, 4])
-@pytest.mark.parametrize("formulation", ["contact-tree", "euler-tree", "floating-lie"])
-def test_a_fall_ends_in_the_engine_as_in_house(level: Level, formulation: Formulation) -> None:
-    scenario = model(level, start=FALLING)
-    if formulation not in formulations(scenario):
-        return
-    expected = analysis.simulate(scenario, TIMES, tolerance=1e-10)
-    found = mbs_models.simulate(Scene(scenario, formulation), TIMES, tolerance=1e-6)
-    assert found.ending is not None
-    assert expected.ending is not None
-    assert found.ending.reason == expected.ending.reason == "flat"
-    assert found.ending.time == pytest.approx(expected.ending.time, abs=1e-8)
-    np.testing.assert_allclose(found.coordinates[:, 4], expected.coordinates[:, 4], atol=1e-6)
-
-
-@pytest.mark.parametrize("formulation", ENGINE_WAYS)
-def test_a_single_run_of_fixed_steps_ends_too(formulation: Formulation) -> None:
-    run = mbs_models.simulate(Scene(Scenario(), formulation), TIMES, step=1e-3, stop_when=slow)
-    assert run.ending is not None
-    assert run.ending.reason == "slow"
-    assert run.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-9)
 
 
 def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:

@@ -1,6 +1,7 @@
 """The engine against the in-house equations: every set of constraints, and a leaning table."""
 
 from math import radians
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from analysis import (
     LOADS,
     POSSIBLE_SETS,
     ConstraintSet,
+    PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -106,14 +108,14 @@ def angle_gap(one: Trajectory, other: Trajectory) -> float:
     return float(np.max(np.abs(one.coordinates - other.coordinates)[:, 3:]))
 
 
-MOTIONS = [
+RUNS = [
     *((constraints, formulation, SLOPE) for constraints, formulation in CASES),
     *((FREE_ROLLING, formulation, Table()) for formulation in ("euler-tree", "floating-lie")),
     *((NO_SLIP, formulation, Table()) for formulation in ("euler-tree", "floating")),
 ]
 
 
-@pytest.mark.parametrize(("constraints", "formulation", "table"), MOTIONS, ids=name)
+@pytest.mark.parametrize(("constraints", "formulation", "table"), RUNS, ids=name)
 def test_motions_agree(constraints: ConstraintSet, formulation: Formulation, table: Table) -> None:
     scenario = Scenario(constraints=constraints, table=table, start=Start(beta=1.4, spin=20.0))
     truth = analysis.simulate(scenario, TIMES, tolerance=1e-10)
@@ -156,3 +158,18 @@ def test_start_that_slips_is_refused_by_the_name_of_what_it_breaks(
     for formulation in formulations(scenario):
         with pytest.raises(ValueError, match=f"'{broken}' of contact.* on velocity level"):
             mbs_models.acceleration(Scene(scenario, formulation))
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"table": SLOPE}, "linearisation .* needs a horizontal table, got an inclination"),
+        ({"contact": PenaltyContact(stiffness=1e5)}, "contact must be left out"),
+        ({"start": Start()}, "start must be a stationary motion to linearise about"),
+    ],
+    ids=["slope", "penalty", "moving"],
+)
+def test_what_is_not_linearised_is_refused(fields: dict[str, Any], message: str) -> None:
+    scenario = Scenario(**{"start": Start.stationary(30.0)} | fields)
+    with pytest.raises(ValueError, match=message):
+        mbs_models.eigenvalues(Scene(scenario))
