@@ -13,6 +13,11 @@ from analysis.data.state import State
 from analysis.data.watch import Watch
 from mbs_models.model import Model
 from mbs_models.pulling import Dip, dips, zero
+from mbs_models.runs import EngineError
+
+_HALVINGS = 40
+_FLAT_ENOUGH = 1e-4
+"""Sine of the inclination up to which runs that fail beyond it are said to fail for it."""
 
 Says = Callable[[Array], float]
 """From coordinates, rates and constraint forces in one row to a number; negative ends the run."""
@@ -39,7 +44,7 @@ def conditions_of(
     found: dict[str, Says] = {}
     if model.may_pull and not allow_pulling:
         found[CONTACT_WOULD_PULL] = lambda row: float(row[12])
-    if model.has_euler_angles:
+    if model.has_euler_angles or model.scenario.contact is None:
         found[FLAT] = lambda row: sin(row[4]) - LEAST_TILT
 
     def in_rows(condition: Condition) -> Says:
@@ -153,7 +158,8 @@ def first_ending(
         seen = records._replace(values=values[: upright + (reason == FLAT)])
         beyond = stopped[1] if reason == stopped[0] else 0.0
         for spot in _spots(reason, says, seen, beyond):
-            located = _located(says, seen, spot, after)
+            locate = _flat_place if reason == FLAT else _located
+            located = locate(says, seen, spot, after)
             if located is not None:
                 endings.append(
                     (float(moments[spot.row]) + located[0], spot.row, reason, located[1])
@@ -189,15 +195,38 @@ def _spots(reason: str, says: Says, records: Records, beyond: float) -> Iterator
 
 def _located(says: Says, records: Records, spot: Dip, after: After) -> tuple[float, Array] | None:
     """Time after a record at which a condition turns negative, and the row there."""
-    row, width, sure = spot
-    # From one record earlier: very short steps would make the forces noisy.
-    first = max(0, row - 1)
-    start, lead = state_of(records.values[first]), records.period * (row - first)
-    count = ceil(width) + row - first
-
-    def reached(moment: float) -> Array:
-        return after(start, lead + moment, count)
-
-    begin = says(records.values[row])
-    moment = zero(lambda time: says(reached(time)), begin, width * records.period, sure=sure)
+    reached = _short_runs(records, spot, after)
+    begin, width = says(records.values[spot.row]), spot.width * records.period
+    moment = zero(lambda time: says(reached(time)), begin, width, sure=spot.sure)
     return None if moment is None else (moment, reached(moment))
+
+
+def _flat_place(
+    says: Says, records: Records, spot: Dip, after: After
+) -> tuple[float, Array] | None:
+    """The same for a disk that comes to lie flat, where runs may fail: a failed one is beyond."""
+    reached = _short_runs(records, spot, after)
+    upright, beyond = 0.0, spot.width * records.period
+    row = records.values[spot.row]
+    for halving in range(_HALVINGS):
+        middle = beyond if halving == 0 else 0.5 * (upright + beyond)
+        try:
+            found = reached(middle)
+        except EngineError:
+            found = None
+        if found is not None and says(found) >= 0.0:
+            if halving == 0:
+                return None
+            upright, row = middle, found
+        else:
+            beyond = middle
+    return (upright, row) if says(row) < _FLAT_ENOUGH and upright > 0.0 else None
+
+
+def _short_runs(records: Records, spot: Dip, after: After) -> Callable[[float], Array]:
+    """From a time after a record to the row there, by a run of its own."""
+    # From one record earlier: very short steps would make the forces noisy.
+    first = max(0, spot.row - 1)
+    start, lead = state_of(records.values[first]), records.period * (spot.row - first)
+    count = ceil(spot.width) + spot.row - first
+    return lambda moment: after(start, lead + moment, count)

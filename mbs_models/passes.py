@@ -4,13 +4,13 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from math import sin
+from math import pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from analysis.data.checks import Array, TimeLimitError
-from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
+from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Condition
 from analysis.data.state import COORDINATES, FlatError, State, check_upright
 from analysis.data.watch import Watch
 from mbs_models.build import build
@@ -198,13 +198,15 @@ class _Runner:
         moments: Array = begin + period * np.arange(len(values), dtype=float)
         lost = None if model.has_euler_angles else _unwrap(values, moments, model.start)
         known = values if lost is None else values[: lost.row]
-        width = (samples.stopped or 0.0) - period * (len(values) - 1) if stop.reason else 0.0
+        stopped = stop.reason, (samples.stopped or 0.0) - period * (len(values) - 1)
+        if failure is not None:
+            stopped = FLAT, _time_until_flat(known[-1])
 
         def after(state: State, duration: float, records: int) -> Array:
             return self._after(scene.starting_at(state), duration, records * substeps)
 
         records = Records(known, moments[: len(known)], period)
-        found = first_ending(conditions, records, (stop.reason, width), after)
+        found = first_ending(conditions, records, stopped, after)
         if found is not None:
             moments, values = found.moments, found.values
         else:
@@ -294,6 +296,13 @@ class _Runner:
         divisors = (k for k in range(1, substeps) if k >= needed and substeps % k == 0)
         finer = next(divisors, substeps)
         return finer, substeps // finer
+
+
+def _time_until_flat(row: Array) -> float:
+    """Time in s in which a disk falls beyond flat at its present rate, 0 if it rises."""
+    beta, rate = float(row[4]), float(row[10])
+    left = beta / -rate if rate < 0.0 else (pi - beta) / rate if rate > 0.0 else 0.0
+    return 1.2 * max(0.0, left)
 
 
 def _values(model: Model, samples: Samples) -> Array:

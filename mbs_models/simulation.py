@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from math import isclose
+from math import isclose, pi
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,7 @@ import numpy.typing as npt
 from analysis.data.checks import TimeLimitError, ToleranceError, increasing_times, positive
 from analysis.data.endings import (
     CONTACT_WOULD_PULL,
+    FLAT,
     TIME_LIMIT,
     Ending,
     StopWhen,
@@ -199,9 +200,14 @@ def _to_tolerance(
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
             ladder = Ladder(scene.built_as, integrator.name)
-        ladder.add(np.column_stack((result.values, result.times)))
+        # In a flat disk, only the sum or the difference of alpha and gamma has a meaning.
+        judged = -1 if result.ended == FLAT else None
+        ladder.add(np.column_stack((result.values, result.times)), judged)
         if ladder.estimate <= tolerance:
             values, times = ladder.best[:, :-1], ladder.best[:, -1]
+            if not 0.0 < values[-1, 4] < pi:
+                # Extrapolated beyond flat, from runs that have ended just before.
+                values[-1], times[-1] = result.values[-1], result.times[-1]
             best = replace(result, times=times, values=values, counts=counts)
             return best, ladder.estimate
         if over:
