@@ -31,6 +31,7 @@ from analysis.data.friction import (
     ViscousFriction,
 )
 from analysis.data.scenario import Scenario
+from analysis.data.scenario_file import load_scenario, scenario_text
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.start import MOTIONS, Motion, Start
 from analysis.data.state import COORDINATES, FlatError, State
@@ -103,8 +104,10 @@ __all__ = [
     "find_inversion",
     "find_phases",
     "judge_inversion",
+    "load_scenario",
     "multiplier_names",
     "power",
+    "scenario_text",
     "simulate",
     "simulate_to_rest",
 ]

@@ -57,7 +57,7 @@ class Ladder:
         """
         return self._worse >= 3 and self.best_estimate < 1e-5
 
-    def add(self, values: Array, judged: int | None = None) -> None:
+    def add(self, values: Array) -> None:
         """Add a run with half the step of the run before.
 
         Each extrapolated value is compared with its like from the run before. The difference is
@@ -71,15 +71,13 @@ class Ladder:
         ----------
         values : ndarray, shape (n, k)
             No longer than those of the run before, which is cut to them.
-        judged : int, optional
-            How many of the samples count for the estimate; by default all.
         """
         self._row = [coarse[: len(values)] for coarse in self._row]
         row = [values]
         for exponent, coarse in zip(self._exponents, self._row, strict=False):
             row.append(row[-1] + (row[-1] - coarse) / (2.0**exponent - 1.0))
         differences = [
-            max(float(np.max(np.abs(fine - coarse)[:judged, 4:6])), ROUNDING)
+            max(float(np.max(np.abs(fine - coarse)[:, 4:6])), ROUNDING)
             for coarse, fine in zip(self._row, row, strict=False)
         ]
         self.estimate = np.inf

@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from math import isclose, pi
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +10,6 @@ import numpy.typing as npt
 from analysis.data.checks import TimeLimitError, ToleranceError, increasing_times, positive
 from analysis.data.endings import (
     CONTACT_WOULD_PULL,
-    FLAT,
     TIME_LIMIT,
     Ending,
     StopWhen,
@@ -27,6 +25,9 @@ from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.passes import Pass, one_pass
 from mbs_models.runs import EngineError
 from mbs_models.scene import Scene
+
+PATIENCE = 6
+"""Halvings of the step in a row after which a disk that lies all but flat is given up."""
 
 
 def simulate(
@@ -47,9 +48,9 @@ def simulate(
     `tolerance`, runs with steps halved again and again are extrapolated until the estimated
     error of beta and gamma is below it.
 
-    A run ends where a bilateral contact would have to pull, where a tree comes to lie flat, where
-    it is told to, or at its time limit: the trajectory then holds fewer samples than asked for,
-    the last one at the ending, and says why.
+    A run ends where a bilateral contact would have to pull, where the disk lies flat, where it is
+    told to, or at its time limit: the trajectory then holds fewer samples than asked for, the
+    last one at the ending, and says why.
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ def simulate(
     EngineError
         If the engine does not reach the end.
     FlatError
-        If the disk comes to lie flat.
+        If the disk comes so close to lying flat that the Euler angles cannot be followed.
     ToleranceError
         If `tolerance` cannot be met.
     TimeLimitError
@@ -121,8 +122,8 @@ def simulate(
             chosen,
             largest,
             halvings,
+            stop_when=conditions,
             allow_pulling=allow_pulling,
-            conditions=conditions,
             watch=watch,
         )
 
@@ -149,11 +150,9 @@ def trajectory(
     """Trajectory from the samples of a pass."""
     ending = None
     if result.ended is not None:
-        value = result.value
-        if result.ended == TIME_LIMIT:
-            value = (watch or Watch()).seconds
-        elif result.ended == CONTACT_WOULD_PULL:
-            value = float(result.values[-1, 12])
+        seconds = (watch or Watch()).seconds
+        pulls = result.ended == CONTACT_WOULD_PULL
+        value = seconds if result.ended == TIME_LIMIT else pulls * float(result.values[-1, 12])
         ending = Ending(reason=result.ended, time=float(result.times[-1]), value=value)
     return Trajectory(
         times=result.times,
@@ -184,12 +183,14 @@ def _to_tolerance(
     counts: Counter[str] = Counter()
     failure: EngineError | FlatError | None = None
     kind: tuple[str | None, int] = (None, 0)
+    flat = 0
     for halvings in range(HALVINGS):
         try:
             result = run(integrator.first_step, halvings)
         except (EngineError, FlatError) as error:
             # A step too long for the iteration is no failure of the tolerance: halve it.
-            if _lies_flat(failure, error):
+            flat = flat + 1 if isinstance(error, FlatError) else 0
+            if flat == PATIENCE:
                 raise
             failure, ladder = error, Ladder(scene.built_as, integrator.name)
             continue
@@ -200,14 +201,9 @@ def _to_tolerance(
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
             ladder = Ladder(scene.built_as, integrator.name)
-        # In a flat disk, only the sum or the difference of alpha and gamma has a meaning.
-        judged = -1 if result.ended == FLAT else None
-        ladder.add(np.column_stack((result.values, result.times)), judged)
+        ladder.add(np.column_stack((result.values, result.times)))
         if ladder.estimate <= tolerance:
             values, times = ladder.best[:, :-1], ladder.best[:, -1]
-            if not 0.0 < values[-1, 4] < pi:
-                # Extrapolated beyond flat, from runs that have ended just before.
-                values[-1], times[-1] = result.values[-1], result.times[-1]
             best = replace(result, times=times, values=values, counts=counts)
             return best, ladder.estimate
         if over:
@@ -224,10 +220,3 @@ def _to_tolerance(
         f"tolerance {tolerance:g} rad cannot be reached with {integrator.name} on formulation "
         f"{scene.built_as!r}: the best estimated error is {ladder.best_estimate:.1e} rad"
     )
-
-
-def _lies_flat(before: Exception | None, error: Exception) -> bool:
-    """Whether two runs in a row say that the disk comes to lie flat, and when."""
-    if not isinstance(before, FlatError) or not isinstance(error, FlatError):
-        return False
-    return isclose(before.time, error.time, rel_tol=1e-2)

@@ -11,6 +11,7 @@ import analysis
 import mbs_models
 from analysis import Trajectory
 from analysis.data.constraint_set import CONSTRAINTS
+from analysis.data.endings import CONDITIONS, INVERTED
 from analysis.data.trajectory import SOURCES
 from validation import cli
 from validation.parser import commands, groups
@@ -29,6 +30,7 @@ def test_choices_are_those_of_the_packages() -> None:
     assert groups.LOADS == analysis.LOADS
     assert groups.MODELS == analysis.LEVELS
     assert groups.CONSTRAINTS == CONSTRAINTS
+    assert tuple(CONDITIONS) == groups.CONDITIONS
     assert tuple(analysis.DISKS) == groups.DISKS
     assert commands.INVERSION == analysis.models.inversion.DEFINITION
     assert groups.SOURCES == SOURCES
@@ -91,6 +93,18 @@ def test_show_draws_runs_over_each_other(tmp_path: Path) -> None:
         picture = tmp_path / f"picture{suffix}"
         assert run("show", str(out), str(out), "--out", str(picture)) == 0
         assert picture.read_bytes().startswith(magic)
+
+
+@pytest.mark.parametrize("source", ["in-house"])
+def test_run_stops_where_it_is_told_to(
+    source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "run.npz"
+    assert run("simulate", "--source", source, "--stop-when", "inverted", "--out", str(out)) == 0
+    assert "the centre of gravity is up, at 90% of its largest height" in capsys.readouterr().out
+    ending = Trajectory.load(out).ending
+    assert ending is not None
+    assert ending.reason == INVERTED
 
 
 BAD = [

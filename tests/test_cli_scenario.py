@@ -237,6 +237,14 @@ def test_start_told_by_coordinates_takes_no_options(
     assert "--spin cannot change a start that is told by its coord" in capsys.readouterr().err
 
 
+def test_option_that_was_not_given_is_not_blamed(
+    file: Callable[[Scenario], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = file(replace(PAPER, start=Start(gamma_rate=5.0)))
+    assert cli.main(["scenario", path, "--model", "3"]) == 2
+    assert "error: gamma_rate must be -2.44929e-15 in Model 3" in capsys.readouterr().err
+
+
 COMMANDS = [
     "simulate --end 0.01 --samples 3 --out {out}",
     "simulate --end 0.01 --samples 3 --source in-house --out {out}",

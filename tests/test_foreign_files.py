@@ -147,9 +147,9 @@ TRAJECTORIES = {
     "pulling as text": (described("meta", pulling=["ab"]), f"pulling {NUMBER} 'a'"),
     "pulling backwards": (described("meta", pulling=[[2, 1]]), "pulling must hold rising times"),
     "ending is text": (described("meta", ending="soon"), "."),
-    "unknown ending": (
-        described("meta", ending={"reason": "bored", "time": 1.0, "value": 0.0}),
-        "reason must be one of",
+    "ending without reason": (
+        described("meta", ending={"reason": 3, "time": 1.0, "value": 0.0}),
+        "reason must be text, got 3",
     ),
     "unknown load": (described("meta", scenario__friction__load="none"), "load must be one of"),
     "foreign piece": (described("meta", scenario__friction__colour="red"), ".*colour"),

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from math import hypot
-from typing import Any
 
 import numpy as np
 import pytest
@@ -46,7 +45,7 @@ loads = pytest.mark.parametrize("load", LOADS)
 seeds = pytest.mark.parametrize("seed", range(3))
 
 
-def sets_with(*members: str) -> Any:
+def sets_with(*members: str) -> pytest.MarkDecorator:
     """Parameters: all sets that hold these constraints."""
     chosen = [each for each in POSSIBLE_SETS if set(members) <= set(each)]
     return pytest.mark.parametrize("constraints", chosen, ids="+".join)

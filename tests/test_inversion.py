@@ -15,7 +15,8 @@ from analysis import (
     simulate,
 )
 from analysis.data.checks import Array
-from analysis.models.inversion import DEFINITION, REACHED, STAYING
+from analysis.data.endings import REACHED
+from analysis.models.inversion import DEFINITION, STAYING
 from tests.helpers import random_trajectory
 
 TIMES = np.linspace(0.0, 4.0, 401)

@@ -27,7 +27,7 @@ from analysis import (
 from analysis.data.checks import Array
 from analysis.models import index1
 from mbs_models import Formulation, Scene, formulations
-from mbs_models.pulling import dips, pulling_times, zero
+from mbs_models.endings import dips, pulling_times, zero
 from tests.scenes import scenario_of, scene_of
 from validation import cli
 

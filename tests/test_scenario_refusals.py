@@ -77,6 +77,16 @@ REFUSED: list[tuple[list[Entry], str, str]] = [
         "smoothing must be at least coefficient / 1e+12",
         "smoothing",
     ),
+    ([("disk", "radius", "1" + 400 * "0")], "radius must be a finite number, got one", "radius"),
+    (
+        [
+            ("friction", "law", '"analysis.data.friction:FrictionLaw"'),
+            ("friction", "coefficient", None),
+            ("friction", "smoothing", None),
+        ],
+        "friction law 'analysis.data.friction:FrictionLaw' cannot be made: Can't inst",
+        "law",
+    ),
     ([("table", "gravity", "0")], "gravity must be positive, got 0", "gravity"),
     ([("table", "gravity", "1e300")], "gravity must lie from 0 to 1e+06", "gravity"),
     ([("table", "inclination", "-0.1")], "inclination must not be negative", "inclination"),
@@ -209,6 +219,15 @@ REFUSED_SETS = [
     ),
 ]
 
+SLIP_FREE = Scenario(constraints=("contact", "no-slip-along", "no-slip-across"))
+HELD = Scenario(constraints=("contact", "fixed-cog", "no-slip-across"))
+
+REFUSED_OF_SETS: list[tuple[Scenario, list[Entry], str, str]] = [
+    (SLIP_FREE, [("start", "x_rate", "1")], "x_rate must be", "x_rate"),
+    (SLIP_FREE, [("start", "y_rate", "1")], "y_rate must be", "y_rate"),
+    (HELD, [("start", "beta_rate", "1")], "beta_rate must be", "beta_rate"),
+]
+
 Case = tuple[Scenario, list[Entry], str, str]
 
 
@@ -221,6 +240,7 @@ ALL_REFUSED: list[Case] = [
     *((Scenario(), *case) for case in REFUSED),
     *((Scenario.rest(), *case) for case in REFUSED_OF_CONTACT),
     *REFUSED_OF_OTHERS,
+    *REFUSED_OF_SETS,
     *(set_case(given, message) for given, message in REFUSED_SETS),
 ]
 
@@ -228,7 +248,9 @@ ALL_REFUSED: list[Case] = [
 @pytest.mark.parametrize(
     ("scenario", "entries", "message", "place"),
     ALL_REFUSED,
-    ids=[" ".join(f"{table}.{key}={value}" for table, key, value in c[1]) for c in ALL_REFUSED],
+    ids=[
+        " ".join(f"{table}.{key}={value}"[:60] for table, key, value in c[1]) for c in ALL_REFUSED
+    ],
 )
 def test_refusal_names_key_and_line(
     scenario: Scenario, entries: list[Entry], message: str, place: str, tmp_path: Path

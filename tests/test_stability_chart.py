@@ -28,9 +28,10 @@ from analysis.stability.chart import (
 from analysis.stability.corners import Corner, corners
 from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import HopfCurve, hopf_curves
-from analysis.stability.hopf_points import ExtendedSystem, spin_scale
+from analysis.stability.hopf_points import ExtendedSystem
 from analysis.stability.linear_full import full_system
 from analysis.stability.linear_reduced import critical_speed
+from analysis.stability.scope import spin_scale
 from analysis.stability.sensitivities import (
     DISK_PARAMETERS,
     closed_form_sensitivities,

@@ -83,7 +83,8 @@ def run(
     )
     given |= {"allow_pulling": allow_pulling, "time_limit": time_limit, "progress": progress}
     if source == "in-house":
-        return analysis.simulate(scenario, times, form=formulation, **given)
+        given["form"] = formulation
+        return analysis.simulate(scenario, times, **given)
     import mbs_models
 
     return mbs_models.simulate(_scene(scenario, formulation), times, **given)

@@ -101,10 +101,7 @@ class _Places:
 
     def blamed(self, message: str, values: Mapping[str, Any]) -> ValueError:
         """Error at the key of some table that a message begins with."""
-        match = re.match(r"\w+", message)
-        word = match[0] if match else ""
-        if word == "constraints" and word not in values:
-            word = "model"
+        word = _first_word(message)
         if word in values:
             return self.error(message, word)
         for table, held in values.items():
@@ -204,8 +201,13 @@ def _made(table: str, values: Any, places: _Places) -> Any:
     try:
         return make(**clean)
     except ValueError as error:
-        word = re.match(r"\w*", str(error))
-        raise places.error(str(error), table, word[0] if word else None) from None
+        raise places.error(str(error), table, _first_word(str(error))) from None
+
+
+def _first_word(message: str) -> str:
+    """Key that a message of the data types begins with."""
+    word = re.split(r"\W", message, maxsplit=1)[0]
+    return "law" if word == "friction" else word
 
 
 _DISK_FORMS = f"name; or {_listed(SIX)}; or {_listed(RING)}"

@@ -53,8 +53,8 @@ def with_gradient(scenario: Scenario, gradient: float) -> Scenario:
 
 def gradient_matrices(scenario: Scenario, spins: Array, gradient: float, motion: Motion) -> Array:
     """State matrices of the full system without the drift pair, shape (n, 6, 6)."""
-    matrices = full_system(with_gradient(scenario, gradient), spins, motion).state_matrices
-    return without_drift(spins, matrices)
+    system = full_system(scenario, spins, motion, gradient=gradient)
+    return without_drift(spins, system.state_matrices)
 
 
 def stability_chart(

@@ -13,7 +13,8 @@ from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.stability.chart import static_gradient
 from analysis.stability.hopf_curves import LEAST_FREQUENCY, HopfCurve
-from analysis.stability.hopf_points import CONVERGED, ExtendedSystem, spin_scale
+from analysis.stability.hopf_points import CONVERGED, ExtendedSystem
+from analysis.stability.scope import spin_scale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

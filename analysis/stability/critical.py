@@ -16,8 +16,8 @@ from scipy.optimize import brentq
 from analysis.data.checks import Array, number
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.hopf_points import spin_scale
 from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.scope import spin_scale
 from analysis.stability.spectra import (
     Branches,
     System,
@@ -38,6 +38,10 @@ _ZERO = 1e-6
 
 Round-off in the numeric systems, some 1e-12, splits a double zero into two of its square root.
 """
+
+
+_MIRRORED = 1e-4
+"""Two eigenvalues of opposite sign are mirror images if their sizes differ by no more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -241,7 +245,8 @@ def _static_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
     """Crossings of real eigenvalues through zero: changes of sign of the product of eigenvalues.
 
     Eigenvalues that are zero at every spin do not count: the product of the others is the lowest
-    coefficient of the characteristic polynomial that does not vanish.
+    coefficient of the characteristic polynomial that does not vanish. Nor do two that meet at
+    zero and part as an undamped pair: that is a change of a pair.
     """
     size = np.abs(followed.values)
     spins = followed.spins.tolist()
@@ -249,10 +254,14 @@ def _static_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
     others = np.argsort(size, axis=1)[:, neutral:]
     unstable = np.sum(np.take_along_axis(followed.values, others, axis=1).real > 0.0, axis=1)
     samples = _low_coefficient(followed.values, neutral)
-    clear = np.sort(size, axis=1)[:, neutral] > _ZERO * np.max(size)
+    smallest = np.sort(size, axis=1)[:, neutral : neutral + 2]
+    clear = smallest[:, 0] > _ZERO * np.max(size)
+    mirrored = smallest[:, 0] > (1.0 - _MIRRORED) * smallest[:, -1]
+    if smallest.shape[1] == 1:
+        mirrored[:] = False
     result = []
     for start, end in pairwise(np.nonzero(clear)[0].tolist()):
-        if samples[start] * samples[end] < 0.0:
+        if samples[start] * samples[end] < 0.0 and not (mirrored[start] and mirrored[end]):
             spin = _root(
                 lambda spin: float(_low_coefficient(spectrum(spin)[None, :], neutral)[0]),
                 spins[start],

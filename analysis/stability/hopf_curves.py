@@ -16,8 +16,8 @@ from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import critical_speeds
-from analysis.stability.hopf_points import ExtendedSystem, spin_scale
-from analysis.stability.scope import require_spinning
+from analysis.stability.hopf_points import ExtendedSystem
+from analysis.stability.scope import require_spinning, spin_scale
 
 End = Literal["spin", "gradient", "double zero"]
 

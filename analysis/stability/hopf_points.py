@@ -12,8 +12,6 @@ are exact: dg = -w dA v with w the solution of the transposed system. Notation a
 "Numerical Methods for Bifurcations of Dynamical Equilibria", SIAM (2000).
 """
 
-from math import sqrt
-
 import numpy as np
 
 from analysis.data.checks import Array
@@ -21,14 +19,10 @@ from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
 from analysis.stability.chart import gradient_matrices
 from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.scope import spin_scale
 
 CONVERGED = 1e-8
 """Last Newton step; the error it leaves is about its square, until round-off takes over."""
-
-
-def spin_scale(scenario: Scenario) -> float:
-    """Unit of spin and frequency in the unknowns: sqrt(g / r) in rad/s."""
-    return sqrt(scenario.table.gravity / scenario.disk.radius)
 
 
 class ExtendedSystem:

@@ -99,7 +99,11 @@ def signed_eccentricity(disk: Disk, motion: Motion) -> float:
 
 
 def full_system(
-    scenario: Scenario, spins: npt.ArrayLike, motion: Motion = "inverted"
+    scenario: Scenario,
+    spins: npt.ArrayLike,
+    motion: Motion = "inverted",
+    *,
+    gradient: float | None = None,
 ) -> FullLinearSystem:
     """Linearise the full system about a spinning motion, Eqs. (48)-(55).
 
@@ -114,6 +118,8 @@ def full_system(
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
+    gradient : float, optional
+        Friction gradient mu / epsilon in s/m, in place of that of the scenario's law.
 
     Raises
     ------
@@ -125,7 +131,7 @@ def full_system(
     e = signed_eccentricity(disk, motion)
     m, r, mg, me = disk.mass, disk.radius, scenario.weight, disk.mass * e
     A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
-    d = scenario.friction.gradient * mg
+    d = (scenario.friction.gradient if gradient is None else gradient) * mg
     D = A - B - C
     M = ((m, 0, 0, -me), (0, m, -me, 0), (0, -me, B, 0), (-me, 0, 0, C))
     G_h = ((0, -2 * m, 2 * me, 0), (2 * m, 0, 0, -2 * me), (-2 * me, 0, 0, -D), (0, 2 * me, D, 0))

@@ -23,7 +23,7 @@ spins. All lengths count in radii and all times in sqrt(r / g).
 
 from collections.abc import Callable
 from itertools import pairwise
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 import numpy.typing as npt
@@ -34,7 +34,7 @@ from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.models import constraints, index1
 from analysis.stability.linear_full import spin_array
-from analysis.stability.scope import require_spinning
+from analysis.stability.scope import require_spinning, spin_scale
 
 _HALVINGS = 6
 _LARGEST_STEP = 0.02
@@ -106,7 +106,7 @@ class NumericSystem:
         require_spinning(scenario, "the numeric linearisation")
         self._scenario = scenario
         radius = scenario.disk.radius
-        self.frequency = sqrt(scenario.table.gravity / radius)
+        self.frequency = spin_scale(scenario)
         """Unit sqrt(g / r) of the spin in rad/s."""
         self._units = np.array((radius, radius, radius, 1.0, 1.0, 1.0))
         self._place = np.array((0.0, 0.0, radius, 0.0, pi / 2, gamma)) / self._units

@@ -43,7 +43,7 @@ def hopf_speeds(scenario: Scenario = _PAPER, change: Change | None = None) -> tu
 
     def matrices(spins: Array) -> Array:
         system = full_system(scenario, spins)
-        frictionless = full_system(with_gradient(scenario, 0.0), spins)
+        frictionless = full_system(scenario, spins, gradient=0.0)
         B_C = system.stiffness - frictionless.stiffness + system.circulatory
         return (system if change is None else change(system, B_C)).state_matrices
 

@@ -1,7 +1,14 @@
 """What the analyses of spinning ask of a scenario."""
 
+from math import sqrt
+
 from analysis.data.constraint_set import Level
 from analysis.data.scenario import Scenario
+
+
+def spin_scale(scenario: Scenario) -> float:
+    """Natural unit of spins and frequencies: sqrt(g / r) in rad/s."""
+    return sqrt(scenario.table.gravity / scenario.disk.radius)
 
 
 def require_spinning(scenario: Scenario, analysis: str, level: Level | None = None) -> None:

@@ -18,7 +18,8 @@ from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
 from analysis.stability.chart import static_gradient
 from analysis.stability.critical import Crossing, critical_speeds
-from analysis.stability.hopf_points import ExtendedSystem, spin_scale
+from analysis.stability.hopf_points import ExtendedSystem
+from analysis.stability.scope import spin_scale
 
 DISK_PARAMETERS: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {

@@ -23,6 +23,7 @@ from analysis.data.start import MOTIONS, Motion
 from analysis.stability.linear_full import full_system, spin_array, without_drift
 from analysis.stability.linear_numeric import NumericSystem, has_drift, upright_gamma
 from analysis.stability.linear_reduced import ComplexArray, reduced_matrices
+from analysis.stability.scope import spin_scale
 
 System = Literal["full", "reduced", "numeric"]
 SYSTEMS: tuple[System, ...] = get_args(System)
@@ -42,6 +43,9 @@ _BISECTIONS = 8
 
 _CLEAR = 0.3
 """A match is clear if it costs at most this part of the eigenvalue's next best match."""
+
+_ZERO = 1e-6
+"""Eigenvalues below this part of sqrt(g / r) are zeros that rounding has moved or split."""
 
 _TIE_BREAK = 1e-6
 """Weight of the convention for colliding eigenvalues against distance and angle."""
@@ -210,7 +214,8 @@ def branches(
     check_increasing(wanted)
     low, high = min(0.0, wanted[0]), max(0.0, wanted[-1])
     every = np.union1d(np.append(helper_spins(low, high), 0.0), wanted)
-    every, values, vectors = _refine(matrices_over_spin(scenario, system, motion), every)
+    matrices = matrices_over_spin(scenario, system, motion)
+    every, values, vectors = _refine(matrices, every, _ZERO * spin_scale(scenario))
     start = int(np.searchsorted(every, 0.0))
     order = _chain(_matches(every, values, vectors), _numbering(values[start]), start)
     values = np.take_along_axis(values, order, axis=1)[np.searchsorted(every, wanted)]
@@ -274,11 +279,20 @@ def _numbering(values: ComplexArray) -> list[int]:
     return order
 
 
-def _refine(matrices: Matrices, spins: Array) -> tuple[Array, ComplexArray, ComplexArray]:
-    """Spins, eigenvalues and eigenvectors, with steps halved where the matching is not clear."""
+def _refine(
+    matrices: Matrices, spins: Array, zero: float
+) -> tuple[Array, ComplexArray, ComplexArray]:
+    """Spins, eigenvalues and eigenvectors, with steps halved where the matching is not clear.
+
+    Eigenvalues below `zero`, as a round disk has several, need not be told apart.
+    """
     values, vectors = _eigen(matrices(spins))
     for _ in range(_BISECTIONS):
-        doubtful = np.nonzero(_doubtful(_costs(values, vectors)))[0]
+        clear = _is_clear(_costs(values, vectors))
+        none = np.abs(values) < zero
+        count = np.sum(none, axis=1)
+        clear |= none[:-1] & (count[:-1] == count[1:])[:, None]
+        doubtful = np.nonzero(~np.all(clear, axis=1))[0]
         middle = (spins[doubtful] + spins[doubtful + 1]) / 2
         if middle.size == 0:
             break
@@ -290,10 +304,10 @@ def _refine(matrices: Matrices, spins: Array) -> tuple[Array, ComplexArray, Comp
     return spins, values, vectors
 
 
-def _doubtful(cost: Array) -> npt.NDArray[np.bool_]:
-    """Whether some eigenvalue of a step has a second match not much worse, shape (n - 1,)."""
+def _is_clear(cost: Array) -> npt.NDArray[np.bool_]:
+    """Whether an eigenvalue has no second match nearly as good as the best, shape (n - 1, k)."""
     best, second = np.moveaxis(np.partition(cost, 1, axis=2)[:, :, :2], 2, 0)
-    result: npt.NDArray[np.bool_] = np.any(best > _CLEAR * second, axis=1)
+    result: npt.NDArray[np.bool_] = best <= _CLEAR * second
     return result
 
 
@@ -303,7 +317,7 @@ def _matches(at: Array, values: ComplexArray, vectors: ComplexArray) -> npt.NDAr
     result: npt.NDArray[np.intp] = np.argmin(cost, axis=2)
     # Row by row the best choice: where that takes no eigenvalue twice, it is the best assignment.
     taken_twice = np.any(np.diff(np.sort(result, axis=1), axis=1) == 0, axis=1)
-    for index in np.nonzero(taken_twice | _doubtful(cost))[0].tolist():
+    for index in np.nonzero(taken_twice | ~np.all(_is_clear(cost), axis=1))[0].tolist():
         expected = values[index]
         if index > 0:
             origin = values[index - 1, np.argsort(result[index - 1])]

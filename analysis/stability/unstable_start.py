@@ -1,7 +1,7 @@
 """Whether a scenario starts exactly on a stationary motion that is unstable."""
 
 from dataclasses import replace
-from math import hypot, pi, sin, sqrt
+from math import hypot, pi, sin
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from analysis.data.limits import STEEPEST_FRICTION
 from analysis.data.scenario import Scenario
 from analysis.data.start import Start
 from analysis.stability.linear_numeric import NumericSystem, has_drift
+from analysis.stability.scope import spin_scale
 
 _EXACT = 1e-12
 """Largest deviation that rounding makes, in radii, rad and sqrt(g / r)."""
@@ -70,8 +71,7 @@ def _stands_still(scenario: Scenario) -> bool:
     """Whether the disk starts upright and turns about the vertical alone, at one place."""
     x, y, _, _, beta, _ = scenario.initial_state.coordinates
     x_rate, y_rate, _, spin, beta_rate, gamma_rate = scenario.initial_state.rates
-    radius = scenario.disk.radius
-    frequency = sqrt(scenario.table.gravity / radius)
+    radius, frequency = scenario.disk.radius, spin_scale(scenario)
     free = has_drift(scenario.constraints)
     drifting = free * hypot(x_rate - spin * y, y_rate + spin * x) / (radius * frequency)
     turning = max(abs(beta_rate), abs(gamma_rate)) / frequency

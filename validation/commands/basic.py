@@ -50,6 +50,7 @@ def simulate(options: argparse.Namespace) -> int:
             scenario,
             times,
             **how,
+            stop_when=options.stop_when,
             allow_pulling=options.allow_pulling,
             time_limit=options.time_limit,
             progress=progress,

@@ -1,12 +1,15 @@
 """A bar on standard error that shows how far a run is."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 from tqdm import tqdm
 
 from analysis import Progress
+
+T = TypeVar("T")
 
 DELAY = 2.0
 """Time in s before it appears, so that short runs stay silent."""
@@ -34,3 +37,11 @@ def progress_bar() -> Iterator[Progress]:
 
     with bar:
         yield show
+
+
+def counted(items: Iterable[T], what: str) -> Iterable[T]:
+    """The items, with a bar that counts them; nothing is shown where no terminal looks on."""
+    counting: Iterable[T] = tqdm(
+        items, desc=what, delay=DELAY, disable=not sys.stderr.isatty(), leave=False
+    )
+    return counting

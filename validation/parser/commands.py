@@ -4,6 +4,7 @@ import argparse
 from typing import NoReturn
 
 from validation.parser.groups import (
+    CONDITIONS,
     FORMS,
     FORMULATIONS,
     MOTIONS,
@@ -68,6 +69,7 @@ def _simulate(commands: "argparse._SubParsersAction[Parser]") -> None:
         "--tolerance", type=float, help="largest error of beta and gamma in rad (1e-8)"
     )
     accuracy.add_argument("--step", type=float, help="engine only: fixed step in s instead")
+    add("--stop-when", choices=CONDITIONS, help="end the run there, at the exact time")
     add(
         "--allow-pulling",
         action="store_true",

@@ -14,6 +14,7 @@ FORMS = ("index-1", "reduced", "free-body")
 LOADS = ("weight", "contact")
 DISKS = ("steel", "steel-rounded")
 SYSTEMS = ("full", "reduced", "numeric")
+CONDITIONS = ("inverted",)
 MOTIONS = ("inverted", "noninverted")
 
 

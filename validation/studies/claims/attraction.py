@@ -109,7 +109,8 @@ def outcome(start: RandomStart, source: Source = "in-house") -> Outcome:
 
 def known_outcome(name: str) -> Outcome:
     """The one of `OUTCOMES` with this name; `KeyError` if there is none."""
-    return {each: each for each in OUTCOMES}[name]
+    known: dict[str, Outcome] = {each: each for each in OUTCOMES}
+    return known[name]
 
 
 def outcomes(level: Level, tilt: Tilt, spin: float, numbers: Sequence[int]) -> list[Outcome]:

@@ -1,0 +1,282 @@
+"""Where a run ends: found among samples, then located by short runs.
+
+A sample is a row of co-rotating coordinates (6), their rates (6) and the constraint forces.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from analysis.data.checks import Array
+from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
+from analysis.data.limits import LEAST_TILT
+from analysis.data.state import State
+from mbs_models.runs import EngineError
+
+Says = Callable[[Array], float]
+"""From a sample to a number; the run ends where that turns negative."""
+
+
+def says_of(conditions: Mapping[str, Condition], *, may_pull: bool) -> dict[str, Says]:
+    """What ends a run, by its reason; that the disk lies flat comes first.
+
+    Parameters
+    ----------
+    conditions : mapping
+        Functions of a `State`.
+    may_pull : bool
+        Whether a contact that pulls is none of the reasons.
+    """
+
+    def of_state(condition: Condition) -> Says:
+        return lambda row: condition(state_of(row))
+
+    found: dict[str, Says] = {FLAT: lambda row: sin(row[4]) - LEAST_TILT}
+    if not may_pull:
+        found[CONTACT_WOULD_PULL] = lambda row: float(row[12])
+    return found | {reason: of_state(condition) for reason, condition in conditions.items()}
+
+
+def state_of(row: Array) -> State:
+    """State of a sample."""
+    values = row.tolist()
+    return State(coordinates=tuple(values[:6]), rates=tuple(values[6:12]))
+
+
+def touch_down(after: Callable[[float], Array], row: Array, width: float) -> float | None:
+    """Time after a sample at which the disk lies flat, if it goes straight there.
+
+    Steps that stop short of it and shrink: beyond, there is no motion to look at.
+
+    Parameters
+    ----------
+    after : callable
+        From a positive time after the sample in s to the sample there.
+    row : ndarray, shape (12 + k,)
+    width : float
+        Latest time in s.
+    """
+    moment, here = 0.0, row
+    for _ in range(40):
+        gap = sin(here[4]) - LEAST_TILT
+        if moment and gap < 1e-3 * LEAST_TILT:
+            return moment
+        rate = -cos(here[4]) * here[10]
+        if rate <= 0.0:
+            return None
+        moment += (0.9 if gap > 10.0 * LEAST_TILT else 1.0) * gap / rate
+        if moment > width:
+            return None
+        here = after(moment)
+    return None
+
+
+class Dip(NamedTuple):
+    """Where a condition is negative, or may be between two samples.
+
+    Parameters
+    ----------
+    row : int
+        Sample before it, where it is not negative.
+    width : float
+        Sampling intervals after it that hold the dip.
+    sure : bool
+        Whether it is negative at the end of them.
+    """
+
+    row: int
+    width: float
+    sure: bool
+
+
+def dips(values: Array) -> Iterator[Dip]:
+    """Places to look at, in order, up to the first sample at which a condition turns negative.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        What the condition says at even spacing. Where it is negative from the start on, it waits
+        until it has not been.
+    """
+    armed = int(np.argmax(values >= 0.0)) if values.size and values[0] < 0.0 else 0
+    for row in range(armed + 1, values.size):
+        before, here = float(values[row - 1]), float(values[row])
+        if before < 0.0:
+            return
+        if here < 0.0:
+            yield Dip(row - 1, 1.0, sure=True)
+            return
+        if row + 1 == values.size:
+            return
+        after = float(values[row + 1])
+        curvature = before - 2.0 * here + after
+        if min(before, after) < here or after < 0.0 or curvature <= 0.0:
+            continue
+        vertex = here - (after - before) ** 2 / (8.0 * curvature)
+        if vertex < 0.1 * (max(before, after) - here):
+            yield Dip(row - 1, 2.0, sure=False)
+
+
+def zero(
+    says: Callable[[float], float], begin: float, width: float, *, sure: bool
+) -> float | None:
+    """First time in [0, width] at which a condition turns negative, if it does.
+
+    Parameters
+    ----------
+    says : callable
+        The condition at a positive time in s.
+    begin : float
+        What it says at time 0, not negative.
+    width : float
+        In s.
+    sure : bool
+        Whether it is known to be negative at `width`, up to rounding.
+    """
+    last = width
+    if not sure:
+        least = minimize_scalar(
+            says, bounds=(0.0, width), method="bounded", options={"xatol": 1e-3 * width}
+        )
+        last = float(least.x)
+        if says(last) >= 0.0:
+            return None
+    elif says(last) >= 0.0:
+        return last
+    return float(
+        brentq(lambda time: says(time) if time else begin, 0.0, last, xtol=1e-13, rtol=1e-13)
+    )
+
+
+class Found(NamedTuple):
+    """Where a run ends: `moment` s after sample `row`, with these `values`, for this reason."""
+
+    reason: str
+    row: int
+    moment: float
+    values: Array
+
+
+class Search:
+    """Search for the first ending among the samples of a run.
+
+    Parameters
+    ----------
+    after : callable
+        From a sample, a time in s after it and a number of records to the sample there, by a
+        short run with as many steps as so many records take.
+    values : ndarray, shape (n, 12 + k)
+        Samples at even spacing.
+    period : float
+        Time between them in s.
+    broke_off : bool
+        Whether the run failed after the last of them.
+    """
+
+    def __init__(
+        self,
+        after: Callable[[Array, float, int], Array],
+        values: Array,
+        period: float,
+        broke_off: bool,
+    ) -> None:
+        self._after, self._values, self._period = after, values, period
+        self._broke_off = broke_off
+
+    def first(
+        self, says: Mapping[str, Says], stopped_by: str | None, beyond: float
+    ) -> Found | None:
+        """Earliest of the endings.
+
+        Parameters
+        ----------
+        says : mapping
+            As `says_of` makes it.
+        stopped_by : str or None
+            The reason for which the run was stopped after the last sample.
+        beyond : float
+            Time in s after the last sample at which it was.
+        """
+        found: list[Found] = []
+        flat = self._flat(says[FLAT])
+        upright = len(self._values)
+        if flat is not None:
+            found, upright = [flat], flat.row + 1
+        for reason, each in says.items():
+            if reason == FLAT:
+                continue
+            series = np.array([each(row) for row in self._values[:upright]])
+            places = list(dips(series))
+            if stopped_by == reason and beyond > 1e-9 * self._period:
+                places.append(Dip(upright - 1, beyond / self._period, sure=True))
+            for place in places:
+                ending = self._located(reason, each, place, float(series[place.row]))
+                if ending is not None:
+                    found.append(ending)
+                    break
+        return min(
+            found, key=lambda ending: ending.row + ending.moment / self._period, default=None
+        )
+
+    def _located(self, reason: str, says: Says, place: Dip, begin: float) -> Found | None:
+        after = self._from_before(place.row, place.width)
+        moment = zero(
+            lambda time: says(after(time)), begin, place.width * self._period, sure=place.sure
+        )
+        return None if moment is None else Found(reason, place.row, moment, after(moment))
+
+    def _flat(self, says: Says) -> Found | None:
+        """Where the disk lies flat, if it goes there, or the run broke off on the way there."""
+        series = np.array([says(row) for row in self._values])
+        below = np.flatnonzero(series < 0.0)
+        if not below.size and not self._broke_off:
+            return None
+        row = int(below[0]) - 1 if below.size else len(self._values) - 1
+        if row < 0:
+            return None
+        after = self._from_before(row, 1.0)
+        try:
+            moment = touch_down(after, self._values[row], 2.0 * self._period)
+            return None if moment is None else Found(FLAT, row, moment, after(moment))
+        except EngineError:
+            # Too long a step for the last stretch: the run itself says what went wrong.
+            return None
+
+    def _from_before(self, row: int, width: float) -> Callable[[float], Array]:
+        """Samples at times after sample `row`, by runs from the one before it.
+
+        Very short steps would make the forces noisy.
+        """
+        first = max(0, row - 1)
+        records = int(np.ceil(width)) + row - first
+        lead = self._period * (row - first)
+        return lambda moment: self._after(self._values[first], lead + moment, records)
+
+
+def pulling_times(
+    moments: Sequence[float], forces: Sequence[float]
+) -> tuple[tuple[float, float], ...]:
+    """Times in s between which a force is negative, by linear interpolation of samples.
+
+    Parameters
+    ----------
+    moments : sequence of n floats
+        Increasing times in s.
+    forces : sequence of n floats
+        In N.
+    """
+    times, values = np.asarray(moments), np.asarray(forces)
+    negative = values < 0.0
+    if not np.any(negative):
+        return ()
+    edges = np.flatnonzero(negative[1:] != negative[:-1])
+    share = values[edges] / (values[edges] - values[edges + 1])
+    crossings = (times[edges] + share * np.diff(times)[edges]).tolist()
+    if negative[0]:
+        crossings.insert(0, float(times[0]))
+    if negative[-1]:
+        crossings.append(float(times[-1]))
+    return tuple(zip(crossings[::2], crossings[1::2], strict=True))
