@@ -95,7 +95,7 @@ def random_state(random: Generator) -> tuple[Array, Array]:
     return z, random.uniform(-1.5, 1.5, size=6)
 
 
-def model(level: Level, **fields: Any) -> Scenario:
+def model(level: Level = 1, **fields: Any) -> Scenario:
     """Scenario of one of the paper's models."""
     return Scenario(constraints=MODELS[level], **fields)
 

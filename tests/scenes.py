@@ -1,19 +1,15 @@
-"""Scenarios and scenes of the paper's models in one short call."""
+"""Scenes in one short call."""
 
 from typing import Any
 
-from analysis import MODELS, Level, Scenario
+from analysis import Level, Scenario
 from mbs_models import Formulation, Scene
-
-
-def scenario_of(level: Level = 1, **fields: Any) -> Scenario:
-    """Scenario of one of the paper's models."""
-    return Scenario(constraints=MODELS[level], **fields)
+from tests.helpers import model
 
 
 def scene_of(level: Level = 1, formulation: Formulation | None = None, **fields: Any) -> Scene:
     """Scene of one of the paper's models."""
-    return Scene(scenario_of(level, **fields), formulation)
+    return Scene(model(level, **fields), formulation)
 
 
 def rest_scene(**fields: Any) -> Scene:

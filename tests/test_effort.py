@@ -15,7 +15,8 @@ from analysis.models import effort
 from analysis.models.integration import METHODS, Method
 from mbs_models import Integrator, Scene, rest_run
 from mbs_models import effort as engine_effort
-from tests.scenes import rest_scene, scenario_of, scene_of
+from tests.helpers import model
+from tests.scenes import rest_scene, scene_of
 from validation.commands import options
 
 FACTOR = 4.0
@@ -186,7 +187,7 @@ def test_honest_runs_are_not_refused(
 ) -> None:
     start = Start(spin=spin)
     times = np.linspace(0.0, 2.0, 201)
-    scenario = scenario_of(level, friction=friction, start=start)
+    scenario = model(level, friction=friction, start=start)
     effort.simulation_effort(scenario, times, tolerance=tolerance).check()
     for formulation in mbs_models.formulations(scenario):
         scene = Scene(scenario, formulation)

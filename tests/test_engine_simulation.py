@@ -22,7 +22,8 @@ from mbs_models.build import build
 from mbs_models.extrapolation import Ladder
 from mbs_models.passes import _even_stretches
 from mbs_models.probe import Probe
-from tests.scenes import scenario_of, scene_of
+from tests.helpers import model
+from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.5, 51)
 
@@ -75,7 +76,7 @@ def test_observed_order_is_that_of_the_integrator(integrator: Any, order: int) -
 @pytest.mark.parametrize("formulation", ["floating", "euler-tree"])
 def test_contact_force_as_load_costs_no_order(formulation: Any) -> None:
     friction = SmoothCoulomb(load="contact")
-    truth = analysis.simulate(scenario_of(3, friction=friction), TIMES, local_tolerance=1e-13)
+    truth = analysis.simulate(model(3, friction=friction), TIMES, local_tolerance=1e-13)
     scene = scene_of(3, formulation, friction=friction)
     errors = [
         angle_error(mbs_models.simulate(scene, TIMES, step=size), truth) for size in (2e-3, 1e-3)
@@ -85,8 +86,8 @@ def test_contact_force_as_load_costs_no_order(formulation: Any) -> None:
 
 def test_uneven_times_give_the_same_motion_as_even_ones() -> None:
     uneven = np.array([0.0, 0.01, 0.02, 0.05, 0.13, 0.21, 0.5])
-    truth = analysis.simulate(scenario_of(2), uneven, local_tolerance=1e-13)
-    for formulation in mbs_models.formulations(scenario_of(2)):
+    truth = analysis.simulate(model(2), uneven, local_tolerance=1e-13)
+    for formulation in mbs_models.formulations(model(2)):
         run = mbs_models.simulate(scene_of(2, formulation), uneven, tolerance=1e-6)
         np.testing.assert_allclose(run.coordinates, truth.coordinates, atol=2e-6)
         np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=2e-4)

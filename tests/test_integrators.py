@@ -11,7 +11,8 @@ from analysis import Scenario, SmoothCoulomb, Trajectory
 from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.build import build
 from mbs_models.runs import run
-from tests.scenes import scenario_of, scene_of
+from tests.helpers import model
+from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.5, 26)
 
@@ -75,7 +76,7 @@ def test_counts_of_explicit_runs_are_those_of_their_stages() -> None:
 def test_generalized_alpha_in_index_3_form_has_second_order(
     formulation: Any, radius: float
 ) -> None:
-    truth = analysis.simulate(scenario_of(2), TIMES, local_tolerance=1e-13)
+    truth = analysis.simulate(model(2), TIMES, local_tolerance=1e-13)
     integrator = Integrator(name="GeneralizedAlpha", spectral_radius=radius)
     scene = scene_of(2, formulation)
     errors = [

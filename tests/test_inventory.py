@@ -16,7 +16,8 @@ from mbs_models.integrators import find_integrator
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
 from mbs_models.runs import run
-from tests.scenes import rest_scene, scenario_of, scene_of
+from tests.helpers import model
+from tests.scenes import rest_scene, scene_of
 from validation import cli
 from validation.commands.scene import scene_table
 from validation.parser.top import parser
@@ -64,7 +65,7 @@ def listed(found: Inventory) -> list[str]:
 SCENES = [
     (level, formulation, rough)
     for level in LEVELS
-    for formulation in mbs_models.formulations(scenario_of(level))
+    for formulation in mbs_models.formulations(model(level))
     for rough in (True, False)
 ]
 

@@ -28,7 +28,8 @@ from analysis.data.checks import Array
 from analysis.models import index1
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.endings import dips, pulling_times, zero
-from tests.scenes import scenario_of, scene_of
+from tests.helpers import model
+from tests.scenes import scene_of
 from validation import cli
 
 TIMES = np.linspace(0.0, 0.2, 21)
@@ -39,7 +40,7 @@ CASES: list[tuple[Level, Formulation, Load]] = [
     (level, formulation, load)
     for level in (1, 2)
     for load in LOADS
-    for formulation in formulations(scenario_of(level, friction=LOADED[load]))
+    for formulation in formulations(model(level, friction=LOADED[load]))
 ]
 
 
@@ -52,7 +53,7 @@ def energy(run: Trajectory) -> Array:
 def test_both_sides_end_where_the_contact_would_pull(
     level: Level, formulation: Formulation, load: Load
 ) -> None:
-    scenario = scenario_of(level, friction=LOADED[load], start=FAST)
+    scenario = model(level, friction=LOADED[load], start=FAST)
     engine = mbs_models.simulate(Scene(scenario, formulation), TIMES, tolerance=1e-5)
     in_house = analysis.simulate(scenario, TIMES, tolerance=1e-9)
     assert engine.ending is not None
@@ -69,7 +70,7 @@ def test_both_sides_end_where_the_contact_would_pull(
 
 
 def test_reduced_and_full_equations_end_together() -> None:
-    scenario = scenario_of(4, start=Start(beta=1.0, gamma=-1.0, spin=100.0))
+    scenario = model(4, start=Start(beta=1.0, gamma=-1.0, spin=100.0))
     forms: tuple[Form, ...] = ("index-1", "reduced")
     full, reduced = (
         analysis.simulate(scenario, TIMES, form=form, tolerance=1e-10) for form in forms
@@ -81,7 +82,7 @@ def test_reduced_and_full_equations_end_together() -> None:
 
 @pytest.mark.parametrize("load", ["weight", "contact"])
 def test_friction_takes_energy_even_where_the_contact_is_allowed_to_pull(load: Load) -> None:
-    scenario = scenario_of(2, friction=LOADED[load], start=FAST)
+    scenario = model(2, friction=LOADED[load], start=FAST)
     run = analysis.simulate(scenario, TIMES, allow_pulling=True, local_tolerance=1e-10)
     assert run.ending is None
     assert np.min(run.normal_force) < -0.1 * run.scenario.weight
@@ -126,7 +127,7 @@ def test_a_start_that_needs_a_pulling_contact_is_refused(side: str) -> None:
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
 def test_accelerations_of_a_pulling_contact_agree(level: Level, formulation: Any) -> None:
     start = Start(beta=1.2, gamma=0.4, spin=90.0, beta_rate=60.0)
-    scenario = scenario_of(level, friction=CONTACT, start=start)
+    scenario = model(level, friction=CONTACT, start=start)
     engine, forces = mbs_models.acceleration(Scene(scenario, formulation))
     state = scenario.initial_state
     in_house, multipliers = index1.accelerations(scenario, state.coordinates, state.rates)
@@ -181,7 +182,7 @@ def test_a_run_ends_at_its_time_limit_with_what_it_has_reached(side: str) -> Non
     if side == "engine":
         run = mbs_models.simulate(scene_of(2), times, step=1e-3, time_limit=0.2)
     else:
-        run = analysis.simulate(scenario_of(2), times, local_tolerance=1e-8, time_limit=0.2)
+        run = analysis.simulate(model(2), times, local_tolerance=1e-8, time_limit=0.2)
     assert run.ending is not None
     assert run.ending.reason == "time limit"
     assert run.ending.value > 0.2
@@ -226,7 +227,7 @@ def test_an_exception_of_the_progress_ends_the_run_and_comes_through(side: str) 
 
     run: dict[str, Callable[[], Trajectory]] = {
         "engine": lambda: mbs_models.simulate(scene_of(2), TIMES, progress=progress),
-        "in-house": lambda: analysis.simulate(scenario_of(2), TIMES, progress=progress),
+        "in-house": lambda: analysis.simulate(model(2), TIMES, progress=progress),
     }
     with pytest.raises(KeyboardInterrupt):
         run[side]()

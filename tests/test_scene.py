@@ -16,7 +16,8 @@ from analysis import (
     State,
 )
 from mbs_models.build import build
-from tests.scenes import scenario_of, scene_of
+from tests.helpers import model
+from tests.scenes import scene_of
 
 
 def test_default_formulation_is_the_most_accurate_one_of_each_level() -> None:
@@ -52,7 +53,7 @@ def test_scene_that_cannot_be_built_is_refused(arguments: dict[str, Any], messag
 @pytest.mark.parametrize("level", LEVELS)
 def test_frictionless_scene_has_no_friction_item(level: Any) -> None:
     frictionless = SmoothCoulomb(coefficient=0.0)
-    for formulation in mbs_models.formulations(scenario_of(level)):
+    for formulation in mbs_models.formulations(model(level)):
         with_friction = build(scene_of(level, formulation)).system
         without = build(scene_of(level, formulation, friction=frictionless)).system
         connectors = int(formulation.startswith("floating"))
@@ -65,10 +66,10 @@ def test_frictionless_scene_has_no_friction_item(level: Any) -> None:
 @pytest.mark.parametrize("level", LEVELS)
 def test_engine_starts_where_the_scene_says(level: Any) -> None:
     start = Start(beta=1.1, gamma=0.7, spin=-23.0, beta_rate=3.0)
-    for formulation in mbs_models.formulations(scenario_of(level)):
-        model = build(scene_of(level, formulation, start=start))
-        coordinates, rates = model.decode(model.record()[None])
-        state = model.scenario.initial_state
+    for formulation in mbs_models.formulations(model(level)):
+        built = build(scene_of(level, formulation, start=start))
+        coordinates, rates = built.decode(built.record()[None])
+        state = built.scenario.initial_state
         np.testing.assert_allclose(coordinates[0], state.coordinates, atol=1e-12)
         np.testing.assert_allclose(rates[0], state.rates, atol=1e-11)
 
@@ -90,7 +91,7 @@ def test_start_that_breaks_a_constraint_is_refused_by_the_engine(
     values = list(start.rates if rate else start.coordinates)
     values[column] += 1e-4
     broken: State = replace(start, **{"rates" if rate else "coordinates": tuple(values)})
-    for formulation in mbs_models.formulations(scenario_of(level)):
+    for formulation in mbs_models.formulations(model(level)):
         scene = scene_of(level, formulation, start=broken)
         with pytest.raises(ValueError, match=name):
             mbs_models.acceleration(scene)
