@@ -4,7 +4,7 @@ A sample is a row of co-rotating coordinates (6), their rates (6) and the constr
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import cos, sin
+from math import cos, pi, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +34,10 @@ def says_of(conditions: Mapping[str, Condition], *, may_pull: bool) -> dict[str,
     def of_state(condition: Condition) -> Says:
         return lambda row: condition(state_of(row))
 
-    found: dict[str, Says] = {FLAT: lambda row: sin(row[4]) - LEAST_TILT}
+    # A run that fails may leave the interval of beta by whole turns, where its sine means nothing.
+    found: dict[str, Says] = {
+        FLAT: lambda row: sin(row[4]) - LEAST_TILT if 0.0 < row[4] < pi else -1.0
+    }
     if not may_pull:
         found[CONTACT_WOULD_PULL] = lambda row: float(row[12])
     return found | {reason: of_state(condition) for reason, condition in conditions.items()}

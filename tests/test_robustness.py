@@ -97,6 +97,11 @@ def test_implicit_integrator_needs_no_smaller_step_for_a_stiffer_contact() -> No
     assert stiff[1].step == soft[1].step
 
 
+def test_steps_at_which_a_run_leaves_all_bounds_are_no_accurate_ones() -> None:
+    (limit,) = steps.accurate_steps("stiffness", 1e7, [("euler-tree", "RK44")], 3e-3)
+    assert limit.step is None
+
+
 @pytest.mark.parametrize("way", [TREE, EULER])
 def test_easy_case_is_accurate(way: Way) -> None:
     outcome = run_case(EASY, way, reference(EASY))
