@@ -22,14 +22,16 @@ from analysis import (
 )
 from analysis.models import equations, index1
 from analysis.rest import free_disk
-from mbs_models import Scene
+from mbs_models import Formulation, Scene
 from validation.run import run
-from validation.studies import crosscheck
+from validation.studies import comparisons, crosscheck
 from validation.studies.crosscheck import Check
 
 SLOPE = Table(inclination=2 * pi / 180, downhill=0.7)
 FAST = Start(spin=100.0, beta=1.0)
 """Ends where the contact would pull."""
+
+CHECK = Check(quantity="q", formulation="floating", criterion=1.0, difference=0.5, detail="how")
 
 
 def failed(checks: list[Check]) -> list[Check]:
@@ -44,6 +46,15 @@ def test_every_possible_set_agrees(constraints: ConstraintSet) -> None:
     for formulation in others:
         checks += crosscheck.check_formulation(scenario, formulation, states=10, end=None)
     assert failed(checks) == []
+
+
+def test_worst_formulation_stands_for_a_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    def check(_: Scenario, formulation: Formulation, **_options: object) -> list[Check]:
+        return [replace(CHECK, formulation=formulation, difference=len(formulation) / 10)]
+
+    monkeypatch.setattr(crosscheck, "check_formulation", check)
+    (worst,) = crosscheck.check_set(MODELS[2])
+    assert worst.formulation == "floating-lie"
 
 
 SCENARIOS = {
@@ -81,16 +92,19 @@ def test_every_possible_set_agrees_over_two_seconds(constraints: ConstraintSet) 
 
 def test_ending_where_the_contact_would_pull_is_compared() -> None:
     for formulation in mbs_models.formulations(Scenario(start=FAST)):
-        check = crosscheck.check_trajectory(Scene(Scenario(start=FAST), formulation), 2.0)
-        assert check.verdict is True
-        assert check.detail == "over 0.01587 s, where contact would pull"
+        scene = Scene(Scenario(start=FAST), formulation)
+        difference, detail = comparisons.motion_difference(scene, 2.0)
+        assert difference is not None
+        assert difference < comparisons.ANGLE_LIMIT
+        assert detail == "over 0.01587 s, where contact would pull"
 
 
 def test_motion_is_compared_up_to_shortly_before_the_disk_lies_flat() -> None:
     scenario = Scenario(constraints=MODELS[4], start=Start(spin=5.0, beta=0.5))
-    check = crosscheck.check_trajectory(Scene(scenario), 2.0)
-    assert check.verdict is True
-    assert check.detail == "over 0.06118 s"
+    difference, detail = comparisons.motion_difference(Scene(scenario), 2.0)
+    assert difference is not None
+    assert difference < comparisons.ANGLE_LIMIT
+    assert detail == "over 0.06118 s"
 
 
 def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
@@ -123,11 +137,11 @@ def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
 
 @pytest.mark.parametrize("name", ["gyroscopic forces", "friction", "slope", "penalty"])
 def test_wrong_sign_on_one_side_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    crosscheck.reference.cache_clear()
+    comparisons.reference.cache_clear()
     scenario = bent(name, monkeypatch)
     formulation = mbs_models.formulations(scenario)[0]
     checks = crosscheck.check_formulation(scenario, formulation, states=5, end=0.05)
-    crosscheck.reference.cache_clear()
+    comparisons.reference.cache_clear()
     for check in checks:
         if check.quantity == "accelerations" or "motion" in check.quantity:
             assert check.verdict is False
@@ -142,18 +156,18 @@ def test_motions_that_end_otherwise_do_not_agree(monkeypatch: pytest.MonkeyPatch
         pulls = options.get("source") != "in-house"
         return run(scenario, times, allow_pulling=pulls, **options)  # type: ignore[arg-type]
 
-    crosscheck.reference.cache_clear()
-    monkeypatch.setattr("validation.studies.crosscheck.run", let)
-    check = crosscheck.check_trajectory(scene, 0.02)
-    assert check.verdict is False
-    assert check.detail.startswith("engine runs through; in-house ended at t = 0.0158")
+    comparisons.reference.cache_clear()
+    monkeypatch.setattr("validation.studies.comparisons.run", let)
+    difference, detail = comparisons.motion_difference(scene, 0.02)
+    assert difference == np.inf
+    assert detail.startswith("engine runs through; in-house ended at t = 0.0158")
 
 
 def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
     rng = np.random.default_rng(0)
     for constraints in POSSIBLE_SETS:
         scenario = Scenario(constraints=constraints)
-        states = [crosscheck.random_state(scenario, rng) for _ in range(30)]
+        states = [comparisons.random_state(scenario, rng) for _ in range(30)]
         for state in states:
             assert replace(scenario, start=state).initial_state == state
         values = np.array([state.vector for state in states])
@@ -166,10 +180,7 @@ def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
 
 
 def test_verdicts_are_yes_no_or_why_not() -> None:
-    check = Check(
-        quantity="q", formulation="floating", criterion=1.0, difference=0.5, detail="how"
-    )
-    other = replace(check, difference=2.0)
+    check, other = CHECK, replace(CHECK, difference=2.0)
     missing = replace(check, difference=None, detail="why")
     assert [each.verdict for each in (check, other, missing)] == [True, False, "not defined: why"]
     rows = crosscheck.table([check, other, missing]).rows
@@ -177,6 +188,7 @@ def test_verdicts_are_yes_no_or_why_not() -> None:
     overview = crosscheck.overview(
         "name",
         "title",
-        {("a", "b"): [check], ("c", "d"): [check, other, missing][1:2], ("e", "f"): [missing]},
+        ("case",),
+        {("a",): [check], ("b",): [other], ("c",): [missing]},
     )
     assert [row[-1] for row in overview.rows] == [True, False, "not defined: why"]

@@ -1,0 +1,122 @@
+"""One call for either side, and one loader for either kind of stored run."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import MODELS, Scenario, SpatialMotion, Start, Trajectory
+from analysis.data.trajectory import SOURCES, Source
+from validation.run import load_run, rest_effort, run, run_effort, run_to_rest
+
+TIMES = np.linspace(0.0, 0.05, 6)
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_run_hands_all_it_is_given_to_the_side_asked_for(source: Source) -> None:
+    scenario = Scenario(constraints=MODELS[3], start=Start(spin=35.0))
+    seen: list[float] = []
+    found = run(
+        scenario,
+        TIMES,
+        source=source,
+        tolerance=1e-6,
+        progress=lambda time, _: seen.append(time),
+    )
+    assert (found.source, found.scenario) == (source, scenario)
+    assert found.method["tolerance"] == 1e-6
+    assert seen
+    np.testing.assert_array_equal(found.times, TIMES)
+
+
+def test_both_sides_run_the_same_motion() -> None:
+    engine, inhouse = (run(Scenario(), TIMES, source=source) for source in SOURCES)
+    np.testing.assert_allclose(engine.coordinates, inhouse.coordinates, atol=1e-8)
+
+
+def test_run_takes_the_options_of_each_side() -> None:
+    engine = run(
+        Scenario(), TIMES, formulation="floating", step=1e-3, integrator="GeneralizedAlpha"
+    )
+    assert engine.method["formulation"] == "floating"
+    assert engine.method["integrator"] == "GeneralizedAlpha"
+    model_4 = Scenario(constraints=MODELS[4])
+    inhouse = run(
+        model_4,
+        TIMES,
+        source="in-house",
+        formulation="reduced",
+        local_tolerance=1e-7,
+        method="RK45",
+    )
+    assert (inhouse.method["form"], inhouse.method["method"]) == ("reduced", "RK45")
+
+
+@pytest.mark.parametrize(
+    ("source", "options"),
+    [
+        ("in-house", {"step": 1e-3}),
+        ("in-house", {"integrator": "RK44"}),
+        ("engine", {"local_tolerance": 1e-6}),
+        ("engine", {"method": "Radau"}),
+    ],
+)
+def test_option_of_the_other_side_is_refused(source: Source, options: dict[str, Any]) -> None:
+    (name,) = options
+    with pytest.raises(ValueError, match=f"^{name} must be left out for source '{source}'"):
+        run(Scenario(), TIMES, source=source, **options)
+
+
+def test_unknown_side_is_refused() -> None:
+    with pytest.raises(ValueError, match="source must be one of engine, in-house"):
+        run(Scenario(), TIMES, source="both")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="source must be one of engine, in-house"):
+        run_to_rest(Scenario.rest(), 0.1, source="both")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_way_to_rest_is_run_by_the_side_asked_for(source: Source) -> None:
+    found = run_to_rest(Scenario.rest(), 0.02, source=source, spacing=1e-2)
+    assert (found.source, found.times.size) == (source, 3)
+    assert found.error_estimate is not None
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_effort_grows_with_the_time_on_either_side(source: Source) -> None:
+    short, long = (
+        run_effort(Scenario(), factor * TIMES, source=source, tolerance=1e-9)
+        for factor in (10.0, 100.0)
+    )
+    assert long.steps > 5.0 * short.steps
+    assert rest_effort(Scenario.rest(), 2.0, source=source).steps == pytest.approx(
+        2.0 * rest_effort(Scenario.rest(), 1.0, source=source).steps
+    )
+
+
+def test_stored_run_of_either_kind_is_read(tmp_path: Path) -> None:
+    run(Scenario(), TIMES, source="in-house").save(tmp_path / "run.npz")
+    run_to_rest(Scenario.rest(), 0.02, source="in-house").save(tmp_path / "rest.npz")
+    kinds = {"run": Trajectory, "rest": SpatialMotion}
+    for name, kind in kinds.items():
+        found = load_run(tmp_path / f"{name}.npz")
+        assert type(found) is kind
+        assert found.scenario in (Scenario(), Scenario.rest())
+
+
+def test_what_is_no_run_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "run.npz").write_bytes(b"no archive")
+    with pytest.raises(ValueError, match="is not a readable motion"):
+        load_run(tmp_path / "run.npz")
+    with pytest.raises(FileNotFoundError):
+        load_run(tmp_path / "nothing.npz")
+
+
+def test_in_house_run_does_not_load_the_engine() -> None:
+    code = (
+        "import sys; from validation.run import run; from analysis import Scenario; "
+        "run(Scenario(), [0.0, 0.01], source='in-house'); assert 'exudyn' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

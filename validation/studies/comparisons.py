@@ -1,0 +1,262 @@
+"""How motions, accelerations and eigenvalues of the engine and in-house are set side by side."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+import mbs_models
+from analysis import (
+    FlatError,
+    Motion,
+    Scenario,
+    Start,
+    State,
+    TimeLimitError,
+    ToleranceError,
+    Trajectory,
+)
+from analysis.data.checks import Array
+from analysis.data.endings import FLAT
+from analysis.models import index1
+from analysis.rest.free_disk import FreeDisk
+from analysis.rest.to_rest import start_vector
+from analysis.stability import spectra
+from mbs_models import Scene
+from validation.run import run, run_effort
+from validation.studies.stability.eigenvalue_check import distance
+
+ANGLE_LIMIT = 1e-7
+"""Tolerance of the engine's runs in rad, and the largest difference that passes."""
+
+REFERENCE_TOLERANCE = 0.01 * ANGLE_LIMIT
+"""Tolerance of the in-house runs in rad: two digits better than what is compared with them."""
+
+PATIENCE = 10.0
+"""Processor time in s that a motion is expected to take at most; a longer one is cut."""
+
+LIMIT = 3.0 * PATIENCE
+"""Processor time in s after which a motion that takes longer than expected is given up."""
+
+SPINS = (15.0, 40.0)
+"""Spins in rad/s at which eigenvalues are compared, below and above the critical ones."""
+
+
+def random_state(scenario: Scenario, rng: np.random.Generator) -> State:
+    """State that meets the constraints of a scenario and is random in all else."""
+    held = "fixed-cog" in scenario.constraints
+    along, across = (f"no-slip-{way}" in scenario.constraints for way in ("along", "across"))
+    free = {
+        "gamma_rate": 60.0 * (not (held and along)),
+        "beta_rate": 20.0 * (not (held and across)),
+        "x": 0.05 * (not held),
+        "y": 0.05 * (not held),
+        "x_rate": 1.0 * (not (held or along)),
+        "y_rate": 1.0 * (not (held or across)),
+    }
+    start = Start(
+        beta=rng.uniform(0.2, np.pi - 0.2),
+        gamma=rng.uniform(-np.pi, np.pi),
+        alpha=rng.uniform(-np.pi, np.pi),
+        spin=rng.uniform(-60.0, 60.0),
+        **{name: rng.uniform(-size, size) for name, size in free.items() if size},
+    )
+    state = replace(scenario, start=start).initial_state
+    if scenario.contact is None:
+        return state
+    # In and out of contact, on the way up and down.
+    coordinates, rates = list(state.coordinates), list(state.rates)
+    coordinates[2] += rng.uniform(-1.0, 2.0) * scenario.contact.resting_penetration(
+        scenario.weight
+    )
+    rates[2] += rng.uniform(-0.01, 0.01)
+    return State(coordinates=tuple(coordinates), rates=tuple(rates))
+
+
+def acceleration_differences(scene: Scene, states: int, seed: int = 1) -> tuple[float, float]:
+    """Largest relative differences of accelerations and of constraint forces.
+
+    Parameters
+    ----------
+    scene : Scene
+    states : int
+        Number of random states that meet the constraints.
+    seed : int
+        Of these.
+    """
+    scenario, rng = scene.scenario, np.random.default_rng(seed)
+    compare = _ideal_differences if scenario.contact is None else _penalty_differences
+    worst = np.zeros(2)
+    for _ in range(states):
+        worst = np.fmax(worst, compare(scene, random_state(scenario, rng)))
+    accelerations, forces = worst.tolist()
+    return accelerations, forces
+
+
+def _ideal_differences(scene: Scene, state: State) -> tuple[float, float]:
+    """Relative differences of accelerations and multipliers; nan where both are singular."""
+    found: list[tuple[Array, Array] | None] = []
+    sides: tuple[Callable[[], tuple[Array, Array]], ...] = (
+        lambda: mbs_models.acceleration(scene, state),
+        lambda: index1.accelerations(scene.scenario, state.coordinates, state.rates),
+    )
+    for side in sides:
+        try:
+            found.append(side())
+        except ArithmeticError:
+            # Friction on the contact force may leave no solution; then neither side has one.
+            found.append(None)
+    engine, inhouse = found
+    if engine is None or inhouse is None:
+        return (np.nan, np.nan) if engine is inhouse else (np.inf, np.inf)
+    # A random normal force may vanish, so multipliers are measured by the weight as well.
+    least = max(scene.scenario.weight, float(np.max(np.abs(inhouse[1]))))
+    return _relative(engine[0], inhouse[0]), _relative(engine[1], inhouse[1], least)
+
+
+def _penalty_differences(scene: Scene, state: State) -> tuple[float, float]:
+    """The same on a penalty contact, whose in-house equations know of no Euler angles.
+
+    The engine's accelerations carry the state of the free body along a path.
+    """
+    scenario = scene.scenario
+    acceleration, forces = mbs_models.acceleration(scene, state)
+    z, u = np.array(state.coordinates), np.array(state.rates)
+
+    def velocities(time: float) -> Array:
+        place, rates = z + time * u + time * time / 2 * acceleration, u + time * acceleration
+        return start_vector(scenario.disk, State(coordinates=place, rates=rates))[7:13]  # type: ignore[arg-type]
+
+    model, here = FreeDisk(scenario), start_vector(scenario.disk, state)
+    expected = np.array(model.derivative(0.0, here)[7:13])
+    found = _derivative(velocities, 0.02 / max(1.0, float(np.max(np.abs(u)))))
+    force = np.array([model.touch(here.tolist()).force])
+    return (
+        _relative(found, expected, scenario.table.gravity),
+        _relative(forces, force, max(scenario.weight, float(force[0]))),
+    )
+
+
+def _derivative(function: Callable[[float], Array], step: float) -> Array:
+    """Derivative at 0 by central differences of eighth order."""
+    weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+    differences = [
+        weight * (function(k * step) - function(-k * step)) for k, weight in enumerate(weights, 1)
+    ]
+    result: Array = np.sum(differences, axis=0) / step
+    return result
+
+
+def _relative(found: Array, expected: Array, least: float = 0.0) -> float:
+    scale = max(least, float(np.max(np.abs(expected))))
+    return float(np.max(np.abs(found - expected)) / scale)
+
+
+def motion_difference(scene: Scene, end: float) -> tuple[float | None, str]:
+    """Largest difference of beta and gamma in rad, from the scenario's own start.
+
+    The time is cut short of where the disk comes to lie flat, and where a run would take too long
+    or cannot be had to the tolerance. If one side ends because the contact would pull, the other
+    one has to do so there.
+
+    Parameters
+    ----------
+    scene : Scene
+    end : float
+        Longest time in s.
+
+    Returns
+    -------
+    difference : float or None
+        Infinite if the two end otherwise; None if there is nothing to compare.
+    detail : str
+        Over which time, or why not.
+    """
+    why = ""
+    for part in (1.0, 0.1, 0.01):
+        try:
+            return _motion_difference(scene, part * end)
+        except (ToleranceError, TimeLimitError, ValueError) as error:
+            why = why or " ".join(str(error).split())
+    return None, why
+
+
+def _motion_difference(scene: Scene, end: float) -> tuple[float, str]:
+    """Difference of both motions in rad, infinite if they end otherwise, and how it was found."""
+    times, inhouse = _comparable(scene, end)
+    try:
+        engine = run(
+            scene.scenario,
+            times,
+            formulation=scene.built_as,
+            tolerance=ANGLE_LIMIT,
+            time_limit=LIMIT,
+        )
+    except (mbs_models.EngineError, FlatError) as error:
+        return np.inf, f"the engine fails: {error}"
+    endings = [None if each.ending is None else each.ending.reason for each in (engine, inhouse)]
+    if endings[0] != endings[1] or engine.times.size != inhouse.times.size:
+        told = (str(each.ending or "runs through") for each in (engine, inhouse))
+        return np.inf, "engine {}; in-house {}".format(*told)
+    detail = f"over {engine.times[-1]:.4g} s" + (f", where {endings[0]}" if endings[0] else "")
+    return angle_error(engine, inhouse), detail
+
+
+def _comparable(scene: Scene, end: float) -> tuple[tuple[float, ...], Trajectory]:
+    """Times in s as far as `end` if disk and patience allow, and the in-house motion there."""
+    scenario = scene.scenario
+    efforts = (
+        run_effort(scenario, _times(end), formulation=scene.built_as, tolerance=ANGLE_LIMIT),
+        run_effort(scenario, _times(end), source="in-house", tolerance=REFERENCE_TOLERANCE),
+    )
+    longest = max(efforts, key=lambda effort: effort.seconds)
+    if longest.seconds > 100.0 * PATIENCE:
+        raise ValueError(f"a motion takes {longest}")
+    times = _times(end * min(1.0, PATIENCE / longest.seconds))
+    inhouse = reference(scenario, times)
+    if inhouse.ending is not None and inhouse.ending.reason == FLAT:
+        times = _times(0.8 * inhouse.ending.time)
+        inhouse = reference(scenario, times)
+    return times, inhouse
+
+
+def _times(end: float) -> tuple[float, ...]:
+    return tuple(np.linspace(0.0, end, 101).tolist())
+
+
+@cache
+def reference(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
+    """In-house run, two digits better than what is compared with it."""
+    return run(scenario, times, source="in-house", tolerance=REFERENCE_TOLERANCE, time_limit=LIMIT)
+
+
+def angle_error(trajectory: Trajectory, other: Trajectory) -> float:
+    """Largest difference of beta and gamma in rad."""
+    return float(np.max(np.abs(trajectory.coordinates - other.coordinates)[:, 4:6]))
+
+
+def eigenvalue_difference(scene: Scene, motion: Motion) -> tuple[float | None, str]:
+    """Largest relative difference at some spins, and how it was found.
+
+    Infinite if one side has no eigenvalues, None if there is nothing to compare.
+    """
+    scenario = scene.scenario
+    if scenario.contact is not None:
+        return None, "no linearisation of a compliant contact"
+    try:
+        expected = spectra.eigenvalues(scenario, SPINS, system="numeric", motion=motion)
+    except ValueError as error:
+        return None, str(error)
+    except ArithmeticError as error:
+        return np.inf, str(error)
+    worst = 0.0
+    for spin, values in zip(SPINS, expected, strict=True):
+        start = Start.stationary(spin, motion)
+        try:
+            found = mbs_models.eigenvalues(replace(scene, scenario=replace(scenario, start=start)))
+        except (ValueError, ArithmeticError) as error:
+            return np.inf, f"the engine fails: {error}"
+        worst = max(worst, distance(found, values) if found.size == values.size else np.inf)
+    spins = " and ".join(f"{spin:g}" for spin in SPINS)
+    return worst, f"relative to max(|λ|, 1), at {spins} rad/s"
