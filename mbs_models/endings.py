@@ -4,7 +4,7 @@ A sample is a row of co-rotating coordinates (6), their rates (6) and the constr
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import cos, pi, sin
+from math import pi
 from typing import NamedTuple
 
 import numpy as np
@@ -34,13 +34,18 @@ def says_of(conditions: Mapping[str, Condition], *, may_pull: bool) -> dict[str,
     def of_state(condition: Condition) -> Says:
         return lambda row: condition(state_of(row))
 
-    # A run that fails may leave the interval of beta by whole turns, where its sine means nothing.
-    found: dict[str, Says] = {
-        FLAT: lambda row: sin(row[4]) - LEAST_TILT if 0.0 < row[4] < pi else -1.0
-    }
+    found: dict[str, Says] = {FLAT: lambda row: leaning(row) - LEAST_TILT}
     if not may_pull:
         found[CONTACT_WOULD_PULL] = lambda row: float(row[12])
     return found | {reason: of_state(condition) for reason, condition in conditions.items()}
+
+
+def leaning(row: Array) -> float:
+    """Angle in rad between disk and table in a sample.
+
+    It is negative where beta lies outside (0, pi), by whole turns if a run has failed.
+    """
+    return float(min(row[4], pi - row[4]))
 
 
 def state_of(row: Array) -> State:
@@ -64,10 +69,10 @@ def touch_down(after: Callable[[float], Array], row: Array, width: float) -> flo
     """
     moment, here = 0.0, row
     for _ in range(40):
-        gap = sin(here[4]) - LEAST_TILT
+        gap = leaning(here) - LEAST_TILT
         if moment and gap < 1e-3 * LEAST_TILT:
             return moment
-        rate = -cos(here[4]) * here[10]
+        rate = here[10] if here[4] > 0.5 * pi else -here[10]
         if rate <= 0.0:
             return None
         moment += (0.9 if gap > 10.0 * LEAST_TILT else 1.0) * gap / rate
@@ -207,10 +212,13 @@ class Search:
             Time in s after the last sample at which it was.
         """
         found: list[Found] = []
-        flat = self._flat(says[FLAT])
-        upright = len(self._values)
+        # Read at once, as every run has it; see `leaning`.
+        tilt = self._values[:, 4]
+        lying = np.flatnonzero(np.minimum(tilt, pi - tilt) < LEAST_TILT)
+        upright = int(lying[0]) if lying.size else len(self._values)
+        flat = self._flat(upright)
         if flat is not None:
-            found, upright = [flat], flat.row + 1
+            found = [flat]
         for reason, each in says.items():
             if reason == FLAT:
                 continue
@@ -230,8 +238,6 @@ class Search:
     @staticmethod
     def _series(reason: str, says: Says, values: Array) -> Array:
         """What a condition says at samples; for those that every run has, read at once."""
-        if reason == FLAT:
-            return np.asarray(np.sin(values[:, 4]) - LEAST_TILT)
         if reason == CONTACT_WOULD_PULL:
             return values[:, 12]
         return np.array([says(row) for row in values])
@@ -243,14 +249,16 @@ class Search:
         )
         return None if moment is None else Found(reason, place.row, moment, after(moment))
 
-    def _flat(self, says: Says) -> Found | None:
-        """Where the disk lies flat, if it goes there, or the run broke off on the way there."""
-        series = self._series(FLAT, says, self._values)
-        below = np.flatnonzero(series < 0.0)
-        if not below.size and not self._broke_off:
-            return None
-        row = int(below[0]) - 1 if below.size else len(self._values) - 1
-        if row < 0:
+    def _flat(self, upright: int) -> Found | None:
+        """Where the disk lies flat, if it goes there, or the run broke off on the way there.
+
+        Parameters
+        ----------
+        upright : int
+            Number of samples before the first one at which it lies flat.
+        """
+        row = upright - 1
+        if row < 0 or (upright == len(self._values) and not self._broke_off):
             return None
         after = self._from_before(row, 1.0)
         try:

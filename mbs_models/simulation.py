@@ -1,9 +1,5 @@
 """Simulation of a scene in the engine, to a step size or to a tolerance."""
 
-from collections import Counter
-from collections.abc import Callable
-from dataclasses import replace
-
 import numpy as np
 import numpy.typing as npt
 
@@ -15,19 +11,16 @@ from analysis.data.endings import (
     StopWhen,
     named_conditions,
 )
-from analysis.data.state import FlatError
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models.advice import advice
-from mbs_models.effort import HALVINGS, simulation_effort
-from mbs_models.extrapolation import FINEST, Ladder
+from mbs_models.effort import simulation_effort
+from mbs_models.extrapolation import FINEST
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.passes import Pass, one_pass
 from mbs_models.runs import EngineError
 from mbs_models.scene import Scene
-
-PATIENCE = 6
-"""Halvings of the step in a row after which a disk that lies all but flat is given up."""
+from mbs_models.to_tolerance import to_tolerance
 
 
 def simulate(
@@ -64,7 +57,8 @@ def simulate(
         Largest error in beta and gamma in rad; 1e-8 if neither is given.
     integrator : Integrator or str, optional
         With its options, or the name of one of `integrators(scene.built_as)`; by default the
-        first of them. DOPRI5 takes its accuracy from `Integrator.local_tolerance`, and `step`
+        first of them, and DOPRI5 where it can be taken and halving fixed steps leads to nothing.
+        DOPRI5 takes its accuracy from `Integrator.local_tolerance`, and `step`
         only limits its steps.
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", or functions of a `State` that turn negative there.
@@ -115,11 +109,11 @@ def simulate(
     conditions = named_conditions(stop_when)
     watch = Watch(time_limit, progress)
 
-    def run(largest: float, halvings: int = 0) -> Pass:
+    def run(way: Integrator, largest: float, halvings: int = 0) -> Pass:
         return one_pass(
             scene,
             times,
-            chosen,
+            way,
             largest,
             halvings,
             stop_when=conditions,
@@ -130,9 +124,11 @@ def simulate(
     estimate = None
     try:
         if tolerance is None:
-            result = run(np.inf if step is None else step)
+            result = run(chosen, np.inf if step is None else step)
         else:
-            result, estimate = _to_tolerance(scene, run, chosen, tolerance)
+            chosen, result, estimate = to_tolerance(
+                scene, run, chosen, tolerance, may_change=integrator is None
+            )
     except (EngineError, ToleranceError, TimeLimitError) as error:
         raise type(error)(f"{error}; {advice(scene, chosen)}") from error
     return trajectory(scene, chosen, result, watch=watch, tolerance=tolerance, estimate=estimate)
@@ -172,51 +168,4 @@ def trajectory(
         versions=versions("numpy", "exudyn"),
         ending=ending,
         pulling=result.pulling,
-    )
-
-
-def _to_tolerance(
-    scene: Scene, run: Callable[[float, int], Pass], integrator: Integrator, tolerance: float
-) -> tuple[Pass, float]:
-    """Halve the step and extrapolate until the estimated error is small enough."""
-    ladder = Ladder(scene.built_as, integrator.name)
-    counts: Counter[str] = Counter()
-    failure: EngineError | FlatError | None = None
-    kind: tuple[str | None, int] = (None, 0)
-    flat = 0
-    for halvings in range(HALVINGS):
-        try:
-            result = run(integrator.first_step, halvings)
-        except (EngineError, FlatError) as error:
-            # A step too long for the iteration is no failure of the tolerance: halve it.
-            flat = flat + 1 if isinstance(error, FlatError) else 0
-            if flat == PATIENCE:
-                raise
-            failure, ladder = error, Ladder(scene.built_as, integrator.name)
-            continue
-        failure = None
-        counts.update(result.counts)
-        over = result.ended == TIME_LIMIT
-        if not over and kind != (result.ended, result.times.size):
-            # Runs that end elsewhere are not to be compared.
-            kind = (result.ended, result.times.size)
-            ladder = Ladder(scene.built_as, integrator.name)
-        ladder.add(np.column_stack((result.values, result.times)))
-        if ladder.estimate <= tolerance:
-            values, times = ladder.best[:, :-1], ladder.best[:, -1]
-            best = replace(result, times=times, values=values, counts=counts)
-            return best, ladder.estimate
-        if over:
-            raise TimeLimitError(
-                f"time limit met at t = {result.times[-1]:.6g} s of a run with a step of "
-                f"{result.step:.3g} s, before runs agreed to {tolerance:g} rad; the best "
-                f"estimated error is {ladder.best_estimate:.1e} rad"
-            )
-        if ladder.stalled:
-            break
-    if failure is not None:
-        raise failure
-    raise ToleranceError(
-        f"tolerance {tolerance:g} rad cannot be reached with {integrator.name} on formulation "
-        f"{scene.built_as!r}: the best estimated error is {ladder.best_estimate:.1e} rad"
     )

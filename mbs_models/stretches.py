@@ -14,7 +14,7 @@ from analysis.data.limits import LEAST_TILT
 from analysis.data.state import COORDINATES, FlatError, State, check_upright
 from analysis.data.watch import Watch
 from mbs_models.build import build
-from mbs_models.endings import Says, Search, says_of, state_of
+from mbs_models.endings import Says, Search, leaning, says_of, state_of
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.probe import Probe
@@ -75,7 +75,7 @@ class _Stop:
         row = np.hstack(self._model.decode(self._model.record()[None]))[0]
         row[[3, 5]] += _whole_turns(self._angles - row[[3, 5]])
         self._angles = row[[3, 5]]
-        if sin(row[4]) < LEAST_TILT:
+        if leaning(row) < LEAST_TILT:
             return FLAT
         for reason, says in self._says.items():
             if says(row) >= 0.0:
@@ -141,7 +141,8 @@ class Runner:
         values = _values(model, samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
         if not model.has_euler_angles:
-            upright = int(np.argmin(np.append(np.sin(values[:, 4]) >= LEAST_TILT, False)))
+            leans = np.minimum(values[:, 4], np.pi - values[:, 4]) >= LEAST_TILT
+            upright = int(np.argmin(np.append(leans, False)))
             _unwrap(values[:upright], moments[:upright], model.start)
         beyond = (samples.stopped or 0.0) - period * (len(values) - 1) if stop.reason else 0.0
         search = Search(self._after(scene, substeps), values, period, bool(failure))
