@@ -103,7 +103,7 @@ def one_pass(
         runner.setup_seconds,
         runner.seconds,
         blocks[-1].ended,
-        pulling_times(runner.moments, runner.forces),
+        pulling_times(runner.moments, runner.forces) if allow_pulling else (),
     )
 
 

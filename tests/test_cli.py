@@ -95,7 +95,7 @@ def test_show_draws_runs_over_each_other(tmp_path: Path) -> None:
         assert picture.read_bytes().startswith(magic)
 
 
-@pytest.mark.parametrize("source", ["in-house"])
+@pytest.mark.parametrize("source", groups.SOURCES)
 def test_run_stops_where_it_is_told_to(
     source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 
 import analysis
 import mbs_models
-from analysis import Scenario
+from analysis import MODELS, STEEL_DISK, Scenario, Start
 from analysis.data.scenario_file import scenario_text
+from analysis.data.scenario_keys import KEYS
 from tests.helpers import random_trajectory
+from tests.scenario_texts import with_key
 from validation import cli
 from validation.commands import basic, rest
 from validation.parser import groups
@@ -149,6 +151,58 @@ def test_any_mutilated_scenario_is_answered_in_one_line(
         lines[one], lines[other] = lines[other], lines[one]
     del lines[cut % len(lines)]
     (tmp_path / "my.toml").write_text("\n".join(lines))
+    answer(["scenario", str(tmp_path / "my.toml")], capsys)
+
+
+TABLE_3 = Start().state(MODELS[1], STEEL_DISK)
+LITERALS = st.one_of(
+    st.floats().map(repr),
+    st.integers(-(10**30), 10**30).map(str),
+    st.sampled_from(
+        [
+            "true",
+            '"pi/2"',
+            '"x"',
+            '""',
+            "[]",
+            "[1, [2]]",
+            "{}",
+            "{a = 1}",
+            "1979-05-27",
+            "07:32:00",
+            "1e400",
+            "0x10",
+            "1_000",
+            "'steel'",
+            '"tanh"',
+            '"os:path"',
+            "9" * 5000,
+            "-0.0",
+        ]
+    ),
+)
+
+
+@settings(QUICK, max_examples=200)
+@given(
+    st.sampled_from([Scenario(), Scenario.rest(), Scenario(start=TABLE_3)]),
+    st.lists(
+        st.tuples(st.sampled_from([(t, k) for t, keys in KEYS.items() for k in keys]), LITERALS),
+        min_size=1,
+        max_size=3,
+    ),
+)
+def test_any_value_of_a_key_is_answered_in_one_line(
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    scenario: Scenario,
+    entries: list[tuple[tuple[str, str], str]],
+) -> None:
+    text = scenario_text(scenario)
+    for (table, key), literal in entries:
+        if f"\n[{table}]\n" in text:
+            text = with_key(text, table, key, literal)
+    (tmp_path / "my.toml").write_text(text)
     answer(["scenario", str(tmp_path / "my.toml")], capsys)
 
 

@@ -147,7 +147,7 @@ def test_scenario_comes_back_from_its_text(tmp_path: Path, scenario: Scenario) -
 def test_text_explains_every_key() -> None:
     for scenario in (Scenario(), Scenario.rest(), Scenario(friction=Stribeck())):
         text = scenario_text(scenario)
-        assert max(len(line) for line in text.split("\n")) <= 120
+        assert max(len(line) for line in text.split("\n")) <= 99
         for kind in (scenario.disk, scenario.friction, scenario.table, scenario.start):
             for field in fields(kind):
                 assert re.search(rf"^(# )?{field.name} = \S.*  # \S.*$", text, re.MULTILINE)

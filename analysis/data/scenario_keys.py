@@ -58,12 +58,10 @@ KEYS: dict[str, dict[str, Key]] = {
         "eccentricity": Key("of the centre of gravity S from the centre G, below radius", "m"),
         "inertia_x": Key("about G, along the line from G to S, above 0", "kg m²"),
         "inertia_y": Key("across it in the disk, above mass * eccentricity²", "kg m²"),
-        "inertia_z": Key("normal to the disk; about S, none above the sum of the others", "kg m²"),
+        "inertia_z": Key("normal to it; about S none above the others' sum", "kg m²"),
     },
     "friction": {
-        "law": Key(
-            ", ".join(f'"{name}"' for name in LAWS) + ', or "module:Class" of your own', None
-        ),
+        "law": Key(", ".join(f'"{name}"' for name in LAWS) + ' or own "module:Class"', None),
         "load": Key(
             f'what presses the disk down: "{LOADS[0]}" m g, or the "{LOADS[1]}" force', None
         ),
