@@ -28,7 +28,7 @@ def idle_friction(model: Model) -> None:
     def nothing(_system: Any) -> float:
         return 0.0
 
-    if model.name.startswith("floating"):
+    if not model.has_euler_angles:
         table, body = _object_of(model, "Ground"), _object_of(model, "RigidBody")
         upward = system.AddMarker(
             items.MarkerBodyRigid(
@@ -44,7 +44,7 @@ def idle_friction(model: Model) -> None:
             )
         )
     else:
-        law = contact_tree_force if model.name == "contact-tree" else euler_tree_force
+        law = contact_tree_force if model.closes_contact else euler_tree_force
         system.SetObjectParameter(
             _object_of(model, "KinematicTree"),
             "forceUserFunction",

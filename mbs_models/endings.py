@@ -4,7 +4,7 @@ A sample is a row of co-rotating coordinates (6), their rates (6) and the constr
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import cos, sin
+from math import cos, pi, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +34,10 @@ def says_of(conditions: Mapping[str, Condition], *, may_pull: bool) -> dict[str,
     def of_state(condition: Condition) -> Says:
         return lambda row: condition(state_of(row))
 
-    found: dict[str, Says] = {FLAT: lambda row: sin(row[4]) - LEAST_TILT}
+    # A run that fails may leave the interval of beta by whole turns, where its sine means nothing.
+    found: dict[str, Says] = {
+        FLAT: lambda row: sin(row[4]) - LEAST_TILT if 0.0 < row[4] < pi else -1.0
+    }
     if not may_pull:
         found[CONTACT_WOULD_PULL] = lambda row: float(row[12])
     return found | {reason: of_state(condition) for reason, condition in conditions.items()}
@@ -101,23 +104,26 @@ def dips(values: Array) -> Iterator[Dip]:
         What the condition says at even spacing. Where it is negative from the start on, it waits
         until it has not been.
     """
-    armed = int(np.argmax(values >= 0.0)) if values.size and values[0] < 0.0 else 0
-    for row in range(armed + 1, values.size):
-        before, here = float(values[row - 1]), float(values[row])
-        if before < 0.0:
-            return
-        if here < 0.0:
-            yield Dip(row - 1, 1.0, sure=True)
-            return
-        if row + 1 == values.size:
-            return
-        after = float(values[row + 1])
-        curvature = before - 2.0 * here + after
-        if min(before, after) < here or after < 0.0 or curvature <= 0.0:
-            continue
-        vertex = here - (after - before) ** 2 / (8.0 * curvature)
-        if vertex < 0.1 * (max(before, after) - here):
-            yield Dip(row - 1, 2.0, sure=False)
+    armed = int(np.argmax(values >= 0.0)) if values.size else 0
+    if not values.size or values[armed] < 0.0:
+        return
+    first = armed + 1
+    negative = np.flatnonzero(values[first:] < 0.0)
+    end = first + int(negative[0]) if negative.size else values.size - 1
+    before, here, after = (
+        values[first - 1 : end - 1],
+        values[first:end],
+        values[first + 1 : end + 1],
+    )
+    curvature = before - 2.0 * here + after
+    lowest = (np.minimum(before, after) >= here) & (after >= 0.0) & (curvature > 0.0)
+    bent = np.where(lowest, curvature, 1.0)
+    vertex = here - (after - before) ** 2 / (8.0 * bent)
+    near = vertex < 0.1 * (np.maximum(before, after) - here)
+    for place in np.flatnonzero(lowest & near).tolist():
+        yield Dip(armed + place, 2.0, sure=False)
+    if negative.size:
+        yield Dip(end - 1, 1.0, sure=True)
 
 
 def zero(
@@ -208,7 +214,7 @@ class Search:
         for reason, each in says.items():
             if reason == FLAT:
                 continue
-            series = np.array([each(row) for row in self._values[:upright]])
+            series = self._series(reason, each, self._values[:upright])
             places = list(dips(series))
             if stopped_by == reason and beyond > 1e-9 * self._period:
                 places.append(Dip(upright - 1, beyond / self._period, sure=True))
@@ -221,6 +227,15 @@ class Search:
             found, key=lambda ending: ending.row + ending.moment / self._period, default=None
         )
 
+    @staticmethod
+    def _series(reason: str, says: Says, values: Array) -> Array:
+        """What a condition says at samples; for those that every run has, read at once."""
+        if reason == FLAT:
+            return np.asarray(np.sin(values[:, 4]) - LEAST_TILT)
+        if reason == CONTACT_WOULD_PULL:
+            return values[:, 12]
+        return np.array([says(row) for row in values])
+
     def _located(self, reason: str, says: Says, place: Dip, begin: float) -> Found | None:
         after = self._from_before(place.row, place.width)
         moment = zero(
@@ -230,7 +245,7 @@ class Search:
 
     def _flat(self, says: Says) -> Found | None:
         """Where the disk lies flat, if it goes there, or the run broke off on the way there."""
-        series = np.array([says(row) for row in self._values])
+        series = self._series(FLAT, says, self._values)
         below = np.flatnonzero(series < 0.0)
         if not below.size and not self._broke_off:
             return None

@@ -97,6 +97,11 @@ def test_implicit_integrator_needs_no_smaller_step_for_a_stiffer_contact() -> No
     assert stiff[1].step == soft[1].step
 
 
+def test_steps_at_which_a_run_leaves_all_bounds_are_no_accurate_ones() -> None:
+    (limit,) = steps.accurate_steps("stiffness", 1e7, [("euler-tree", "RK44")], 3e-3)
+    assert limit.step is None
+
+
 @pytest.mark.parametrize("way", [TREE, EULER])
 def test_easy_case_is_accurate(way: Way) -> None:
     outcome = run_case(EASY, way, reference(EASY))
@@ -274,6 +279,12 @@ def test_further_sets_and_a_leaning_table_are_accurate_in_every_formulation(axis
             known = reference(short)
             for way in ways(short, quick=True):
                 assert run_case(short, way, known).verdict == "accurate"
+
+
+def test_reduced_equations_are_not_asked_for_a_leaning_table() -> None:
+    for problem in problems(quick=False):
+        tried = {way.formulation for way in ways(problem, quick=False)}
+        assert problem.scenario.table.is_horizontal or "reduced" not in tried
 
 
 def test_every_quick_problem_is_known_by_its_key() -> None:

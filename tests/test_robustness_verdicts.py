@@ -317,6 +317,14 @@ def test_study_that_lacks_a_case_is_not_shipped() -> None:
         ship.check_complete(study_of(*cases[1:]))
 
 
+def test_shipped_study_is_written_as_it_lies_there(tmp_path: Path) -> None:
+    study = stored.shipped()
+    if study is None:
+        pytest.skip("no full study is shipped")
+    stored.FILE.write(study, tmp_path / FULL_STUDY)
+    assert (tmp_path / FULL_STUDY).read_bytes() == stored.FILE.shipped.read_bytes()
+
+
 def test_shipped_study_holds_all_cases_of_its_axes() -> None:
     study = stored.shipped()
     if study is None:

@@ -340,6 +340,14 @@ def test_readme_shows_the_fastest_ways_of_the_shipped_study() -> None:
     assert block == ship.readme_block(full)
 
 
+def test_shipped_study_is_written_as_it_lies_there(tmp_path: Path) -> None:
+    full = shipped()
+    if full is None:
+        pytest.skip("no full study is shipped yet")
+    FILE.write(full, tmp_path / FULL_STUDY)
+    assert (tmp_path / FULL_STUDY).read_bytes() == FILE.shipped.read_bytes()
+
+
 def test_shipped_study_is_a_whole_one_of_a_clean_commit() -> None:
     full = shipped()
     if full is None:
