@@ -90,6 +90,17 @@ def test_every_possible_set_agrees_over_two_seconds(constraints: ConstraintSet) 
     assert failed(crosscheck.check_scenario(scenario, states=300)) == []
 
 
+def test_drop_is_compared_through_its_impacts(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = Scenario.rest(start=Start(height=5e-3))
+    checks = crosscheck.check_formulation(scenario, "floating-lie", states=2, end=0.2)
+    assert [check.verdict for check in checks[:3]] == [True] * 3
+    assert checks[2].detail == "over 0.2 s"
+    assert bent("penalty", monkeypatch).contact is not None
+    difference, _ = comparisons.rest_difference(Scene(scenario), 0.2)
+    assert difference is not None
+    assert difference > comparisons.REST_LIMIT
+
+
 def test_ending_where_the_contact_would_pull_is_compared() -> None:
     for formulation in mbs_models.formulations(Scenario(start=FAST)):
         scene = Scene(Scenario(start=FAST), formulation)
@@ -192,3 +203,11 @@ def test_verdicts_are_yes_no_or_why_not() -> None:
         {("a",): [check], ("b",): [other], ("c",): [missing]},
     )
     assert [row[-1] for row in overview.rows] == [True, False, "not defined: why"]
+
+
+def test_section_holds_every_model_load_formulation_and_set() -> None:
+    section = crosscheck.section({job.key: [CHECK] for job in crosscheck.jobs()})
+    models, sets = section.tables
+    assert len(models.rows) == 2 * (3 * 4) + 1
+    assert [row[0] for row in sets.rows] == [" + ".join(each) for each in POSSIBLE_SETS]
+    assert all(row[-1] is True for table in section.tables for row in table.rows)

@@ -3,6 +3,7 @@
 import csv
 import html
 import os
+import pickle
 import subprocess
 import sys
 from functools import cache
@@ -24,7 +25,7 @@ from analysis import (
     simulate,
 )
 from validation.kit import figures
-from validation.studies import inversion
+from validation.studies import full_report, inversion
 from validation.studies.claims.claim import VERDICTS
 
 ROOT = Path(__file__).parent.parent
@@ -84,6 +85,13 @@ def test_captions_of_figures_7_to_9_hold_the_numbers_of_their_runs() -> None:
     assert "changes the angles by up to 2.4e-02 rad" in drawn[0].caption
     assert "34, 7, 9, 10; overshoot of γ: 0.69, 0.29, 0.48, 0.26 rad" in drawn[1].caption
     assert "47, 47, 53 % went into height" in drawn[2].caption
+
+
+def test_jobs_of_all_studies_can_be_told_apart_and_sent_to_workers() -> None:
+    jobs = [job for study in full_report.STUDIES for job in study.jobs()]
+    assert len({job.key for job in jobs}) == len(jobs) > 100
+    for job in jobs:
+        assert pickle.dumps(job)
 
 
 @pytest.mark.slow

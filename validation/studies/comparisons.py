@@ -18,17 +18,21 @@ from analysis import (
     Trajectory,
 )
 from analysis.data.checks import Array
-from analysis.data.endings import FLAT
+from analysis.data.endings import FLAT, TIME_LIMIT
+from analysis.data.trajectory import Source
 from analysis.models import index1
 from analysis.rest.free_disk import FreeDisk
 from analysis.rest.to_rest import start_vector
 from analysis.stability import spectra
 from mbs_models import Scene
-from validation.run import run, run_effort
+from validation.run import run, run_effort, run_to_rest
 from validation.studies.stability.eigenvalue_check import distance
 
 ANGLE_LIMIT = 1e-7
 """Tolerance of the engine's runs in rad, and the largest difference that passes."""
+
+REST_LIMIT = 1e-5
+"""The same of the deviation on the way to rest, in rad and in parts of the energy."""
 
 REFERENCE_TOLERANCE = 0.01 * ANGLE_LIMIT
 """Tolerance of the in-house runs in rad: two digits better than what is compared with them."""
@@ -234,6 +238,44 @@ def reference(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
 def angle_error(trajectory: Trajectory, other: Trajectory) -> float:
     """Largest difference of beta and gamma in rad."""
     return float(np.max(np.abs(trajectory.coordinates - other.coordinates)[:, 4:6]))
+
+
+def goes_to_rest(scene: Scene) -> bool:
+    """Whether a motion is compared on its way to rest, through impacts and flat attitudes."""
+    scenario = scene.scenario
+    rounded = scenario.contact is not None and scenario.contact.is_rounded
+    return rounded and scene.built_as == Scene(scenario).built_as
+
+
+_REST_TOLERANCES: dict[Source, float] = {"engine": REST_LIMIT, "in-house": 0.1 * REST_LIMIT}
+
+
+def rest_difference(scene: Scene, end: float) -> tuple[float | None, str]:
+    """Largest `SpatialMotion.deviation` on the way to rest; else as `motion_difference`."""
+    try:
+        engine, inhouse = (
+            run_to_rest(
+                scene.scenario,
+                end,
+                source=source,
+                spacing=0.01 * end,
+                tolerance=tolerance,
+                time_limit=LIMIT,
+            )
+            for source, tolerance in _REST_TOLERANCES.items()
+        )
+    except (ToleranceError, TimeLimitError, ValueError) as error:
+        return None, " ".join(str(error).split())
+    except mbs_models.EngineError as error:
+        return np.inf, f"the engine fails: {error}"
+    over = f"over {min(engine.times[-1], inhouse.times[-1]):.4g} s"
+    reasons = [None if each.ending is None else each.ending.reason for each in (engine, inhouse)]
+    rests = [
+        None if each.rest_time is None else f"{each.rest_time:g} s" for each in (engine, inhouse)
+    ]
+    if TIME_LIMIT not in reasons and (rests[0] is None) != (rests[1] is None):
+        return np.inf, f"at rest from: engine {rests[0]}, in-house {rests[1]}"
+    return engine.deviation(inhouse), over
 
 
 def eigenvalue_difference(scene: Scene, motion: Motion) -> tuple[float | None, str]:

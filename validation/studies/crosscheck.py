@@ -28,10 +28,13 @@ from validation.kit.report import Job, Section
 from validation.kit.tables import Cell, Table
 from validation.studies.comparisons import (
     ANGLE_LIMIT,
+    REST_LIMIT,
     SPINS,
     acceleration_differences,
     eigenvalue_difference,
+    goes_to_rest,
     motion_difference,
+    rest_difference,
 )
 from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
 
@@ -116,7 +119,10 @@ def check_formulation(
         check("accelerations", ACCELERATION_LIMIT, accelerations, how),
         check("constraint forces", ACCELERATION_LIMIT, forces, how),
     ]
-    if end is not None:
+    if end is not None and goes_to_rest(scene):
+        moved = rest_difference(scene, end)
+        checks.append(check("vertical and energies of the motion, relative", REST_LIMIT, *moved))
+    elif end is not None:
         moved = motion_difference(scene, end)
         checks.append(check("β and γ of the motion in rad", ANGLE_LIMIT, *moved))
     for motion in MOTIONS:
