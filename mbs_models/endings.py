@@ -231,7 +231,9 @@ class Search:
     def _series(reason: str, says: Says, values: Array) -> Array:
         """What a condition says at samples; for those that every run has, read at once."""
         if reason == FLAT:
-            return np.asarray(np.sin(values[:, 4]) - LEAST_TILT)
+            beta = values[:, 4]
+            regular = (beta > 0.0) & (beta < pi)
+            return np.where(regular, np.sin(beta) - LEAST_TILT, -1.0)
         if reason == CONTACT_WOULD_PULL:
             return values[:, 12]
         return np.array([says(row) for row in values])
