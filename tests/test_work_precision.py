@@ -12,15 +12,15 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import Trajectory
+from analysis import Scenario, Start, Trajectory
 from mbs_models import Integrator, Scene
 from validation.commands import work_precision as commands_work_precision
-from validation.report import Job
-from validation.tables import Table
-from validation.work_precision import measure, prices, study
-from validation.work_precision.measure import ladder_end
-from validation.work_precision.methods import EngineMethod, InHouseMethod, label, methods
-from validation.work_precision.problems import (
+from validation.kit.report import Job
+from validation.kit.tables import Table
+from validation.studies.work_precision import measure, study
+from validation.studies.work_precision.measure import ladder_end
+from validation.studies.work_precision.methods import EngineMethod, InHouseMethod, label, methods
+from validation.studies.work_precision.problems import (
     PROBLEMS,
     TIMES,
     Errors,
@@ -28,7 +28,7 @@ from validation.work_precision.problems import (
     compare,
     reference,
 )
-from validation.work_precision.runs import (
+from validation.studies.work_precision.runs import (
     Curve,
     Run,
     fastest,
@@ -135,20 +135,6 @@ def test_reference_of_a_motion_whose_contact_pulls_is_refused(
         reference.__wrapped__("fast")
 
 
-@pytest.mark.parametrize("name", [name for name in PROBLEMS if name != "stiff"])
-def test_contact_of_no_problem_would_have_to_pull(name: Any) -> None:
-    assert reference(name).normal_force.min() > 0.0
-
-
-def test_reference_of_a_motion_whose_contact_pulls_is_refused(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    pulling = dataclasses.replace(PROBLEMS["fast"], spin=200.0)
-    monkeypatch.setitem(PROBLEMS, "fast", pulling)
-    with pytest.raises(ArithmeticError, match="would have to pull in problem 'fast'"):
-        reference.__wrapped__("fast")
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_all_references_agree_two_digits_beyond_the_finest_goal(name: Any) -> None:
@@ -192,7 +178,7 @@ def test_run_to_a_tolerance_is_that_of_the_library_and_keeps_its_promise() -> No
     assert [run.setting for run in asked] == [1e-3, 1e-6]
     assert all(run.error <= run.setting for run in asked)
     same = mbs_models.simulate(
-        Scene(level=1, formulation="contact-tree", start=PROBLEMS["model-1"].start),
+        Scene(PROBLEMS["model-1"].scenario, "contact-tree"),
         TIMES,
         tolerance=1e-6,
         integrator="RK44",
@@ -263,9 +249,10 @@ def test_every_method_of_a_problem_has_its_own_label_and_only_what_it_can_take()
     for problem in PROBLEMS.values():
         labels = [label(method) for method in methods(problem, False)]
         assert len(labels) == len(set(labels))
-        free = problem.level == 1 and problem.friction.load == "weight"
+        scenario = problem.scenario
+        free = scenario.model == 1 and scenario.friction.load == "weight"
         assert any("contact-tree" in text for text in labels) is free
-        assert any("reduced" in text for text in labels) is (problem.level == 4)
+        assert any("reduced" in text for text in labels) is (scenario.model == 4)
         assert {label(method) for method in methods(problem, True)} <= set(labels)
 
 
@@ -282,48 +269,6 @@ def test_full_study_holds_every_integrator_of_the_engine() -> None:
         "index-1, BDF",
     ):
         assert part in labels
-
-
-def test_price_is_the_median_of_pairs_and_says_when_it_is_noise() -> None:
-    price = prices.Price(
-        what="x",
-        problem="model-1",
-        formulation="floating",
-        ratios=(1.1, 0.5, 1.2, 1.3, 9.0, 1.15, 1.1, 1.12, 1.2, 1.3, 1.2),
-        work=1.0,
-        error=1.0,
-    )
-    assert price.ratio == 1.2
-    assert price.interval == (1.1, 1.3)
-    assert price.told
-    noise = dataclasses.replace(price, ratios=(0.98, 1.3, 1.01, 1.02, 1.1))
-    assert not noise.told
-
-
-def test_price_takes_both_sides_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
-    order: list[bool] = []
-    run = EngineMethod.run
-
-    def watched(method: EngineMethod, problem: Any, setting: float) -> Any:
-        order.append(method.symbolic)
-        return run(method, problem, setting)
-
-    monkeypatch.setattr(EngineMethod, "run", watched)
-    case = next(case for case in prices.cases(True) if "symbolic" in case.what)
-    price = prices.measure_price(case, True)
-    assert order == [True, False] * (1 + prices.QUICK_PAIRS)
-    assert price.work == 1.0
-    assert price.error == pytest.approx(1.0)
-
-
-def test_price_of_extrapolation_compares_equal_errors(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(prices, "QUICK_PAIRS", 1)
-    side = prices.Side(problem=PROBLEMS["model-1"], method=RK44)
-    case = prices.Case(what="x", one=side, other=side, goal=1e-4)
-    price = prices.measure_price(case, True)
-    # 100, 200 and 400 steps together against 400.
-    assert price.work == 1.75
-    assert price.error < 1.0
 
 
 def test_kept_results_are_not_measured_again(tmp_path: Path) -> None:
@@ -352,15 +297,15 @@ def test_failed_runs_survive_the_store() -> None:
 
 @pytest.mark.parametrize("quick", [True, False])
 def test_jobs_have_keys_of_their_own(quick: bool) -> None:
-    found = study.jobs(quick)
+    found = study.jobs(quick=quick)
     assert all(isinstance(job, Job) and job.key[0] == "work-precision" for job in found)
     assert len({job.key for job in found}) == len(found)
 
 
 def test_full_jobs_cover_all_problems_and_quick_ones_some_of_them() -> None:
-    full = {job.key for job in study.jobs(False)}
+    full = {job.key for job in study.jobs(quick=False)}
     assert {key[1] for key in full} == {"agreement", "price", *PROBLEMS}
-    assert {job.key for job in study.jobs(True)} < full
+    assert {job.key for job in study.jobs(quick=True)} < full
 
 
 def test_fastest_way_is_the_quickest_run_that_is_good_enough() -> None:
@@ -384,6 +329,8 @@ def test_not_reached_is_said_only_of_ladders_that_went_to_their_end() -> None:
     assert shortfall([made_curve(run, end="failure")]) == "not reached, best 2e-05"
     assert shortfall([made_curve(run, end="finest")]) == "not reached, best 2e-05"
     ended_early = [made_curve(run, end="rounding"), made_curve(run, end="work")]
+    gap = made_run(0.005, inf, errors=None, failure="stopped")
+    assert shortfall([made_curve(gap, end="work")]) == "fails up to 400 steps"
     assert shortfall(ended_early) == "not tried beyond 100 steps, best 2e-05"
     assert shortfall([made_curve(run, end="goal")]) == "not in this selection"
 
@@ -405,12 +352,12 @@ def test_observed_order_takes_four_rungs_that_agree() -> None:
 def test_command_prints_the_tables_and_the_page(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    def main(folder: Path, *, quick: bool, fresh: bool) -> tuple[Path, list[Any]]:
+    def make(folder: Path, *, quick: bool, fresh: bool) -> tuple[Path, list[Any]]:
         assert (quick, fresh) == (True, False)
         table = Table(name="x", title="Fastest way", columns=("a",), rows=[[1]])
         return folder / "report.html", [table]
 
-    monkeypatch.setattr(study, "main", main)
+    monkeypatch.setattr(study, "make", make)
     options = argparse.Namespace(out=str(tmp_path), quick=True, fresh=False)
     assert commands_work_precision.work_precision(options) == 0
     printed = capsys.readouterr().out
@@ -420,9 +367,9 @@ def test_command_prints_the_tables_and_the_page(
 
 @pytest.mark.slow
 def test_quick_study_writes_its_page_and_resumes(tmp_path: Path) -> None:
-    page, tables = study.main(tmp_path, quick=True)
+    page, tables = study.make(tmp_path, quick=True)
     assert page.exists()
     assert (tmp_path / "work-precision-all-runs.csv").exists()
-    again, same = study.main(tmp_path, quick=True)
+    again, same = study.make(tmp_path, quick=True)
     assert again == page
     assert same[0].rows == tables[0].rows
