@@ -200,6 +200,7 @@ def test_command_line_takes_a_law(law: str, tmp_path: Path) -> None:
     assert cli.main(["critical", "--system", "reduced", "--law", law]) == 0
 
 
+@pytest.mark.slow
 def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     text = (Path(__file__).parent.parent / "README.md").read_text()
     begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
