@@ -99,7 +99,9 @@ def test_engine_runs_end_where_the_in_house_ones_do(
 
 
 @pytest.mark.parametrize("level", [1, 2, 4])
-@pytest.mark.parametrize("formulation", ["contact-tree", "euler-tree", "floating-lie"])
+@pytest.mark.parametrize(
+    "formulation", mostly_slow(["contact-tree", "euler-tree", "floating-lie"], ["contact-tree"])
+)
 def test_a_fall_ends_in_the_engine_as_in_house(level: Level, formulation: Formulation) -> None:
     scenario = model(level, start=FALLING)
     if formulation not in formulations(scenario):
