@@ -39,6 +39,7 @@ from analysis.data.table import GRAVITY, Table
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress
 from analysis.models.balance import constraint_drift, energies, energy_residual, power
+from analysis.models.ensemble import Outcome, simulate_many
 from analysis.models.forms import FORMS, Form
 from analysis.models.integration import METHODS, Method
 from analysis.models.inversion import Inversion, find_inversion, judge_inversion
@@ -80,6 +81,7 @@ __all__ = [
     "Load",
     "Method",
     "Motion",
+    "Outcome",
     "PenaltyContact",
     "Phases",
     "Progress",
@@ -109,5 +111,6 @@ __all__ = [
     "power",
     "scenario_text",
     "simulate",
+    "simulate_many",
     "simulate_to_rest",
 ]

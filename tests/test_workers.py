@@ -15,7 +15,7 @@ ROOT = Path(__file__).parent.parent
 
 POOL = """
 from tests.test_workers import note_and_work
-from validation.kit.workers import process_pool
+from analysis.data.workers import process_pool
 from sys import argv
 if __name__ == "__main__":
     with process_pool(2) as pool:
@@ -32,7 +32,7 @@ if __name__ == "__main__":
 
 NESTED = """
 from tests.test_workers import isolate
-from validation.kit.workers import process_pool
+from analysis.data.workers import process_pool
 from sys import argv
 if __name__ == "__main__":
     with process_pool(1) as pool:
