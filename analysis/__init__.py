@@ -48,6 +48,7 @@ from analysis.models.balance import (
     energy_residual,
     power,
 )
+from analysis.models.ensemble import Outcome, simulate_many
 from analysis.models.forms import FORMS, Form
 from analysis.models.integration import METHODS, Method
 from analysis.models.simulation import simulate
@@ -87,6 +88,7 @@ __all__ = [
     "Load",
     "Method",
     "Motion",
+    "Outcome",
     "PenaltyContact",
     "Phases",
     "Progress",
@@ -116,5 +118,6 @@ __all__ = [
     "power",
     "scenario_text",
     "simulate",
+    "simulate_many",
     "simulate_to_rest",
 ]

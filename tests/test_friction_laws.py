@@ -28,13 +28,14 @@ from analysis import (
     ViscousFriction,
     load_run,
 )
+from analysis.data.checks import Array
 from analysis.data.friction import law_from, law_values
 from analysis.models import index1
 from analysis.stability import spectra
 from analysis.stability.spectra import SYSTEMS, System
 from mbs_models import Scene, formulations
 from mbs_models.friction import per_speed
-from tests.helpers import model
+from tests.helpers import derivative, model
 from validation import cli
 
 TIMES = np.linspace(0.0, 0.2, 21)
@@ -75,6 +76,24 @@ def test_gradient_is_the_slope_at_no_slip(law: FrictionLaw) -> None:
     slip = 1e-6 * law.finest_speed
     assert law.per_speed(slip) * slip / slip == pytest.approx(law.gradient, rel=2e-6)
     assert law.gradient == pytest.approx(law.per_speed(0.0), rel=1e-14)
+
+
+@pytest.mark.parametrize("law", [*SHIPPED, SquareRoot()], ids=name)
+def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: FrictionLaw) -> None:
+    unit = law.gradient / law.finest_speed
+    for relative in (1e-4, 0.049, 0.051, 0.3, 1.0, 3.0):
+        speed = relative * law.finest_speed
+
+        def stretched(t: float, speed: float = speed) -> Array:
+            return np.array(law.per_speed(speed * (1.0 + t)))
+
+        expected = float(derivative(stretched)) / speed
+        # Differences over a small speed lose digits.
+        accuracy = 1e-10 + 1e-12 / relative
+        assert law.per_speed_slope(speed) / unit == pytest.approx(expected / unit, abs=accuracy)
+    near = 1e-6 * law.finest_speed
+    expected = (law.per_speed(near) - law.gradient) / near
+    assert law.per_speed_slope(0.0) / unit == pytest.approx(expected / unit, abs=2e-6)
 
 
 def test_full_force_of_the_laws() -> None:
@@ -201,6 +220,7 @@ def test_command_line_takes_a_law(law: str, tmp_path: Path) -> None:
     assert cli.main(["critical", "--system", "reduced", "--law", law]) == 0
 
 
+@pytest.mark.slow
 def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     text = (Path(__file__).parent.parent / "README.md").read_text()
     begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")

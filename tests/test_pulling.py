@@ -50,7 +50,13 @@ def energy(run: Trajectory) -> Array:
     return kinetic + potential
 
 
-@pytest.mark.parametrize(("level", "formulation", "load"), CASES)
+@pytest.mark.parametrize(
+    ("level", "formulation", "load"),
+    [
+        case if n % 4 == 0 else pytest.param(*case, marks=pytest.mark.slow)
+        for n, case in enumerate(CASES)
+    ],
+)
 def test_both_sides_end_where_the_contact_would_pull(
     level: Level, formulation: Formulation, load: Load
 ) -> None:

@@ -31,6 +31,7 @@ from analysis.data.agreement import until_agreement
 from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.rest.to_rest import simulate_to_rest
+from tests.helpers import mostly_slow
 
 FRICTION = SmoothCoulomb(load="contact")
 SETTLING = Dissipation(rolling_viscous=2e-3, pivoting=2e-4)
@@ -169,7 +170,7 @@ def test_dropped_disk_bounces_without_pull_and_with_a_closed_budget(height: floa
     assert np.max(np.abs(motion.energy_residual)) < 1e-6 * motion.energies[0].sum()
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, None, 1e-6])
+@pytest.mark.parametrize("tolerance", mostly_slow([1e-2, None, 1e-6], (1e-2, None)))
 def test_bounces_meet_the_tolerance_and_its_estimate(tolerance: float | None) -> None:
     found, best = (dropped(0.05, tolerance=value) for value in (tolerance, 1e-8))
     assert found.error_estimate is not None

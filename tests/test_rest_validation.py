@@ -8,6 +8,7 @@ import pytest
 
 from analysis import STEEL_DISK, Scenario, SpatialMotion, load_run
 from analysis.data.checks import Array
+from tests.helpers import mostly_slow
 from validation.cli import main
 from validation.studies.rest import contact as rest_contact
 from validation.studies.rest import creep as rest_creep
@@ -17,7 +18,7 @@ from validation.studies.rest import section as rest
 from validation.studies.rest import starts as rest_starts
 
 
-@pytest.mark.parametrize("source", ["engine", "in-house"])
+@pytest.mark.parametrize("source", mostly_slow(["engine", "in-house"], ["in-house"]))
 def test_command_simulates_stores_and_draws(
     source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -87,6 +88,7 @@ def test_wrong_calls_answer_in_one_line(
     assert message in printed
 
 
+@pytest.mark.slow
 def test_final_stage_table_holds_the_predicted_exponents() -> None:
     results = {job.key: job.function(*job.arguments) for job in rest_final.jobs()}
     for row in rest_final.table(results).rows:
