@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from PIL.GifImagePlugin import GifImageFile
 
-from analysis import STEEL_DISK, Scenario, SpatialMotion, Trajectory, simulate
+from analysis import STEEL_DISK, Scenario, SpatialMotion, StoredRun, Trajectory, simulate
 from analysis.data import frames
 from analysis.data.checks import Array
 from tests.helpers import mostly_slow, random_trajectory
@@ -24,7 +24,6 @@ from validation.kit import report
 from validation.kit.animation import gif as animation_gif
 from validation.kit.animation.keyframes import keyframes
 from validation.kit.animation.player import LEVELS, Animation, encode, player
-from validation.run import StoredRun
 
 
 @cache

@@ -17,7 +17,6 @@ from analysis import (
     Start,
     TimeLimitError,
     ToleranceError,
-    find_phases,
     simulate_to_rest,
 )
 from analysis.data.dissipation import Dissipation
@@ -183,7 +182,7 @@ def test_engine_comes_to_rest_as_the_in_house_motion_does(settled: SpatialMotion
     other = simulate_to_rest(settled.scenario, 30.0, local_tolerance=1e-10)
     count = min(settled.times.size, other.times.size)
     np.testing.assert_allclose(settled.tilt[:count], other.tilt[:count], atol=1e-4)
-    one, two = find_phases(settled), find_phases(other)
+    one, two = settled.phases, other.phases
     for phase in fields(one):
         found = getattr(one, phase.name)
         assert found == pytest.approx(getattr(two, phase.name), abs=5e-3)

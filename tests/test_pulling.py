@@ -22,6 +22,7 @@ from analysis import (
     TimeLimitError,
     Trajectory,
     energies,
+    load_run,
     power,
 )
 from analysis.data.checks import Array
@@ -254,7 +255,7 @@ def test_ending_and_pulling_come_back_from_a_file(tmp_path: Path) -> None:
     )
     for run in (ended, pulled):
         run.save(tmp_path / "run.npz")
-        again = Trajectory.load(tmp_path / "run.npz")
+        again = load_run(tmp_path / "run.npz", Trajectory)
         assert again.ending == run.ending
         assert again.pulling == run.pulling
     assert ended.ending is not None

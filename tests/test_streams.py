@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis import Trajectory
+from analysis import Trajectory, load_run
 from validation import cli
 
 ROOT = Path(__file__).parent.parent
@@ -61,7 +61,7 @@ def test_run_that_was_written_is_no_failed_run(redirection: str, simulated: str)
     assert done.returncode == 3
     assert done.stderr.startswith(LOST)
     assert done.stderr.count("\n") == 1
-    assert Trajectory.load(out).times.size == 3
+    assert load_run(out, Trajectory).times.size == 3
 
 
 @pytest.mark.slow
