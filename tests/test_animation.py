@@ -15,16 +15,15 @@ import numpy as np
 import pytest
 from PIL.GifImagePlugin import GifImageFile
 
-from analysis import STEEL_DISK, Scenario, SpatialMotion, Trajectory, simulate
+from analysis import STEEL_DISK, Scenario, SpatialMotion, StoredRun, Trajectory, simulate
 from analysis.data import frames
 from analysis.data.checks import Array
-from tests.helpers import random_trajectory
+from tests.helpers import mostly_slow, random_trajectory
 from validation import cli
 from validation.kit import report
 from validation.kit.animation import gif as animation_gif
 from validation.kit.animation.keyframes import keyframes
 from validation.kit.animation.player import LEVELS, Animation, encode, player
-from validation.run import StoredRun
 
 
 @cache
@@ -238,7 +237,7 @@ def test_installed_package_ships_the_player() -> None:
     assert isinstance(player(inversion(), name="a", title="A"), Animation)
 
 
-@pytest.mark.parametrize("kind", MOTIONS)
+@pytest.mark.parametrize("kind", mostly_slow(MOTIONS, ["trajectory"]))
 def test_gif_has_the_frames_the_size_and_the_speed_asked_for(kind: str) -> None:
     made, stream = keyframes(MOTIONS[kind]()).between(0.1, 0.5), io.BytesIO()
     # 30 frames per second are 3.3 hundredths of a second; 3 are shown, 0.03 s of the motion.

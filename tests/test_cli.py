@@ -9,7 +9,7 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import Trajectory
+from analysis import Trajectory, load_run
 from analysis.data.constraint_set import CONSTRAINTS
 from analysis.data.endings import CONDITIONS, INVERTED
 from analysis.data.trajectory import SOURCES
@@ -32,7 +32,7 @@ def test_choices_are_those_of_the_packages() -> None:
     assert groups.CONSTRAINTS == CONSTRAINTS
     assert tuple(CONDITIONS) == groups.CONDITIONS
     assert tuple(analysis.DISKS) == groups.DISKS
-    assert commands.INVERSION == analysis.models.inversion.DEFINITION
+    assert commands.INVERSION == analysis.data.inversion.DEFINITION
     assert groups.SOURCES == SOURCES
 
 
@@ -72,7 +72,7 @@ def test_engine_and_in_house_files_agree(tmp_path: Path) -> None:
     for source in groups.SOURCES:
         out = tmp_path / f"{source}.npz"
         assert run("simulate", "--source", source, "--end", "0.3", "--out", str(out)) == 0
-        runs.append(Trajectory.load(out))
+        runs.append(load_run(out, Trajectory))
     np.testing.assert_allclose(runs[0].coordinates, runs[1].coordinates, atol=3e-8)
     np.testing.assert_allclose(runs[0].normal_force, runs[1].normal_force, atol=1e-6)
 
@@ -81,7 +81,7 @@ def test_fixed_step_run_has_no_estimate(tmp_path: Path) -> None:
     out = tmp_path / "run.npz"
     call = f"simulate --step 0.005 --end 0.1 --samples 11 --out {out}"
     assert run(*call.split()) == 0
-    stored = Trajectory.load(out)
+    stored = load_run(out, Trajectory)
     assert stored.error_estimate is None
     assert stored.method["step"] == 0.005
 
@@ -113,7 +113,7 @@ def test_run_stops_where_it_is_told_to(
     out = tmp_path / "run.npz"
     assert run("simulate", "--source", source, "--stop-when", "inverted", "--out", str(out)) == 0
     assert "the centre of gravity is up, at 90% of its largest height" in capsys.readouterr().out
-    ending = Trajectory.load(out).ending
+    ending = load_run(out, Trajectory).ending
     assert ending is not None
     assert ending.reason == INVERTED
 

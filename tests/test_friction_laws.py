@@ -26,6 +26,7 @@ from analysis import (
     TanhCoulomb,
     Trajectory,
     ViscousFriction,
+    load_run,
 )
 from analysis.data.checks import Array
 from analysis.data.friction import law_from, law_values
@@ -173,7 +174,7 @@ def test_engine_eigenvalues_depend_on_the_gradient_alone(law: FrictionLaw, level
 def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -> None:
     run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
     run.save(tmp_path / "run.npz")
-    assert Trajectory.load(tmp_path / "run.npz").scenario.friction == law
+    assert load_run(tmp_path / "run.npz", Trajectory).scenario.friction == law
     assert law_from(law_values(law)) == law
 
 
@@ -212,13 +213,14 @@ def test_command_line_takes_a_law(law: str, tmp_path: Path) -> None:
         out = tmp_path / f"{source}.npz"
         call = ["simulate", "--source", source, "--law", law, "--end", "0.2", "--samples", "21"]
         assert cli.main([*call, "--tolerance", "1e-7", "--out", str(out)]) == 0
-        runs.append(Trajectory.load(out))
+        runs.append(load_run(out, Trajectory))
     assert runs[0].scenario == runs[1].scenario
     assert type(runs[0].scenario.friction) is LAWS[law.partition(",")[0]]
     np.testing.assert_allclose(runs[0].coordinates, runs[1].coordinates, atol=2e-7)
     assert cli.main(["critical", "--system", "reduced", "--law", law]) == 0
 
 
+@pytest.mark.slow
 def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     text = (Path(__file__).parent.parent / "README.md").read_text()
     begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
@@ -231,7 +233,7 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     law = "--law=rough:SquareRoot,coefficient=0.2"
     assert tippedisk("simulate", law, "--end=0.1", "--out=own.npz").returncode == 0
     with pytest.raises(ValueError, match="'rough:SquareRoot' must be imported first"):
-        Trajectory.load(tmp_path / "own.npz")
+        load_run(tmp_path / "own.npz", Trajectory)
     # A stored run executes nothing: its law comes from the file of a scenario, or from --law.
     assert "must be imported first" in tippedisk("scenario", "own.npz").stderr
     again = tippedisk("scenario", "own.npz", law)

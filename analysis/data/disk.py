@@ -29,6 +29,15 @@ class Disk:
     ValueError
         If a value is out of range, or if no rigid body has these moments of inertia: about S
         they must be positive and none may exceed the sum of the two others.
+
+    Examples
+    --------
+    >>> from analysis import STEEL_DISK, Disk
+    >>> disk = Disk.ring(
+    ...     radius=0.045, hole_radius=0.015, hole_distance=0.02, thickness=0.01, density=7700.0
+    ... )
+    >>> disk.eccentricity < STEEL_DISK.radius
+    True
     """
 
     radius: float

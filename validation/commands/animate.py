@@ -3,12 +3,12 @@
 import argparse
 from pathlib import Path
 
+from analysis import load_run
 from analysis.data.checks import number, positive, within
 from analysis.data.files import whole_file
 from analysis.data.limits import PLAYBACK_SPEEDS
 from validation.commands.options import output_path
 from validation.kit.animation.keyframes import Keyframes, keyframes
-from validation.run import load_run
 
 
 def animate(options: argparse.Namespace) -> int:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis import Trajectory, multiplier_names
+from analysis import Trajectory, load_run, multiplier_names
 from analysis.data.files import whole_file
 from analysis.data.limits import check_storage
 from analysis.stability.unstable_start import unstable_start
@@ -71,7 +71,7 @@ def simulate(options: argparse.Namespace) -> int:
 
 def show(options: argparse.Namespace) -> int:
     """Plot stored motions over each other."""
-    runs = [(Path(name).stem, Trajectory.load(name)) for name in options.files]
+    runs = [(Path(name).stem, load_run(name, Trajectory)) for name in options.files]
     from validation.kit import figures
 
     if options.out is not None:

@@ -4,7 +4,7 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from analysis import CAUSES, SpatialMotion, find_phases, judge_inversion
+from analysis import CAUSES, SpatialMotion
 from analysis.data.checks import positive
 from analysis.data.files import whole_file
 from validation.commands.options import PICTURES, announce, chosen_end, output_path
@@ -22,11 +22,11 @@ def rest(options: argparse.Namespace) -> int:
         motion.save(out)
     if plot is not None:
         _plot(motion, plot)
-    phases = find_phases(motion)
+    phases = motion.phases
     for field in fields(phases):
         begin = getattr(phases, field.name)
         print(f"{field.name.replace('_', ' '):16s} {'-' if begin is None else f'{begin:.3f} s'}")
-    if judge_inversion(motion).outcome == "not decided":
+    if motion.inversion.outcome == "not decided":
         print("inversion not decided: the disk was up, and the motion ended too soon after")
     energies = motion.energies.sum(axis=1)
     print(f"energy           {energies[0]:.6f} J at first, {energies[-1]:.6f} J left")

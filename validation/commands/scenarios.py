@@ -8,14 +8,23 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from analysis import DISKS, Disk, Dissipation, FrictionLaw, PenaltyContact, Scenario, Start, State
+from analysis import (
+    DISKS,
+    Disk,
+    Dissipation,
+    FrictionLaw,
+    PenaltyContact,
+    Scenario,
+    Start,
+    State,
+    load_run,
+)
 from analysis.data.angles import angle
 from analysis.data.constraint_set import MODELS
 from analysis.data.friction import law_class, law_from
 from analysis.data.scenario_file import load_scenario
 from analysis.data.scenario_keys import RING, SIX
 from validation.commands.options import written_number
-from validation.run import load_run
 
 _ANGLES = ("alpha", "beta", "gamma", "inclination", "downhill")
 _TABLE = ("gravity", "inclination", "downhill")

@@ -15,8 +15,8 @@ from importlib.resources import files
 
 import numpy as np
 
+from analysis import StoredRun
 from validation.kit.animation.keyframes import Keyframes, keyframes
-from validation.run import StoredRun
 
 LEVELS = 65535
 """Largest integer of a column."""
