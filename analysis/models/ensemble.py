@@ -75,10 +75,12 @@ def simulate_many(
 
     Examples
     --------
+    >>> import numpy as np
     >>> from analysis import Scenario, Start, simulate_many
-    >>> members = [Scenario(start=Start(spin=spin)) for spin in (20.0, 40.0)]
-    >>> [run.times[-1] for run in simulate_many(members, [0.0, 0.1], workers=1)]
-    [np.float64(0.1), np.float64(0.1)]
+    >>> starts = [Scenario(start=Start(spin=spin)) for spin in (10.0, 40.0)]
+    >>> runs = simulate_many(starts, np.linspace(0.0, 2.0, 401), workers=1)
+    >>> [run.inversion_time is not None for run in runs]
+    [False, True]
     """
     members = list(scenarios)
     times = increasing_times(times)

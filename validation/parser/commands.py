@@ -13,6 +13,7 @@ from validation.parser.groups import (
     add_scenario,
     add_source,
 )
+from validation.parser.nonlinear import add_cycles, add_heteroclinic
 from validation.parser.paths import PICTURES, existing, writable
 
 
@@ -308,6 +309,8 @@ SUBCOMMANDS = (
     _rest,
     _eigenvalues,
     _critical,
+    add_cycles,
+    add_heteroclinic,
     _scene,
     _animate,
     _work_precision,
