@@ -9,6 +9,7 @@ from validation.parser.groups import (
     FORMULATIONS,
     MOTIONS,
     SYSTEMS,
+    add_output,
     add_problem,
     add_scenario,
     add_source,
@@ -160,14 +161,7 @@ def _eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
         metavar="SPIN",
         help="spins in rad/s: values, or first:last:number",
     )
-    add("--json", action="store_true", help="print a list with spin, real and imag for each spin")
-    add(
-        "--csv",
-        type=writable(".csv"),
-        metavar="FILE",
-        help="write a table with full precision, .csv",
-    )
-    add("--plot", type=writable(*PICTURES), metavar="PICTURE", help="write a .png, .svg or .pdf")
+    add_output(eigenvalues)
     add_problem(eigenvalues)
 
 
