@@ -50,7 +50,7 @@ def test_data_types_import_no_mechanics(path: Path) -> None:
 @pytest.mark.parametrize(
     ("module", "absent"),
     [
-        ("analysis", ("exudyn", "matplotlib")),
+        ("analysis", ("exudyn", "matplotlib", "pandas", "xarray")),
         ("mbs_models", ("matplotlib",)),
         ("validation.cli", ("numpy", "exudyn", "matplotlib")),
     ],
