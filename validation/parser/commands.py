@@ -13,6 +13,7 @@ from validation.parser.groups import (
     add_scenario,
     add_source,
 )
+from validation.parser.sweeps import add_sweep
 
 
 class Parser(argparse.ArgumentParser):
@@ -276,6 +277,7 @@ SUBCOMMANDS = (
     _show,
     _scenario,
     _check,
+    add_sweep,
     _rest,
     _eigenvalues,
     _critical,
