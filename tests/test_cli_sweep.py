@@ -119,5 +119,5 @@ def test_missing_extra_is_told_in_one_line(
     call = f"sweep spin=30:40:5 {SHORT} --executor {executor} --out {tmp_path / 'a.db'}"
     assert run(*call.split()) == 2
     said = capsys.readouterr().err
-    assert f"executor {executor} needs the extra" in said
+    assert f"the executor {executor} needs the extra" in said
     assert said.count("\n") == 1

@@ -72,19 +72,18 @@ class _Borrowed:
         self._is_lost = is_lost
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        if self._is_lost():
-            raise OSError("the workers are lost; what is done is stored, and the same command "
-                          "goes on")  # fmt: skip
+        self.mend()
         future: Future[Any] = self._executor.submit(function, *arguments)
         return future
 
     def mend(self) -> None:
         if self._is_lost():
-            raise OSError("the workers are lost; what is done is stored, and the same command "
-                          "goes on")  # fmt: skip
+            raise OSError(
+                "the workers are lost; what is done is stored, and the same command goes on"
+            )
 
     def stop(self) -> None:
-        self._executor.shutdown(wait=False, cancel_futures=True)
+        """Leave it to whoever closes the executor."""
 
 
 @contextmanager
@@ -127,7 +126,9 @@ def _dask(workers: int, scheduler: str | None) -> Iterator[Pool]:
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise ValueError("executor dask needs the extra: pip install 'tippedisk[dask]'") from None
+        raise ValueError(
+            "the executor dask needs the extra: pip install 'tippedisk[dask]'"
+        ) from None
     if scheduler is None:
         # The engine and the watch over hung cases want a process for each case.
         cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
@@ -156,13 +157,16 @@ def _mpi(_: int, __: str | None) -> Iterator[Pool]:
     except (ImportError, RuntimeError) as error:
         cause = " ".join(str(error).split()[:12])
         raise ValueError(
-            f"executor mpi needs the extra, pip install 'tippedisk[mpi]', and an MPI library: "
+            f"the executor mpi needs the extra, pip install 'tippedisk[mpi]', and an MPI library: "
             f"{cause}"
         ) from None
     if MPI.COMM_WORLD.size < 2:
         raise ValueError(
-            "executor mpi needs at least 2 ranks, the first of which only hands out work: "
+            "the executor mpi needs at least 2 ranks, the first of which only hands out work: "
             "mpiexec -n 4 python -m mpi4py.futures -m validation sweep …"
         )
-    with MPIPoolExecutor() as executor:
+    executor = MPIPoolExecutor()
+    try:
         yield _Borrowed(executor, executor.num_workers, lambda: False)
+    finally:
+        executor.shutdown(cancel_futures=True)
