@@ -14,7 +14,6 @@ from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import CycleFamily
 from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from validation.commands.options import PICTURES, output_path
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.stability import parse_spins
 from validation.kit.tables import Table
@@ -27,7 +26,7 @@ _SIDE = 0.05
 def cycles(options: argparse.Namespace) -> int:
     """Print, store or plot the periodic motions."""
     spins = None if options.spins is None else parse_spins(options.spins)
-    picture = None if options.plot is None else output_path("--plot", options.plot, PICTURES)
+    picture = options.plot
     scenario = _reduced(options)
     if spins is not None:
         found = [families.cycle_at(scenario, spin) for spin in spins.tolist()]
@@ -49,7 +48,7 @@ def cycles(options: argparse.Namespace) -> int:
 
 def heteroclinic(options: argparse.Namespace) -> int:
     """Print, store or plot the heteroclinic connection."""
-    picture = None if options.plot is None else output_path("--plot", options.plot, PICTURES)
+    picture = options.plot
     scenario = _reduced(options)
     found = heteroclinic_connection(scenario)
     slow = tables.prediction(scenario)

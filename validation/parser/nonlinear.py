@@ -4,6 +4,7 @@ import argparse
 from typing import Any
 
 from validation.parser.groups import add_problem
+from validation.parser.paths import PICTURES, writable
 
 
 def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
@@ -44,5 +45,9 @@ def add_heteroclinic(commands: "argparse._SubParsersAction[Any]") -> None:
 def _add_output(parser: argparse.ArgumentParser) -> None:
     output = parser.add_mutually_exclusive_group()
     output.add_argument("--json", action="store_true", help="print everything as JSON")
-    output.add_argument("--csv", metavar="FILE", help="write the table with full precision")
-    output.add_argument("--plot", metavar="PICTURE", help="write a .png, .svg or .pdf")
+    output.add_argument(
+        "--csv", type=writable(".csv"), metavar="FILE", help="write the table with full precision"
+    )
+    output.add_argument(
+        "--plot", type=writable(*PICTURES), metavar="PICTURE", help="write a .png, .svg or .pdf"
+    )
