@@ -16,6 +16,7 @@ from validation.parser.groups import (
 )
 from validation.parser.nonlinear import add_cycles, add_heteroclinic
 from validation.parser.paths import PICTURES, existing, writable
+from validation.parser.sweeps import add_sweep
 
 
 class Parser(argparse.ArgumentParser):
@@ -301,6 +302,7 @@ SUBCOMMANDS = (
     _show,
     _scenario,
     _check,
+    add_sweep,
     _rest,
     _eigenvalues,
     _critical,
