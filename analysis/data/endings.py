@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from math import sin
 
 from analysis.data.checks import choice, number
+from analysis.data.elementary import sin
 from analysis.data.state import State
 
 CONTACT_WOULD_PULL = "contact would pull"
