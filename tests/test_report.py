@@ -31,7 +31,7 @@ from validation.studies.claims.claim import VERDICTS
 ROOT = Path(__file__).parent.parent
 
 FIGURES = {
-    *(f"figure-{number}" for number in (6, 7, 8, 9, 10, 11)),
+    *(f"paper-fig-{number}" for number in (6, 7, 8, 9, 10, 11)),
     "snapshots",
     "pure-rolling",
     "stability-chart",
@@ -79,7 +79,7 @@ def test_captions_of_figures_7_to_9_hold_the_numbers_of_their_runs() -> None:
     loads = {load: (run(1, load, 2.0, 1e-6),) * 2 for load in LOADS}
     levels = [(run(level, "weight", 4.0, 1e-6),) * 2 for level in LEVELS]
     drawn = inversion.draw(loads, levels)
-    assert [picture.name for picture in drawn] == ["figure-7", "figure-8", "figure-9"]
+    assert [picture.name for picture in drawn] == [f"paper-fig-{number}" for number in (7, 8, 9)]
     assert all(picture.png.startswith(b"\x89PNG") for picture in drawn)
     assert "after 0.5 s it is 0.28 rad short" in drawn[0].caption
     assert "changes the angles by up to 2.4e-02 rad" in drawn[0].caption

@@ -49,6 +49,8 @@ class Picture:
     title, caption : str
     png : bytes
     svg : str
+    paper : str
+        The figure of the paper that it shows: "Fig. 7".
     """
 
     name: str
@@ -56,6 +58,7 @@ class Picture:
     caption: str
     png: bytes
     svg: str
+    paper: str = ""
 
 
 def new_figure(
@@ -73,13 +76,20 @@ def new_figure(
     return figure, axes
 
 
-def render(figure: Figure, *, name: str, title: str, caption: str) -> Picture:
-    """Render a figure to PNG and SVG."""
+def render(figure: Figure, *, name: str, title: str, caption: str, paper: str = "") -> Picture:
+    """Render a figure to PNG and SVG; the arguments are those of `Picture`."""
     png, svg = io.BytesIO(), io.StringIO()
     with mpl.rc_context(_RC):
         figure.savefig(png, format="png", dpi=150)
         figure.savefig(svg, format="svg", metadata={"Date": None})
-    return Picture(name=name, title=title, caption=caption, png=png.getvalue(), svg=svg.getvalue())
+    return Picture(
+        name=name,
+        title=title,
+        caption=caption,
+        png=png.getvalue(),
+        svg=svg.getvalue(),
+        paper=paper,
+    )
 
 
 def legend_above(axes: Axes, columns: int = 4) -> None:

@@ -1,8 +1,5 @@
-"""The report: all runs, checks, tables and figures in one self-contained HTML page."""
+"""The jobs behind a report, and its files: page, figures, tables and animations."""
 
-import base64
-import html
-import time
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import as_completed
 from dataclasses import dataclass, field
@@ -12,52 +9,10 @@ from typing import Any
 from tqdm import tqdm
 
 from analysis.data.files import whole_file
-from analysis.data.trajectory import versions
-from validation.kit.animation.player import Animation
-from validation.kit.figures import Picture
-from validation.kit.provenance import machine
-from validation.kit.tables import Table
+from validation.kit.page import Section, page
 from validation.kit.workers import process_pool
 
-_STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;
-  padding: 0 1rem; }
-h1 { line-height: 1.2; } h2 { margin-top: 3rem; border-bottom: 1px solid #ccc; }
-figure { margin: 1.5rem 0; } figure img { max-width: 100%; }
-figcaption, .note, footer { color: #555; font-size: .9rem; }
-table { border-collapse: collapse; font-size: .85rem; margin-top: 1.5rem; display: block;
-  overflow-x: auto; }
-caption { text-align: left; font-weight: 600; padding: .3rem 0; white-space: nowrap; }
-th, td { text-align: left; padding: .2rem .6rem; border-bottom: 1px solid #e3e3e3;
-  vertical-align: top; }
-th { border-bottom: 2px solid #999; } td.number { text-align: right; white-space: nowrap; }
-td.good { color: #00693e; } td.bad { color: #b00020; font-weight: 700; }
-nav a { margin-right: 1rem; }
-"""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Section:
-    """A part of the report.
-
-    Parameters
-    ----------
-    name : str
-        Anchor.
-    title : str
-    paragraphs : sequence of str
-        Plain text.
-    animations : sequence of Animation
-    pictures : sequence of Picture
-    tables : sequence of Table
-    """
-
-    name: str
-    title: str
-    paragraphs: Sequence[str] = ()
-    animations: Sequence[Animation] = ()
-    pictures: Sequence[Picture] = ()
-    tables: Sequence[Table] = ()
+__all__ = ["Job", "Section", "run_jobs", "write"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +80,8 @@ def write(sections: Sequence[Section], folder: Path, *, seconds: float) -> Path:
     """
     folder.mkdir(parents=True, exist_ok=True)
     for section in sections:
+        for drawing in section.drawings:
+            _write(folder / f"{drawing.name}.svg", drawing.svg.encode())
         for animation in section.animations:
             _write(folder / f"{animation.name}.html", animation.page.encode())
         for picture in section.pictures:
@@ -132,49 +89,11 @@ def write(sections: Sequence[Section], folder: Path, *, seconds: float) -> Path:
             _write(folder / f"{picture.name}.svg", picture.svg.encode())
         for table in section.tables:
             _write(folder / f"{table.name}.csv", table.to_csv().encode())
-    page = folder / "report.html"
-    _write(page, _page(sections, seconds).encode())
-    return page
+    path = folder / "report.html"
+    _write(path, page(sections, seconds=seconds).encode())
+    return path
 
 
 def _write(path: Path, content: bytes) -> None:
     with whole_file(path) as stream:
         stream.write(content)
-
-
-def _page(sections: Sequence[Section], seconds: float) -> str:
-    links = "".join(
-        f'<a href="#{section.name}">{html.escape(section.title)}</a>' for section in sections
-    )
-    body = "\n".join(_section(section) for section in sections)
-    used = ", ".join(
-        f"{name} {version}"
-        for name, version in versions("exudyn", "numpy", "scipy", "matplotlib").items()
-    )
-    made = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime())
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>The tippedisk</title><style>{_STYLE}</style></head><body>"
-        "<h1>The tippedisk: multibody engine against closed equations</h1>"
-        f"<nav>{links}</nav>{body}"
-        f"<footer><p>Made on {made} in {seconds:.0f} s with {html.escape(used)}, on "
-        f"{html.escape(machine())}. Source: S. Sailer and R. I. Leine, Model reduction of the "
-        "tippedisk: a path to the full analysis, Nonlinear Dynamics 105 (2021).</p></footer>"
-        "</body></html>"
-    )
-
-
-def _section(section: Section) -> str:
-    parts = [f'<h2 id="{section.name}">{html.escape(section.title)}</h2>']
-    parts += [f"<p>{html.escape(paragraph)}</p>" for paragraph in section.paragraphs]
-    parts += [animation.fragment for animation in section.animations]
-    for picture in section.pictures:
-        data = base64.b64encode(picture.png).decode()
-        parts.append(
-            f'<figure><img src="data:image/png;base64,{data}" alt="{html.escape(picture.title)}">'
-            f"<figcaption><b>{html.escape(picture.title)}.</b> {html.escape(picture.caption)}"
-            "</figcaption></figure>"
-        )
-    parts += [table.to_html() for table in section.tables if not table.file_only]
-    return "\n".join(parts)

@@ -13,7 +13,7 @@ from typing import Any
 
 from validation.kit.report import Job, Section, run_jobs, write
 from validation.kit.tables import Table
-from validation.studies import crosscheck, inversion, lean, paper_numbers
+from validation.studies import crosscheck, inversion, lean, modelled, paper_numbers, summary
 from validation.studies.claims import section as claims
 from validation.studies.rest import section as rest
 from validation.studies.robustness import section as robustness
@@ -45,6 +45,7 @@ def _quick(study: Any) -> Study:
 
 
 STUDIES = (
+    Study(list, modelled.section),
     Study(inversion.jobs, inversion.section),
     Study(claims.jobs, claims.section),
     Study(crosscheck.jobs, crosscheck.section),
@@ -55,7 +56,7 @@ STUDIES = (
     Study(partial(lean.jobs, quick=True), lean.section, timed=True),
     Study(list, paper_numbers.section),
 )
-"""In the order of their sections."""
+"""In the order of their sections, behind the box that sums them up."""
 
 
 def make(folder: Path) -> tuple[Path, list[Table]]:
@@ -76,7 +77,9 @@ def make(folder: Path) -> tuple[Path, list[Table]]:
     ordered = sorted(STUDIES, key=lambda study: not study.timed)
     results = run_jobs((job for study in ordered for job in study.jobs()), title="report")
     sections = [study.section(results) for study in STUDIES]
-    page = write(sections, folder, seconds=time.perf_counter() - begin)
+    page = write(
+        [summary.section(sections), *sections], folder, seconds=time.perf_counter() - begin
+    )
     shown = [
         table
         for section in sections

@@ -139,8 +139,9 @@ def figure_6(engine: ComplexArray) -> Picture:
     figures.legend_above(axes[0])
     return figures.render(
         figure,
-        name="figure-6",
-        title="Figure 6: eigenvalues of inverted spinning, full system",
+        name="paper-fig-6",
+        paper="Fig. 6",
+        title="Eigenvalues of inverted spinning, full system",
         caption="Lines: Eq. (55); markers: the engine's Model 1. λ₃,₄ are ±iΩ exactly: a place on "
         "the table, seen from the turning frame. λ₇ and λ₈ (about −94 and −156 1/s) lie below the "
         "picture. At every spin from 0 to 50 rad/s a pair has a positive real part.",
@@ -188,8 +189,9 @@ def figure_10(engine: ComplexArray) -> Picture:
     figures.legend_above(axes[0])
     return figures.render(
         figure,
-        name="figure-10",
-        title="Figure 10: eigenvalues of inverted spinning, reduced system",
+        name="paper-fig-10",
+        paper="Fig. 10",
+        title="Eigenvalues of inverted spinning, reduced system",
         caption="Lines: Eq. (111); dotted: the closed form (119)-(123) for small smoothing; "
         "markers: the engine's Model 4. λ₃ (about −129 1/s) lies below the picture.",
     )
@@ -226,8 +228,9 @@ def figure_11(engine: ComplexArray) -> Picture:
     figures.legend_above(axes[0])
     return figures.render(
         figure,
-        name="figure-11",
-        title="Figure 11: eigenvalues of noninverted spinning, full system",
+        name="paper-fig-11",
+        paper="Fig. 11",
+        title="Eigenvalues of noninverted spinning, full system",
         caption="Lines: Eq. (55) with the eccentricity reversed; markers: the engine's Model 1. A "
         "real eigenvalue is positive at every spin: noninverted spinning is unstable.",
     )
