@@ -7,11 +7,18 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 from exudyn.lieGroupBasics import TExpSO3Inv
-from exudyn.rigidBodyUtilities import EulerParameters2GLocal, RigidBodyInertia, RotationMatrixZ
+from exudyn.rigidBodyUtilities import (
+    EulerParameters2GLocal,
+    EulerParameters2RotationMatrix,
+    RigidBodyInertia,
+    RotationMatrix2EulerParameters,
+    RotationMatrixZ,
+)
 
 from analysis.data import frames
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
+from analysis.data.state import State
 from mbs_models.friction import (
     UPWARD,
     Force,
@@ -203,6 +210,28 @@ class Floating(Model):
             "takes the disk's axis along with the carrier",
         )
 
+    def encode(self, state: State) -> tuple[Array, Array] | None:
+        parameters, position = self._pose(self.start)
+        there, place = self._pose(state)
+        if there @ parameters < 0.0:
+            there = -there
+        velocity, angular = frames.twists(np.array([state.coordinates]), np.array([state.rates]))
+        local = EulerParameters2RotationMatrix(there).T @ angular[0]
+        turning = 0.25 * EulerParameters2GLocal(there).T @ local
+        carried = int(self.system.systemData.ODE2Size() > 7)
+        return (
+            np.concatenate(
+                (place - position, there - parameters, carried * [state.coordinates[3]])
+            ),
+            np.concatenate((velocity[0], turning, carried * [state.rates[3]])),
+        )
+
+    @staticmethod
+    def _pose(state: State) -> tuple[Array, Array]:
+        """Euler parameters, shape (4,), and position of the centre in m, shape (3,)."""
+        position, rotation = frames.poses(np.array([state.coordinates]))
+        return np.array(RotationMatrix2EulerParameters(rotation[0])), position[0]
+
     def decode(self, records: Array) -> tuple[Array, Array]:
         position, velocity, angular = records[:, :3], records[:, 12:15], records[:, 15:18]
         rotation = records[:, 3:12].reshape(-1, 3, 3)
@@ -232,6 +261,9 @@ class FloatingLie(Floating):
     exponents = (2, 3, 4, 5)
 
     _node_type = exu.NodeType.RotationRotationVector
+
+    def encode(self, state: State) -> None:  # noqa: ARG002
+        return None
 
     def coordinate_rates(self) -> Array:
         # On the Lie group the velocities are local angular velocities, not rates of coordinates.

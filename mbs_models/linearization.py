@@ -9,9 +9,9 @@ import numpy.typing as npt
 from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
 from analysis.data.start import Start
-from analysis.data.state import COORDINATES
+from analysis.data.state import COORDINATES, State
 from mbs_models.build import build
-from mbs_models.probe import acceleration
+from mbs_models.probe import Probe, acceleration
 from mbs_models.quiet import quiet
 from mbs_models.scene import Scene
 
@@ -129,10 +129,12 @@ def _chart(scene: Scene) -> _Chart:
     steps |= {"x_rate": slip, "y_rate": slip}
     steps |= {"beta_rate": slip / disk.radius, "gamma_rate": slip / disk.radius}
 
+    accelerations = _accelerations(scene)
+
     def rates(values: Array) -> Array:
         fields = dict(zip(names, values.tolist(), strict=True))
         state = Start(spin=spin, **fields).state(constraints, disk)
-        first, second = np.array(state.rates)[places], acceleration(scene, state)[0][places]
+        first, second = np.array(state.rates)[places], accelerations(state)[places]
         return np.where(moves, second, first)
 
     coordinates = np.array(start.coordinates)[places]
@@ -144,6 +146,21 @@ def _chart(scene: Scene) -> _Chart:
             f"accelerations of up to {largest:.3g}"
         )
     return _Chart(origin, rates, np.array([steps[name] for name in names]))
+
+
+def _accelerations(scene: Scene) -> Callable[[State], Array]:
+    """Accelerations of a scene at states of the same spin, with one model as far as possible."""
+    model = build(scene)
+    probe = Probe(model)
+
+    def at(state: State) -> Array:
+        place = model.encode(state)
+        if place is None:
+            return acceleration(scene, state)[0]
+        probe.set_state(*place)
+        return model.decode_accelerations(probe.solve()[0])
+
+    return at
 
 
 def _derivative(rates: Callable[[Array], Array], origin: Array, index: int, step: float) -> Array:

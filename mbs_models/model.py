@@ -12,6 +12,7 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import Constraint
 from analysis.data.frames import turn_about_vertical
 from analysis.data.scenario import Scenario
+from analysis.data.state import State
 from mbs_models.loads import normal_forces
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
@@ -107,6 +108,13 @@ class Model(ABC):
 
         Angles taken from rotation matrices lie in (-pi, pi].
         """
+
+    def encode(self, state: State) -> tuple[Array, Array] | None:  # noqa: ARG002
+        """The engine's coordinates and their rates at a state, each shape (n,).
+
+        None if they are measured from the start, so that another state needs a new model.
+        """
+        return None
 
     @abstractmethod
     def decode_accelerations(self, second_derivatives: Array) -> Array:

@@ -8,6 +8,7 @@ from analysis.data import frames
 from analysis.data.agreement import until_agreement
 from analysis.data.checks import Array, positive
 from analysis.data.dissipation import RestCriterion
+from analysis.data.endings import AT_REST, Ending
 from analysis.data.limits import check_storage
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.data.trajectory import versions
@@ -132,6 +133,10 @@ def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
     values = np.array(rows)
     cog = records[:, :3] + disk.eccentricity * rotation[:, :, 0]
     potential = -disk.mass * cog @ np.array(scenario.table.vector)
+    kinetic = kinetic_energy(disk, records)
+    ending = run.ending if still is None else None
+    if still is not None:
+        ending = Ending(reason=AT_REST, time=float(times[-1]), value=float(kinetic[-1]))
     return SpatialMotion(
         times=times,
         positions=records[:, :3],
@@ -142,7 +147,7 @@ def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
         slip_speeds=values[:, 3],
         contour_speeds=values[:, 4],
         normal_force=values[:, 5],
-        energies=np.column_stack((kinetic_energy(disk, records), potential, values[:, 6])),
+        energies=np.column_stack((kinetic, potential, values[:, 6])),
         dissipated=records[:, 18:],
         scenario=scenario,
         source="engine",
@@ -150,5 +155,5 @@ def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
         method=run.method,
         counts=dict(run.counts),
         versions=versions("numpy", "exudyn"),
-        ending=run.ending if still is None else None,
+        ending=ending,
     )

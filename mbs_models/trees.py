@@ -11,6 +11,7 @@ import numpy as np
 from analysis.data.checks import Array
 from analysis.data.constraint_set import MODELS
 from analysis.data.scenario import Scenario
+from analysis.data.state import State
 from mbs_models.friction import (
     Force,
     Load,
@@ -106,8 +107,11 @@ class EulerTree(_Tree):
             return "knows no dissipation besides friction and the contact's damping"
         return ""
 
+    def encode(self, state: State) -> tuple[Array, Array]:
+        order = list(self._order)
+        return np.array(state.coordinates)[order], np.array(state.rates)[order]
+
     def _build(self) -> None:
-        start, order = self.start, list(self._order)
         self._add_tree(
             (
                 _JOINT.RevoluteZ,
@@ -118,8 +122,7 @@ class EulerTree(_Tree):
                 _JOINT.RevoluteZ,
             ),
             (0.0, 0.0, 0.0),
-            np.array(start.coordinates)[order],
-            np.array(start.rates)[order],
+            *self.encode(self.start),
         )
         if self.scenario.contact is not None:
             return
@@ -180,10 +183,16 @@ class ContactTree(_Tree):
     def has_constraints(cls, scenario: Scenario) -> bool:  # noqa: ARG003 - whatever it is
         return False
 
-    def _build(self) -> None:
-        x, y, _, alpha, beta, gamma = self.start.coordinates
-        xd, yd, _, ad, bd, gd = self.start.rates
+    def encode(self, state: State) -> tuple[Array, Array]:
+        x, y, _, alpha, beta, gamma = state.coordinates
+        xd, yd, _, ad, bd, gd = state.rates
         r = self.scenario.disk.radius
+        return (
+            np.array((alpha, x, y - r * cos(beta), beta, gamma)),
+            np.array((ad, xd, yd + r * sin(beta) * bd, bd, gd)),
+        )
+
+    def _build(self) -> None:
         self._add_tree(
             (
                 _JOINT.RevoluteZ,
@@ -192,9 +201,8 @@ class ContactTree(_Tree):
                 _JOINT.RevoluteX,
                 _JOINT.RevoluteZ,
             ),
-            (0.0, r, 0.0),
-            np.array((alpha, x, y - r * cos(beta), beta, gamma)),
-            np.array((ad, xd, yd + r * sin(beta) * bd, bd, gd)),
+            (0.0, self.scenario.disk.radius, 0.0),
+            *self.encode(self.start),
         )
 
     def decode(self, records: Array) -> tuple[Array, Array]:

@@ -86,6 +86,17 @@ def test_fixed_step_run_has_no_estimate(tmp_path: Path) -> None:
     assert stored.method["step"] == 0.005
 
 
+@pytest.mark.parametrize("source", ["engine", "in-house"])
+def test_run_from_an_unstable_stationary_motion_says_so(
+    source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    call = ["simulate", "--source", source, "--end", "0.1", "--out", str(tmp_path / "run.npz")]
+    assert run(*call, "--gamma", "pi/2", "--spin", "20") == 0
+    assert "start is exactly inverted spinning, which is unstable" in capsys.readouterr().out
+    assert run(*call, "--gamma", "1.57", "--spin", "20") == 0
+    assert "which is unstable" not in capsys.readouterr().out
+
+
 def test_show_draws_runs_over_each_other(tmp_path: Path) -> None:
     out = tmp_path / "run.npz"
     run("simulate", "--end", "0.1", "--out", str(out))

@@ -186,6 +186,12 @@ def test_engine_comes_to_rest_as_the_in_house_motion_does(settled: SpatialMotion
         assert found == pytest.approx(getattr(two, phase.name), abs=5e-3)
 
 
+def test_engine_motion_ends_where_the_disk_is_at_rest(settled: SpatialMotion) -> None:
+    assert settled.ending is not None
+    assert settled.ending.reason == "at rest"
+    assert settled.ending.time == settled.times[-1]
+
+
 def test_engine_energy_budget_closes_and_contact_never_pulls(settled: SpatialMotion) -> None:
     assert np.max(np.abs(settled.energy_residual)) < 1e-4 * settled.energies[0].sum()
     assert np.min(settled.normal_force) >= 0.0

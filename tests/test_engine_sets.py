@@ -1,5 +1,6 @@
 """The engine against the in-house equations: every set of constraints, and a leaning table."""
 
+from dataclasses import replace
 from math import radians
 from typing import Any
 
@@ -25,8 +26,10 @@ from analysis.data.constraint_set import set_name
 from analysis.models import constraints as rows
 from analysis.models import index1
 from mbs_models import Formulation, Scene, formulations
+from mbs_models.build import build
 from mbs_models.inventory import inventory
 from mbs_models.linearization import independent_coordinates
+from mbs_models.probe import Probe
 
 SLOPE = Table(inclination=radians(2.0), downhill=0.7)
 FREE_ROLLING: ConstraintSet = ("contact", "no-slip-along")
@@ -173,3 +176,24 @@ def test_what_is_not_linearised_is_refused(fields: dict[str, Any], message: str)
     scenario = Scenario(**{"start": Start.stationary(30.0)} | fields)
     with pytest.raises(ValueError, match=message):
         mbs_models.eigenvalues(Scene(scenario))
+
+
+@pytest.mark.parametrize(("constraints", "formulation"), CASES, ids=name)
+def test_model_moved_to_another_state_accelerates_like_one_built_there(
+    constraints: ConstraintSet, formulation: Formulation
+) -> None:
+    random = np.random.default_rng(3)
+    here, there = (replace(random_start(constraints, random), spin=7.0) for _ in range(2))
+    scene = Scene(Scenario(constraints=constraints, start=here, table=SLOPE), formulation)
+    state = there.state(constraints, scene.scenario.disk)
+    model = build(scene)
+    place = model.encode(state)
+    if place is None:
+        # Coordinates on the Lie group are measured from the start.
+        assert formulation == "floating-lie"
+        return
+    probe = Probe(model)
+    probe.set_state(*place)
+    moved = model.decode_accelerations(probe.solve()[0])
+    built = mbs_models.acceleration(scene, state)[0]
+    np.testing.assert_allclose(moved, built, rtol=1e-8, atol=1e-7)

@@ -115,6 +115,14 @@ def test_energy_never_rises_and_no_cause_gives_any_back(settled: SpatialMotion) 
     assert np.min(np.diff(settled.dissipated, axis=0)) > -1e-9 * start
 
 
+def test_motion_ends_where_the_disk_is_at_rest(settled: SpatialMotion) -> None:
+    assert settled.ending is not None
+    assert settled.ending.reason == "at rest"
+    assert settled.ending.time == settled.times[-1]
+    assert settled.ending.value == pytest.approx(settled.energies[-1, 0], rel=1e-6, abs=1e-15)
+    assert settled.rest_time == pytest.approx(settled.times[-1] - 0.1, abs=1e-9)
+
+
 def test_contact_never_pulls(settled: SpatialMotion) -> None:
     assert np.min(settled.normal_force) >= 0.0
 

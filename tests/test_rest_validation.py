@@ -95,6 +95,7 @@ def test_final_stage_table_holds_the_predicted_exponents() -> None:
     assert rest_final.draw(results).png
 
 
+@pytest.mark.slow
 def test_centred_disk_rolls_as_the_textbook_says_in_engine_and_in_house() -> None:
     results = {job.key: job.function(*job.arguments) for job in rest_rolling.jobs()}
     *rolling, faster, slower = rest_rolling.textbook(results).rows
@@ -135,6 +136,7 @@ def test_fit_finds_the_law_and_its_deviation() -> None:
     assert found.time_between(10.0**-0.5, 11.0**-0.5) == pytest.approx(50.0, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_step_is_no_part_of_the_deviation_from_the_ideal_contact() -> None:
     runs = rest_contact.measure(1e6, 2e-4)
     for run in runs:

@@ -171,6 +171,7 @@ def test_rolling_resistance_ends_in_its_power_law(
     assert law.decades > 0.8
 
 
+@pytest.mark.slow
 def test_pivoting_friction_alone_ends_in_no_finite_time() -> None:
     motion = final_stage(Dissipation(pivoting=1e-3), 6.0, half_thickness=2e-5)
     width = 100

@@ -109,7 +109,7 @@ def test_runs_at_other_times_cannot_be_compared() -> None:
         compare(other, reference("model-1"))
 
 
-@pytest.mark.parametrize("name", ["model-3", "undamped"])
+@pytest.mark.parametrize("name", [pytest.param("model-3", marks=pytest.mark.slow), "undamped"])
 def test_references_of_different_methods_agree_two_digits_beyond_the_finest_goal(
     name: Any,
 ) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from analysis.data.checks import ToleranceError
+from analysis.data.endings import TIME_LIMIT
 from analysis.data.spatial_motion import SpatialMotion
 
 RUNS = 5
@@ -40,7 +41,7 @@ def until_agreement(
         If no two runs agree.
     """
     coarse = run(max(first, 10.0 * TIGHTEST))
-    if coarse.ending is not None:
+    if _cut_short(coarse):
         return coarse
     differences = []
     for number in range(1, RUNS):
@@ -49,7 +50,7 @@ def until_agreement(
             break
         fine = run(local)
         differences.append(fine.deviation(coarse))
-        if differences[-1] <= tolerance or fine.ending is not None:
+        if differences[-1] <= tolerance or _cut_short(fine):
             return replace(fine, error_estimate=differences[-1])
         coarse = fine
     listed = ", ".join(f"{difference:.1e}" for difference in differences)
@@ -58,3 +59,7 @@ def until_agreement(
         f"error in a step differ by {listed}; a motion that depends on its impacts in such a way "
         "cannot be predicted"
     )
+
+
+def _cut_short(motion: SpatialMotion) -> bool:
+    return motion.ending is not None and motion.ending.reason == TIME_LIMIT

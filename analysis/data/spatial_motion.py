@@ -73,7 +73,7 @@ class SpatialMotion:
     error_estimate : float, optional
         Largest `deviation` from the true motion expected; None if it was not estimated.
     ending : Ending, optional
-        Why it ends before the disk is at rest and before the end asked for, if it does.
+        Why it ends before the end asked for, if it does: "at rest", or the time limit.
     method, counts, versions : mapping
         As in `Trajectory`.
 

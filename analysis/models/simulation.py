@@ -26,6 +26,9 @@ from analysis.models.integration import METHODS, Method, Run, integrate
 TIGHTEST_LOCAL_TOLERANCE = 3e-14
 """SciPy's solvers do not go below 100 machine precisions."""
 
+ROUNDING = 1e-14
+"""Error in rad that no run is free of, not even one that stands still."""
+
 CAUTION = 2.0
 """Estimated error over the difference of two runs that it is taken from."""
 
@@ -202,7 +205,7 @@ def _compare(fine: Run, coarse: Run, attitudes: Callable[[Array], Array]) -> tup
     # Where the disk lies flat, only the sum or the difference of alpha and gamma has a meaning.
     judged = slice(common - 1 if fine.ended == FLAT else common)
     apart = np.abs(attitudes(fine.states[judged]) - attitudes(coarse.states[judged]))
-    return fine, CAUTION * float(np.max(apart))
+    return fine, max(CAUTION * float(np.max(apart)), ROUNDING)
 
 
 def _floor(local_tolerance: float) -> float:

@@ -12,7 +12,7 @@ from analysis.data.agreement import TIGHTEST, until_agreement
 from analysis.data.checks import Array, TimeLimitError, choice, positive
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
-from analysis.data.endings import TIME_LIMIT, Ending
+from analysis.data.endings import AT_REST, TIME_LIMIT, Ending
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
@@ -175,6 +175,9 @@ class _Task:
         states = np.concatenate(blocks)
         if rest is not None:
             states = states[: rest + self.criterion.samples(times[1])]
+            last = float(times[len(states) - 1])
+            kinetic = model.energies(states[-1].tolist())[0]
+            ending = Ending(reason=AT_REST, time=last, value=kinetic)
         return SpatialMotion(
             **sampled(model, times[: len(states)], states),
             scenario=self.scenario,

@@ -8,6 +8,7 @@ import numpy as np
 from analysis import Trajectory, multiplier_names
 from analysis.data.files import whole_file
 from analysis.data.limits import check_storage
+from analysis.stability.unstable_start import unstable_start
 from validation.commands.options import PICTURES, announce, chosen_end, output_folder, output_path
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
@@ -59,6 +60,8 @@ def simulate(options: argparse.Namespace) -> int:
     estimate = trajectory.error_estimate
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
     print(f"{out}: {trajectory.times.size} samples of {scenario.name}{accuracy}")
+    if warning := unstable_start(scenario):
+        print(warning)
     if trajectory.ending is not None:
         print(f"{trajectory.ending}")
     for first, last in trajectory.pulling:
