@@ -3,6 +3,7 @@
 import dataclasses
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,7 +20,7 @@ def picture(name: str, paper: str = "") -> Picture:
     return Picture(name=name, title=f"Title of {name}", caption="", png=b"", svg="", paper=paper)
 
 
-def long_table(**changes: object) -> Table:
+def long_table(**changes: Any) -> Table:
     table = Table(
         name="long",
         title="Long",
@@ -133,7 +134,7 @@ def test_figures_are_numbered_as_they_are_read_and_name_the_papers() -> None:
             Section(name="a", title="A", drawings=[drawing], pictures=[picture("p", "Fig. 7")]),
             Section(name="b", title="B", pictures=[picture("q")]),
         ],
-        seconds=1.0,
+        made="in 1 s",
     )
     captions = re.findall(r"<figcaption><b>(.*?)</b>", text)
     assert captions == [
@@ -176,15 +177,15 @@ def test_unknown_worst_column_is_refused() -> None:
 def test_page_links_every_file_beside_it(tmp_path: Path) -> None:
     sections = [modelled.section({}), Section(name="made", title="Made", tables=[
         long_table(file_only=True)], pictures=[picture("p")])]  # fmt: skip
-    text = write(sections, tmp_path, seconds=1.0).read_text()
-    beside = {path.name for path in tmp_path.iterdir()} - {"report.html"}
+    text = write(sections, tmp_path, made="in 1 s").read_text()
+    beside = {path.name for path in tmp_path.iterdir()} - {"report.html", ".contents"}
     assert {"coordinates.svg", "parameters.csv", "long.csv", "p.png", "p.svg"} <= beside
     linked = set(re.findall(r'href="([^"#:]+)"', text))
     assert linked == beside
 
 
 def test_page_names_the_sources_that_the_citation_file_names() -> None:
-    text = page([], seconds=1.0)
+    text = page([], made="in 1 s")
     cited = re.findall(r"doi: (\S+)", (ROOT / "CITATION.cff").read_text())
     assert cited == [PAPER[1], ENGINE[1]]
     assert all(f"https://doi.org/{doi}" in text for doi in cited)

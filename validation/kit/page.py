@@ -113,15 +113,15 @@ class Section:
         object.__setattr__(self, "files", tuple(names))
 
 
-def page(sections: Sequence[Section], *, seconds: float) -> str:
+def page(sections: Sequence[Section], *, made: str) -> str:
     """The page.
 
     Parameters
     ----------
     sections : sequence of Section
         In reading order, in which figures are numbered.
-    seconds : float
-        Time that the computations took, for the foot of the page.
+    made : str
+        How it was made, for its foot: "in 120 s".
     """
     links = "".join(
         f'<a href="#{section.name}">{html.escape(section.title)}</a>' for section in sections
@@ -133,7 +133,7 @@ def page(sections: Sequence[Section], *, seconds: float) -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>The tippedisk</title><style>{_style()}</style></head><body>"
         f"<h1>{html.escape(TITLE)}</h1><nav>{links}</nav>{body}"
-        f"{_files(sections)}{_footer(seconds)}</body></html>"
+        f"{_files(sections)}{_footer(made)}</body></html>"
     )
 
 
@@ -141,7 +141,7 @@ def _style() -> str:
     return files("validation.kit").joinpath("page.css").read_text(encoding="utf-8")
 
 
-def _footer(seconds: float) -> str:
+def _footer(how: str) -> str:
     used = ", ".join(
         f"{name} {version}"
         for name, version in versions("exudyn", "numpy", "scipy", "matplotlib").items()
@@ -152,8 +152,8 @@ def _footer(seconds: float) -> str:
         for text, doi in (PAPER, ENGINE)
     )
     return (
-        f"<footer><p>Made on {made} in {seconds:.0f} s with {html.escape(used)}, on "
-        f"{html.escape(machine())}.</p>{sources}</footer>"
+        f"<footer><p>Made on {made} with {html.escape(used)}, on {html.escape(machine())}, "
+        f"{html.escape(how)}.</p>{sources}</footer>"
     )
 
 
