@@ -5,6 +5,7 @@ import pickle
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -190,6 +191,7 @@ def test_damaged_or_foreign_part_is_made_anew_and_does_nothing(
 
 
 CALLS: list[int] = []
+DRAWN: list[str] = []
 
 
 def work(number: int) -> int:
@@ -202,17 +204,23 @@ def work(number: int) -> int:
 BROKEN = -1
 
 
-def _study(name: str, *numbers: int) -> Study:
-    def section(results: dict[Any, Any]) -> Section:
-        rows = [[results[number], True] for number in numbers]
-        return Section(
-            name=name,
-            title=name,
-            tables=[Table(name=f"{name}-table", title=name, columns=("a", "b"), rows=rows)],
-        )
+@dataclass(frozen=True)
+class Toy:
+    """Makes the section of a study from the results of its jobs."""
 
+    name: str
+    numbers: tuple[int, ...]
+
+    def __call__(self, results: dict[Any, Any]) -> Section:
+        DRAWN.append(self.name)
+        rows = [[results[number], True] for number in self.numbers]
+        table = Table(name=f"{self.name}-table", title=self.name, columns=("a", "b"), rows=rows)
+        return Section(name=self.name, title=self.name, tables=[table])
+
+
+def _study(name: str, *numbers: int) -> Study:
     jobs = [Job(number, work, (number,)) for number in numbers]
-    return Study(name=name, jobs=lambda: jobs, section=section, work=1.0)
+    return Study(name=name, jobs=lambda: jobs, section=Toy(name, numbers), work=1.0)
 
 
 @pytest.fixture(name="small")
@@ -228,6 +236,7 @@ def _small(monkeypatch: pytest.MonkeyPatch) -> None:
     # Every job takes 10 s.
     monkeypatch.setattr(report, "processor_time", lambda: 10.0 * next(ticks))
     CALLS.clear()
+    DRAWN.clear()
 
 
 @pytest.mark.usefixtures("small")
@@ -247,6 +256,7 @@ def test_second_report_computes_only_what_the_first_has_not_finished(
     page = (tmp_path / "report.html").read_text()
     full_report.make(tmp_path)
     assert CALLS == [1, 2, 3, 3]
+    assert DRAWN == ["one", "two"]
     assert ", 20 s of it in earlier runs whose results were kept" in page
     said = capsys.readouterr().err
     assert "3 parts, 0 of them kept from before; the others take some" in said
@@ -264,6 +274,7 @@ def test_some_sections_alone_take_and_leave_parts(tmp_path: Path) -> None:
     assert 'id="one"' not in page
     full_report.make(tmp_path)
     assert CALLS == [2, 3, 1]
+    assert DRAWN == ["two", "one"]
     assert 'id="one"' in (tmp_path / "report.html").read_text()
 
 

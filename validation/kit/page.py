@@ -2,6 +2,7 @@
 
 import base64
 import html
+import re
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -35,6 +36,10 @@ ENGINE = (
 """The engine and its DOI."""
 
 
+_DENSITY = 1.7
+"""Pixels of a panel to one of the page, so that three of them find room in a row."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
     """A result that is read first.
@@ -50,6 +55,8 @@ class Verdict:
         How sure that is, and why.
     section : str
         Name of the section that shows it.
+    good : bool
+        Whether an answer other than "yes" and "confirmed" is as good as these.
     """
 
     statement: str
@@ -57,6 +64,7 @@ class Verdict:
     numbers: str
     certainty: str
     section: str
+    good: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,7 +185,7 @@ def _links(names: Sequence[str]) -> str:
 
 def _section(section: Section, numbers: Iterator[int]) -> str:
     parts = [f'<h2 id="{section.name}">{html.escape(section.title)}</h2>']
-    parts += [f"<p>{html.escape(paragraph)}</p>" for paragraph in section.paragraphs]
+    parts += [f"<p>{_words(paragraph)}</p>" for paragraph in section.paragraphs]
     if section.verdicts:
         parts.append(f'<ol class="verdicts">{"".join(map(_verdict, section.verdicts))}</ol>')
     for drawing in section.drawings:
@@ -194,9 +202,10 @@ def _section(section: Section, numbers: Iterator[int]) -> str:
 
 
 def _verdict(verdict: Verdict) -> str:
+    good = " good" if verdict.answer in {"yes", "confirmed"} or verdict.good else ""
     return (
         f"<li><b>{html.escape(verdict.statement)}</b> "
-        f'<span class="answer">{html.escape(verdict.answer)}</span>'
+        f'<span class="answer{good}">{html.escape(verdict.answer)}</span>'
         f"<p>{html.escape(verdict.numbers)}</p>"
         f'<p class="note">How sure: {html.escape(verdict.certainty)} '
         f'<a href="#{verdict.section}">Shown below</a>.</p></li>'
@@ -204,22 +213,44 @@ def _verdict(verdict: Verdict) -> str:
 
 
 def _picture(picture: Picture, number: int) -> str:
-    data = base64.b64encode(picture.png).decode()
     caption = _caption(number, picture.title, picture.paper, picture.caption)
+    links = _links([f"{picture.name}.svg", f"{picture.name}.png"])
+    title = html.escape(picture.title)
+    if picture.panels:
+        shown = "".join(
+            _image(png, f"{title}, panel", _width(png) / _DENSITY) for png in picture.panels
+        )
+        kind, shown = ' class="wide"', f'<div class="panels">{shown}</div>'
+    else:
+        kind, shown = "", _image(picture.png, title)
     return (
-        f'<figure id="{html.escape(picture.name)}">'
-        f'<img src="data:image/png;base64,{data}" alt="{html.escape(picture.title)}">'
-        f'{caption}<p class="files">{_links([f"{picture.name}.svg", f"{picture.name}.png"])}</p>'
-        "</figure>"
+        f'<figure id="{html.escape(picture.name)}"{kind}>{shown}{caption}'
+        f'<p class="files">{links}</p></figure>'
     )
+
+
+def _image(png: bytes, text: str, width: float | None = None) -> str:
+    data = base64.b64encode(png).decode()
+    size = "" if width is None else f' width="{width:.0f}"'
+    return f'<img src="data:image/png;base64,{data}" alt="{text}"{size}>'
+
+
+def _width(png: bytes) -> int:
+    """Pixels in a row of a PNG, as its header has them."""
+    return int.from_bytes(png[16:20], "big")
 
 
 def _caption(number: int, title: str, paper: str, text: str) -> str:
     beside = f" (paper: {paper})" if paper else ""
     return (
         f"<figcaption><b>Figure {number}{html.escape(beside)}: {html.escape(title)}.</b> "
-        f"{html.escape(text)}</figcaption>"
+        f"{_words(text)}</figcaption>"
     )
+
+
+def _words(text: str) -> str:
+    """Plain text as HTML, with what stands between grave accents as code."""
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(text))
 
 
 def _table(table: Table) -> str:

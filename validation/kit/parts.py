@@ -41,6 +41,7 @@ class Job:
     key : hashable
         Its result is found by it.
     function : callable
+        Importable by its name, or a `functools.partial` of one that is.
     arguments : tuple
     on_all_code : bool
         Whether the result depends on all code, not just on what the function can reach by name,
@@ -71,6 +72,7 @@ class Store:
 
     Attributes
     ----------
+    folder : Path
     unreadable : int
         Number of files so far that were no parts.
 
@@ -82,22 +84,39 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        self._folder = folder
+        self.folder = folder
         self.unreadable = 0
 
     def find(self, job: Job) -> Part | None:
         """The kept part of a job; None without one, or if its file is damaged."""
-        path = self._path(job)
-        if not path.is_file():
+        try:
+            return self.read(identity(job))
+        except KeyError:
             return None
+        except pickle.UnpicklingError:
+            self.unreadable += 1
+            return None
+
+    def read(self, name: str) -> Part:
+        """The part of the job with this identity.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        UnpicklingError
+            If its file is damaged or holds something else.
+        """
+        path = self.folder / f"{name}{_SUFFIX}"
+        if not path.is_file():
+            raise KeyError(name)
         try:
             with path.open("rb") as stream:
                 result, seconds = _Unpickler(stream).load()
             return Part(result, float(seconds))
-        except Exception:  # noqa: BLE001
-            # Damaged bytes make a loader raise anything. The part is made anew.
-            self.unreadable += 1
-            return None
+        except Exception as error:
+            # Damaged bytes make a loader raise anything.
+            raise pickle.UnpicklingError(f"{path} is no part of a report: {error}") from error
 
     def keep(self, job: Job, part: Part) -> None:
         """Write the part of a job, whole or not at all."""
@@ -107,22 +126,21 @@ class Store:
     def forget_all_but(self, jobs: Iterable[Job]) -> None:
         """Remove the parts of other jobs, and of these in earlier versions."""
         wanted = {self._path(job) for job in jobs}
-        for path in self._folder.glob(f"*{_SUFFIX}"):
+        for path in self.folder.glob(f"*{_SUFFIX}"):
             if path not in wanted:
                 path.unlink()
 
     def _path(self, job: Job) -> Path:
-        return self._folder / f"{identity(job)}{_SUFFIX}"
+        return self.folder / f"{identity(job)}{_SUFFIX}"
 
 
 def identity(job: Job) -> str:
     """Hash of a call and of everything its result depends on."""
     stream = io.BytesIO()
     pickler = _Pickler(stream)
-    pickler.dump(job.arguments)
-    code = reach.all_code() if job.on_all_code else _code(frozenset((job.function, *pickler.seen)))
-    name = f"{job.function.__module__}.{job.function.__qualname__}"
-    text = "\n".join((name, repr(job.key), code, _surroundings()))
+    pickler.dump((job.function, job.arguments))
+    code = reach.all_code() if job.on_all_code else _code(frozenset(pickler.seen))
+    text = "\n".join((repr(job.key), code, _surroundings()))
     return hashlib.sha256(text.encode() + stream.getvalue()).hexdigest()[:32]
 
 

@@ -7,14 +7,14 @@ their results by key; those with a long form are asked for their quick one.
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from validation.kit.clock import Clock, model_1_seconds
-from validation.kit.parts import FOLDER, Job, Store
+from validation.kit.parts import FOLDER, Job, Store, identity
 from validation.kit.report import PAGE, Section, contents, foreign, run_parts, say, write
 from validation.kit.tables import Table
 from validation.studies import crosscheck, inversion, lean, modelled, paper_numbers, summary
@@ -58,11 +58,11 @@ def _claims_jobs() -> list[Job]:
 
 STUDIES = (
     Study(name="modelled", jobs=list, section=modelled.section),
-    Study(name="inversion", jobs=inversion.jobs, section=inversion.section, work=50.0),
-    Study(name="claims", jobs=_claims_jobs, section=claims.section, work=100.0),
-    Study(name="crosscheck", jobs=crosscheck.jobs, section=crosscheck.section, work=100.0),
-    Study(name="stability", jobs=stability.jobs, section=stability.section, work=100.0),
-    Study(name="rest", jobs=rest.jobs, section=rest.section, work=100.0),
+    Study(name="inversion", jobs=inversion.jobs, section=inversion.section, work=37.0),
+    Study(name="claims", jobs=_claims_jobs, section=claims.section, work=120.0),
+    Study(name="crosscheck", jobs=crosscheck.jobs, section=crosscheck.section, work=250.0),
+    Study(name="stability", jobs=stability.jobs, section=stability.section, work=80.0),
+    Study(name="rest", jobs=rest.jobs, section=rest.section, work=720.0),
     Study(
         name="work-precision",
         jobs=partial(work_precision.jobs, quick=True),
@@ -112,11 +112,15 @@ def make(folder: Path, *, only: Collection[str] = ()) -> tuple[Path, list[Table]
     """
     clock = Clock()
     studies = [study for study in STUDIES if not only or study.name in only]
-    results, kept = _results(studies, Store(folder / FOLDER), folder)
-    say("report: drawing the figures and writing the page")
-    sections = [study.section(results) for study in studies]
+    store = Store(folder / FOLDER)
+    kept, drawings = _compute(studies, store, folder)
+    sections, kept_drawing = _draw(drawings, store)
+    if not only:
+        jobs = [job for study in STUDIES for job in study.jobs()]
+        store.forget_all_but([*jobs, *drawings])
     box = partial_box(studies) if only else summary.section(sections)
-    page = write([box, *sections], folder, made=clock.sentence(kept), whole=not only)
+    made = clock.sentence(kept + kept_drawing)
+    page = write([box, *sections], folder, made=made, whole=not only)
     if others := foreign(folder):
         named = ", ".join(others[:3]) + (", …" if len(others) > 3 else "")
         say(f"report: {len(others)} files in {folder} are not of this report: {named}")
@@ -144,20 +148,77 @@ def partial_box(studies: Sequence[Study]) -> Section:
     )
 
 
-def _results(studies: Sequence[Study], store: Store, folder: Path) -> tuple[dict[Any, Any], float]:
-    """Results of all jobs by key, kept or computed, and the processor time of the kept ones."""
+def _compute(studies: Sequence[Study], store: Store, folder: Path) -> tuple[float, list[Job]]:
+    """See to it that the parts of all jobs lie in the store.
+
+    Returns
+    -------
+    seconds : float
+        Processor time in s of those that did before.
+    drawings : list of Job
+        For each study the call that makes its section, told apart by the parts it is made of.
+    """
     ordered = sorted(studies, key=lambda study: not study.timed)
-    owner = {job.key: study for study in reversed(ordered) for job in study.jobs()}
-    jobs = list({job.key: job for study in ordered for job in study.jobs()}.values())
-    kept = {job.key: part for job in jobs if (part := store.find(job)) is not None}
-    left = [job for job in jobs if job.key not in kept]
+    found = {study.name: list(study.jobs()) for study in studies}
+    owner = {job.key: study for study in reversed(ordered) for job in found[study.name]}
+    jobs = {job.key: job for study in ordered for job in found[study.name]}
+    kept = {key: part.seconds for key, job in jobs.items() if (part := store.find(job))}
+    left = [job for key, job in jobs.items() if key not in kept]
     pace = _Pace(left, owner)
     _announce(folder, store, len(kept), len(jobs), pace)
-    made = run_parts(left, title="report", store=store, tell=pace.tell)
-    if len(studies) == len(STUDIES):
-        store.forget_all_but(jobs)
-    results = {key: part.result for key, part in {**kept, **made}.items()}
-    return results, sum(part.seconds for part in kept.values())
+    run_parts(left, title="report", store=store, tell=pace.tell)
+    return sum(kept.values()), [
+        Job(("section", study.name), study.section, (_identities(found[study.name]),))
+        for study in studies
+    ]
+
+
+def _identities(jobs: Iterable[Job]) -> tuple[tuple[Any, str], ...]:
+    return tuple((job.key, identity(job)) for job in jobs)
+
+
+def _draw(drawings: Sequence[Job], store: Store) -> tuple[list[Section], float]:
+    """Sections from the store, those that are not there made in worker processes and kept.
+
+    The second result is the processor time in s of those that were there.
+    """
+    kept = {job.key: part for job in drawings if (part := store.find(job)) is not None}
+    left = {job.key: job for job in drawings if job.key not in kept}
+    if left:
+        say(f"report: drawing {', '.join(name for _, name in left)}")
+    calls = [
+        Job(key, make_section, (store.folder, job.function, *job.arguments))
+        for key, job in left.items()
+    ]
+    made = run_parts(calls, title="draw")
+    for key, part in made.items():
+        store.keep(left[key], part)
+    sections = [{**kept, **made}[job.key].result for job in drawings]
+    return sections, sum(part.seconds for part in kept.values())
+
+
+def make_section(
+    folder: Path,
+    function: Callable[[dict[Any, Any]], Section],
+    parts: Iterable[tuple[Any, str]],
+) -> Section:
+    """Section from parts in a store.
+
+    Parameters
+    ----------
+    folder : Path
+        That of the store.
+    function : callable
+        From results by key to the section.
+    parts : iterable of (key, identity)
+
+    Raises
+    ------
+    KeyError
+        If a part is not there.
+    """
+    store = Store(folder)
+    return function({key: store.read(name).result for key, name in parts})
 
 
 def _announce(folder: Path, store: Store, kept: int, number: int, pace: "_Pace") -> None:

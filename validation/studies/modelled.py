@@ -97,7 +97,7 @@ def parameters() -> Table:
         ["table", "gravity", "g", GRAVITY, "m/s²"],
         ["friction", "coefficient", "μ", friction.coefficient, "1"],
         ["friction", "smoothing: slip speed at half the force", "ε", friction.smoothing, "m/s"],
-        ["friction", "load", "", "weight m g, or the contact force λ_N where named", ""],
+        ["friction", "load: the weight, or the contact force where named", "", "m g or λ_N", "N"],
         ["start (Table 3)", "inclination", "β", start.beta, "rad"],
         ["start (Table 3)", "rotation: −π/2 + 0.1", "γ", start.gamma, "rad"],
         ["start (Table 3)", "spin", "α̇", start.spin, "rad/s"],

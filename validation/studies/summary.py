@@ -13,6 +13,7 @@ from analysis import LEVELS, MODELS, Scenario
 from analysis.stability.linear_variants import PRINTED
 from validation.kit.page import Section, Verdict
 from validation.kit.tables import Cell, Table
+from validation.studies.claims.claim import VERDICTS
 from validation.studies.rest import section as rest
 from validation.studies.robustness import stored as robustness
 from validation.studies.robustness.cases import TOLERANCE
@@ -95,7 +96,7 @@ def section(sections: Sequence[Section]) -> Section:
     if failed:
         checks = f"Checks FAIL in: {'; '.join(failed)}. The others of {number} hold."
     found = tables.column("claims", "verdict")
-    told = ", ".join(f"{found.count(word)} {word}" for word in dict.fromkeys(found))
+    told = ", ".join(f"{found.count(word)} {word}" for word in VERDICTS if word in found)
     return Section(
         name="summary",
         title="In one minute",
@@ -230,6 +231,7 @@ def _fastest(tables: Tables) -> Verdict:
     return Verdict(
         statement="Which way is fastest?",
         answer="the one without constraints, where there is one",
+        good=True,
         numbers=f"Processor time in the engine for 2 s of motion to 1e-6 rad: {ways}.",
         certainty=f"{machine}on this machine {same:.0f} of {runs:.0f} runs of a selection take "
         "the same work.",
@@ -246,7 +248,7 @@ def _way(study: work_precision.Study, name: ProblemName) -> str:
     best = fastest([run for curve in curves for run in curve.runs], 1e-6)
     if best is None:
         return f"{problem.title} not reached"
-    return f"{problem.title} {1e3 * best.seconds:.2g} ms ({best.method})"
+    return f"{problem.title} {float(f'{1e3 * best.seconds:.2g}'):g} ms ({best.method})"
 
 
 def _hard_cases(tables: Tables) -> Verdict:
@@ -265,6 +267,7 @@ def _hard_cases(tables: Tables) -> Verdict:
         numbers=f"Of {len(outcomes)} cases asked for {TOLERANCE:g} rad, {counts[GOOD[0]]} are "
         f"accurate and {counts[GOOD[1]]} end, accurately, where the contact would pull; "
         f"{rest_of_them} give no accurate result and say why.",
+        good=not broken,
         certainty=f"each is measured against another method; {same:.0f} of {known:.0f} of them "
         "repeated in this run have the same verdict.",
         section="robustness",
