@@ -150,7 +150,7 @@ def _panels(figure: Figure, picture: Image.Image) -> list[bytes]:
     return found
 
 
-def legend_above(axes: Axes, columns: int = 4) -> None:
+def legend_above(axes: Axes, columns: int = 4, size: float | None = None) -> None:
     """Put the legend above the axes, where it hides nothing."""
     axes.legend(
         ncols=columns,
@@ -158,6 +158,7 @@ def legend_above(axes: Axes, columns: int = 4) -> None:
         bbox_to_anchor=(0.0, 1.0),
         borderaxespad=0.2,
         columnspacing=1.2,
+        fontsize=size,
         frameon=False,
     )
 

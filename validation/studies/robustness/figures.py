@@ -78,7 +78,9 @@ def _verdicts(level: Level | None, outcomes: Sequence[Outcome]) -> Picture:
         fontsize=8,
         color="#777777",
     )
-    for panel in panels[:, 0]:
+    for panel in panels.flat[: len(by_axis)]:
+        # Each panel may stand alone on a narrow screen.
+        panel.tick_params(labelleft=True)
         panel.set_ylabel("error of β, γ in rad")
     _legend(figure, panels.flat[0], {outcome.way.formulation for outcome in outcomes})
     return render(
@@ -271,7 +273,7 @@ def drifts(found: Sequence[Drift]) -> Picture:
         axis.set_yscale("log")
     axes[0].set(ylabel="position residual\nso far in m", ylim=(1e-16, None))
     axes[1].set(ylabel="energy residual so far\n/ (weight · radius)", xlabel="time in s")
-    legend_above(axes[0], columns=1)
+    legend_above(axes[0], columns=1, size=8.5)
     return render(
         figure,
         name="drift",

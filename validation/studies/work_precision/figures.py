@@ -275,10 +275,9 @@ def _energy_panel(axes: Axes, study: Study) -> None:
 
 
 def _labels(panels: Iterable[Axes], horizontal: str) -> None:
-    for number, panel in enumerate(panels):
-        panel.set_xlabel(horizontal)
-        if number % 3 == 0:
-            panel.set_ylabel("largest error in rad")
+    # All of them, since each panel stands alone on a narrow screen.
+    for panel in panels:
+        panel.set(xlabel=horizontal, ylabel="largest error in rad")
 
 
 def _handles(looks: dict[str, tuple[str, str]]) -> list[Line2D]:
