@@ -78,6 +78,14 @@ def simulate_to_rest(
         If the time limit is met before the first sample.
     EngineError
         If the engine does not reach the end.
+
+    Examples
+    --------
+    >>> from analysis import Scenario, Start
+    >>> from mbs_models import Scene, simulate_to_rest
+    >>> motion = simulate_to_rest(Scene(Scenario.rest(start=Start(spin=5.0))), 0.02)
+    >>> motion.error_estimate < 1e-3
+    True
     """
     end, spacing = positive("end", end), positive("spacing", spacing)
     if spacing > end:

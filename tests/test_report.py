@@ -75,6 +75,7 @@ def test_figures_7_to_9_show_engine_as_lines_and_in_house_as_markers() -> None:
     np.testing.assert_array_equal(seven[2].lines[1].get_ydata(), difference)
 
 
+@pytest.mark.slow
 def test_captions_of_figures_7_to_9_hold_the_numbers_of_their_runs() -> None:
     loads = {load: (run(1, load, 2.0, 1e-6),) * 2 for load in LOADS}
     levels = [(run(level, "weight", 4.0, 1e-6),) * 2 for level in LEVELS]

@@ -91,6 +91,16 @@ def simulate_to_rest(
         If the time limit is met in the first stretch.
     ArithmeticError
         If the integration fails on the way.
+
+    Examples
+    --------
+    >>> from analysis import Dissipation, Scenario, Start, simulate_to_rest
+    >>> loss = Dissipation(rolling_viscous=5e-3, pivoting=1e-3)
+    >>> motion = simulate_to_rest(
+    ...     Scenario.rest(dissipation=loss, start=Start(beta=0.1, spin=0.0)), 5.0
+    ... )
+    >>> motion.phases.rest == motion.rest_time
+    True
     """
     end, spacing = positive("end", end), positive("spacing", spacing)
     if spacing > end:

@@ -2,17 +2,12 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
 from analysis.data.checks import number, positive, within
 from analysis.data.limits import LONGEST_MOTION, Effort
-
-PICTURES = (".png", ".svg", ".pdf")
-"""Suffixes of pictures that can be written."""
-
 
 PATIENCE = 60.0
 """Processor time in s from which on a run is announced before it starts."""
@@ -40,33 +35,6 @@ def announce(command: str, effort: Effort, time_limit: float | None = None) -> N
         hint = "; --time-limit ends it early" if endless else ""
         with suppress(OSError, ValueError):
             print(f"tippedisk {command}: {effort}{hint}", file=sys.stderr, flush=True)
-
-
-def output_path(name: str, value: str, suffixes: Sequence[str]) -> Path:
-    """Path of a file to write.
-
-    Parameters
-    ----------
-    name : str
-        Name of the option.
-    value : str
-        What was given.
-    suffixes : sequence of str
-        Allowed ones, with their dots.
-
-    Raises
-    ------
-    ValueError
-        If the suffix is another, or the folder does not exist.
-    """
-    path = Path(value)
-    if path.suffix not in suffixes:
-        *others, last = suffixes
-        allowed = f"{', '.join(others)} or {last}" if others else last
-        raise ValueError(f"{name} must end in {allowed}, got {value!r}")
-    if not path.parent.is_dir():
-        raise ValueError(f"{name} must lie in an existing folder, got {value!r}")
-    return path
 
 
 def output_folder(name: str, value: str) -> Path:

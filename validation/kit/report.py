@@ -10,10 +10,10 @@ from typing import Any
 from tqdm import tqdm
 
 from analysis.data.files import whole_file
+from analysis.data.workers import process_pool
 from validation.kit.clock import processor_time
 from validation.kit.page import Section, page
 from validation.kit.parts import Job, Part, Store
-from validation.kit.workers import process_pool
 
 __all__ = ["Job", "Section", "run_jobs", "run_parts", "write"]
 

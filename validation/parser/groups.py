@@ -5,6 +5,9 @@ of the data types. Angles stay text until the data types read them.
 """
 
 import argparse
+from typing import Any
+
+from validation.parser.paths import existing
 
 SOURCES = ("engine", "in-house")
 MODELS = (1, 2, 3, 4)
@@ -38,10 +41,14 @@ def add_problem(parser: argparse.ArgumentParser, *, file: bool = False) -> None:
         "problem", "Options given here override the file; angles may be pi/2 or 90deg, too."
     )
     add = problem.add_argument
-    if file:
-        add("scenario", nargs="?", metavar="FILE", help="scenario, .toml, or stored run, .npz")
-    else:
-        add("--scenario", metavar="FILE", help="scenario, .toml, or a stored run to repeat, .npz")
+    name: dict[str, Any] = {"nargs": "?"} if file else {}
+    add(
+        "scenario" if file else "--scenario",
+        type=existing(),
+        metavar="FILE",
+        help="scenario, .toml, or a stored run to repeat, .npz",
+        **name,
+    )
     constraints = problem.add_mutually_exclusive_group()
     constraints.add_argument(
         "--model", type=int, choices=MODELS, help="constraints of a model of the paper (1)"
