@@ -13,7 +13,7 @@ from validation.parser.groups import (
     add_scenario,
     add_source,
 )
-from validation.parser.nonlinear import add_cycles, add_heteroclinic
+from validation.parser.nonlinear import add_cycles, add_heteroclinic, add_passage
 
 
 class Parser(argparse.ArgumentParser):
@@ -282,6 +282,7 @@ SUBCOMMANDS = (
     _critical,
     add_cycles,
     add_heteroclinic,
+    add_passage,
     _scene,
     _animate,
     _work_precision,
