@@ -213,8 +213,8 @@ REFUSED = [
     ("--gravity 0", "--gravity: gravity must be positive, got 0"),
     ("--thickness x", "argument --thickness: invalid float value: 'x'"),
     ("--model 2 --x 1", "--x: x must be -0.000249584 in Model 2"),
-    ("no-such.toml", "No such file or directory: 'no-such.toml'"),
-    ("no-such.npz", "No such file or directory: 'no-such.npz'"),
+    ("no-such.toml", "must be a file that exists, got 'no-such.toml'"),
+    ("no-such.npz", "must be a file that exists, got 'no-such.npz'"),
 ]
 
 

@@ -75,8 +75,8 @@ def test_command_says_that_a_time_limit_ended_it(capsys: pytest.CaptureFixture[s
         (["--step", "1e-4", "--source", "in-house"], "--step must be left out with --source"),
         (["--height", "-1"], "height must not be negative, got -1"),
         (["--tolerance", "0"], "tolerance must be positive, got 0"),
-        (["--out", "rest.txt"], "--out must end in .npz, got 'rest.txt'"),
-        (["--plot", "nowhere/rest.png"], "--plot must lie in an existing folder"),
+        (["--out", "rest.txt"], "--out: must end in .npz, got 'rest.txt'"),
+        (["--plot", "nowhere/rest.png"], "--plot: must lie in an existing folder"),
     ],
 )
 def test_wrong_calls_answer_in_one_line(

@@ -1,7 +1,7 @@
 """The disk: geometry, mass, eccentricity and inertia."""
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, sqrt
 
 from analysis.data.checks import not_negative, number, positive
 
@@ -81,6 +81,21 @@ class Disk:
         """Principal moments of inertia about S in kg m²."""
         shift = self.mass * self.eccentricity**2
         return self.inertia_x, self.inertia_y - shift, self.inertia_z - shift
+
+    @property
+    def hole(self) -> tuple[float, float] | None:
+        """Radius and distance in m of the round hole that this mass distribution tells of.
+
+        It lies against the x axis. Eccentricity and `inertia_z` of a flat disk of uniform density
+        follow from it alone and tell it again; None where no hole inside the disk would do.
+        """
+        r, e = self.radius, self.eccentricity
+        linear = r**2 + 2.0 * e**2 - 2.0 * self.inertia_z / self.mass
+        square = 0.5 * (-linear + sqrt(linear**2 + 8.0 * (e * r) ** 2))
+        if square < (1e-6 * r) ** 2:
+            return None
+        radius, distance = sqrt(square), e * (r**2 - square) / square
+        return (radius, distance) if radius + distance < r else None
 
     @classmethod
     def ring(

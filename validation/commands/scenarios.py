@@ -76,7 +76,7 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
     )
 
 
-def read_scenario(path: str) -> Scenario:
+def read_scenario(path: Path) -> Scenario:
     """Scenario from its file, or from a stored run (.npz) of either kind.
 
     Raises
@@ -86,7 +86,7 @@ def read_scenario(path: str) -> Scenario:
     ValueError
         If it is neither.
     """
-    return load_run(path).scenario if Path(path).suffix == ".npz" else load_scenario(path)
+    return load_run(path).scenario if path.suffix == ".npz" else load_scenario(path)
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from validation.parser.groups import add_problem, add_scenario, add_source
+from validation.parser.groups import add_output, add_problem, add_scenario, add_source
 
 
 def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
@@ -23,7 +23,7 @@ def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
         metavar="SPIN",
         help="only the cycles at these spins in rad/s: values, or first:last:number",
     )
-    _add_output(cycles)
+    add_output(cycles)
     add_problem(cycles)
 
 
@@ -37,7 +37,7 @@ def add_heteroclinic(commands: "argparse._SubParsersAction[Any]") -> None:
         "picture shows that motion on either side of the connection.",
     )
     heteroclinic.set_defaults(module="nonlinear")
-    _add_output(heteroclinic)
+    add_output(heteroclinic)
     add_problem(heteroclinic)
 
 
@@ -55,12 +55,5 @@ def add_passage(commands: "argparse._SubParsersAction[Any]") -> None:
     add = passage.add_argument
     add("--end", type=float, default=22.0, help="longest time in s (22)")
     add("--rest", action="store_true", help="start from the defaults of `tippedisk rest`")
-    _add_output(passage)
+    add_output(passage)
     add_scenario(passage)
-
-
-def _add_output(parser: argparse.ArgumentParser) -> None:
-    output = parser.add_mutually_exclusive_group()
-    output.add_argument("--json", action="store_true", help="print everything as JSON")
-    output.add_argument("--csv", metavar="FILE", help="write the table with full precision")
-    output.add_argument("--plot", metavar="PICTURE", help="write a .png, .svg or .pdf")

@@ -60,6 +60,12 @@ class Keyframes:
         return frames.tilts(self.rotations)
 
     @property
+    def gamma(self) -> Array:
+        """Rotation angle gamma in rad from -pi to pi, shape (n,); without meaning if flat."""
+        result: Array = np.arctan2(self.rotations[:, 2, 0], self.rotations[:, 2, 1])
+        return result
+
+    @property
     def cog_height(self) -> Array:
         """Height of the centre of gravity in m, shape (n,)."""
         result: Array = self.positions[:, 2] + self.disk.eccentricity * self.rotations[:, 2, 0]
