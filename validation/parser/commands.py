@@ -14,7 +14,7 @@ from validation.parser.groups import (
     add_scenario,
     add_source,
 )
-from validation.parser.nonlinear import add_cycles, add_heteroclinic
+from validation.parser.nonlinear import add_cycles, add_heteroclinic, add_passage
 from validation.parser.paths import PICTURES, existing, writable
 from validation.parser.sweeps import add_sweep
 
@@ -324,6 +324,7 @@ SUBCOMMANDS = (
     _critical,
     add_cycles,
     add_heteroclinic,
+    add_passage,
     _scene,
     _animate,
     _work_precision,
