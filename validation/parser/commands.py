@@ -13,7 +13,7 @@ from validation.parser.groups import (
     add_scenario,
     add_source,
 )
-from validation.parser.sweeps import add_sweep
+from validation.parser.sweeps import add_map, add_sweep
 
 
 class Parser(argparse.ArgumentParser):
@@ -278,6 +278,7 @@ SUBCOMMANDS = (
     _scenario,
     _check,
     add_sweep,
+    add_map,
     _rest,
     _eigenvalues,
     _critical,
