@@ -16,7 +16,7 @@ from validation.parser.groups import (
 )
 from validation.parser.nonlinear import add_cycles, add_heteroclinic, add_passage
 from validation.parser.paths import PICTURES, existing, writable
-from validation.parser.sweeps import add_sweep
+from validation.parser.sweeps import add_map, add_sweep
 
 
 class Parser(argparse.ArgumentParser):
@@ -319,6 +319,7 @@ SUBCOMMANDS = (
     _scenario,
     _check,
     add_sweep,
+    add_map,
     _rest,
     _eigenvalues,
     _critical,
