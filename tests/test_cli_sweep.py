@@ -78,7 +78,7 @@ def test_axes_come_from_a_file_as_well(tmp_path: Path) -> None:
         ("spin=1,2 --rest --stiffness 0", "stiffness must be positive"),
         ("spin=1,2 --step 1e-3", "--step: step must be left out for source 'in-house'"),
         ("spin=1,2 --time-limit 0", "--time-limit must be positive"),
-        ("spin=1,2 --out a.csv", "--out must end in .db"),
+        ("spin=1,2 --out a.csv", "--out: must end in .db"),
         ("--axes no-such.toml", "No such file"),
     ],
 )

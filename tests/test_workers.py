@@ -15,7 +15,7 @@ ROOT = Path(__file__).parent.parent
 
 POOL = """
 from tests.test_workers import note_and_work
-from validation.kit.workers import process_pool
+from analysis.data.workers import process_pool
 from sys import argv
 if __name__ == "__main__":
     with process_pool(2) as pool:
@@ -32,7 +32,7 @@ if __name__ == "__main__":
 
 NESTED = """
 from tests.test_workers import isolate
-from validation.kit.workers import process_pool
+from analysis.data.workers import process_pool
 from sys import argv
 if __name__ == "__main__":
     with process_pool(1) as pool:
@@ -64,6 +64,7 @@ def is_running(process: int) -> bool:
     return state != "Z"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 @pytest.mark.parametrize(("code", "number"), [(POOL, 2), (ISOLATED, 1), (NESTED, 2)])
 def test_workers_of_a_killed_parent_end(code: str, number: int, tmp_path: Path) -> None:

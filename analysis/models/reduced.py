@@ -1,7 +1,8 @@
 """Model 4 in minimal coordinates, Eqs. (93)-(110)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import cos, sin
+from typing import Any
 
 import numpy as np
 
@@ -24,11 +25,38 @@ def acceleration(scenario: Scenario, spin: float, x: Sequence[float]) -> float:
         Minimal coordinates beta and gamma in rad and the minimal velocity, the rate of beta, in
         rad/s.
     """
+    beta, gamma, beta_rate = x
+    directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    per_speed = scenario.friction.per_speed
+    return float(
+        acceleration_from(
+            scenario, spin, directions, beta_rate, lambda slip: per_speed(abs(slip)) * slip
+        )
+    )
+
+
+def acceleration_from(
+    scenario: Scenario, spin: Any, directions: Sequence[Any], bd: Any, friction: Callable[..., Any]
+) -> Any:
+    """The same for numbers of any kind: arrays for many states, complex ones for derivatives.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        See `acceleration`; its friction law is not looked at.
+    spin : number or array
+        In rad/s.
+    directions : sequence of 4 numbers or arrays
+        Sine and cosine of beta, sine and cosine of gamma.
+    bd : number or array
+        Rate of beta in rad/s.
+    friction : callable
+        From the lateral slip in m/s to the force against it for each newton of load.
+    """
     disk, weight = scenario.disk, scenario.weight
     m, r, e = disk.mass, disk.radius, disk.eccentricity
     A, B_bar, Omega = disk.inertia_x, disk.inertia_y - m * e * e, spin
-    beta, gamma, bd = x
-    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    sb, cb, sg, cg = directions
     height = r + e * sg
     M = A * cg * cg + B_bar * sg * sg + m * height**2 * cb * cb
     h = (
@@ -40,8 +68,7 @@ def acceleration(scenario: Scenario, spin: float, x: Sequence[float]) -> float:
     )
     f = -weight * height * cb
     slip = height * bd * sb - e * Omega * sb * sb * cg
-    force = -weight * scenario.friction.per_speed(abs(slip)) * slip
-    return (h + f + height * sb * force) / M
+    return (h + f - height * sb * weight * friction(slip)) / M
 
 
 def normal_force(scenario: Scenario, spin: float, x: Sequence[float]) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 from tqdm import tqdm
 
 from analysis.data.checks import choice, positive
-from validation.commands.options import PATIENCE, chosen_end, output_path
+from validation.commands.options import PATIENCE, chosen_end
 from validation.commands.scenarios import chosen_scenario
 from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
 from validation.sweeps.outcomes import DONE
@@ -28,8 +28,8 @@ _FILE = ("axes", "layout", "number", "seed")
 
 def sweep(options: argparse.Namespace) -> int:
     """Run what the store does not hold yet, and say what it holds then."""
-    out = output_path("--out", options.out, (".db",))
-    table = None if options.csv is None else output_path("--csv", options.csv, (".csv",))
+    out = options.out
+    table = options.csv
     wanted = Sweep(
         scenario=chosen_scenario(options, rest=options.rest),
         design=chosen_design(options),

@@ -13,11 +13,11 @@ from tqdm import tqdm
 
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
+from analysis.data.workers import process_pool
 from validation.kit.animation.player import Animation
 from validation.kit.figures import Picture
 from validation.kit.provenance import machine
 from validation.kit.tables import Table
-from validation.kit.workers import process_pool
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;

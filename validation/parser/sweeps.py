@@ -4,6 +4,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from validation.parser.groups import CONDITIONS, FORMS, FORMULATIONS, add_scenario, add_source
+from validation.parser.paths import writable
 
 if TYPE_CHECKING:
     from validation.parser.commands import Parser
@@ -44,8 +45,14 @@ def add_sweep(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--layout", choices=LAYOUTS, help="how cases are laid out (grid)")
     add("--number", type=int, metavar="N", help="of drawn cases")
     add("--seed", type=int, metavar="N", help="of the drawing (0)")
-    add("--out", required=True, metavar="FILE", help="store, .db; made if there is none")
-    add("--csv", metavar="FILE", help="write all rows to a .csv at the end")
+    add(
+        "--out",
+        required=True,
+        type=writable(".db"),
+        metavar="FILE",
+        help="store, .db; made if there is none",
+    )
+    add("--csv", type=writable(".csv"), metavar="FILE", help="write all rows to a .csv at the end")
     _add_plan(sweep)
     add_workers(sweep)
     add_scenario(sweep)

@@ -5,17 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.integrate import simpson
 
-from analysis import (
-    CAUSES,
-    SpatialMotion,
-    Trajectory,
-    energies,
-    find_phases,
-    judge_inversion,
-)
+from analysis import CAUSES, SpatialMotion, Trajectory, energies
 from analysis.data.checks import Array
 from analysis.data.endings import TIME_LIMIT
-from analysis.models.inversion import STAYING
+from analysis.data.inversion import STAYING
 
 Cell = float | str | None
 Row = dict[str, Cell]
@@ -60,7 +53,7 @@ status, reason
     "done", or one of `FAILURES` and why. A case that the other side failed on has its reason
     here, too.
 inversion, inverted_at, lost_at
-    As `judge_inversion` says; times in s.
+    As `Inversion` says; times in s.
 spin_after, spin_end
     Vertical angular velocity in rad/s: rate of alpha on an ideal contact. When the disk has
     stayed up for `STAYING`, and at the end.
@@ -72,7 +65,7 @@ energy_start, energy_end, taken_..., brought_by_spin_torque
     In J: kinetic, gravitational and elastic energy; what each cause took; and what the torque
     that keeps the spin constant brought. Empty where a motion does not hold it.
 rolling_from, flat_from, rest_from
-    Times in s of `find_phases`.
+    Times in s of `Phases`.
 ending, end
     Why the motion ended early, and when it ended, in s.
 error_estimate, seconds
@@ -91,7 +84,7 @@ def failure(status: str, error: BaseException | str) -> Row:
 
 def outcome(motion: Trajectory | SpatialMotion) -> Row:
     """What is kept of a motion, without its run time."""
-    inversion = judge_inversion(motion)
+    inversion = motion.inversion
     is_slow = motion.ending is not None and motion.ending.reason == TIME_LIMIT
     row: Row = {
         "status": "too slow" if is_slow else DONE,
@@ -115,7 +108,7 @@ def outcome(motion: Trajectory | SpatialMotion) -> Row:
 
 
 def _spatial(motion: SpatialMotion) -> Row:
-    phases, total = find_phases(motion), motion.energies.sum(axis=1)
+    phases, total = motion.phases, motion.energies.sum(axis=1)
     return {
         "face_end": float(motion.rotations[-1, 2, 2]),
         "energy_start": float(total[0]),

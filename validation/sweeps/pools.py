@@ -10,7 +10,7 @@ from multiprocessing import active_children
 from multiprocessing.process import BaseProcess
 from typing import Any, Literal, Protocol, get_args
 
-from validation.kit.workers import process_pool
+from analysis.data.workers import process_pool
 
 Kind = Literal["processes", "dask", "mpi"]
 KINDS: tuple[Kind, ...] = get_args(Kind)

@@ -91,7 +91,7 @@ class Results:
             import pandas as pd
         except ImportError:
             raise ValueError(
-                "to_dataframe needs pandas: pip install 'tippedisk[tables]'"
+                "to_dataframe needs pandas: pip install 'tippedisk[export]'"
             ) from None
         return pd.DataFrame(self.columns).set_index("number")
 
@@ -106,7 +106,7 @@ class Results:
         try:
             import xarray as xr
         except ImportError:
-            raise ValueError("to_xarray needs xarray: pip install 'tippedisk[tables]'") from None
+            raise ValueError("to_xarray needs xarray: pip install 'tippedisk[export]'") from None
         design = self.sweep.design
         if design.layout != "grid":
             held = {name: ("number", column) for name, column in self.columns.items()}

@@ -6,7 +6,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Any, Literal
 
-from validation.kit.workers import end_with_parent
+from analysis.data.workers import end_with_parent
 
 START_LIMIT = 60.0
 """Time in s in which a new process must have come up."""
