@@ -247,7 +247,7 @@ def test_wrong_call_is_told_in_one_line(
 def test_map_is_drawn_and_told(
     name: str, stores: int, seen: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    call = f"map {name} --out {tmp_path} --cells 1 --levels 1 --end 1.2 --witnesses {seen} --workers 1"
+    call = f"map {name} --out {tmp_path} --cells 1 --levels 1 --end 1.2 --witnesses {seen}"
     assert run(*call.split()) == 0
     said = capsys.readouterr().out
     assert said.count("runs in place of 9") == stores
