@@ -331,7 +331,7 @@ BAD = [
     ("run.txt", "FILE: must end in .npz, got"),
     ("damaged.npz", "damaged.npz is not a readable motion"),
     ("truncated.npz", "truncated.npz is not a readable motion"),
-    ("other.npz", "other.npz is not a readable trajectory: lacks"),
+    ("other.npz", "other.npz is not a readable motion: it holds 'numbers.npy'"),
     ("run.npz --out run.avi", "--out: must end in .html or .gif, got 'run.avi'"),
     ("run.npz --out nowhere/run.html", "--out: must lie in an existing folder"),
     ("run.npz --begin 0.5 --end 0.5", "--begin must lie before --end, got 0.5 and 0.5"),

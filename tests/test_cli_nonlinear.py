@@ -33,7 +33,7 @@ def test_a_table_and_a_picture_hold_the_cycles(tmp_path: Path) -> None:
         ("cycles --model 1", "Model 4"),
         ("cycles --mu 0", "friction must have a positive gradient"),
         ("cycles --eccentricity 0", "eccentricity must be positive"),
-        ("cycles --plot cycles.txt", "--plot must end in"),
+        ("cycles --plot cycles.txt", "--plot: must end in"),
         ("heteroclinic --eps 0.4", "no saddle with one growing"),
         ("heteroclinic --load contact", "load must be 'weight'"),
     ],

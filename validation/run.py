@@ -96,6 +96,7 @@ def run_to_rest(
     step: float | None = None,
     local_tolerance: float | None = None,
     method: str | None = None,
+    stop_when: StopWhen = (),
     time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> SpatialMotion:
@@ -111,7 +112,7 @@ def run_to_rest(
         Who runs it.
     spacing : float
         Time between samples in s.
-    criterion, tolerance, time_limit, progress
+    criterion, tolerance, stop_when, time_limit, progress
         As both sides' `simulate_to_rest` take them.
     step
         Of the engine alone.
@@ -131,6 +132,7 @@ def run_to_rest(
     given |= {
         "spacing": spacing,
         "criterion": criterion,
+        "stop_when": stop_when,
         "time_limit": time_limit,
         "progress": progress,
     }

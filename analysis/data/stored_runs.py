@@ -11,6 +11,9 @@ from analysis.data.trajectory import Trajectory
 StoredRun = Trajectory | SpatialMotion
 """What a result file holds."""
 
+_NAMED = 3
+"""Most members of a foreign archive that an error names."""
+
 Kind = TypeVar("Kind", bound=StoredRun)
 
 
@@ -47,13 +50,19 @@ def load_run(path: str | os.PathLike[str], kind: Any = None) -> Any:
     ('in-house', 2)
     """
     if kind is None:
-        kind = SpatialMotion if _holds(path, "spatial_meta") else Trajectory
+        kind = _kind(path)
     return read_archive(path, kind.STORED_AS, kind.STORED_ARRAYS, kind.from_arrays)
 
 
-def _holds(path: str | os.PathLike[str], name: str) -> bool:
+def _kind(path: str | os.PathLike[str]) -> type[StoredRun]:
+    """What a file says that it holds."""
     try:
         with zipfile.ZipFile(path) as stored:
-            return f"{name}.npy" in stored.namelist()
+            names = stored.namelist()
     except (zipfile.BadZipFile, EOFError, RuntimeError) as error:
         raise ValueError(f"{path} is not a readable motion: {error}") from error
+    for kind in (SpatialMotion, Trajectory):
+        if f"{kind.STORED_ARRAYS[-1]}.npy" in names:
+            return kind
+    held = ", ".join(map(repr, names[:_NAMED])) + ("" if len(names) <= _NAMED else ", …")
+    raise ValueError(f"{path} is not a readable motion: it holds {held or 'nothing'}")

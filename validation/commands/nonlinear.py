@@ -14,7 +14,6 @@ from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import CycleFamily
 from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from validation.commands.options import PICTURES, output_path
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.stability import parse_spins
 from validation.kit.tables import Table
@@ -27,21 +26,20 @@ _SIDE = 0.05
 def cycles(options: argparse.Namespace) -> int:
     """Print, store or plot the periodic motions."""
     spins = None if options.spins is None else parse_spins(options.spins)
-    picture = None if options.plot is None else output_path("--plot", options.plot, PICTURES)
     scenario = _reduced(options)
     if spins is not None:
         found = [families.cycle_at(scenario, spin) for spin in spins.tolist()]
         _deliver(options, [tables.cycle_table(found)], {"cycles": _values(found)})
-        if picture is not None:
+        if options.plot is not None:
             from validation.studies.nonlinear import figures
 
-            _save(figures.cycle_portrait(found).figure, picture)
+            _save(figures.cycle_portrait(found).figure, options.plot)
         return 0
     family = families.cycle_family(scenario)
     shown, values = _family(scenario, family)
     _deliver(options, shown, values)
-    if picture is not None:
-        _plot_family(family, picture)
+    if options.plot is not None:
+        _plot_family(family, options.plot)
     if family.reason is not None and not options.json:
         print(f"The family ends early: {family.reason}.")
     return 0
@@ -49,7 +47,6 @@ def cycles(options: argparse.Namespace) -> int:
 
 def heteroclinic(options: argparse.Namespace) -> int:
     """Print, store or plot the heteroclinic connection."""
-    picture = None if options.plot is None else output_path("--plot", options.plot, PICTURES)
     scenario = _reduced(options)
     found = heteroclinic_connection(scenario)
     slow = tables.prediction(scenario)
@@ -59,12 +56,12 @@ def heteroclinic(options: argparse.Namespace) -> int:
         "prediction": None if slow is None else slow.spin,
     }
     _deliver(options, [tables.connection_table(found, slow, None)], values)
-    if picture is not None:
+    if options.plot is not None:
         from validation.studies.nonlinear import figures
 
         ways = [fall(scenario, found.spin + side) for side in (-_SIDE, 0.0, _SIDE)]
         names = [f"{found.spin + side:.6f} rad/s" for side in (-_SIDE, 0.0, _SIDE)]
-        _save(figures.connection_portrait(ways, names).figure, picture)
+        _save(figures.connection_portrait(ways, names).figure, options.plot)
     return 0
 
 
@@ -113,13 +110,13 @@ def _values(cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
 
 
 def _deliver(options: argparse.Namespace, shown: Sequence[Table], values: dict[str, Any]) -> None:
-    """Print the tables or the values, or store the first table."""
-    if options.json:
-        print(json.dumps(values))
-    elif options.csv is not None:
+    """Store the first table, and print the values, or all tables if nothing else is asked for."""
+    if options.csv is not None:
         with whole_file(options.csv) as stream:
             stream.write(shown[0].to_csv().encode())
-    elif options.plot is None:
+    if options.json:
+        print(json.dumps(values))
+    elif options.csv is None and options.plot is None:
         for table in shown:
             print(f"{table.title}\n{table.to_text() if table.rows else 'none'}\n{table.note}\n")
 

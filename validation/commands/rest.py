@@ -69,6 +69,7 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
             source=options.source,
             step=step,
             tolerance=options.tolerance,
+            stop_when=options.stop_when or (),
             time_limit=options.time_limit,
             progress=progress,
         )

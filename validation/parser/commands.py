@@ -9,12 +9,14 @@ from validation.parser.groups import (
     FORMULATIONS,
     MOTIONS,
     SYSTEMS,
+    add_output,
     add_problem,
     add_scenario,
     add_source,
 )
 from validation.parser.nonlinear import add_cycles, add_heteroclinic
 from validation.parser.paths import PICTURES, existing, writable
+from validation.parser.sweeps import add_sweep
 
 
 class Parser(argparse.ArgumentParser):
@@ -176,14 +178,7 @@ def _eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
         metavar="SPIN",
         help="spins in rad/s: values, or first:last:number",
     )
-    add("--json", action="store_true", help="print a list with spin, real and imag for each spin")
-    add(
-        "--csv",
-        type=writable(".csv"),
-        metavar="FILE",
-        help="write a table with full precision, .csv",
-    )
-    add("--plot", type=writable(*PICTURES), metavar="PICTURE", help="write a .png, .svg or .pdf")
+    add_output(eigenvalues)
     add_problem(eigenvalues)
 
 
@@ -261,6 +256,7 @@ def _rest(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_source(rest)
     add("--tolerance", type=float, help="largest error in rad and parts of the energy (1e-3)")
     add("--step", type=float, help="engine only: a single run of fixed steps in s instead")
+    add("--stop-when", choices=CONDITIONS, help="end the run there, at the next sample")
     add("--time-limit", type=float, help="processor time in s after which it ends as it is")
     add("--end", type=float, default=80.0, help="longest time in s (80)")
     add("--out", type=writable(".npz"), metavar="FILE", help="store the motion, .npz")
@@ -322,6 +318,7 @@ SUBCOMMANDS = (
     _show,
     _scenario,
     _check,
+    add_sweep,
     _rest,
     _eigenvalues,
     _critical,

@@ -7,7 +7,7 @@ of the data types. Angles stay text until the data types read them.
 import argparse
 from typing import Any
 
-from validation.parser.paths import existing
+from validation.parser.paths import PICTURES, existing, writable
 
 SOURCES = ("engine", "in-house")
 MODELS = (1, 2, 3, 4)
@@ -146,6 +146,14 @@ def _add_start(parser: argparse.ArgumentParser) -> None:
         )
         add(f"--{name}-rate", type=float, metavar="M/S", help="its rate in m/s")
     add("--height", type=float, metavar="M", help="over the table in m, with --stiffness")
+
+
+def add_output(parser: argparse.ArgumentParser) -> None:
+    """Where the numbers go; they are printed as a table if none of these is given."""
+    add = parser.add_argument
+    add("--json", action="store_true", help="print everything as JSON")
+    add("--csv", type=writable(".csv"), metavar="FILE", help="write a table of all digits, .csv")
+    add("--plot", type=writable(*PICTURES), metavar="PICTURE", help="write a .png, .svg or .pdf")
 
 
 def add_source(parser: argparse.ArgumentParser, default: str = "engine") -> None:

@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from validation.parser.groups import add_problem
+from validation.parser.groups import add_output, add_problem
 
 
 def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
@@ -23,7 +23,7 @@ def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
         metavar="SPIN",
         help="only the cycles at these spins in rad/s: values, or first:last:number",
     )
-    _add_output(cycles)
+    add_output(cycles)
     add_problem(cycles)
 
 
@@ -37,12 +37,5 @@ def add_heteroclinic(commands: "argparse._SubParsersAction[Any]") -> None:
         "picture shows that motion on either side of the connection.",
     )
     heteroclinic.set_defaults(module="nonlinear")
-    _add_output(heteroclinic)
+    add_output(heteroclinic)
     add_problem(heteroclinic)
-
-
-def _add_output(parser: argparse.ArgumentParser) -> None:
-    output = parser.add_mutually_exclusive_group()
-    output.add_argument("--json", action="store_true", help="print everything as JSON")
-    output.add_argument("--csv", metavar="FILE", help="write the table with full precision")
-    output.add_argument("--plot", metavar="PICTURE", help="write a .png, .svg or .pdf")
