@@ -14,9 +14,9 @@ from validation.parser.groups import (
     add_scenario,
     add_source,
 )
-from validation.parser.nonlinear import add_cycles, add_heteroclinic
+from validation.parser.nonlinear import add_cycles, add_heteroclinic, add_passage
 from validation.parser.paths import PICTURES, existing, writable
-from validation.parser.sweeps import add_sweep
+from validation.parser.sweeps import add_map, add_sweep
 
 
 class Parser(argparse.ArgumentParser):
@@ -319,11 +319,13 @@ SUBCOMMANDS = (
     _scenario,
     _check,
     add_sweep,
+    add_map,
     _rest,
     _eigenvalues,
     _critical,
     add_cycles,
     add_heteroclinic,
+    add_passage,
     _scene,
     _animate,
     _work_precision,

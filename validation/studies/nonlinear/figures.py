@@ -10,6 +10,7 @@ from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import CycleFamily
 from analysis.nonlinear.heteroclinic import Fall
 from validation.kit import figures
+from validation.studies.nonlinear.passage import LOST, Passage
 
 _ENGINE = {
     "linestyle": "none",
@@ -171,4 +172,38 @@ def connection_portrait(ways: Sequence[Fall], names: Sequence[str], axes: Any = 
         axes.plot(place, np.pi / 2, "s", color="black")
     axes.set(xlabel="γ in rad", ylabel="β in rad")
     figures.legend_above(axes)
+    return axes
+
+
+def passage_diagram(named: Sequence[tuple[str, Passage]], axes: Any = None) -> Any:
+    """Mean spin and slow deviation over time, with what the eigenvalues predict.
+
+    Parameters
+    ----------
+    named : sequence of (name, Passage)
+    axes : sequence of 2 Axes, optional
+    """
+    axes = figures.new_figure(2, height=6.5)[1] if axes is None else axes
+    for index, (name, passage) in enumerate(named):
+        look = {"color": figures.COLOURS[index % 4]}
+        style = figures.STYLES[index % 4]
+        axes[0].plot(passage.times, passage.spins, style, label=name, **look)
+        axes[1].plot(passage.times, passage.deviations, style, label=name, **look)
+        axes[1].plot(passage.times, passage.linear, linewidth=0.8, **look)
+        if passage.crossing is not None:
+            axes[0].plot(passage.crossing, passage.pair.spin, "o", **look)
+        if passage.lost is not None:
+            axes[0].plot(passage.lost, passage.spins[-1], "s", **look)
+        if passage.predicted is not None:
+            axes[1].plot(passage.predicted, LOST, "D", markerfacecolor="white", **look)
+    hopf = named[0][1].pair.spin
+    axes[0].axhline(hopf, color=_GREY, linewidth=0.8, label=f"Hopf point, {hopf:.2f} rad/s")
+    axes[1].axhline(LOST, color=_GREY, linewidth=0.8)
+    axes[0].set(ylabel="mean spin in rad/s")
+    axes[1].set(ylabel="slow deviation of γ in rad", xlabel="time in s", yscale="log")
+    axes[1].plot([], [], color="black", linewidth=0.8, label="by the eigenvalues alone")
+    axes[1].plot([], [], "D", color="black", markerfacecolor="white", label="loss predicted")
+    axes[0].plot([], [], "s", color="black", label="inversion lost")
+    for each in axes:
+        figures.legend_above(each, columns=3)
     return axes
