@@ -4,6 +4,7 @@ Source of all equation numbers: S. Sailer and R. I. Leine, "Model reduction of t
 path to the full analysis", Nonlinear Dynamics 105 (2021).
 """
 
+from analysis.compiled.batches import Outcome
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.constraint_set import (
     CONSTRAINTS,
@@ -39,7 +40,7 @@ from analysis.data.table import GRAVITY, Table
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress
 from analysis.models.balance import constraint_drift, energies, energy_residual, power
-from analysis.models.ensemble import Outcome, simulate_many
+from analysis.models.ensemble import simulate_many
 from analysis.models.forms import FORMS, Form
 from analysis.models.integration import METHODS, Method
 from analysis.models.inversion import Inversion, find_inversion, judge_inversion
