@@ -31,21 +31,28 @@ from analysis.data.friction import (
     TanhCoulomb,
     ViscousFriction,
 )
+from analysis.data.inversion import Inversion
+from analysis.data.phases import Phases
 from analysis.data.scenario import Scenario
 from analysis.data.scenario_file import load_scenario, scenario_text
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.start import MOTIONS, Motion, Start
 from analysis.data.state import COORDINATES, FlatError, State
+from analysis.data.stored_runs import StoredRun, load_run
 from analysis.data.table import GRAVITY, Table
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress
-from analysis.models.balance import constraint_drift, energies, energy_residual, power
+from analysis.models.balance import (
+    constraint_drift,
+    contact_forces,
+    energies,
+    energy_residual,
+    power,
+)
 from analysis.models.ensemble import simulate_many
 from analysis.models.forms import FORMS, Form
 from analysis.models.integration import METHODS, Method
-from analysis.models.inversion import Inversion, find_inversion, judge_inversion
 from analysis.models.simulation import simulate
-from analysis.rest.phases import Phases, find_phases
 from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 
 __all__ = [
@@ -94,6 +101,7 @@ __all__ = [
     "Start",
     "State",
     "StopWhen",
+    "StoredRun",
     "Stribeck",
     "Table",
     "TanhCoulomb",
@@ -102,11 +110,10 @@ __all__ = [
     "Trajectory",
     "ViscousFriction",
     "constraint_drift",
+    "contact_forces",
     "energies",
     "energy_residual",
-    "find_inversion",
-    "find_phases",
-    "judge_inversion",
+    "load_run",
     "load_scenario",
     "multiplier_names",
     "power",

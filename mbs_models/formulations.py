@@ -17,6 +17,13 @@ def formulations(scenario: Scenario) -> tuple[Formulation, ...]:
     Parameters
     ----------
     scenario : Scenario
+
+    Examples
+    --------
+    >>> from analysis import Scenario
+    >>> from mbs_models import formulations
+    >>> formulations(Scenario())
+    ('contact-tree', 'euler-tree', 'floating', 'floating-lie')
     """
     contact = scenario.contact
     lies_flat = contact is not None and (contact.is_rounded or scenario.dissipation.is_on)

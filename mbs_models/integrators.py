@@ -128,6 +128,12 @@ def integrators(
     constrained : bool, optional
         Whether algebraic equations are left (`Scene.has_constraints`); by default whether the
         formulation has any on the ideal contact.
+
+    Examples
+    --------
+    >>> from mbs_models import integrators
+    >>> integrators("contact-tree")[0]
+    'RK67'
     """
     implicit: tuple[IntegratorName, ...] = ("TrapezoidalIndex2", "GeneralizedAlpha")
     explicit: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")

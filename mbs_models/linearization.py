@@ -41,12 +41,29 @@ def eigenvalues(scene: Scene) -> ComplexArray:
     ------
     ValueError
         If the table leans, the contact is one of penalty, or the start is not stationary.
+
+    Examples
+    --------
+    >>> from analysis import MODELS, Scenario, Start
+    >>> from mbs_models import Scene, eigenvalues
+    >>> spinning = Start.stationary(31.0)
+    >>> found = eigenvalues(Scene(Scenario(constraints=MODELS[4], start=spinning)))
+    >>> bool(found.real.max() < 0.0)  # above 30.92 rad/s, Model 4 is stable upside down
+    True
     """
     return np.linalg.eigvals(state_matrix(scene)).astype(complex)
 
 
 def state_matrix(scene: Scene) -> Array:
-    """State matrix behind `eigenvalues`, shape (n, n); see there."""
+    """State matrix behind `eigenvalues`, shape (n, n); see there.
+
+    Examples
+    --------
+    >>> from analysis import Scenario, Start
+    >>> from mbs_models import Scene, state_matrix
+    >>> state_matrix(Scene(Scenario(start=Start.stationary(31.0)))).shape
+    (8, 8)
+    """
     chart = _chart(scene)
     columns = [
         _derivative(chart.rates, chart.origin, index, step)
@@ -61,6 +78,14 @@ def stock_eigenvalues(scene: Scene) -> ComplexArray:
     Right for the contact tree, whose eigenvalues of the neutral direction alpha (two zeros) are
     removed. For scenes with constraints it leaves out how the constraint forces turn with the
     disk, and it does not hold for nonholonomic constraints; there it is returned as it comes.
+
+    Examples
+    --------
+    >>> from analysis import Scenario, Start
+    >>> from mbs_models import Scene, stock_eigenvalues
+    >>> scenario = Scenario(start=Start.stationary(31.0))
+    >>> stock_eigenvalues(Scene(scenario, "contact-tree")).shape
+    (8,)
     """
     model = build(scene)
     with quiet():

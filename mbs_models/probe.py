@@ -35,6 +35,13 @@ def acceleration(scene: Scene, state: State | None = None) -> tuple[Array, Array
     ------
     ValueError
         If the state breaks a constraint.
+
+    Examples
+    --------
+    >>> from mbs_models import Scene, acceleration
+    >>> accelerations, multipliers = acceleration(Scene())
+    >>> accelerations.shape, multipliers.shape
+    ((6,), (1,))
     """
     model = build(scene if state is None else scene.starting_at(state))
     probe = Probe(model)

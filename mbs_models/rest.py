@@ -8,7 +8,7 @@ from analysis.data import frames
 from analysis.data.agreement import until_agreement
 from analysis.data.checks import Array, positive
 from analysis.data.dissipation import RestCriterion
-from analysis.data.endings import AT_REST, Ending
+from analysis.data.endings import AT_REST, Ending, StopWhen, named_conditions
 from analysis.data.limits import check_storage
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.data.trajectory import versions
@@ -30,6 +30,7 @@ def simulate_to_rest(
     tolerance: float | None = None,
     spacing: float = 2e-3,
     criterion: RestCriterion | None = None,
+    stop_when: StopWhen = (),
     time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> SpatialMotion:
@@ -54,6 +55,9 @@ def simulate_to_rest(
     spacing : float
         Time between samples in s.
     criterion : RestCriterion, optional
+    stop_when : str, callable or sequence of them
+        What else ends the run, at the first sample where it holds: "inverted", or functions of a
+        `State` that turn negative. They are not asked where the disk lies flat.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.
@@ -78,6 +82,14 @@ def simulate_to_rest(
         If the time limit is met before the first sample.
     EngineError
         If the engine does not reach the end.
+
+    Examples
+    --------
+    >>> from analysis import Scenario, Start
+    >>> from mbs_models import Scene, simulate_to_rest
+    >>> motion = simulate_to_rest(Scene(Scenario.rest(start=Start(spin=5.0))), 0.02)
+    >>> motion.error_estimate < 1e-3
+    True
     """
     end, spacing = positive("end", end), positive("spacing", spacing)
     if spacing > end:
@@ -89,12 +101,13 @@ def simulate_to_rest(
     rest_effort(scene, end, SAFETY * largest_step(scene) if step is None else step).check()
     watch = Watch(time_limit, progress)
     wanted = criterion if criterion is not None else RestCriterion()
+    conditions = named_conditions(stop_when)
     count = int(np.floor(end / spacing + 1e-9))
 
     def run(local: float | None) -> SpatialMotion:
         found = RestRun(scene, spacing, watch, step=step, local_tolerance=local)
-        still = found.until_rest(count, wanted)
-        last = found.done if still is None else still + wanted.samples(spacing) - 1
+        still = found.until_rest(count, wanted, conditions)
+        last = found.last if still is None else still + wanted.samples(spacing) - 1
         return _motion(found, last + 1, still)
 
     if step is not None:

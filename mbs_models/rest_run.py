@@ -1,5 +1,6 @@
 """Engine runs of a disk with a rounded rim, in stretches, until it is at rest."""
 
+from collections.abc import Mapping
 from math import hypot, sqrt
 from typing import Any
 
@@ -10,7 +11,7 @@ from analysis.data.checks import Array, TimeLimitError
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
-from analysis.data.endings import Ending
+from analysis.data.endings import Condition, Ending, first_met
 from analysis.data.trajectory import Setting
 from analysis.data.watch import Watch
 from mbs_models.quiet import quiet
@@ -132,22 +133,36 @@ class RestRun:
         self.counts = {"steps": 0, "rejected_steps": 0}
         self._watch, self._step, self._local_tolerance = watch, step, local_tolerance
         self._end, self._calls = 0.0, 0
+        self._stopped: Ending | None = None
         self._model = Tally(scene.scenario)
         self._limiter = StepLimiter(spacing, MINIMUM_STEP)
         if step is None:
             self._model.system.SetPreStepUserFunction(self._before_step)
         self._records: list[Array] = [self._model.record()[None]]
 
-    def until_rest(self, count: int, criterion: RestCriterion) -> int | None:
-        """Run over so many sampling intervals; number of the sample at which rest began."""
+    def until_rest(
+        self, count: int, criterion: RestCriterion, conditions: Mapping[str, Condition]
+    ) -> int | None:
+        """Run over so many sampling intervals; number of the sample at which rest began.
+
+        It ends earlier where a condition turns negative, or where the watch ends it.
+        """
         self._end = count * self.spacing
         stretch = max(1, round(STRETCH / self.spacing))
         still = None
         while still is None and self.done < count and not self.is_over:
             self._advance(min(stretch, count - self.done))
+            self._stopped = self._met(conditions)
+            if self._stopped is not None:
+                break
             self.is_over |= self._watch.is_over(self._time, self._end) and self.done < count
             still = self._rest(criterion)
         return still
+
+    @property
+    def last(self) -> int:
+        """Number of the last sample that counts."""
+        return self.done if self._stopped is None else round(self._stopped.time / self.spacing)
 
     @property
     def method(self) -> dict[str, Setting]:
@@ -159,6 +174,8 @@ class RestRun:
     @property
     def ending(self) -> Ending | None:
         """Why it ended early, if it did."""
+        if self._stopped is not None:
+            return self._stopped
         if not self.is_over:
             return None
         if self.done == 0:
@@ -243,6 +260,19 @@ class RestRun:
     @property
     def _time(self) -> float:
         return self.done * self.spacing
+
+    def _met(self, conditions: Mapping[str, Condition]) -> Ending | None:
+        """Ending in the last stretch by a condition."""
+        if not conditions or len(self._records) < 2:
+            return None
+        records = np.concatenate((self._records[-2][-1:], self._records[-1]))
+        place, rotation, velocity, angular = np.split(records[:, :18], (3, 12, 15), axis=1)
+        found = first_met(conditions, place, rotation.reshape(-1, 3, 3), velocity, angular)
+        if found is None:
+            return None
+        row, reason, value = found
+        number = self.done - len(self._records[-1]) + row
+        return Ending(reason=reason, time=number * self.spacing, value=value)
 
     def _rest(self, criterion: RestCriterion) -> int | None:
         """Number of the first sample at rest, seen from the last stretches."""

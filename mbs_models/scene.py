@@ -30,6 +30,13 @@ class Scene:
     ------
     ValueError
         If the formulation is unknown or cannot build this scenario.
+
+    Examples
+    --------
+    >>> from analysis import MODELS, Scenario
+    >>> from mbs_models import Scene
+    >>> Scene(Scenario(constraints=MODELS[2])).built_as
+    'euler-tree'
     """
 
     scenario: Scenario = _PAPER

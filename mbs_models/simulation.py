@@ -87,6 +87,17 @@ def simulate(
         If `tolerance` cannot be met.
     TimeLimitError
         If the limit is met before there is a result.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import analysis
+    >>> from mbs_models import Scene, simulate
+    >>> times = np.linspace(0.0, 0.1, 11)
+    >>> run = simulate(Scene(), times, tolerance=1e-6)
+    >>> check = analysis.simulate(analysis.Scenario(), times)
+    >>> bool(np.abs(run.coordinates - check.coordinates)[:, 4:].max() < 1e-6)
+    True
     """
     times = increasing_times(times)
     chosen = find_integrator(scene.built_as, integrator, constrained=scene.has_constraints)

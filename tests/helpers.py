@@ -1,6 +1,6 @@
 """What several tests share: random disks and states, own kinematics, derivatives, Lagrange."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Container, Iterable
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -28,6 +28,14 @@ Generator = np.random.Generator
 
 OUTER_STEP = 8e-3
 """Step for derivatives of derivatives: keeps the inner one's rounding error small."""
+
+
+def mostly_slow(values: Iterable[Any], quick: Container[Any]) -> list[Any]:
+    """Values of a parameter of which only some run by default."""
+    return [
+        value if value in quick else pytest.param(value, marks=pytest.mark.slow)
+        for value in values
+    ]
 
 
 def assert_close(actual: Any, expected: Any, relative: float = 1e-12) -> None:

@@ -26,6 +26,7 @@ from analysis import (
     TanhCoulomb,
     Trajectory,
     ViscousFriction,
+    load_run,
 )
 from analysis.data.scenario_file import load_scenario, scenario_text
 from tests.scenario_texts import with_key
@@ -212,8 +213,8 @@ REFUSED = [
     ("--gravity 0", "--gravity: gravity must be positive, got 0"),
     ("--thickness x", "argument --thickness: invalid float value: 'x'"),
     ("--model 2 --x 1", "--x: x must be -0.000249584 in Model 2"),
-    ("no-such.toml", "No such file or directory: 'no-such.toml'"),
-    ("no-such.npz", "No such file or directory: 'no-such.npz'"),
+    ("no-such.toml", "must be a file that exists, got 'no-such.toml'"),
+    ("no-such.npz", "must be a file that exists, got 'no-such.npz'"),
 ]
 
 
@@ -280,7 +281,7 @@ def test_run_can_be_repeated_from_its_own_result(source: str, tmp_path: Path) ->
     first, again = tmp_path / "first.npz", tmp_path / "again.npz"
     assert cli.main([*words.split(), *problem.split(), f"--out={first}"]) == 0
     assert cli.main([*words.split(), f"--scenario={first}", f"--out={again}"]) == 0
-    runs = [Trajectory.load(path) for path in (first, again)]
+    runs = [load_run(path, Trajectory) for path in (first, again)]
     assert runs[0].scenario == runs[1].scenario == chosen(problem)
     assert (runs[0].coordinates == runs[1].coordinates).all()
 
@@ -297,8 +298,8 @@ def test_scenario_of_a_stored_run_of_either_kind_is_printed(
         assert cli.main(["scenario", str(path)]) == 0
         again = tmp_path / "my.toml"
         again.write_text(capsys.readouterr().out)
-        assert load_scenario(again) == kind.load(path).scenario
-    assert SpatialMotion.load(motion).scenario.start == Start(height=0.001)
+        assert load_scenario(again) == load_run(path, kind).scenario
+    assert load_run(motion, SpatialMotion).scenario.start == Start(height=0.001)
 
 
 @pytest.mark.parametrize("source", ["engine", "in-house"])

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -58,15 +59,29 @@ def test_sources_agree(capsys: pytest.CaptureFixture[str]) -> None:
     np.testing.assert_allclose(values[0], values[1], rtol=1e-6)
 
 
-def test_csv_and_plot_are_written(tmp_path: Path) -> None:
+def test_csv_plot_and_json_go_together(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table, picture = tmp_path / "eigenvalues.csv", tmp_path / "eigenvalues.png"
-    assert run(f"eigenvalues --spin 0:50:11 --csv {table}") == 0
+    assert run(f"eigenvalues --spin 0:50:11 --csv {table} --plot {picture} --json") == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert len(rows) == 11
     with table.open() as stream:
-        rows = list(csv.reader(stream))
-    assert len(rows) == 12
-    assert len(rows[0]) == 17
-    assert run(f"eigenvalues --spin 0:50:11 --plot {picture}") == 0
+        stored = list(csv.reader(stream))
+    assert len(stored) == 12
+    assert len(stored[0]) == 17
+    assert float(stored[-1][1]) == rows[-1]["real"][0]
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_critical_says_first_where_the_motion_is_stable(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run("critical") == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("Model 1: inverted spinning is stable nowhere.\n")
+    assert re.search(r"^Model 3 +30\.9168 to 60$", shown, re.MULTILINE)
+    assert re.search(r"^this pair becomes unstable +26\.8736 ", shown, re.MULTILINE)
+    assert re.search(r"^this pair becomes stable +30\.1049 ", shown, re.MULTILINE)
+    assert shown.index("nowhere") < shown.index("26.8736")
 
 
 def test_critical_prints_computed_beside_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
@@ -96,7 +111,7 @@ BAD = [
     ("eigenvalues --spin 1 --system foo", "--system: invalid choice: 'foo'"),
     ("eigenvalues --spin 1 --motion up", "--motion: invalid choice: 'up'"),
     ("eigenvalues --spin 1 --formulation floating", "--formulation needs --source engine"),
-    ("eigenvalues --spin 1 --plot a.txt", "--plot must end in .png, .svg or .pdf"),
+    ("eigenvalues --spin 1 --plot a.txt", "--plot: must end in .png, .svg or .pdf"),
     ("eigenvalues --spin 1 --mu -1", "coefficient must not be negative, got -1"),
     ("critical --spin 5:2", "interval must have 0 <= lowest < highest spin"),
     ("critical --spin 5", "--spin must be FIRST:LAST, got '5'"),

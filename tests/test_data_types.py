@@ -80,6 +80,22 @@ def test_ring_has_the_integrals_over_its_area(changes: dict[str, float]) -> None
     np.testing.assert_allclose(computed, moments, rtol=1e-12)
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 20.0])
+@pytest.mark.parametrize(("radius", "distance"), [(0.015, 0.02), (0.001, 0.03), (0.04, 0.001)])
+def test_disk_tells_the_hole_it_was_made_with(
+    radius: float, distance: float, scale: float
+) -> None:
+    geometry = {"radius": 0.045, "hole_radius": radius, "hole_distance": distance}
+    lengths = {name: scale * length for name, length in geometry.items()}
+    disk = Disk.ring(**lengths, thickness=0.01, density=7700.0)
+    assert disk.hole == pytest.approx((scale * radius, scale * distance), rel=1e-6)
+
+
+def test_disk_that_no_hole_explains_has_none() -> None:
+    assert Disk.ring(**(RING | {"hole_radius": 0.0})).hole is None
+    assert replace(STEEL_DISK, eccentricity=0.02, inertia_y=4.3e-4, inertia_z=6e-4).hole is None
+
+
 def test_ring_without_a_hole_is_a_centred_disk() -> None:
     full = Disk.ring(**(RING | {"hole_radius": 0.0}))
     assert full.eccentricity == 0.0

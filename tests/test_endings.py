@@ -18,6 +18,7 @@ from analysis import (
     Start,
     State,
     Trajectory,
+    load_run,
 )
 from analysis.data.endings import REACHED
 from analysis.models import index1
@@ -122,7 +123,7 @@ def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
 def test_ending_comes_back_from_a_file(tmp_path: Path) -> None:
     run = analysis.simulate(Scenario(), TIMES, tolerance=1e-6, stop_when=slow)
     run.save(tmp_path / "run.npz")
-    assert Trajectory.load(tmp_path / "run.npz").ending == run.ending
+    assert load_run(tmp_path / "run.npz", Trajectory).ending == run.ending
 
 
 @pytest.mark.parametrize(

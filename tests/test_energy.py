@@ -15,6 +15,7 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Trajectory,
+    load_run,
     simulate,
     simulate_to_rest,
 )
@@ -113,7 +114,7 @@ def test_balance_refuses_a_motion_whose_losses_it_does_not_know(tmp_path: Path) 
     rolling = Dissipation(rolling_viscous=1e-3, pivoting=5e-5)
     run = simulate_to_rest(Scenario.rest(dissipation=rolling), 0.1).to_trajectory()
     run.save(tmp_path / "run.npz")
-    for known in (run, Trajectory.load(tmp_path / "run.npz")):
+    for known in (run, load_run(tmp_path / "run.npz", Trajectory)):
         with pytest.raises(ValueError, match=r"must hold all .* a penalty contact does"):
             balance.energy_residual(known)
 

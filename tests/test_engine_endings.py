@@ -10,7 +10,7 @@ import mbs_models
 from analysis import Level, PenaltyContact, Scenario, Start, State
 from analysis.data.endings import REACHED, StopWhen
 from mbs_models import Formulation, Scene, formulations
-from tests.helpers import model
+from tests.helpers import model, mostly_slow
 
 TIMES = np.linspace(0.0, 0.5, 51)
 LONG = np.linspace(0.0, 0.6, 121)
@@ -80,7 +80,7 @@ def turning(state: State) -> float:
     return 6 * pi + 1.2 - state.coordinates[5]
 
 
-@pytest.mark.parametrize("formulation", ENGINE_WAYS)
+@pytest.mark.parametrize("formulation", mostly_slow(ENGINE_WAYS, ["euler-tree"]))
 @pytest.mark.parametrize("condition", ["inverted", slow, turning])
 def test_engine_runs_end_where_the_in_house_ones_do(
     formulation: Formulation, condition: StopWhen
@@ -99,7 +99,9 @@ def test_engine_runs_end_where_the_in_house_ones_do(
 
 
 @pytest.mark.parametrize("level", [1, 2, 4])
-@pytest.mark.parametrize("formulation", ["contact-tree", "euler-tree", "floating-lie"])
+@pytest.mark.parametrize(
+    "formulation", mostly_slow(["contact-tree", "euler-tree", "floating-lie"], ["contact-tree"])
+)
 def test_a_fall_ends_in_the_engine_as_in_house(level: Level, formulation: Formulation) -> None:
     scenario = model(level, start=FALLING)
     if formulation not in formulations(scenario):

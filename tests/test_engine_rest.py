@@ -17,7 +17,6 @@ from analysis import (
     Start,
     TimeLimitError,
     ToleranceError,
-    find_phases,
     simulate_to_rest,
 )
 from analysis.data.dissipation import Dissipation
@@ -25,6 +24,7 @@ from analysis.data.spatial_motion import SpatialMotion
 from analysis.rest.free_disk import FreeDisk
 from mbs_models import Scene
 from mbs_models.loads import Loads
+from tests.helpers import mostly_slow
 from tests.scenes import rest_scene, scene_of
 
 EVERYTHING = Dissipation(
@@ -68,6 +68,7 @@ def test_loads_and_powers_are_those_of_the_in_house_equations(bilateral: bool) -
         np.testing.assert_allclose(rate[13:], found.taken, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_engine_converges_to_the_in_house_motion_with_order_4() -> None:
     scene = rest_scene(dissipation=EVERYTHING)
     other = simulate_to_rest(
@@ -100,7 +101,7 @@ def impacts() -> SpatialMotion:
     )
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, None, 1e-5])
+@pytest.mark.parametrize("tolerance", mostly_slow([1e-2, None, 1e-5], [None]))
 def test_impacts_meet_the_tolerance_and_its_estimate(
     tolerance: float | None, impacts: SpatialMotion
 ) -> None:
@@ -176,22 +177,25 @@ def test_scene_runs_like_any_other_before_the_disk_lies_flat() -> None:
     np.testing.assert_allclose(found.normal_force, other.normal_force, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_engine_comes_to_rest_as_the_in_house_motion_does(settled: SpatialMotion) -> None:
     other = simulate_to_rest(settled.scenario, 30.0, local_tolerance=1e-10)
     count = min(settled.times.size, other.times.size)
     np.testing.assert_allclose(settled.tilt[:count], other.tilt[:count], atol=1e-4)
-    one, two = find_phases(settled), find_phases(other)
+    one, two = settled.phases, other.phases
     for phase in fields(one):
         found = getattr(one, phase.name)
         assert found == pytest.approx(getattr(two, phase.name), abs=5e-3)
 
 
+@pytest.mark.slow
 def test_engine_motion_ends_where_the_disk_is_at_rest(settled: SpatialMotion) -> None:
     assert settled.ending is not None
     assert settled.ending.reason == "at rest"
     assert settled.ending.time == settled.times[-1]
 
 
+@pytest.mark.slow
 def test_engine_energy_budget_closes_and_contact_never_pulls(settled: SpatialMotion) -> None:
     assert np.max(np.abs(settled.energy_residual)) < 1e-4 * settled.energies[0].sum()
     assert np.min(settled.normal_force) >= 0.0

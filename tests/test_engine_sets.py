@@ -118,7 +118,16 @@ RUNS = [
 ]
 
 
-@pytest.mark.parametrize(("constraints", "formulation", "table"), RUNS, ids=name)
+@pytest.mark.parametrize(
+    ("constraints", "formulation", "table"),
+    [
+        run
+        if run[1] in ("contact-tree", "euler-tree")
+        else pytest.param(*run, marks=pytest.mark.slow)
+        for run in RUNS
+    ],
+    ids=name,
+)
 def test_motions_agree(constraints: ConstraintSet, formulation: Formulation, table: Table) -> None:
     scenario = Scenario(constraints=constraints, table=table, start=Start(beta=1.4, spin=20.0))
     truth = analysis.simulate(scenario, TIMES, tolerance=1e-10)

@@ -22,7 +22,7 @@ from mbs_models.build import build
 from mbs_models.extrapolation import Ladder
 from mbs_models.passes import _even_stretches
 from mbs_models.probe import Probe
-from tests.helpers import model
+from tests.helpers import model, mostly_slow
 from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.5, 51)
@@ -32,7 +32,7 @@ def angle_error(run: Trajectory, other: Trajectory) -> float:
     return float(np.max(np.abs(run.coordinates - other.coordinates)[:, 4:6]))
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize("tolerance", mostly_slow([1e-3, 1e-5, 1e-7, 1e-9], [1e-5, 1e-7]))
 @pytest.mark.parametrize("scene", [Scene(), scene_of(3), scene_of(2)])
 def test_tolerance_is_met_and_the_estimate_is_honest(scene: Scene, tolerance: float) -> None:
     truth = analysis.simulate(scene.scenario, TIMES, local_tolerance=1e-13)

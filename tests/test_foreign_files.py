@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import Scenario, SpatialMotion, Trajectory
+from analysis import Scenario, SpatialMotion, Trajectory, load_run
 from analysis.data.limits import LARGEST_STORAGE
 from tests.helpers import random_trajectory
 from validation import cli
@@ -202,7 +202,7 @@ def test_foreign_file_is_refused_with_its_cause(
     np.savez(path, **change(stored(kind, path)))
     title = "trajectory" if kind is Trajectory else "spatial motion"
     with pytest.raises(ValueError, match=rf"run\.npz is not a readable {title}: {cause}") as found:
-        kind.load(path)
+        load_run(path, kind)
     assert "\n" not in str(found.value)
 
 
@@ -242,7 +242,7 @@ def test_header_that_claims_more_than_there_is_takes_no_memory(
 
     monkeypatch.setattr(np.lib.format, "read_array", honest_ones)
     with pytest.raises(ValueError, match=rf"run\.npz is not a readable trajectory: ({cause})"):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 @pytest.mark.parametrize("command", ["show {} --out {}.png", "animate {}"])

@@ -26,14 +26,16 @@ from analysis import (
     TanhCoulomb,
     Trajectory,
     ViscousFriction,
+    load_run,
 )
+from analysis.data.checks import Array
 from analysis.data.friction import law_from, law_values
 from analysis.models import index1
 from analysis.stability import spectra
 from analysis.stability.spectra import SYSTEMS, System
 from mbs_models import Scene, formulations
 from mbs_models.friction import per_speed
-from tests.helpers import model
+from tests.helpers import derivative, model
 from validation import cli
 
 TIMES = np.linspace(0.0, 0.2, 21)
@@ -74,6 +76,24 @@ def test_gradient_is_the_slope_at_no_slip(law: FrictionLaw) -> None:
     slip = 1e-6 * law.finest_speed
     assert law.per_speed(slip) * slip / slip == pytest.approx(law.gradient, rel=2e-6)
     assert law.gradient == pytest.approx(law.per_speed(0.0), rel=1e-14)
+
+
+@pytest.mark.parametrize("law", [*SHIPPED, SquareRoot()], ids=name)
+def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: FrictionLaw) -> None:
+    unit = law.gradient / law.finest_speed
+    for relative in (1e-4, 0.049, 0.051, 0.3, 1.0, 3.0):
+        speed = relative * law.finest_speed
+
+        def stretched(t: float, speed: float = speed) -> Array:
+            return np.array(law.per_speed(speed * (1.0 + t)))
+
+        expected = float(derivative(stretched)) / speed
+        # Differences over a small speed lose digits.
+        accuracy = 1e-10 + 1e-12 / relative
+        assert law.per_speed_slope(speed) / unit == pytest.approx(expected / unit, abs=accuracy)
+    near = 1e-6 * law.finest_speed
+    expected = (law.per_speed(near) - law.gradient) / near
+    assert law.per_speed_slope(0.0) / unit == pytest.approx(expected / unit, abs=2e-6)
 
 
 def test_full_force_of_the_laws() -> None:
@@ -154,7 +174,7 @@ def test_engine_eigenvalues_depend_on_the_gradient_alone(law: FrictionLaw, level
 def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -> None:
     run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
     run.save(tmp_path / "run.npz")
-    assert Trajectory.load(tmp_path / "run.npz").scenario.friction == law
+    assert load_run(tmp_path / "run.npz", Trajectory).scenario.friction == law
     assert law_from(law_values(law)) == law
 
 
@@ -193,15 +213,16 @@ def test_command_line_takes_a_law(law: str, tmp_path: Path) -> None:
         out = tmp_path / f"{source}.npz"
         call = ["simulate", "--source", source, "--law", law, "--end", "0.2", "--samples", "21"]
         assert cli.main([*call, "--tolerance", "1e-7", "--out", str(out)]) == 0
-        runs.append(Trajectory.load(out))
+        runs.append(load_run(out, Trajectory))
     assert runs[0].scenario == runs[1].scenario
     assert type(runs[0].scenario.friction) is LAWS[law.partition(",")[0]]
     np.testing.assert_allclose(runs[0].coordinates, runs[1].coordinates, atol=2e-7)
     assert cli.main(["critical", "--system", "reduced", "--law", law]) == 0
 
 
+@pytest.mark.slow
 def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
-    text = (Path(__file__).parent.parent / "README.md").read_text()
+    text = (Path(__file__).parent.parent / "docs" / "extending.md").read_text()
     begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
     (tmp_path / "rough.py").write_text(text[begin : text.index("```", begin)])
 
@@ -212,7 +233,7 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     law = "--law=rough:SquareRoot,coefficient=0.2"
     assert tippedisk("simulate", law, "--end=0.1", "--out=own.npz").returncode == 0
     with pytest.raises(ValueError, match="'rough:SquareRoot' must be imported first"):
-        Trajectory.load(tmp_path / "own.npz")
+        load_run(tmp_path / "own.npz", Trajectory)
     # A stored run executes nothing: its law comes from the file of a scenario, or from --law.
     assert "must be imported first" in tippedisk("scenario", "own.npz").stderr
     again = tippedisk("scenario", "own.npz", law)

@@ -10,13 +10,11 @@ from analysis import (
     Inversion,
     Scenario,
     Trajectory,
-    find_inversion,
-    judge_inversion,
     simulate,
 )
 from analysis.data.checks import Array
 from analysis.data.endings import REACHED
-from analysis.models.inversion import DEFINITION, STAYING
+from analysis.data.inversion import DEFINITION, STAYING
 from tests.helpers import random_trajectory
 
 TIMES = np.linspace(0.0, 4.0, 401)
@@ -80,8 +78,8 @@ def test_motion_that_ends_before_the_disk_has_stayed_up_is_not_decided() -> None
 
 def test_model_1_inverts_from_table_3_within_half_a_second() -> None:
     run = simulate(Scenario(), TIMES, local_tolerance=1e-6)
-    assert find_inversion(run) == pytest.approx(0.49, abs=0.011)
-    assert judge_inversion(run).lost is None
+    assert run.inversion_time == pytest.approx(0.49, abs=0.011)
+    assert run.inversion.lost is None
 
 
 def test_trajectory_tells_where_its_centre_of_gravity_lies() -> None:
@@ -92,8 +90,8 @@ def test_trajectory_tells_where_its_centre_of_gravity_lies() -> None:
 
 def test_disk_without_eccentricity_is_never_inverted() -> None:
     run = replace(upright(), scenario=Scenario(disk=CENTRED_DISK))
-    assert find_inversion(upright()) == 0.0
-    assert find_inversion(run) is None
+    assert upright().inversion_time == 0.0
+    assert run.inversion_time is None
 
 
 def upright() -> Trajectory:

@@ -37,11 +37,17 @@ from analysis.stability.linear_numeric import NumericSystem, numeric_matrices, u
 from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.spectra import eigenvalues
 from analysis.stability.stable_spins import stable_spins
-from tests.helpers import random_disk
+from tests.helpers import mostly_slow, random_disk
 
 SPINS = np.array([0.0, 1e-3, 5.0, 30.0, 60.0])
 STATES = [0, 1, 4, 5, 6, 7, 10, 11]
 """Of coordinates and rates, those of the full linear system: x, y, beta, gamma and their rates."""
+
+some_sets = pytest.mark.parametrize(
+    "constraints",
+    mostly_slow(POSSIBLE_SETS, (MODELS[1], MODELS[3], MODELS[4], POSSIBLE_SETS[-1])),
+    ids=set_name,
+)
 
 ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
 
@@ -98,7 +104,7 @@ def error(scenario: Scenario, motion: Motion, spins: Array = SPINS) -> float:
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+@some_sets
 def test_every_set_linearises_to_the_closed_matrices_under_its_constraints(
     constraints: ConstraintSet, motion: Motion
 ) -> None:
@@ -162,7 +168,7 @@ def test_laws_of_one_gradient_hold_every_shipped_law() -> None:
     assert {type(law) for law in LAWS_OF_ONE_GRADIENT} == set(LAWS.values())
 
 
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+@some_sets
 def test_linear_stability_depends_on_the_law_by_its_slope_at_no_slip_alone(
     constraints: ConstraintSet,
 ) -> None:
@@ -176,7 +182,7 @@ def test_linear_stability_depends_on_the_law_by_its_slope_at_no_slip_alone(
     assert (gap(eigenvalues(steeper, SPINS, "numeric"), first) > 1e-6) == steeper.rubs
 
 
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+@some_sets
 @pytest.mark.parametrize("gravity", [1.62, 24.79])
 def test_spins_grow_with_the_root_of_gravity(constraints: ConstraintSet, gravity: float) -> None:
     faster = sqrt(gravity / Table().gravity)

@@ -22,6 +22,7 @@ from analysis import (
     TimeLimitError,
     Trajectory,
     energies,
+    load_run,
     power,
 )
 from analysis.data.checks import Array
@@ -49,7 +50,13 @@ def energy(run: Trajectory) -> Array:
     return kinetic + potential
 
 
-@pytest.mark.parametrize(("level", "formulation", "load"), CASES)
+@pytest.mark.parametrize(
+    ("level", "formulation", "load"),
+    [
+        case if n % 4 == 0 else pytest.param(*case, marks=pytest.mark.slow)
+        for n, case in enumerate(CASES)
+    ],
+)
 def test_both_sides_end_where_the_contact_would_pull(
     level: Level, formulation: Formulation, load: Load
 ) -> None:
@@ -248,7 +255,7 @@ def test_ending_and_pulling_come_back_from_a_file(tmp_path: Path) -> None:
     )
     for run in (ended, pulled):
         run.save(tmp_path / "run.npz")
-        again = Trajectory.load(tmp_path / "run.npz")
+        again = load_run(tmp_path / "run.npz", Trajectory)
         assert again.ending == run.ending
         assert again.pulling == run.pulling
     assert ended.ending is not None

@@ -183,6 +183,7 @@ LITERALS = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(QUICK, max_examples=200)
 @given(
     st.sampled_from([Scenario(), Scenario.rest(), Scenario(start=TABLE_3)]),

@@ -143,3 +143,31 @@ def test_reduced_system_looks_at_the_weight_alone() -> None:
     by_contact = replace(scenario, friction=SmoothCoulomb(load="contact"))
     expected = reduced.acceleration(scenario, spin, x)
     assert reduced.acceleration(by_contact, spin, x) == expected
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_reduced_acceleration_takes_arrays_and_complex_numbers(seed: int) -> None:
+    scenario, spin, x = sample(seed)
+    law = SmoothCoulomb()
+    assert scenario.friction == law
+
+    def force(slip: Any) -> Any:
+        # The paper's law, continued to complex numbers from either side.
+        size = slip * np.sign(np.real(slip))
+        return law.coefficient * slip / (size + law.smoothing)
+
+    def found(x: Any) -> Any:
+        directions = np.sin(x[0]), np.cos(x[0]), np.sin(x[1]), np.cos(x[1])
+        return reduced.acceleration_from(scenario, spin, directions, x[2], force)
+
+    many = np.array(x)[:, None] + np.array((0.0, 0.01, 0.02))
+    for column, value in zip(many.T, found(many), strict=True):
+        expected = reduced.acceleration(scenario, spin, column.tolist())
+        assert value == pytest.approx(expected, rel=1e-13)
+
+    def stepped(t: float) -> Array:
+        states = (np.array(x) + t * np.eye(3)).tolist()
+        return np.array([reduced.acceleration(scenario, spin, state) for state in states])
+
+    exact = found(np.array(x)[:, None] + 1e-100j * np.eye(3)).imag / 1e-100
+    assert_close(exact, derivative(stepped), 1e-9)

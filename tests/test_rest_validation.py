@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis import STEEL_DISK, Scenario, SpatialMotion
+from analysis import STEEL_DISK, Scenario, SpatialMotion, load_run
 from analysis.data.checks import Array
+from tests.helpers import mostly_slow
 from validation.cli import main
 from validation.studies.rest import contact as rest_contact
 from validation.studies.rest import creep as rest_creep
@@ -17,14 +18,14 @@ from validation.studies.rest import section as rest
 from validation.studies.rest import starts as rest_starts
 
 
-@pytest.mark.parametrize("source", ["engine", "in-house"])
+@pytest.mark.parametrize("source", mostly_slow(["engine", "in-house"], ["in-house"]))
 def test_command_simulates_stores_and_draws(
     source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, plot = tmp_path / "rest.npz", tmp_path / "rest.png"
     arguments = ["rest", "--source", source, "--rolling-viscous", "2e-3", "--pivoting", "2e-4"]
     assert main([*arguments, "--end", "1.6", "--out", str(out), "--plot", str(plot)]) == 0
-    motion = SpatialMotion.load(out)
+    motion = load_run(out, SpatialMotion)
     assert motion.source == source
     assert motion.times[-1] == pytest.approx(1.6)
     assert plot.read_bytes().startswith(b"\x89PNG")
@@ -48,7 +49,7 @@ def test_command_drops_the_disk_from_a_height(
     out = tmp_path / "drop.npz"
     arguments = ["rest", "--source", "in-house", "--height", "5e-3", "--end", "0.1"]
     assert main([*arguments, "--out", str(out)]) == 0
-    motion = SpatialMotion.load(out)
+    motion = load_run(out, SpatialMotion)
     assert motion.positions[0, 2] - motion.scenario.disk.radius == pytest.approx(5e-3)
     assert motion.normal_force[0] == 0.0
     assert motion.energy_taken("damping")[-1] > 0.01
@@ -74,8 +75,8 @@ def test_command_says_that_a_time_limit_ended_it(capsys: pytest.CaptureFixture[s
         (["--step", "1e-4", "--source", "in-house"], "--step must be left out with --source"),
         (["--height", "-1"], "height must not be negative, got -1"),
         (["--tolerance", "0"], "tolerance must be positive, got 0"),
-        (["--out", "rest.txt"], "--out must end in .npz, got 'rest.txt'"),
-        (["--plot", "nowhere/rest.png"], "--plot must lie in an existing folder"),
+        (["--out", "rest.txt"], "--out: must end in .npz, got 'rest.txt'"),
+        (["--plot", "nowhere/rest.png"], "--plot: must lie in an existing folder"),
     ],
 )
 def test_wrong_calls_answer_in_one_line(
@@ -87,6 +88,7 @@ def test_wrong_calls_answer_in_one_line(
     assert message in printed
 
 
+@pytest.mark.slow
 def test_final_stage_table_holds_the_predicted_exponents() -> None:
     results = {job.key: job.function(*job.arguments) for job in rest_final.jobs()}
     for row in rest_final.table(results).rows:

@@ -38,6 +38,7 @@ def misbehave(what: str) -> str:
     return what
 
 
+@pytest.mark.slow
 def test_crash_and_hang_are_noted_and_the_rest_still_runs() -> None:
     calls = [("a",), ("crash",), ("b",), ("hang",), ("c",)]
     results = run_isolated(misbehave, calls, limit=1.0)

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import MODELS, Scenario, SpatialMotion, Start, Trajectory
+from analysis import MODELS, Scenario, SpatialMotion, Start, Trajectory, load_run
 from analysis.data.trajectory import SOURCES, Source
-from validation.run import load_run, rest_effort, run, run_effort, run_to_rest
+from validation.run import rest_effort, run, run_effort, run_to_rest
 
 TIMES = np.linspace(0.0, 0.05, 6)
 

@@ -25,7 +25,7 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.models import balance
-from tests.helpers import all_sets, assert_close, model
+from tests.helpers import all_sets, assert_close, model, mostly_slow
 
 TIMES = np.linspace(0.0, 0.6, 301)
 """The inversion of Model 1 from Table 3."""
@@ -78,7 +78,7 @@ def test_forms_keep_alpha_and_the_clock_of_the_start(form: Form) -> None:
     np.testing.assert_allclose(late.coordinates, expected, rtol=0.0, atol=2e-12)
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("tolerance", mostly_slow([1e-4, 1e-6, 1e-8], [1e-6]))
 @pytest.mark.parametrize("method", ["DOP853", "RK45", "Radau", "LSODA", "BDF"])
 @pytest.mark.parametrize("level", [1, 4])
 def test_tolerance_and_estimate_bound_the_error(

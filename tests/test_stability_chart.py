@@ -110,6 +110,7 @@ def test_static_curve_starts_where_the_inertia_carries_the_weight() -> None:
     assert np.all(np.isnan(static_gradient(CENTRED, [0.0, 10.0, 30.0])))
 
 
+@pytest.mark.slow
 def test_hopf_curves_pass_through_the_crossings_of_every_gradient(
     curves: Mapping[Motion, tuple[HopfCurve, ...]],
 ) -> None:

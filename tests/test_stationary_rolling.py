@@ -33,6 +33,7 @@ from analysis.rest.stationary_rolling import (
     upright_rolling_spin,
 )
 from analysis.rest.to_rest import simulate_to_rest
+from tests.helpers import mostly_slow
 
 WEIGHT = DISK.mass * GRAVITY
 CENTRED = Scenario(disk=DISK)
@@ -83,7 +84,7 @@ def test_euler_disk_is_the_limit_without_axial_spin() -> None:
         )
 
 
-@pytest.mark.parametrize("face", ["one face", "other face"])
+@pytest.mark.parametrize("face", mostly_slow(["one face", "other face"], ["one face"]))
 def test_euler_disk_keeps_rolling_with_textbook_energy_and_contact_force(face: str) -> None:
     beta = 0.2
     rate = euler_disk_precession(CENTRED, beta)
@@ -146,6 +147,7 @@ def final_stage(dissipation: Dissipation, end: float, half_thickness: float) -> 
     return simulate_to_rest(rest, end, spacing=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("dissipation", "tilting", "turning"),
     [

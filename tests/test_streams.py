@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis import Trajectory
+from analysis import Trajectory, load_run
 from validation import cli
 
 ROOT = Path(__file__).parent.parent
@@ -49,6 +49,7 @@ def test_module_is_the_same_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert done.stdout == capsys.readouterr().out
 
 
+@pytest.mark.slow
 @needs_full
 @pytest.mark.parametrize(
     "redirection", [">/dev/full", ">&-", "| true; exit ${PIPESTATUS[0]}", ">&- <&-"]
@@ -60,9 +61,10 @@ def test_run_that_was_written_is_no_failed_run(redirection: str, simulated: str)
     assert done.returncode == 3
     assert done.stderr.startswith(LOST)
     assert done.stderr.count("\n") == 1
-    assert Trajectory.load(out).times.size == 3
+    assert load_run(out, Trajectory).times.size == 3
 
 
+@pytest.mark.slow
 @needs_full
 @pytest.mark.parametrize("call", ["--help", "--version", "simulate --help", SCENE])
 def test_text_that_is_lost_is_said_in_one_line(call: str) -> None:
@@ -80,6 +82,7 @@ def test_full_output_does_not_hide_a_wrong_call() -> None:
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 @needs_full
 @pytest.mark.parametrize("redirection", ["2>/dev/full", "2>&-"])
 def test_full_standard_error_keeps_the_exit_code(redirection: str) -> None:
@@ -93,6 +96,7 @@ def test_failed_check_outranks_lost_output(monkeypatch: pytest.MonkeyPatch) -> N
     assert cli.main([]) == 1
 
 
+@pytest.mark.slow
 def test_text_of_a_terminal_without_greek_letters_is_lost_in_one_line() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "validation", "eigenvalues", "--spin", "30"],
@@ -107,6 +111,7 @@ def test_text_of_a_terminal_without_greek_letters_is_lost_in_one_line() -> None:
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("redirection", ["2>/dev/full", "2>&-"])
 def test_run_does_not_need_a_standard_error(redirection: str, simulated: str) -> None:
     done = process(simulated, streams=redirection)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import LEVELS, Level, Trajectory
+from analysis import LEVELS, Level, Trajectory, load_run
 from tests.helpers import random_trajectory
 
 ARRAYS = ("times", "coordinates", "rates", "multipliers")
@@ -28,7 +28,7 @@ def members(path: Path) -> dict[str, Any]:
 def test_file_gives_back_exactly_what_was_saved(level: Level, tmp_path: Path) -> None:
     saved = random_trajectory(level)
     saved.save(tmp_path / "motion.npz")
-    loaded = Trajectory.load(tmp_path / "motion.npz")
+    loaded = load_run(tmp_path / "motion.npz", Trajectory)
     for name in ARRAYS:
         np.testing.assert_array_equal(getattr(loaded, name), getattr(saved, name))
     for name in META:
@@ -37,7 +37,7 @@ def test_file_gives_back_exactly_what_was_saved(level: Level, tmp_path: Path) ->
 
 def test_file_keeps_a_missing_error_estimate(tmp_path: Path) -> None:
     replace(random_trajectory(), error_estimate=None).save(tmp_path / "motion.npz")
-    assert Trajectory.load(tmp_path / "motion.npz").error_estimate is None
+    assert load_run(tmp_path / "motion.npz", Trajectory).error_estimate is None
 
 
 def test_file_is_written_where_it_was_asked_for(tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def test_truncated_file_is_named(part: float, tmp_path: Path) -> None:
     whole = path.read_bytes()
     path.write_bytes(whole[: int(part * len(whole))])
     with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -84,7 +84,7 @@ def test_file_of_random_bytes_is_named(seed: int, tmp_path: Path) -> None:
     path = tmp_path / "noise.npz"
     path.write_bytes(np.random.default_rng(seed).bytes(3000))
     with pytest.raises(ValueError, match=r"noise\.npz is not a readable trajectory: ."):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 # Flags "encrypted" and "needs ZIP version 25.5" in the archive's own directory: `zipfile` answers
@@ -97,7 +97,7 @@ def test_file_with_a_damaged_directory_is_named(offset: int, value: int, tmp_pat
     content[content.index(b"PK\x01\x02") + offset] = value
     path.write_bytes(content)
     with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 def test_file_with_a_flipped_bit_is_named(tmp_path: Path) -> None:
@@ -107,7 +107,7 @@ def test_file_with_a_flipped_bit_is_named(tmp_path: Path) -> None:
     content[content.index(random_trajectory().rates.tobytes()) + 17] ^= 1
     path.write_bytes(content)
     with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 @pytest.mark.parametrize("key", ["t", "q", "u", "multipliers", "meta"])
@@ -118,7 +118,7 @@ def test_missing_member_is_named(key: str, tmp_path: Path) -> None:
     del stored[key]
     np.savez(path, **stored)
     with pytest.raises(ValueError, match=rf"motion\.npz is not .*: lacks .*\b{key}\b"):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 @pytest.mark.parametrize("key", META)
@@ -130,7 +130,7 @@ def test_missing_piece_of_the_description_is_named(key: str, tmp_path: Path) -> 
     del meta[key]
     np.savez(path, **(stored | {"meta": np.array(json.dumps(meta))}))
     with pytest.raises(ValueError, match=rf"motion\.npz is not .*: lacks '{key}'"):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 @pytest.mark.parametrize(
@@ -141,14 +141,14 @@ def test_unreadable_description_is_named(meta: str, tmp_path: Path) -> None:
     random_trajectory().save(path)
     np.savez(path, **(members(path) | {"meta": np.array(meta)}))
     with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 def test_single_array_is_not_a_trajectory(tmp_path: Path) -> None:
     path = tmp_path / "motion.npy"
     np.save(path, np.arange(3.0))
     with pytest.raises(ValueError, match=r"motion\.npy is not a readable trajectory: ."):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 def test_pickled_member_is_refused(tmp_path: Path) -> None:
@@ -157,12 +157,12 @@ def test_pickled_member_is_refused(tmp_path: Path) -> None:
     times = np.array(list(random_trajectory().times), dtype=object)
     np.savez(path, allow_pickle=True, **(members(path) | {"t": times}))
     with pytest.raises(ValueError, match=r"motion\.npz is not .*allow_pickle"):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 def test_missing_file_is_a_missing_file(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
-        Trajectory.load(tmp_path / "nothing.npz")
+        load_run(tmp_path / "nothing.npz", Trajectory)
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
@@ -192,7 +192,7 @@ def test_new_file_replaces_the_old_one(tmp_path: Path) -> None:
     path = tmp_path / "motion.npz"
     random_trajectory(1).save(path)
     random_trajectory(2).save(path)
-    assert Trajectory.load(path).scenario.model == 2
+    assert load_run(path, Trajectory).scenario.model == 2
     assert len(list(tmp_path.iterdir())) == 1
 
 
@@ -206,7 +206,7 @@ def test_file_of_another_format_says_so(stored: int | None, age: str, tmp_path: 
         del meta["format"]
     np.savez(path, **(held | {"meta": np.array(json.dumps(meta))}))
     with pytest.raises(ValueError, match=rf"format must be 2, got .* from {age} version"):
-        Trajectory.load(path)
+        load_run(path, Trajectory)
 
 
 def test_save_into_a_missing_folder_fails(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from analysis import (
 from analysis.data.constraint_set import set_name
 from analysis.stability.critical import critical_speeds
 from analysis.stability.unstable_start import unstable_start
+from tests.helpers import mostly_slow
 
 SPINNING = Start.stationary(40.0)
 
@@ -35,7 +36,7 @@ def test_message_names_the_motion_its_spin_and_its_growth() -> None:
     assert message.startswith("start is exactly noninverted spinning, which is unstable at 0")
 
 
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+@pytest.mark.parametrize("constraints", mostly_slow(POSSIBLE_SETS, MODELS.values()), ids=set_name)
 def test_message_ends_where_the_last_pair_begins_to_decay(constraints: ConstraintSet) -> None:
     scenario = Scenario(constraints=constraints)
     crossings = critical_speeds(scenario, system="numeric").crossings

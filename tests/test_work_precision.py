@@ -118,6 +118,7 @@ def test_references_of_different_methods_agree_two_digits_beyond_the_finest_goal
     assert found.floor <= 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in PROBLEMS if name != "stiff"])
 def test_contact_of_no_problem_would_have_to_pull(name: Any) -> None:
     often = np.linspace(0.0, TIMES[-1], 4001)
@@ -187,6 +188,7 @@ def test_run_to_a_tolerance_is_that_of_the_library_and_keeps_its_promise() -> No
     assert asked[1].error == compare(same, reference("model-1")).error
 
 
+@pytest.mark.slow
 def test_what_is_run_does_not_depend_on_the_time_it_takes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

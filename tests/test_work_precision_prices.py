@@ -29,6 +29,7 @@ def test_price_is_the_median_of_pairs_and_says_when_it_is_noise() -> None:
     assert not noise.told
 
 
+@pytest.mark.slow
 def test_price_takes_both_sides_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     order: list[bool] = []
     run = EngineMethod.run

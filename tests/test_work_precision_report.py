@@ -1,4 +1,4 @@
-"""What the work-precision study says: stored studies, tables, lesson, report, README."""
+"""What the work-precision study says: stored studies, tables, lesson, report, docs."""
 
 import dataclasses
 import json
@@ -21,7 +21,7 @@ from validation.studies.work_precision.runs import Curve, Run
 from validation.studies.work_precision.section import make_section
 from validation.studies.work_precision.stored import FILE, Study, shipped
 
-README = Path(__file__).parents[1] / "README.md"
+RESULTS = Path(__file__).parents[1] / "docs" / "results.md"
 
 
 @cache
@@ -316,7 +316,7 @@ def test_only_a_whole_full_study_is_shipped(
     assert not (tmp_path / "shipped.json").exists()
 
 
-def test_shipping_prints_the_block_of_the_readme(
+def test_shipping_prints_the_block_of_the_results(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shipped_here = dataclasses.replace(FILE, shipped=tmp_path / "shipped.json")
@@ -331,13 +331,13 @@ def test_shipping_prints_the_block_of_the_readme(
     assert (tmp_path / "shipped.json").read_bytes() == (tmp_path / FULL_STUDY).read_bytes()
 
 
-def test_readme_shows_the_fastest_ways_of_the_shipped_study() -> None:
+def test_results_show_the_fastest_ways_of_the_shipped_study() -> None:
     full = shipped()
     if full is None:
         pytest.skip("no full study is shipped yet")
-    text = README.read_text(encoding="utf-8")
+    text = RESULTS.read_text(encoding="utf-8")
     block = text[text.index(ship.BEGIN) : text.index(ship.END) + len(ship.END)]
-    assert block == ship.readme_block(full)
+    assert block == ship.results_block(full)
 
 
 def test_shipped_study_is_written_as_it_lies_there(tmp_path: Path) -> None:

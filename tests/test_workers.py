@@ -64,6 +64,7 @@ def is_running(process: int) -> bool:
     return state != "Z"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 @pytest.mark.parametrize(("code", "number"), [(POOL, 2), (ISOLATED, 1), (NESTED, 2)])
 def test_workers_of_a_killed_parent_end(code: str, number: int, tmp_path: Path) -> None:

@@ -224,16 +224,14 @@ def to_rest() -> Table:
     begin = time.process_time()
     motion = mbs_models.simulate_to_rest(scene, 120.0, step=0.6 * largest_step(scene))
     taken = time.process_time() - begin
-    converged = analysis.find_phases(
-        analysis.simulate_to_rest(
-            Scenario.rest(
-                contact=PenaltyContact.rounded(STEEL_DISK, stiffness=1e7, half_thickness=2e-5),
-                dissipation=dissipation,
-            ),
-            25.0,
-        )
-    )
-    found = analysis.find_phases(motion)
+    converged = analysis.simulate_to_rest(
+        Scenario.rest(
+            contact=PenaltyContact.rounded(STEEL_DISK, stiffness=1e7, half_thickness=2e-5),
+            dissipation=dissipation,
+        ),
+        25.0,
+    ).phases
+    found = motion.phases
     if found.rest is None:
         raise ArithmeticError("the disk did not come to rest")
     limit = 30.0 * found.rest / 60.0

@@ -1,11 +1,9 @@
-"""Runs of a scenario on either side, and stored runs of either kind.
+"""Runs of a scenario on either side.
 
 What compares, draws or stores motions calls these and does not know who makes them. The engine
 is loaded only when it is asked for.
 """
 
-import os
-import zipfile
 from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
@@ -20,9 +18,6 @@ from analysis.models import effort as inhouse_effort
 
 if TYPE_CHECKING:
     from mbs_models import Integrator, IntegratorName
-
-StoredRun = Trajectory | SpatialMotion
-"""What a result file holds."""
 
 _OF_ENGINE = ("step", "integrator")
 _OF_IN_HOUSE = ("local_tolerance", "method")
@@ -101,6 +96,7 @@ def run_to_rest(
     step: float | None = None,
     local_tolerance: float | None = None,
     method: str | None = None,
+    stop_when: StopWhen = (),
     time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> SpatialMotion:
@@ -116,7 +112,7 @@ def run_to_rest(
         Who runs it.
     spacing : float
         Time between samples in s.
-    criterion, tolerance, time_limit, progress
+    criterion, tolerance, stop_when, time_limit, progress
         As both sides' `simulate_to_rest` take them.
     step
         Of the engine alone.
@@ -136,6 +132,7 @@ def run_to_rest(
     given |= {
         "spacing": spacing,
         "criterion": criterion,
+        "stop_when": stop_when,
         "time_limit": time_limit,
         "progress": progress,
     }
@@ -189,24 +186,6 @@ def rest_effort(
 
     scene = _scene(scenario)
     return engine_effort(scene, end, SAFETY * largest_step(scene) if step is None else step)
-
-
-def load_run(path: str | os.PathLike[str]) -> StoredRun:
-    """Read a stored run of either kind.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If it is damaged, or neither a trajectory nor a spatial motion.
-    """
-    try:
-        with zipfile.ZipFile(path) as stored:
-            spatial = "spatial_meta.npy" in stored.namelist()
-    except (zipfile.BadZipFile, EOFError, RuntimeError) as error:
-        raise ValueError(f"{path} is not a readable motion: {error}") from error
-    return SpatialMotion.load(path) if spatial else Trajectory.load(path)
 
 
 def _given(source: Source, **options: Any) -> dict[str, Any]:

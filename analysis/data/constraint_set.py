@@ -82,7 +82,14 @@ POSSIBLE_SETS: tuple[ConstraintSet, ...] = tuple(
 
 
 def multiplier_names(constraints: ConstraintSet) -> tuple[str, ...]:
-    """Names of the constraint forces of a set, in order."""
+    """Names of the constraint forces of a set, in order.
+
+    Examples
+    --------
+    >>> from analysis import MODELS, multiplier_names
+    >>> multiplier_names(MODELS[3])
+    ('normal_force', 'cog_force_x', 'cog_force_y', 'tangential_force')
+    """
     return tuple(name for each in constraints for name in _FORCES[each])
 
 

@@ -1,7 +1,7 @@
 """The disk: geometry, mass, eccentricity and inertia."""
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, sqrt
 
 from analysis.data.checks import not_negative, number, positive
 
@@ -29,6 +29,15 @@ class Disk:
     ValueError
         If a value is out of range, or if no rigid body has these moments of inertia: about S
         they must be positive and none may exceed the sum of the two others.
+
+    Examples
+    --------
+    >>> from analysis import STEEL_DISK, Disk
+    >>> disk = Disk.ring(
+    ...     radius=0.045, hole_radius=0.015, hole_distance=0.02, thickness=0.01, density=7700.0
+    ... )
+    >>> disk.eccentricity < STEEL_DISK.radius
+    True
     """
 
     radius: float
@@ -72,6 +81,21 @@ class Disk:
         """Principal moments of inertia about S in kg m²."""
         shift = self.mass * self.eccentricity**2
         return self.inertia_x, self.inertia_y - shift, self.inertia_z - shift
+
+    @property
+    def hole(self) -> tuple[float, float] | None:
+        """Radius and distance in m of the round hole that this mass distribution tells of.
+
+        It lies against the x axis. Eccentricity and `inertia_z` of a flat disk of uniform density
+        follow from it alone and tell it again; None where no hole inside the disk would do.
+        """
+        r, e = self.radius, self.eccentricity
+        linear = r**2 + 2.0 * e**2 - 2.0 * self.inertia_z / self.mass
+        square = 0.5 * (-linear + sqrt(linear**2 + 8.0 * (e * r) ** 2))
+        if square < (1e-6 * r) ** 2:
+            return None
+        radius, distance = sqrt(square), e * (r**2 - square) / square
+        return (radius, distance) if radius + distance < r else None
 
     @classmethod
     def ring(

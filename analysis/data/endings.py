@@ -1,9 +1,12 @@
 """Why a motion ends, and what a run can be told to end at."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from analysis.data.checks import choice, number
+import numpy as np
+
+from analysis.data import frames
+from analysis.data.checks import Array, choice, number
 from analysis.data.elementary import sin
 from analysis.data.state import State
 
@@ -15,6 +18,9 @@ AT_REST = "at rest"
 
 REACHED = 0.9
 """Part of its largest height above the geometric centre from which on the COG is up."""
+
+FLATTEST = 1e-6
+"""Leaning in rad down to which a pose is told by its Euler angles."""
 
 Condition = Callable[[State], float]
 """From a state to a number; a run ends where that turns negative."""
@@ -99,3 +105,37 @@ def named_conditions(stop_when: StopWhen) -> dict[str, Condition]:
         else:
             raise ValueError(f"stop_when must hold names or functions of a State, got {each!r}")
     return found
+
+
+def first_met(
+    conditions: Mapping[str, Condition],
+    positions: Array,
+    rotations: Array,
+    velocities: Array,
+    angular_velocities: Array,
+) -> tuple[int, str, float] | None:
+    """Number of the first pose at which a condition turns negative, its name and its value.
+
+    Poses that lie flat, which no `State` describes, are passed over.
+
+    Parameters
+    ----------
+    conditions : mapping
+        By name, as `named_conditions` makes it.
+    positions, velocities, angular_velocities : ndarray, shape (n, 3)
+    rotations : ndarray, shape (n, 3, 3)
+        As in `frames.from_poses`.
+    """
+    leaning = np.hypot(rotations[:, 2, 0], rotations[:, 2, 1])
+    rows = np.flatnonzero(leaning > FLATTEST)
+    poses = (each[rows] for each in (positions, rotations, velocities, angular_velocities))
+    coordinates, rates = frames.from_poses(*poses)
+    before: dict[str, float] = {}
+    for row, z, u in zip(rows.tolist(), coordinates.tolist(), rates.tolist(), strict=True):
+        state = State(coordinates=tuple(z), rates=tuple(u))
+        for name, condition in conditions.items():
+            value = number(f"condition {name}", condition(state))
+            if value < 0.0 <= before.get(name, -1.0):
+                return row, name, value
+            before[name] = value
+    return None

@@ -69,6 +69,8 @@ def read_archive(
 
 def _read_array(archive: zipfile.ZipFile, member: str) -> AnyArray:
     """One array; what its header claims is compared with the file before memory is taken."""
+    if member not in archive.namelist():
+        raise KeyError(member.removesuffix(".npy"))
     info = archive.getinfo(member)
     with archive.open(info) as stream:
         version = np.lib.format.read_magic(stream)

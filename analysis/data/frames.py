@@ -159,6 +159,21 @@ def rotations(quaternions: Array) -> Array:
     return np.moveaxis(np.array(rows), -1, 0)
 
 
+def quaternion_rates(quaternions: Array, angular: Array) -> Array:
+    """Rates of unit quaternions, shape (n, 4), from inertial angular velocities, shape (n, 3)."""
+    scalar, vector = quaternions[:, :1], quaternions[:, 1:]
+    along = -np.sum(angular * vector, axis=1, keepdims=True)
+    return 0.5 * np.hstack((along, scalar * angular + np.cross(angular, vector)))
+
+
+def angular_velocities(quaternions: Array, rates: Array) -> Array:
+    """Inertial angular velocities in rad/s, shape (n, 3), from quaternions and their rates."""
+    scalar, vector = quaternions[:, :1], quaternions[:, 1:]
+    turning = scalar * rates[:, 1:] - rates[:, :1] * vector
+    result: Array = 2.0 * (turning - np.cross(rates[:, 1:], vector))
+    return result
+
+
 def tilts(rotations: Array) -> Array:
     """Inclination beta in rad from 0 to pi, both flat, of rotation matrices, shape (n,)."""
     axis = rotations[:, :, 2]

@@ -63,6 +63,16 @@ class Scenario(_Remembering):
     ------
     ValueError
         If a field is of the wrong kind, or does not fit the others.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from analysis import Scenario, Start
+    >>> scenario = Scenario()
+    >>> scenario.name
+    'Model 1'
+    >>> round(replace(scenario, start=Start(beta=1.0)).initial_state.coordinates[2], 6)
+    0.037866
     """
 
     constraints: ConstraintSet = MODELS[1]

@@ -50,6 +50,17 @@ def load_scenario(path: str | os.PathLike[str]) -> Scenario:
         If it is no TOML, has a newer format, lacks a key or a table, or holds an unknown key or
         a value of the wrong kind or out of range. The message names the file, the line, the key
         and what is allowed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from analysis import Scenario, load_scenario, scenario_text
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "paper.toml"
+    ...     length = path.write_text(scenario_text(Scenario()))
+    ...     load_scenario(path) == Scenario()
+    True
     """
     text = _text(path)
     places = _Places(str(path), text)

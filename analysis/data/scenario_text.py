@@ -50,6 +50,12 @@ def scenario_text(scenario: Scenario) -> str:
     ------
     ValueError
         If a friction law of one's own has a parameter that TOML cannot hold.
+
+    Examples
+    --------
+    >>> from analysis import Scenario, Start, scenario_text
+    >>> "spin = 35.0" in scenario_text(Scenario(start=Start(spin=35.0)))
+    True
     """
     parts = (
         _HEAD + "\n" + _constraints(scenario),

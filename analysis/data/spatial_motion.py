@@ -3,16 +3,20 @@
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from analysis.data import frames
 from analysis.data.checks import Array, choice, increasing_times, number, real_array, settings
+from analysis.data.dense import between_neighbours, interpolate
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import Ending
-from analysis.data.files import read_archive, whole_file
+from analysis.data.files import whole_file
+from analysis.data.phases import Phases, find_phases
+from analysis.data.sampled import SampledMotion
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import (
     FORMAT,
@@ -41,8 +45,8 @@ MOTION_COLUMNS = 1 + sum(max(1, columns) for columns in _COLUMNS.values())
 """Numbers in each sample, the time included."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpatialMotion:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SpatialMotion(SampledMotion):
     """A motion of the disk in inertial coordinates, sampled in time, and what produced it.
 
     Parameters
@@ -82,7 +86,20 @@ class SpatialMotion:
     ValueError
         If shapes do not fit, a number is not finite, a quaternion is not of unit length or the
         rest time lies outside the samples.
+
+    Examples
+    --------
+    >>> from analysis import Scenario, Start, simulate_to_rest
+    >>> motion = simulate_to_rest(Scenario.rest(start=Start(spin=5.0)), 0.2)
+    >>> bool(motion.cog_height.min() > 0.0)
+    True
+    >>> motion.to_dict()["taken_by_sliding"].shape == motion.times.shape
+    True
     """
+
+    ERROR_UNIT: ClassVar[str] = ""
+    STORED_AS: ClassVar[str] = "spatial motion"
+    STORED_ARRAYS: ClassVar[tuple[str, ...]] = ("times", *_COLUMNS, "spatial_meta")
 
     times: Array
     positions: Array
@@ -161,6 +178,11 @@ class SpatialMotion:
         """Vertical angular velocity in rad/s, shape (n,)."""
         return self.angular_velocities[:, 2]
 
+    @property
+    def phases(self) -> Phases:
+        """When each phase of the motion until rest begins."""
+        return find_phases(self)
+
     def energy_taken(self, cause: str) -> Array:
         """Energy in J taken by this one of `CAUSES` over time, shape (n,)."""
         return self.dissipated[:, CAUSES.index(choice("cause", cause, CAUSES))]
@@ -199,6 +221,89 @@ class SpatialMotion:
         turned = np.linalg.norm(difference[:, :3], axis=1)
         largest = max(float(np.max(turned)), float(np.max(difference[:, 3:])))
         return largest / float(self.energies[0].sum())
+
+    def resampled(
+        self, times: npt.ArrayLike, *, tolerance: float | None = None
+    ) -> "SpatialMotion":
+        """The same motion at other times within its samples.
+
+        Positions and attitudes go through the samples and their rates by polynomials of degree
+        11, whose derivatives the velocities are; everything else is linear between samples.
+        The error of the attitude is estimated, and added to the run's error estimate.
+
+        Parameters
+        ----------
+        times : array_like, shape (m,)
+            Strictly increasing times in s, the rest time among those between the first and last.
+        tolerance : float, optional
+            As in `at`.
+
+        Raises
+        ------
+        ValueError
+            If times do not increase or lie outside the samples.
+        ToleranceError
+            If the samples lie too far apart for the tolerance.
+        """
+        wanted = self._wanted(increasing_times(times))
+        pose, error = self._between(wanted, tolerance)
+        names = ("positions", "quaternions", "velocities", "angular_velocities")
+        arrays: dict[str, Any] = {"times": wanted, **dict(zip(names, pose, strict=True))}
+        for name in _COLUMNS:
+            if name not in names:
+                arrays[name] = between_neighbours(self.times, getattr(self, name), wanted)
+        rest = self.rest_time
+        within = rest is not None and wanted[0] <= rest <= wanted[-1]
+        return replace(
+            self,
+            **arrays,
+            rest_time=rest if within else None,
+            error_estimate=None if self.error_estimate is None else self.error_estimate + error,
+        )
+
+    def _between(
+        self, wanted: Array, tolerance: float | None
+    ) -> tuple[tuple[Array, Array, Array, Array], float]:
+        """Position, quaternion, velocity and angular velocity between samples, and the error."""
+        values = np.column_stack((self.positions, self.quaternions))
+        turning = frames.quaternion_rates(self.quaternions, self.angular_velocities)
+        rates = np.column_stack((self.velocities, turning))
+        values, rates, error = interpolate(self.times, values, rates, wanted)
+        # A quaternion off by d turns the disk by 2 d.
+        turned = 2.0 * np.linalg.norm(error[:, 3:], axis=1)
+        worst = self._check_between(wanted, turned, tolerance)
+        length = np.linalg.norm(values[:, 3:], axis=1, keepdims=True)
+        quaternion = values[:, 3:] / length
+        angular = frames.angular_velocities(quaternion, rates[:, 3:] / length)
+        return (values[:, :3], quaternion, rates[:, :3], angular), worst
+
+    def columns(self) -> dict[str, tuple[Array, str]]:
+        """Every sampled quantity by name: its values, shape (n,), and its unit."""
+        found = {"time": (self.times, "s")}
+        for stem, values, parts, unit in (
+            ("position", self.positions, "xyz", "m"),
+            ("quaternion", self.quaternions, "wxyz", ""),
+            ("velocity", self.velocities, "xyz", "m/s"),
+            ("angular_velocity", self.angular_velocities, "xyz", "rad/s"),
+            ("contact", self.contact_points, "xyz", "m"),
+            ("taken_by", self.dissipated, CAUSES, "J"),
+        ):
+            for part, column in zip(parts, values.T, strict=True):
+                found[f"{stem}_{part}"] = (column, unit)
+        for name, column in zip(("kinetic", "potential", "elastic"), self.energies.T, strict=True):
+            found[f"{name}_energy"] = (column, "J")
+        found |= {
+            "slip_speed": (self.slip_speeds, "m/s"),
+            "contour_speed": (self.contour_speeds, "m/s"),
+            "normal_force": (self.normal_force, "N"),
+            "tilt": (self.tilt, "rad"),
+            "cog_height": (self.cog_height, "m"),
+        }
+        return found
+
+    def _state(self, wanted: Array, tolerance: float | None) -> tuple[Array, Array]:
+        place, quaternion, velocity, angular = self._between(wanted, tolerance)[0]
+        return frames.from_poses(place, frames.rotations(quaternion), velocity, angular)
 
     def to_trajectory(
         self, end: float | None = None, *, least_leaning: float = 1e-3
@@ -268,21 +373,8 @@ class SpatialMotion:
             np.savez(stream, **arrays, spatial_meta=np.array(json.dumps(meta)))
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> "SpatialMotion":
-        """Read a motion that `save` has written.
-
-        Raises
-        ------
-        FileNotFoundError
-            If there is no such file.
-        ValueError
-            If the file is damaged, or is not a motion in inertial coordinates.
-        """
-        names = ("times", *_COLUMNS, "spatial_meta")
-        return read_archive(path, "spatial motion", names, cls._from_arrays)
-
-    @classmethod
-    def _from_arrays(cls, stored: Mapping[str, Any]) -> "SpatialMotion":
+    def from_arrays(cls, stored: Mapping[str, Any]) -> "SpatialMotion":
+        """Motion from the arrays of a file; `load_run` reads one."""
         meta = stored_meta(stored["spatial_meta"])
         return cls(
             **{name: stored[name] for name in ("times", *_COLUMNS)},

@@ -47,6 +47,12 @@ class Start:
     ------
     ValueError
         If a value is out of range.
+
+    Examples
+    --------
+    >>> from analysis import Scenario, Start
+    >>> Scenario(start=Start(spin=20.0)).initial_state.rates[3]
+    20.0
     """
 
     beta: float = pi / 2

@@ -4,13 +4,15 @@ import json
 import os
 import platform
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from importlib.metadata import version
-from typing import Any, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
+import numpy.typing as npt
 
+from analysis.data import frames
 from analysis.data.checks import (
     Array,
     choice,
@@ -21,8 +23,10 @@ from analysis.data.checks import (
     settings,
 )
 from analysis.data.constraint_set import multiplier_names
+from analysis.data.dense import interpolate, interpolate_values
 from analysis.data.endings import Ending
-from analysis.data.files import read_archive, whole_file
+from analysis.data.files import whole_file
+from analysis.data.sampled import SampledMotion
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES, State
 
@@ -34,8 +38,8 @@ SOURCES: tuple[Source, ...] = get_args(Source)
 Setting = str | float | int | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Trajectory:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Trajectory(SampledMotion):
     """A motion of the disk, sampled in time, and what produced it.
 
     Parameters
@@ -67,7 +71,23 @@ class Trajectory:
     ------
     ValueError
         If shapes do not fit or a number is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Scenario, simulate
+    >>> run = simulate(Scenario(), np.linspace(0.0, 1.0, 201))
+    >>> bool(run.cog_height.max() > run.scenario.disk.radius)
+    True
+    >>> round(run.at(0.5023).coordinates[4], 6)
+    1.761266
+    >>> run.to_dict()["normal_force"].shape
+    (201,)
     """
+
+    ERROR_UNIT: ClassVar[str] = " rad"
+    STORED_AS: ClassVar[str] = "trajectory"
+    STORED_ARRAYS: ClassVar[tuple[str, ...]] = ("t", "q", "u", "multipliers", "meta")
 
     times: Array
     coordinates: Array
@@ -137,12 +157,83 @@ class Trajectory:
         result: Array = np.sin(self.coordinate("beta")) * np.sin(self.coordinate("gamma"))
         return result
 
+    @property
+    def cog_height(self) -> Array:
+        """Height of the centre of gravity over the table in m, shape (n,)."""
+        result: Array = self.coordinate("z") + self.scenario.disk.eccentricity * self.cog_direction
+        return result
+
+    @property
+    def contact_points(self) -> Array:
+        """Lowest point of the disk, inertial, in m, shape (n, 3)."""
+        x, y, z, alpha, beta, _ = self.coordinates.T
+        contact, r = self.scenario.contact, self.scenario.disk.radius
+        c = 0.0 if contact is None else contact.half_thickness
+        # The lowest point of a spheroid of semi-axes r, r, c; without thickness, of the rim.
+        height = np.hypot(r * np.sin(beta), c * np.cos(beta))
+        across = (r**2 - c**2) * np.sin(beta) * np.cos(beta) / height
+        return frames.turn_about_vertical(alpha, np.column_stack((x, y - across, z - height)))
+
     def state(self, index: int) -> State:
         """State at one sample."""
         return State(
             coordinates=tuple(self.coordinates[index].tolist()),
             rates=tuple(self.rates[index].tolist()),
         )
+
+    def resampled(self, times: npt.ArrayLike, *, tolerance: float | None = None) -> "Trajectory":
+        """The same motion at other times within its samples.
+
+        Coordinates go through the samples and their rates by polynomials of degree 11, whose
+        derivatives the rates are, constraint forces by cubic ones through the samples alone. The
+        error of beta and gamma is estimated, and added to the run's error estimate.
+
+        Parameters
+        ----------
+        times : array_like, shape (m,)
+            Strictly increasing times in s.
+        tolerance : float, optional
+            As in `at`.
+
+        Raises
+        ------
+        ValueError
+            If times do not increase or lie outside the samples.
+        ToleranceError
+            If the samples lie too far apart for the tolerance.
+        """
+        wanted = self._wanted(increasing_times(times))
+        coordinates, rates, error = self._between(wanted, tolerance)
+        return replace(
+            self,
+            times=wanted,
+            coordinates=coordinates,
+            rates=rates,
+            multipliers=interpolate_values(self.times, self.multipliers, wanted),
+            error_estimate=None if self.error_estimate is None else self.error_estimate + error,
+        )
+
+    def _between(self, wanted: Array, tolerance: float | None) -> tuple[Array, Array, float]:
+        coordinates, rates, error = interpolate(self.times, self.coordinates, self.rates, wanted)
+        worst = self._check_between(wanted, np.max(error[:, 4:], axis=1), tolerance)
+        return coordinates, rates, worst
+
+    def columns(self) -> dict[str, tuple[Array, str]]:
+        """Every sampled quantity by name: its values, shape (n,), and its unit."""
+        lengths = dict.fromkeys(COORDINATES, "rad") | dict.fromkeys("xyz", "m")
+        found = {"time": (self.times, "s")}
+        found |= {name: (self.coordinate(name), lengths[name]) for name in COORDINATES}
+        found |= {f"{name}_rate": (self.rate(name), f"{lengths[name]}/s") for name in COORDINATES}
+        for name in multiplier_names(self.scenario.constraints):
+            found[name] = (self.multiplier(name), "N m" if name == "spin_torque" else "N")
+        found["cog_height"] = (self.cog_height, "m")
+        for axis, values in zip("xyz", self.contact_points.T, strict=True):
+            found[f"contact_{axis}"] = (values, "m")
+        return found
+
+    def _state(self, wanted: Array, tolerance: float | None) -> tuple[Array, Array]:
+        coordinates, rates, _ = self._between(wanted, tolerance)
+        return coordinates, rates
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the trajectory to an `.npz` file, whole or not at all, without pickle.
@@ -178,21 +269,8 @@ class Trajectory:
             )
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> "Trajectory":
-        """Read a trajectory that `save` has written.
-
-        Raises
-        ------
-        FileNotFoundError
-            If there is no such file.
-        ValueError
-            If the file is truncated, or is not a trajectory.
-        """
-        names = ("t", "q", "u", "multipliers", "meta")
-        return read_archive(path, "trajectory", names, cls._from_arrays)
-
-    @classmethod
-    def _from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":
+    def from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":
+        """Trajectory from the arrays of a file; `load_run` reads one."""
         meta = stored_meta(stored["meta"])
         return cls(
             times=stored["t"],

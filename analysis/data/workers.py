@@ -1,6 +1,7 @@
 """Worker processes that end when the process that made them ends, however it ends."""
 
 import os
+import signal
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
@@ -10,19 +11,28 @@ ORPHANED = 3
 """Exit code of a worker that has lost its parent."""
 
 
-def process_pool(workers: int | None = None) -> ProcessPoolExecutor:
+def process_pool(workers: int | None = None, *, deaf: bool = False) -> ProcessPoolExecutor:
     """Pool of newly started interpreters whose workers do not outlive this process.
 
     Parameters
     ----------
     workers : int, optional
         Number of processes, by default that of the cores.
+    deaf : bool
+        Whether Ctrl-C, which reaches all processes of a terminal, is left to this one.
     """
     return ProcessPoolExecutor(
         max_workers=workers or os.cpu_count(),
         mp_context=get_context("spawn"),
-        initializer=end_with_parent,
+        initializer=_begin,
+        initargs=(deaf,),
     )
+
+
+def _begin(deaf: bool) -> None:
+    if deaf:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()
 
 
 def end_with_parent() -> None:

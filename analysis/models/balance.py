@@ -20,6 +20,15 @@ def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Arra
     coordinates, rates : ndarray, shape (n, 6)
         Co-rotating coordinates and their rates. The potential energy counts from the table, on a
         leaning one from its origin.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Scenario, energies, simulate
+    >>> run = simulate(Scenario(), np.linspace(0.0, 0.1, 11))
+    >>> kinetic, potential = energies(run.scenario, run.coordinates, run.rates)
+    >>> bool(np.all(np.diff(kinetic + potential) < 0.0))  # friction only takes
+    True
     """
     disk, table = scenario.disk, scenario.table
     kinetic = [
@@ -47,6 +56,14 @@ def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:
         Largest position-level residual in m.
     velocity : ndarray, shape (n,)
         Largest velocity-level residual in m/s; a prescribed spin is left out.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Scenario, constraint_drift, simulate
+    >>> position, velocity = constraint_drift(simulate(Scenario(), np.linspace(0.0, 0.1, 11)))
+    >>> bool(position.max() < 1e-9 and velocity.max() < 1e-9)
+    True
     """
     held, disk = trajectory.scenario.constraints, trajectory.scenario.disk
     names = multiplier_names(held)
@@ -59,21 +76,71 @@ def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:
     return position, velocity
 
 
+def contact_forces(trajectory: Trajectory) -> Array:
+    """Force of the table on the disk at every sample in N, in R-frame axes, shape (n, 3).
+
+    Its parts are those along the edge (e_x) and across it (e_y), and the normal force. Where a
+    constraint holds the slip at zero, the part in that direction is the constraint's force, and
+    friction elsewhere.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        On an ideal contact, or a penalty contact without thickness.
+
+    Raises
+    ------
+    ValueError
+        If the disk has a rounded rim, whose contact point is another.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Scenario, contact_forces, simulate
+    >>> along, across, normal = contact_forces(simulate(Scenario(), np.linspace(0, 0.1, 11))).T
+    >>> bool(np.all(np.hypot(along, across) < Scenario().friction.coefficient * normal))
+    True
+    """
+    scenario = trajectory.scenario
+    if scenario.contact is not None and scenario.contact.is_rounded:
+        raise ValueError("trajectory must be that of a disk with a sharp rim, got a rounded one")
+    result = np.zeros((trajectory.times.size, 3))
+    result[:, 2] = trajectory.normal_force
+    loads = _loads(trajectory)
+    for row, (z, u) in enumerate(zip(trajectory.coordinates, trajectory.rates, strict=True)):
+        result[row, :2] = loads[row] * friction_per_load(scenario, z, u)[:2]
+    for column, name in enumerate(("tangential_force", "lateral_force")):
+        if name in multiplier_names(scenario.constraints):
+            result[:, column] += trajectory.multiplier(name)
+    return result
+
+
+def _loads(trajectory: Trajectory) -> Array:
+    """Load that friction acts with at every sample in N, shape (n,)."""
+    scenario, normal = trajectory.scenario, trajectory.normal_force
+    if scenario.friction.load == "contact":
+        return np.maximum(0.0, normal)
+    lifted = scenario.contact is not None and not scenario.contact.bilateral
+    return scenario.weight * np.where(lifted & (normal <= 0.0), 0.0, 1.0)
+
+
 def power(trajectory: Trajectory) -> Array:
     """Power of friction and of the prescribed spin at every sample in W, shape (n,).
 
     All other constraints do no work. Friction takes energy; the torque that keeps the spin
     constant may bring some.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Scenario, power, simulate
+    >>> bool(power(simulate(Scenario(), np.linspace(0.0, 0.1, 11))).max() <= 0.0)
+    True
     """
     scenario = trajectory.scenario
-    result = np.zeros(trajectory.times.size)
+    result = _loads(trajectory)
     for row, (z, u) in enumerate(zip(trajectory.coordinates, trajectory.rates, strict=True)):
-        load = (
-            scenario.weight
-            if scenario.friction.load == "weight"
-            else max(0.0, trajectory.normal_force[row])
-        )
-        result[row] = load * (friction_per_load(scenario, z, u) @ u)
+        result[row] *= friction_per_load(scenario, z, u) @ u
     if "constant-spin" in scenario.constraints:
         result += trajectory.multiplier("spin_torque") * trajectory.rate("alpha")
     return result
@@ -90,6 +157,14 @@ def energy_residual(trajectory: Trajectory) -> Array:
     ValueError
         If something stored or took energy that the trajectory does not hold: the spring and the
         damper of a penalty contact, or one of the `Dissipation`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Scenario, energy_residual, simulate
+    >>> run = simulate(Scenario(), np.linspace(0.0, 0.1, 101))
+    >>> bool(np.abs(energy_residual(run)).max() < 1e-6)  # of some 0.6 J
+    True
     """
     if trajectory.scenario.contact is not None:
         raise ValueError(

@@ -79,6 +79,15 @@ def simulate_many(
     ------
     ValueError
         If the times, the conditions, the workers or the number of tolerances are out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Scenario, Start, simulate_many
+    >>> starts = [Scenario(start=Start(spin=spin)) for spin in (10.0, 40.0)]
+    >>> runs = simulate_many(starts, np.linspace(0.0, 2.0, 401), workers=1)
+    >>> [run.inversion_time is not None for run in runs]
+    [False, True]
     """
     members = list(scenarios)
     times = increasing_times(times)

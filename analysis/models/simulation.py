@@ -99,6 +99,15 @@ def simulate(
         If the limit is met before two runs agree to `tolerance` anywhere.
     ArithmeticError
         If the integration fails on the way.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import MODELS, Scenario, Start, simulate
+    >>> scenario = Scenario(constraints=MODELS[2], start=Start(spin=35.0))
+    >>> run = simulate(scenario, np.linspace(0.0, 1.0, 101), stop_when="inverted")
+    >>> print(run.ending)
+    ended at t = 0.56875... s: the centre of gravity is up, at 90% of its largest height
     """
     times = increasing_times(times)
     choice("method", method, METHODS)

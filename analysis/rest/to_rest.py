@@ -1,5 +1,6 @@
 """In-house simulation of the disk until it lies still, in any attitude."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Any, Literal, get_args
@@ -12,7 +13,15 @@ from analysis.data.agreement import TIGHTEST, until_agreement
 from analysis.data.checks import Array, TimeLimitError, choice, positive
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
-from analysis.data.endings import AT_REST, TIME_LIMIT, Ending
+from analysis.data.endings import (
+    AT_REST,
+    TIME_LIMIT,
+    Condition,
+    Ending,
+    StopWhen,
+    first_met,
+    named_conditions,
+)
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
@@ -45,6 +54,7 @@ def simulate_to_rest(
     method: RestMethod = "LSODA",
     tolerance: float | None = None,
     local_tolerance: float | None = None,
+    stop_when: StopWhen = (),
     time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> SpatialMotion:
@@ -68,6 +78,9 @@ def simulate_to_rest(
         Largest error, see `SpatialMotion.deviation`; 1e-3 if neither tolerance is given.
     local_tolerance : float, optional
         Relative tolerance of a single step; the absolute one is a hundredth of the number.
+    stop_when : str, callable or sequence of them
+        What else ends the run, at the first sample where it holds: "inverted", or functions of a
+        `State` that turn negative. They are not asked where the disk lies flat.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.
@@ -91,6 +104,16 @@ def simulate_to_rest(
         If the time limit is met in the first stretch.
     ArithmeticError
         If the integration fails on the way.
+
+    Examples
+    --------
+    >>> from analysis import Dissipation, Scenario, Start, simulate_to_rest
+    >>> loss = Dissipation(rolling_viscous=5e-3, pivoting=1e-3)
+    >>> motion = simulate_to_rest(
+    ...     Scenario.rest(dissipation=loss, start=Start(beta=0.1, spin=0.0)), 5.0
+    ... )
+    >>> motion.phases.rest == motion.rest_time
+    True
     """
     end, spacing = positive("end", end), positive("spacing", spacing)
     if spacing > end:
@@ -109,6 +132,7 @@ def simulate_to_rest(
         times=np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing,
         criterion=criterion if criterion is not None else RestCriterion(),
         method=method,
+        conditions=named_conditions(stop_when),
         watch=Watch(time_limit, progress),
     )
     if local_tolerance is not None:
@@ -155,6 +179,7 @@ class _Task:
     times: Array
     criterion: RestCriterion
     method: RestMethod
+    conditions: Mapping[str, Condition]
     watch: Watch
 
     def run(self, local_tolerance: float) -> SpatialMotion:
@@ -169,10 +194,12 @@ class _Task:
             except _OverError:
                 ending = self._ending(float(span[0]))
                 break
-            rest = self._rest(blocks)
-            if rest is not None:
+            ending, rest = self._met(begin, blocks), self._rest(blocks)
+            if ending is not None or rest is not None:
                 break
         states = np.concatenate(blocks)
+        if ending is not None:
+            states, rest = states[times[: len(states)] <= ending.time], None
         if rest is not None:
             states = states[: rest + self.criterion.samples(times[1])]
             last = float(times[len(states) - 1])
@@ -215,6 +242,24 @@ class _Task:
         block: Array = result.y.T
         block[:, 3:7] /= np.linalg.norm(block[:, 3:7], axis=1)[:, None]
         return block
+
+    def _met(self, begin: int, blocks: list[Array]) -> Ending | None:
+        """Ending in the last stretch, which begins with this sample, by a condition."""
+        if not self.conditions:
+            return None
+        states = np.concatenate((blocks[-2][-1:], blocks[-1]))
+        pose = sampled(self.model, self.times[: len(states)], states)
+        found = first_met(
+            self.conditions,
+            pose["positions"],
+            frames.rotations(pose["quaternions"]),
+            pose["velocities"],
+            pose["angular_velocities"],
+        )
+        if found is None:
+            return None
+        row, reason, value = found
+        return Ending(reason=reason, time=float(self.times[begin + row]), value=value)
 
     def _rest(self, blocks: list[Array]) -> int | None:
         """Number of the first sample at rest, seen from the last two stretches."""

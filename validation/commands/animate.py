@@ -3,17 +3,17 @@
 import argparse
 from pathlib import Path
 
+from analysis import load_run
 from analysis.data.checks import number, positive, within
 from analysis.data.files import whole_file
 from analysis.data.limits import PLAYBACK_SPEEDS
-from validation.commands.options import output_path
 from validation.kit.animation.keyframes import Keyframes, keyframes
-from validation.run import load_run
 
 
 def animate(options: argparse.Namespace) -> int:
     """Write an animation of a stored motion."""
-    source, out = _paths(options)
+    source: Path = options.file
+    out: Path = options.out or source.with_suffix(".html")
     _check_numbers(options, out)
     poses = keyframes(load_run(source)).between(options.begin, options.end)
     detail = (
@@ -23,15 +23,6 @@ def animate(options: argparse.Namespace) -> int:
     )
     print(f"{out}: {poses.times[0]:g} to {poses.times[-1]:g} s, {detail}")
     return 0
-
-
-def _paths(options: argparse.Namespace) -> tuple[Path, Path]:
-    source = Path(options.file)
-    if source.suffix != ".npz":
-        raise ValueError(f"FILE must end in .npz, got {options.file!r}")
-    if options.out is None:
-        return source, source.with_suffix(".html")
-    return source, output_path("--out", options.out, (".html", ".gif"))
 
 
 def _check_numbers(options: argparse.Namespace, out: Path) -> None:
@@ -54,7 +45,7 @@ def _check_numbers(options: argparse.Namespace, out: Path) -> None:
 def _write_page(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
     from validation.kit.animation.player import player
 
-    title = f"The tippedisk: {Path(options.file).stem}"
+    title = f"The tippedisk: {options.file.stem}"
     page = player(poses, name="tippedisk", title=title, speed=options.speed).page.encode()
     with whole_file(out) as stream:
         stream.write(page)

@@ -1,15 +1,13 @@
 """What the subcommands of the command line do; each returns the exit code."""
 
 import argparse
-from pathlib import Path
 
 import numpy as np
 
-from analysis import Trajectory, multiplier_names
-from analysis.data.files import whole_file
+from analysis import multiplier_names
 from analysis.data.limits import check_storage
 from analysis.stability.unstable_start import unstable_start
-from validation.commands.options import PICTURES, announce, chosen_end, output_folder, output_path
+from validation.commands.options import announce, chosen_end, output_folder
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
 from validation.run import run, run_effort
@@ -29,7 +27,6 @@ def report(options: argparse.Namespace) -> int:
 
 def simulate(options: argparse.Namespace) -> int:
     """Simulate a scenario and store the motion."""
-    out = output_path("--out", options.out, (".npz",))
     if options.samples < 2:
         raise ValueError(f"--samples must be at least 2, got {options.samples}")
     if options.step is not None and options.source == "in-house":
@@ -56,36 +53,14 @@ def simulate(options: argparse.Namespace) -> int:
             time_limit=options.time_limit,
             progress=progress,
         )
-    trajectory.save(out)
+    trajectory.save(options.out)
     estimate = trajectory.error_estimate
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
-    print(f"{out}: {trajectory.times.size} samples of {scenario.name}{accuracy}")
+    print(f"{options.out}: {trajectory.times.size} samples of {scenario.name}{accuracy}")
     if warning := unstable_start(scenario):
         print(warning)
     if trajectory.ending is not None:
         print(f"{trajectory.ending}")
     for first, last in trajectory.pulling:
         print(f"the contact pulls from t = {first:.6g} s to {last:.6g} s")
-    return 0
-
-
-def show(options: argparse.Namespace) -> int:
-    """Plot stored motions over each other."""
-    runs = [(Path(name).stem, Trajectory.load(name)) for name in options.files]
-    from validation.kit import figures
-
-    if options.out is not None:
-        out = output_path("--out", options.out, PICTURES)
-        figure, axes = figures.new_figure(4, height=8.5)
-        figures.comparison(runs, axes)
-        with whole_file(out) as stream:
-            figure.savefig(stream, format=out.suffix[1:], dpi=150)
-        return 0
-    import matplotlib.pyplot as plt
-
-    if plt.get_backend().lower() == "agg":
-        raise ValueError("no screen to open a window on; give --out PICTURE")
-    figure, axes = plt.subplots(4, 1, sharex=True, figsize=(7.5, 8.5), layout="constrained")
-    figures.comparison(runs, axes)
-    plt.show()
     return 0

@@ -9,10 +9,9 @@ from tempfile import TemporaryFile
 
 from analysis.data.checks import number, positive, within
 from analysis.data.limits import LONGEST_MOTION, Effort
+from validation.parser.paths import PICTURES, writable
 
-PICTURES = (".png", ".svg", ".pdf")
-"""Suffixes of pictures that can be written."""
-
+__all__ = ["PICTURES", "announce", "chosen_end", "output_folder", "output_path", "written_number"]
 
 PATIENCE = 60.0
 """Processor time in s from which on a run is announced before it starts."""
@@ -43,30 +42,17 @@ def announce(command: str, effort: Effort, time_limit: float | None = None) -> N
 
 
 def output_path(name: str, value: str, suffixes: Sequence[str]) -> Path:
-    """Path of a file to write.
-
-    Parameters
-    ----------
-    name : str
-        Name of the option.
-    value : str
-        What was given.
-    suffixes : sequence of str
-        Allowed ones, with their dots.
+    """Path of a file to write, for a command whose parser has not looked at it.
 
     Raises
     ------
     ValueError
-        If the suffix is another, or the folder does not exist.
+        If the suffix is not one of these, or the folder does not exist.
     """
-    path = Path(value)
-    if path.suffix not in suffixes:
-        *others, last = suffixes
-        allowed = f"{', '.join(others)} or {last}" if others else last
-        raise ValueError(f"{name} must end in {allowed}, got {value!r}")
-    if not path.parent.is_dir():
-        raise ValueError(f"{name} must lie in an existing folder, got {value!r}")
-    return path
+    try:
+        return writable(*suffixes)(value)
+    except argparse.ArgumentTypeError as error:
+        raise ValueError(f"{name} {error}") from None
 
 
 def output_folder(name: str, value: str) -> Path:

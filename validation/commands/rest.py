@@ -4,10 +4,10 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from analysis import CAUSES, SpatialMotion, find_phases, judge_inversion
+from analysis import CAUSES, SpatialMotion
 from analysis.data.checks import positive
 from analysis.data.files import whole_file
-from validation.commands.options import PICTURES, announce, chosen_end, output_path
+from validation.commands.options import announce, chosen_end
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
 from validation.run import rest_effort, run_to_rest
@@ -15,18 +15,16 @@ from validation.run import rest_effort, run_to_rest
 
 def rest(options: argparse.Namespace) -> int:
     """Simulate the disk until it lies still, and print phases and energy budget."""
-    out = None if options.out is None else output_path("--out", options.out, (".npz",))
-    plot = None if options.plot is None else output_path("--plot", options.plot, PICTURES)
     motion = _simulate(options)
-    if out is not None:
-        motion.save(out)
-    if plot is not None:
-        _plot(motion, plot)
-    phases = find_phases(motion)
+    if options.out is not None:
+        motion.save(options.out)
+    if options.plot is not None:
+        _plot(motion, options.plot)
+    phases = motion.phases
     for field in fields(phases):
         begin = getattr(phases, field.name)
         print(f"{field.name.replace('_', ' '):16s} {'-' if begin is None else f'{begin:.3f} s'}")
-    if judge_inversion(motion).outcome == "not decided":
+    if motion.inversion.outcome == "not decided":
         print("inversion not decided: the disk was up, and the motion ended too soon after")
     energies = motion.energies.sum(axis=1)
     print(f"energy           {energies[0]:.6f} J at first, {energies[-1]:.6f} J left")
@@ -71,6 +69,7 @@ def _simulate(options: argparse.Namespace) -> SpatialMotion:
             source=options.source,
             step=step,
             tolerance=options.tolerance,
+            stop_when=options.stop_when or (),
             time_limit=options.time_limit,
             progress=progress,
         )

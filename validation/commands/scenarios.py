@@ -8,14 +8,23 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from analysis import DISKS, Disk, Dissipation, FrictionLaw, PenaltyContact, Scenario, Start, State
+from analysis import (
+    DISKS,
+    Disk,
+    Dissipation,
+    FrictionLaw,
+    PenaltyContact,
+    Scenario,
+    Start,
+    State,
+    load_run,
+)
 from analysis.data.angles import angle
 from analysis.data.constraint_set import MODELS
 from analysis.data.friction import law_class, law_from
 from analysis.data.scenario_file import load_scenario
 from analysis.data.scenario_keys import RING, SIX
 from validation.commands.options import written_number
-from validation.run import load_run
 
 _ANGLES = ("alpha", "beta", "gamma", "inclination", "downhill")
 _TABLE = ("gravity", "inclination", "downhill")
@@ -67,7 +76,7 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
     )
 
 
-def read_scenario(path: str) -> Scenario:
+def read_scenario(path: Path) -> Scenario:
     """Scenario from its file, or from a stored run (.npz) of either kind.
 
     Raises
@@ -77,7 +86,7 @@ def read_scenario(path: str) -> Scenario:
     ValueError
         If it is neither.
     """
-    return load_run(path).scenario if Path(path).suffix == ".npz" else load_scenario(path)
+    return load_run(path).scenario if path.suffix == ".npz" else load_scenario(path)
 
 
 @contextmanager

@@ -13,40 +13,39 @@ from analysis.data.limits import MOST_SPINS
 from analysis.stability import linear_reduced, spectra
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import Branches
-from validation.commands.options import PICTURES, output_path, written_number
+from validation.commands.options import written_number
 from validation.commands.scenarios import chosen_scenario
+from validation.kit.progress import counted
 from validation.kit.tables import Table
 
 
 def eigenvalues(options: argparse.Namespace) -> int:
     """Print, store or plot eigenvalues over the spin."""
     spins = parse_spins(options.spins)
-    picture = None if options.plot is None else output_path("--plot", options.plot, PICTURES)
     if options.formulation is not None and options.source != "engine":
         raise ValueError("--formulation needs --source engine")
     scenario = _scenario(options)
     found = _branches(options, scenario, spins)
+    table = _table(scenario.name, found)
+    if options.csv is not None:
+        with whole_file(options.csv) as stream:
+            stream.write(table.to_csv().encode())
+    if options.plot is not None:
+        _plot(found, options.plot)
     if options.json:
         rows = [
             {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
             for spin, values in zip(found.spins.tolist(), found.values, strict=True)
         ]
         print(json.dumps(rows))
-    elif picture is not None:
-        _plot(found, picture)
-    else:
-        table = _table(scenario.name, found)
-        if options.csv is None:
-            print(f"{table.title}\n{table.to_text()}")
-        else:
-            with whole_file(options.csv) as stream:
-                stream.write(table.to_csv().encode())
+    elif options.csv is None and options.plot is None:
+        print(f"{table.title}\n{table.to_text()}")
     return 0
 
 
 def critical(options: argparse.Namespace) -> int:
-    """Print critical spins, closed form beside computed."""
-    from validation.studies.stability.tables import critical_table, stable_table
+    """Print where spinning is stable, and critical spins beside the closed form."""
+    from validation.studies.stability.tables import critical_table, stable_range, stable_table
 
     scenario = _scenario(options)
     ends = options.spins.split(":")
@@ -54,22 +53,24 @@ def critical(options: argparse.Namespace) -> int:
         raise ValueError(f"--spin must be FIRST:LAST, got {options.spins!r}")
     low, high = (written_number("--spin", end) for end in ends)
     found = critical_speeds(scenario, (low, high), options.system, options.motion)
+    where = stable_range(scenario, (low, high), options.motion)
+    print(f"{scenario.name}: {options.motion} spinning is stable {where}.\n")
+    table = stable_table(scenario, (low, high), options.motion)
+    print(f"{table.title}\n{table.to_text()}\n")
     table = critical_table(found)
     print(f"{table.title}\n{table.to_text() if table.rows else 'none'}")
     if table.note:
         print(table.note)
     closed = linear_reduced.critical_speed(scenario, options.motion)
     meaning = {
-        "hopf": f"a complex pair crosses at {closed.frequency:.6g} rad/s and decays above",
-        "static": "without eccentricity, a real eigenvalue crosses",
+        "hopf": f"a pair of frequency {closed.frequency:.6g} rad/s becomes stable there",
+        "static": "without eccentricity, a real eigenvalue crosses there",
         "saddle": "two real eigenvalues of opposite sign cancel; no stability changes",
     }[closed.kind]
     print(
         f"\nClosed form of the reduced system with any friction, Eq. (126): {closed.spin:.6g} "
         f"rad/s; {meaning}."
     )
-    table = stable_table(scenario, (low, high), options.motion)
-    print(f"\n{table.title}\n{table.to_text()}")
     return 0
 
 
@@ -116,10 +117,11 @@ def _branches(options: argparse.Namespace, scenario: Scenario, spins: Array) -> 
         return spectra.branches(scenario, spins, options.system, options.motion)
     from validation.studies.stability.eigenvalue_check import engine_matrices
 
-    matrices = engine_matrices(
-        scenario, spins, formulation=options.formulation, motion=options.motion
-    )
-    return Branches(spins=spins, values=spectra.follow(matrices))
+    how = {"formulation": options.formulation, "motion": options.motion}
+    matrices = [
+        engine_matrices(scenario, np.array([spin]), **how) for spin in counted(spins, "spins")
+    ]
+    return Branches(spins=spins, values=spectra.follow(np.concatenate(matrices)))
 
 
 def _table(name: str, found: Branches) -> Table:

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from analysis import Trajectory
+from analysis import SpatialMotion, StoredRun, Trajectory
 from analysis.data.checks import Array
 
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73")
@@ -240,29 +240,46 @@ def figure_9(
     return axes
 
 
-def comparison(runs: Sequence[tuple[str, Trajectory]], axes: Any = None) -> Any:
+def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> Any:
     """beta, gamma, spinning velocity and normal force of several labelled runs.
+
+    With a spatial motion among them, which has no gamma where it lies flat, the height of the
+    centre of gravity takes its place, and the vertical angular velocity that of the rate of alpha.
 
     Parameters
     ----------
-    runs : sequence of (label, Trajectory)
+    runs : sequence of (label, Trajectory or SpatialMotion)
     axes : sequence of 4 Axes, optional
     """
     axes = new_figure(4, height=8.5)[1] if axes is None else axes
+    spatial = any(isinstance(run, SpatialMotion) for _, run in runs)
     for index, (label, run) in enumerate(runs):
         look = {
             "color": COLOURS[index % len(COLOURS)],
             "linestyle": STYLES[index % len(STYLES)],
             "linewidth": 2.2 - 0.4 * min(index, 3),
         }
-        axes[0].plot(run.times, run.coordinate("beta"), label=label, **look)
-        axes[1].plot(run.times, run.coordinate("gamma"), **look)
-        axes[2].plot(run.times, run.rate("alpha"), **look)
-        axes[3].plot(run.times, run.normal_force, **look)
-    angle_axis(axes[1])
+        for ax, values in zip(axes, _compared(run, spatial=spatial), strict=True):
+            ax.plot(run.times, values, label=label, **look)
     axes[0].set(ylabel="β in rad")
-    axes[1].set(ylabel="γ in rad")
-    axes[2].set(ylabel="$\\dotα$ in rad/s")
+    if spatial:
+        axes[1].set(ylabel="height of the COG in m")
+        axes[2].set(ylabel="vertical angular\nvelocity in rad/s")
+    else:
+        angle_axis(axes[1])
+        axes[1].set(ylabel="γ in rad")
+        axes[2].set(ylabel="$\\dotα$ in rad/s")
     axes[3].set(ylabel="normal force in N", xlabel="time in s")
     legend_above(axes[0], columns=1 + (len(runs) > 1))
     return axes
+
+
+def _compared(run: StoredRun, *, spatial: bool) -> tuple[Array, Array, Array, Array]:
+    """The four curves of `comparison`, shape (n,) each."""
+    if isinstance(run, SpatialMotion):
+        return run.tilt, run.cog_height, run.spin, run.normal_force
+    beta, spin = run.coordinate("beta"), run.rate("alpha")
+    if spatial:
+        spin = spin + np.cos(beta) * run.rate("gamma")
+        return beta, run.cog_height, spin, run.normal_force
+    return beta, run.coordinate("gamma"), spin, run.normal_force

@@ -12,7 +12,6 @@ from validation.kit import figures
 from validation.kit.figures import Picture
 
 _VIEW_ELEVATION = np.radians(14.0)
-_HOLE = (0.015, 0.02)
 
 
 def outline(radius: float, centre: float = 0.0) -> Array:
@@ -35,8 +34,6 @@ def project(points: Array, azimuth: float) -> Array:
 def draw_disk(trajectory: Trajectory, index: int, axes: Any) -> Any:
     """Draw the disk at one sample, seen from a camera that turns with it.
 
-    The hole is drawn where the paper's disk has it, scaled with the radius.
-
     Parameters
     ----------
     trajectory : Trajectory
@@ -48,19 +45,20 @@ def draw_disk(trajectory: Trajectory, index: int, axes: Any) -> Any:
     position, rotation = frames.poses(trajectory.coordinates[index : index + 1])
     # From a quarter to the side, so that the disk shows its face whatever its spin.
     azimuth = trajectory.coordinates[index, 3] - np.pi / 2 + 0.35
-    scale = disk.radius / 0.045
     centre = np.array([0.0, 0.0, position[0, 2]])
 
     def place(points: Array) -> Array:
         return project(points @ rotation[0].T + centre, azimuth)
 
-    edge, hole = place(outline(disk.radius)), place(outline(_HOLE[0] * scale, -_HOLE[1] * scale))
+    edge = place(outline(disk.radius))
     middle = place(np.zeros((1, 3)))[0]
     cog = place(np.array([[disk.eccentricity, 0.0, 0.0]]))[0]
     table = project(outline(1.6 * disk.radius), azimuth)
     axes.fill(*table.T, color="#eeeeee", zorder=0)
     axes.fill(*edge.T, facecolor="#9fc5e8", edgecolor="#0b3d61", linewidth=1.2)
-    axes.fill(*hole.T, facecolor="white", edgecolor="#0b3d61", linewidth=0.8)
+    if disk.hole is not None:
+        hole = place(outline(disk.hole[0], -disk.hole[1]))
+        axes.fill(*hole.T, facecolor="white", edgecolor="#0b3d61", linewidth=0.8)
     axes.plot(*middle, marker="+", color="#0b3d61", markersize=6)
     axes.plot(*cog, marker="o", color="black", markersize=5)
     axes.set_aspect("equal")

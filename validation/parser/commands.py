@@ -9,10 +9,14 @@ from validation.parser.groups import (
     FORMULATIONS,
     MOTIONS,
     SYSTEMS,
+    add_output,
     add_problem,
     add_scenario,
     add_source,
 )
+from validation.parser.nonlinear import add_cycles, add_heteroclinic
+from validation.parser.paths import PICTURES, existing, writable
+from validation.parser.sweeps import add_sweep
 
 
 class Parser(argparse.ArgumentParser):
@@ -76,20 +80,31 @@ def _simulate(commands: "argparse._SubParsersAction[Parser]") -> None:
         help="go on where the ideal contact would have to pull, instead of ending there",
     )
     add("--time-limit", type=float, help="processor time in s after which the run ends")
-    add("--out", required=True, metavar="FILE", help="file to write, .npz")
+    add("--out", required=True, type=writable(".npz"), metavar="FILE", help="file to write, .npz")
     add_scenario(simulate)
 
 
 def _show(commands: "argparse._SubParsersAction[Parser]") -> None:
     show = commands.add_parser(
         "show",
-        help="plot stored motions over each other",
-        description="Plot beta, gamma, spinning velocity and normal force of stored motions.",
+        help="say how far stored motions differ, and plot them over each other",
+        description="Print what each stored motion is and, for each but the first, how far its "
+        "quantities are from those of the first; and plot inclination, rotation angle (with rest "
+        "files: height of the centre of gravity), spin and normal force.",
     )
-    show.set_defaults(module="basic")
-    show.add_argument("files", nargs="+", metavar="FILE", help="files written by simulate")
+    show.set_defaults(module="show")
     show.add_argument(
-        "--out", metavar="PICTURE", help="write a .png, .svg or .pdf instead of opening a window"
+        "files",
+        nargs="+",
+        type=existing(".npz"),
+        metavar="FILE",
+        help="files written by simulate or rest",
+    )
+    show.add_argument(
+        "--out",
+        type=writable(*PICTURES),
+        metavar="PICTURE",
+        help="write a .png, .svg or .pdf instead of opening a window",
     )
 
 
@@ -147,22 +162,17 @@ def _eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
         metavar="SPIN",
         help="spins in rad/s: values, or first:last:number",
     )
-    output = eigenvalues.add_mutually_exclusive_group()
-    output.add_argument(
-        "--json", action="store_true", help="print a list with spin, real and imag for each spin"
-    )
-    output.add_argument("--csv", metavar="FILE", help="write a table with full precision")
-    output.add_argument("--plot", metavar="PICTURE", help="write a .png, .svg or .pdf")
+    add_output(eigenvalues)
     add_problem(eigenvalues)
 
 
 def _critical(commands: "argparse._SubParsersAction[Parser]") -> None:
     critical = commands.add_parser(
         "critical",
-        help="spins at which eigenvalues cross, and at which the spinning is stable",
-        description="Critical spins with their frequency and the side on which the eigenvalue or "
-        "pair that crosses decays, beside the closed form of the reduced system, Eq. (126); and "
-        "for each model the spins at which all of its eigenvalues do.",
+        help="spins at which the spinning is stable, and at which eigenvalues cross",
+        description="For each model the spins at which inverted spinning is stable, all of its "
+        "eigenvalues together; then the spins at which one of them, or a pair, becomes stable or "
+        "unstable, with its frequency, beside the closed form of the reduced system, Eq. (126).",
     )
     critical.set_defaults(module="stability")
     _add_system(critical)
@@ -230,10 +240,16 @@ def _rest(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_source(rest)
     add("--tolerance", type=float, help="largest error in rad and parts of the energy (1e-3)")
     add("--step", type=float, help="engine only: a single run of fixed steps in s instead")
+    add("--stop-when", choices=CONDITIONS, help="end the run there, at the next sample")
     add("--time-limit", type=float, help="processor time in s after which it ends as it is")
     add("--end", type=float, default=80.0, help="longest time in s (80)")
-    add("--out", metavar="FILE", help="store the motion, .npz")
-    add("--plot", metavar="PICTURE", help="draw the story, .png, .svg or .pdf")
+    add("--out", type=writable(".npz"), metavar="FILE", help="store the motion, .npz")
+    add(
+        "--plot",
+        type=writable(*PICTURES),
+        metavar="PICTURE",
+        help="draw the story, .png, .svg or .pdf",
+    )
     add_scenario(rest)
 
 
@@ -246,8 +262,18 @@ def _animate(commands: "argparse._SubParsersAction[Parser]") -> None:
     )
     animate.set_defaults(module="animate")
     add = animate.add_argument
-    add("file", metavar="FILE", help="motion written by simulate or rest, .npz")
-    add("--out", metavar="FILE", help=".html or .gif to write (default: FILE with .html)")
+    add(
+        "file",
+        type=existing(".npz"),
+        metavar="FILE",
+        help="motion written by simulate or rest, .npz",
+    )
+    add(
+        "--out",
+        type=writable(".html", ".gif"),
+        metavar="FILE",
+        help=".html or .gif to write (default: FILE with .html)",
+    )
     add("--begin", type=float, help="in s (default: that of the motion)")
     add("--end", type=float, help="in s (default: that of the motion)")
     add("--speed", type=float, help="1 for real time (default: 0.1 until the disk is inverted)")
@@ -276,9 +302,12 @@ SUBCOMMANDS = (
     _show,
     _scenario,
     _check,
+    add_sweep,
     _rest,
     _eigenvalues,
     _critical,
+    add_cycles,
+    add_heteroclinic,
     _scene,
     _animate,
     _work_precision,

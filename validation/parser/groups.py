@@ -5,6 +5,9 @@ of the data types. Angles stay text until the data types read them.
 """
 
 import argparse
+from typing import Any
+
+from validation.parser.paths import PICTURES, existing, writable
 
 SOURCES = ("engine", "in-house")
 MODELS = (1, 2, 3, 4)
@@ -38,10 +41,14 @@ def add_problem(parser: argparse.ArgumentParser, *, file: bool = False) -> None:
         "problem", "Options given here override the file; angles may be pi/2 or 90deg, too."
     )
     add = problem.add_argument
-    if file:
-        add("scenario", nargs="?", metavar="FILE", help="scenario, .toml, or stored run, .npz")
-    else:
-        add("--scenario", metavar="FILE", help="scenario, .toml, or a stored run to repeat, .npz")
+    name: dict[str, Any] = {"nargs": "?"} if file else {}
+    add(
+        "scenario" if file else "--scenario",
+        type=existing(),
+        metavar="FILE",
+        help="scenario, .toml, or a stored run to repeat, .npz",
+        **name,
+    )
     constraints = problem.add_mutually_exclusive_group()
     constraints.add_argument(
         "--model", type=int, choices=MODELS, help="constraints of a model of the paper (1)"
@@ -139,6 +146,14 @@ def _add_start(parser: argparse.ArgumentParser) -> None:
         )
         add(f"--{name}-rate", type=float, metavar="M/S", help="its rate in m/s")
     add("--height", type=float, metavar="M", help="over the table in m, with --stiffness")
+
+
+def add_output(parser: argparse.ArgumentParser) -> None:
+    """Where the numbers go; they are printed as a table if none of these is given."""
+    add = parser.add_argument
+    add("--json", action="store_true", help="print everything as JSON")
+    add("--csv", type=writable(".csv"), metavar="FILE", help="write a table of all digits, .csv")
+    add("--plot", type=writable(*PICTURES), metavar="PICTURE", help="write a .png, .svg or .pdf")
 
 
 def add_source(parser: argparse.ArgumentParser, default: str = "engine") -> None:

@@ -14,10 +14,9 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Trajectory,
-    find_inversion,
 )
+from analysis.data.inversion import DEFINITION
 from analysis.data.trajectory import SOURCES
-from analysis.models.inversion import DEFINITION
 from validation.kit import figures, snapshots
 from validation.kit.animation.player import player
 from validation.kit.figures import Picture
@@ -85,7 +84,8 @@ def _figure_8(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory]) -> Pi
     figure, axes = figures.new_figure(2, height=6.5)
     figures.figure_8(engine, inhouse, axes)
     axes[1].set_xlim(0.0, 2.0)
-    inverted = ["–" if time is None else f"{time:.2f}" for time in map(find_inversion, engine)]
+    times = [run.inversion_time for run in engine]
+    inverted = ["–" if time is None else f"{time:.2f}" for time in times]
     return figures.render(
         figure,
         name="figure-8",
@@ -152,7 +152,7 @@ def section(results: Mapping[Any, Any]) -> Section:
     loads = {load: results["run", 1, load, 2.0] for load in LOADS}
     levels = [results["run", level, "weight", 4.0] for level in LEVELS]
     shown = loads["weight"][0]
-    inverted = find_inversion(shown)
+    inverted = shown.inversion_time
     after = "more than 2 s" if inverted is None else f"{inverted:.2f} s"
     return Section(
         name="inversion",

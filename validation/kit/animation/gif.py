@@ -1,13 +1,17 @@
 """A motion of the disk as an animated GIF, for slides and wherever scripts do not run."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, BinaryIO
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+from matplotlib.text import Text
 from PIL import Image
 from tqdm import tqdm
 
@@ -117,14 +121,20 @@ def write(
 
 
 class _Picture:
-    """A figure that is drawn anew for each frame: the disk above, its story below."""
+    """A figure whose disk is drawn anew for each frame, over what stays: the story below."""
 
     def __init__(self, poses: Keyframes, width: int) -> None:
         self.poses, self.scale = poses, width / 480
         self.figure = Figure(figsize=(width / _DPI, width / _DPI), dpi=_DPI)
-        self.canvas = FigureCanvasAgg(self.figure)
+        canvas: Any = FigureCanvasAgg(self.figure)  # its methods carry no types
+        self.canvas = canvas
         self.scene = self.figure.add_axes((0.0, 0.24, 1.0, 0.76))
+        self.scene.set_axis_off()
+        self.scene.set_xlim(-2.04, 2.04)
+        self.scene.set_ylim(-1.25, 1.85)
         self.cursor = self._draw_strip(self.figure.add_axes((0.1, 0.08, 0.86, 0.12)))
+        self.canvas.draw()
+        self.background = self.canvas.copy_from_bbox(self.figure.bbox)
         low, high = poses.contact_points.min(axis=0), poses.contact_points.max(axis=0)
         self.follows = bool(np.max(high - low) > 2.0 * poses.disk.radius)
         self.middle = 0.5 * (low + high)
@@ -139,79 +149,82 @@ class _Picture:
         axes.set_title(title, loc="left", pad=2.0 * self.scale, fontsize=size)
         axes.tick_params(labelsize=size, length=2.0 * self.scale, pad=2.0 * self.scale)
         axes.spines[["top", "right"]].set_visible(False)
-        return axes.axvline(poses.times[0], color="#d00000", linewidth=1.2 * self.scale)
+        return axes.axvline(
+            poses.times[0], color="#d00000", linewidth=1.2 * self.scale, animated=True
+        )
 
     def draw(self, time: float) -> np.ndarray:
         """Pixels at a time in s, shape (width, width, 3)."""
-        self.scene.clear()
-        self.scene.set_axis_off()
-        self.scene.set_xlim(-2.04, 2.04)
-        self.scene.set_ylim(-1.25, 1.85)
+        self.canvas.restore_region(self.background)
         self.cursor.set_xdata([time, time])
-        self._draw_scene(self.poses.at(np.array([time])))
-        canvas: Any = self.canvas  # its methods carry no types
-        canvas.draw()
-        return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+        renderer = self.canvas.get_renderer()
+        self.cursor.draw(renderer)
+        for artist in self._artists(self.poses.at(np.array([time]))):
+            artist.set_figure(self.figure)
+            artist.set_transform(self.scene.transData)
+            artist.set_clip_box(self.scene.bbox)
+            artist.draw(renderer)
+        return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
 
-    def _draw_scene(self, pose: Keyframes) -> None:
-        radius, scale = pose.disk.radius, self.scale
+    def _artists(self, pose: Keyframes) -> Iterator[Artist]:
+        """What is seen of one instant, the farthest first."""
+        disk, scale = pose.disk, self.scale
         place = pose.positions[0]
-        target = np.array([*(place[:2] if self.follows else self.middle), 0.75 * radius])
+        target = np.array([*(place[:2] if self.follows else self.middle), 0.75 * disk.radius])
         first, second, _ = pose.rotations[0].T
 
         def project(points: Array) -> Array:
-            """Picture coordinates in radii, shape (2, n)."""
-            arms = (np.atleast_2d(points) - target) / radius
-            across, up = snapshots.project(arms, _AZIMUTH).T
-            return np.array((across, up))
+            """Picture coordinates in radii, shape (n, 2)."""
+            return snapshots.project((np.atleast_2d(points) - target) / disk.radius, _AZIMUTH)
 
-        def rim(begin: float, end: float) -> Array:
-            angle = np.linspace(begin, end, 73)[:, None]
-            points: Array = place + radius * (np.cos(angle) * first + np.sin(angle) * second)
+        def circle(radius: float, distance: float, lowest: float) -> Array:
+            """Part at x >= lowest of a circle in the plane of the disk, against its x axis."""
+            x, y, _ = snapshots.outline(radius, -distance).T
+            points: Array = place + np.outer(np.maximum(x, lowest), first) + np.outer(y, second)
             return points
 
-        self._draw_table(target, project)
-        axes, whole = self.scene, rim(0.0, 2 * np.pi)
-        axes.fill(*project(whole * (1.0, 1.0, 0.0)), color="#000000", alpha=0.13, lw=0, zorder=2)
-        axes.plot(*project(self._path(pose.times[0])), color=_PATH, lw=1.6 * scale, zorder=2)
+        def face(lowest: float) -> list[Array]:
+            hole = [] if disk.hole is None else [circle(*disk.hole, lowest)[::-1]]
+            return [circle(disk.radius, 0.0, lowest), *hole]
+
+        yield from self._table(target, project)
+        whole = face(-disk.radius)
+        shadow = [project(outline * (1.0, 1.0, 0.0)) for outline in whole]
+        yield _filled(shadow, "#000000", alpha=0.13)
+        yield _line(project(self._path(pose.times[0])), _PATH, 1.6 * scale)
         # The body's x axis turns into its y axis counterclockwise if its z axis points to the eye.
         counterclockwise = np.linalg.det(project(target + np.array([first, second]))) > 0.0
         light, heavy = FRONT if counterclockwise else BACK
-        axes.fill(*project(whole), color=light, lw=0, zorder=3)
-        if pose.disk.eccentricity:
-            axes.fill(*project(rim(-0.5 * np.pi, 0.5 * np.pi)), color=heavy, lw=0, zorder=3)
-        axes.plot(*project(whole), color=heavy, lw=2.0 * scale, zorder=4)
-        cog = pose.disk.eccentricity * first
-        for point, marker, face, edge in (
-            (rim(0.0, 0.0)[0], "o", "white", "#222222"),
+        yield _filled([project(outline) for outline in whole], light)
+        if disk.eccentricity:
+            yield _filled([project(outline) for outline in face(0.0)], heavy)
+        for outline, width in zip(whole, (2.0, 0.8), strict=False):
+            yield _line(project(outline), heavy, width * scale)
+        cog = disk.eccentricity * first
+        for point, marker, inner, edge in (
+            (place + disk.radius * first, "o", "white", "#222222"),
             (place + cog, "o", "black", "white"),
             (place, "+", "none", "#222222"),
         ):
-            axes.plot(
-                *project(point), marker, ms=7 * scale, mew=scale, mfc=face, mec=edge, zorder=5
-            )
-        lift = 1e3 * float(cog[2])
-        text = (
-            f"t = {pose.times[0]:.3f} s,  β = {pose.tilt[0]:.2f} rad,  "
-            f"spin {pose.spins[0]:.1f} rad/s\n"
-            f"COG {abs(lift):.1f} mm {'above' if lift >= 0.0 else 'below'} the centre"
-        )
-        axes.text(-1.95, 1.78, text, va="top", fontsize=9.0 * scale)
+            look: dict[str, Any] = {"ms": 7 * scale, "mew": scale, "mfc": inner, "mec": edge}
+            yield Line2D(*project(point).T, marker=marker, **look)
+        yield Text(-1.95, 1.78, _readout(pose), va="top", fontsize=9.0 * scale)
 
-    def _draw_table(self, target: Array, project: Callable[[Array], Array]) -> None:
+    def _table(self, target: Array, project: Callable[[Array], Array]) -> Iterator[Artist]:
         radius = self.poses.disk.radius
         reach, cell = 3.0 * radius, 0.5 * radius
         middle = np.array([target[0], target[1], 0.0])
-        edge = snapshots.outline(reach) + middle
-        self.scene.fill(*project(edge), color="#f3f3f0", lw=0, zorder=0)
+        yield _filled([project(snapshots.outline(reach) + middle)], "#f3f3f0")
+        lines = []
         for axis in (0, 1):
             lowest = np.ceil((middle[axis] - reach) / cell)
             for value in cell * np.arange(lowest, (middle[axis] + reach) / cell):
                 half = np.sqrt(max(0.0, reach**2 - (value - middle[axis]) ** 2))
-                line = np.tile(middle, (2, 1))
+                line = np.tile(middle, (3, 1))
                 line[:, axis] = value
-                line[:, 1 - axis] += (-half, half)
-                self.scene.plot(*project(line), color="#d9d9d4", lw=0.7 * self.scale, zorder=1)
+                line[:, 1 - axis] += (-half, half, np.nan)
+                lines.append(line)
+        yield _line(project(np.vstack(lines)), "#d9d9d4", 0.7 * self.scale)
 
     def _path(self, now: float) -> Array:
         """Path of the contact point over the last moments, shape (n, 3)."""
@@ -220,3 +233,24 @@ class _Picture:
         inside = times[(times > since) & (times < now)]
         points = self.poses.at(np.concatenate(([since], inside, [now]))).contact_points
         return np.column_stack((points, np.zeros(len(points))))
+
+
+def _readout(pose: Keyframes) -> str:
+    lift = 1e3 * float(pose.cog_height[0] - pose.positions[0, 2])
+    flat = np.sin(pose.tilt[0]) < 1e-3
+    gamma = "–" if flat else f"{pose.gamma[0]:.2f} rad"
+    return (
+        f"t = {pose.times[0]:.3f} s,  β = {pose.tilt[0]:.2f} rad,  γ = {gamma},  "
+        f"spin {pose.spins[0]:.1f} rad/s\n"
+        f"COG {abs(lift):.1f} mm {'above' if lift >= 0.0 else 'below'} the centre"
+    )
+
+
+def _filled(outlines: list[Array], colour: str, alpha: float = 1.0) -> Artist:
+    """Area within outlines, shape (n, 2) each; those that turn the other way are holes."""
+    path = Path.make_compound_path(*(Path(outline, closed=True) for outline in outlines))
+    return PathPatch(path, color=colour, alpha=alpha, linewidth=0.0)
+
+
+def _line(points: Array, colour: str, width: float) -> Artist:
+    return Line2D(*points.T, color=colour, linewidth=width)

@@ -5,11 +5,10 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from analysis import Disk, Inversion, SpatialMotion, Trajectory, find_phases
+from analysis import Disk, Inversion, SpatialMotion, StoredRun, Trajectory
 from analysis.data import frames
 from analysis.data.checks import Array
 from analysis.data.limits import MOST_KEYFRAMES
-from validation.run import StoredRun
 
 _TURN_BETWEEN = 0.25
 """Angle in rad the disk may turn between keyframes taken from co-rotating coordinates."""
@@ -59,6 +58,12 @@ class Keyframes:
     def tilt(self) -> Array:
         """Inclination beta in rad, shape (n,)."""
         return frames.tilts(self.rotations)
+
+    @property
+    def gamma(self) -> Array:
+        """Rotation angle gamma in rad from -pi to pi, shape (n,); without meaning if flat."""
+        result: Array = np.arctan2(self.rotations[:, 2, 0], self.rotations[:, 2, 1])
+        return result
 
     @property
     def cog_height(self) -> Array:
@@ -175,7 +180,7 @@ def _from_spatial(motion: SpatialMotion) -> Keyframes:
             f"the samples are too far apart to be animated: the disk turns by {np.max(turns):.2g} "
             f"rad between two of them at t = {motion.times[np.argmax(turns)]:g} s"
         )
-    found = find_phases(motion)
+    found = motion.phases
     starts = (
         (field.name.replace("_", " "), getattr(found, field.name)) for field in fields(found)
     )

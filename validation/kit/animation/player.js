@@ -51,6 +51,7 @@
       ez: [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
     };
     result.beta = Math.atan2(Math.hypot(result.ez[0], result.ez[1]), result.ez[2]);
+    result.gamma = Math.sin(result.beta) > 1e-3 ? Math.atan2(result.ex[2], result.ey[2]) : null;
     result.height = result.centre[2] + data.eccentricity * result.ex[2];
     return result;
   }
@@ -100,12 +101,16 @@
       0.75 * R];
     const { project, eye } = projection(target, width, height);
 
-    const trace = (points) => {
+    const trace = (points) => points.forEach((point, k) =>
+      k ? pen.lineTo(...project(point)) : pen.moveTo(...project(point)));
+    const fill = (outlines, colour) => { // where one outline lies within another, there is a hole
       pen.beginPath();
-      points.forEach((point) => pen.lineTo(...project(point)));
+      outlines.forEach(trace);
+      pen.fillStyle = colour;
+      pen.fill("evenodd");
     };
-    const fill = (points, colour) => { trace(points); pen.fillStyle = colour; pen.fill(); };
     const stroke = (points, colour, thickness) => {
+      pen.beginPath();
       trace(points);
       pen.strokeStyle = colour;
       pen.lineWidth = thickness;
@@ -113,8 +118,12 @@
     };
     const circle = (first, last, place) => Array.from({ length: 73 }, (_, k) =>
       place(first + (last - first) * k / 72));
-    const rim = (angle) => centre.map((value, k) =>
-      value + R * (Math.cos(angle) * ex[k] + Math.sin(angle) * ey[k]));
+    const inPlane = (x, y) => centre.map((value, k) => value + x * ex[k] + y * ey[k]);
+    const rim = (angle) => inPlane(R * Math.cos(angle), R * Math.sin(angle));
+    const hole = (lowest) => data.hole ? [circle(0, 2 * Math.PI, (angle) => inPlane(
+      Math.max(lowest, data.hole[0] * Math.cos(angle) - data.hole[1]),
+      data.hole[0] * Math.sin(angle)))] : [];
+    const face = [circle(0, 2 * Math.PI, rim), ...hole(-R)];
     const mark = (point, size, colour, edge) => {
       pen.beginPath();
       pen.arc(...project(point), size, 0, 2 * Math.PI);
@@ -124,8 +133,8 @@
     };
 
     // The table, its grid, the shadow and the path of the contact point; the disk hides them.
-    fill(circle(0, 2 * Math.PI, (a) =>
-      [target[0] + TABLE * Math.cos(a), target[1] + TABLE * Math.sin(a), 0]), COLOUR.table);
+    fill([circle(0, 2 * Math.PI, (a) =>
+      [target[0] + TABLE * Math.cos(a), target[1] + TABLE * Math.sin(a), 0])], COLOUR.table);
     const cell = nice(0.4 * R);
     for (let axis = 0; axis < 2; axis++) {
       for (let k = Math.ceil((target[axis] - TABLE) / cell); k * cell < target[axis] + TABLE; k++) {
@@ -139,7 +148,7 @@
         stroke(ends, COLOUR.grid, 1);
       }
     }
-    fill(circle(0, 2 * Math.PI, rim).map(([x, y]) => [x, y, 0]), "rgba(0, 0, 0, 0.13)");
+    fill(face.map((outline) => outline.map(([x, y]) => [x, y, 0])), "rgba(0, 0, 0, 0.13)");
     let previous = pose(Math.max(begin, t - TRAIL)).contact;
     for (let i = before(Math.max(begin, t - TRAIL)) + 1; i < count && times[i] < t; i++) {
       pen.globalAlpha = Math.max(0.05, 1 - (t - times[i]) / TRAIL);
@@ -151,9 +160,10 @@
     stroke([previous, now.contact], COLOUR.path, 2);
 
     const seen = dot(ez, eye) > dot(ez, centre) ? COLOUR.front : COLOUR.back;
-    fill(circle(0, 2 * Math.PI, rim), seen[0]);
-    if (data.eccentricity) fill(circle(-Math.PI / 2, Math.PI / 2, rim), seen[1]);
-    stroke(circle(0, 2 * Math.PI, rim), seen[1], 2.5);
+    fill(face, seen[0]);
+    if (data.eccentricity) fill([circle(-Math.PI / 2, Math.PI / 2, rim), ...hole(0)], seen[1]);
+    stroke(face[0], seen[1], 2.5);
+    face.slice(1).forEach((outline) => stroke(outline, seen[1], 1));
     mark(now.contact, 3, COLOUR.path);
     mark(rim(0), 5, "#fff", COLOUR.ink);
     const middle = project(centre);
@@ -169,6 +179,7 @@
     find(".readout").replaceChildren(...[
       `t = ${t.toFixed(3)} s`,
       `β = ${now.beta.toFixed(2)} rad (${(now.beta * 180 / Math.PI).toFixed(0)}°)`,
+      `γ = ${now.gamma === null ? "–" : `${now.gamma.toFixed(2)} rad`}`,
       `spin ${now.spin.toFixed(1).replace(/^-0\.0$/, "0.0")} rad/s`,
       `COG ${(1e3 * now.height).toFixed(1)} mm high,`,
       `${Math.abs(lift).toFixed(1)} mm ${lift < 0 ? "below" : "above"} the centre`,

@@ -15,8 +15,8 @@ from importlib.resources import files
 
 import numpy as np
 
+from analysis import StoredRun
 from validation.kit.animation.keyframes import Keyframes, keyframes
-from validation.run import StoredRun
 
 LEVELS = 65535
 """Largest integer of a column."""
@@ -31,7 +31,8 @@ SLOW = 0.1
 """Speed at which the eye can follow a disk that turns six times a second."""
 
 KEY = "● centre of gravity, + centre, ○ mark on the rim, green: path of the contact point"
-HEAVY_KEY = "Dark half: the heavy side. "
+FACES = "Blue and orange: the two faces of the disk. "
+HEAVY_KEY = "Dark half: its heavy side. "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,7 +111,7 @@ def player(
         '<input class="time" type="range" min="0" max="1" step="any" value="0" aria-label="Time">'
         '<canvas class="strip" role="img" aria-label="Inclination and height of the centre of '
         'gravity over time"></canvas>'
-        f'<p class="key">{HEAVY_KEY if poses.disk.eccentricity else ""}{KEY}.</p>'
+        f'<p class="key">{FACES}{HEAVY_KEY if poses.disk.eccentricity else ""}{KEY}.</p>'
         "<noscript>The animation needs JavaScript.</noscript>"
         f'<script type="application/json">{data}</script>'
         f"<script>{_asset('player.js')}</script></figure>"
@@ -126,7 +127,8 @@ def encode(poses: Keyframes) -> dict[str, object]:
     dict
         `begin` in s; `times`, base64 of little-endian 32-bit floats from there; `columns`, base64
         of little-endian 16-bit integers, one of `COLUMNS` after the other; `low` and `step`, so
-        that a value is low + step * integer; `radius` and `eccentricity` in m; `marks`.
+        that a value is low + step * integer; `radius` and `eccentricity` in m; `hole`, its
+        radius and distance in m, or None; `marks`.
     """
     table = np.column_stack(
         (poses.positions, poses.quaternions, poses.contact_points, poses.spins)
@@ -141,6 +143,7 @@ def encode(poses: Keyframes) -> dict[str, object]:
         "step": dict(zip(COLUMNS, step.tolist(), strict=True)),
         "radius": poses.disk.radius,
         "eccentricity": poses.disk.eccentricity,
+        "hole": poses.disk.hole,
         "marks": [list(mark) for mark in poses.marks],
     }
 

@@ -17,7 +17,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from analysis import MODELS, FlatError, Level, Scenario, Start, judge_inversion
+from analysis import MODELS, FlatError, Level, Scenario, Start
 from analysis.data.files import whole_file
 from analysis.data.trajectory import Source
 from analysis.stability import linear_reduced
@@ -104,7 +104,7 @@ def outcome(start: RandomStart, source: Source = "in-house") -> Outcome:
         return "flat"
     if found.ending is not None:
         return known_outcome(found.ending.reason)
-    return judge_inversion(found).outcome
+    return found.inversion.outcome
 
 
 def known_outcome(name: str) -> Outcome:

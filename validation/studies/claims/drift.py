@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from analysis import Trajectory, find_inversion
+from analysis import Trajectory
 from analysis.data.checks import Array
 from analysis.models import equations
 from validation.studies.claims.claim import Claim, grade
@@ -33,7 +33,7 @@ def claims(run: Trajectory) -> list[Claim]:
             for z, u in zip(run.coordinates, run.rates, strict=True)
         ]
     )
-    until = find_inversion(run) or float(run.times[-1])
+    until = run.inversion_time or float(run.times[-1])
     rising = run.times <= until
     speeds = [_rms(values[rising]) for values in (velocity, slip)]
     ratio = speeds[0] / speeds[1]

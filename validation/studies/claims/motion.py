@@ -11,8 +11,6 @@ from analysis import (
     Scenario,
     Trajectory,
     energies,
-    find_inversion,
-    judge_inversion,
 )
 from validation.run import run as run_scenario
 from validation.studies.claims.claim import Claim, falls, grade, listed
@@ -94,7 +92,7 @@ def figure_7(loads: Mapping[Load, tuple[Trajectory, Trajectory]]) -> list[Claim]
     after = np.max(np.abs(gamma - UPRIGHT)[contact.times >= 0.5])
     reached = first_time(contact, "gamma", UPRIGHT)
     short = [UPRIGHT - value_at(run, run.coordinate("gamma"), 0.5) for run in (contact, weight)]
-    inverted = find_inversion(contact)
+    inverted = contact.inversion_time
     shown = "not" if inverted is None else f"after {inverted:.3f} s"
     tilt = float(np.max(np.abs(contact.coordinate("beta") - UPRIGHT)))
     difference = np.max(np.abs(weight.coordinates - contact.coordinates), axis=0)[4:6]
@@ -138,7 +136,7 @@ def spinning(levels: Sequence[Trajectory], longs: Sequence[Trajectory]) -> list[
     spins = [value_at(run, run.rate("alpha"), 2.0) for run in levels[:3]]
     until = [leaves(run) for run in longs[:3]]
     free = longs[0]
-    last = judge_inversion(free).lost or LONG
+    last = free.inversion.lost or LONG
     lowest = float(np.min(free.rate("alpha")[free.times <= last]))
     shares = [potential_share(run) for run in levels[:3]]
     return [

@@ -14,7 +14,6 @@ from analysis import (
     SmoothCoulomb,
     Start,
     Trajectory,
-    judge_inversion,
 )
 from analysis.data.checks import Array
 from validation.kit import figures
@@ -122,8 +121,8 @@ def table(results: Mapping[Any, Any]) -> Table:
                 None if coefficient == inf else engine.scenario.friction.gradient,
                 float(np.max(engine.cog_direction)),
                 float(np.max(inhouse.cog_direction)),
-                judge_inversion(engine).outcome,
-                judge_inversion(inhouse).outcome,
+                engine.inversion.outcome,
+                inhouse.inversion.outcome,
             ]
         )
     return Table(

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis import MODELS, FlatError, Level, Scenario, Start, judge_inversion
+from analysis import MODELS, FlatError, Level, Scenario, Start
 from analysis.data.endings import FLAT
+from analysis.data.inversion import STAYING
 from analysis.data.trajectory import Source
-from analysis.models.inversion import STAYING
 from analysis.stability import linear_reduced
 from analysis.stability.critical import critical_speeds
 from validation.kit.tables import Cell, Table
@@ -53,7 +53,7 @@ def outcome(level: Level, spin: float, source: Source = "in-house") -> str:
         return "flat"
     if found.ending is not None and found.ending.reason == FLAT:
         return FLAT
-    return judge_inversion(found).outcome
+    return found.inversion.outcome
 
 
 def inverts(result: str) -> bool:

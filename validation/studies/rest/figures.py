@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import CubicSpline
 
-from analysis import CAUSES, Dissipation, SpatialMotion, find_phases
+from analysis import CAUSES, Dissipation, SpatialMotion
 from analysis.data.checks import Array
 from validation.kit import figures
 from validation.kit.figures import Picture
@@ -80,7 +80,7 @@ def draw_story(motion: SpatialMotion, axes: Any) -> Any:
 
 def draw_path(motion: SpatialMotion) -> Figure:
     """Draw the path of the contact point upside down, falling and rolling, and near rest."""
-    phases = find_phases(motion)
+    phases = motion.phases
     fall = phases.inversion_lost or motion.times[-1] / 3
     late = 0.5 * (fall + (phases.flat or motion.times[-1]))
     ends = (0.0, fall, late, motion.times[-1])
@@ -136,7 +136,7 @@ def _largest_around(values: Array, width: int) -> Array:
 
 def _mark_phases(motion: SpatialMotion, panels: Sequence[Any]) -> None:
     """Draw dotted lines where phases begin, named in the first of the axes."""
-    phases = find_phases(motion)
+    phases = motion.phases
     for field in fields(phases):
         begin = getattr(phases, field.name)
         if begin is not None:

@@ -17,8 +17,6 @@ from analysis import (
     SmoothCoulomb,
     SpatialMotion,
     Start,
-    find_phases,
-    judge_inversion,
 )
 from analysis.data.trajectory import SOURCES
 from validation.kit.animation import player as animation
@@ -86,7 +84,7 @@ def run_model_1() -> tuple[float | None, float | None]:
     times = np.arange(0.0, 19.5, SPACING)
     scenario = Scenario(friction=SmoothCoulomb(load="contact"))
     found = run(scenario, times, source="in-house", local_tolerance=1e-9)
-    inversion = judge_inversion(found)
+    inversion = found.inversion
     return inversion.time, inversion.lost
 
 
@@ -153,7 +151,7 @@ def _paragraphs(results: Mapping[Any, Any]) -> list[str]:
     faster = results["rest", SHOWN, "spin 0.001 rad/s faster"]
     count = min(base.times.size, faster.times.size)
     change = np.abs(base.tilt[:count] - faster.tilt[:count])
-    before = base.times[:count] < (find_phases(base).inversion_lost or np.inf)
+    before = base.times[:count] < (base.phases.inversion_lost or np.inf)
     begin, end = rest_creep.WINDOWS[-1]
     left, loss = rest_creep.creep_of(results["rest", SLIDING, "in-house"], begin, end)
     law: rest_creep.Creep = results["rest creep", rest_creep.SMOOTHINGS[0]]
@@ -197,7 +195,7 @@ def phase_table(results: Mapping[Any, Any]) -> Table:
         count = min(motion.times.size for motion in pair)
         difference = float(np.max(np.abs(pair[0].tilt[:count] - pair[1].tilt[:count])))
         for motion, shown in zip(pair, (None, difference), strict=True):
-            times = _times(find_phases(motion))
+            times = _times(motion.phases)
             agrees = None if shown is None else shown < AGREEMENT
             rows.append((case, motion.source, *times, _face(motion), shown, agrees))
     ideal = results["rest", SLIDING, "Model 1"]
@@ -223,10 +221,10 @@ def phase_table(results: Mapping[Any, Any]) -> Table:
 def variant_table(results: Mapping[Any, Any]) -> Table:
     """How phase times move with stiffness, rim, step and start."""
     rows: list[tuple[Cell, ...]] = []
-    base = _times(find_phases(results["rest", SHOWN, "in-house"]))
+    base = _times(results["rest", SHOWN, "in-house"].phases)
     for variant in ("in-house", *VARIANTS):
         motion = results["rest", SHOWN, variant]
-        times = _times(find_phases(motion))
+        times = _times(motion.phases)
         shift = [abs(a - b) for a, b in zip(times, base, strict=True) if None not in (a, b)]  # type: ignore[operator]
         limit = LARGEST_SHIFT.get(variant, 0.02)
         rows.append((variant, *times, _face(motion), max(shift), limit, max(shift) <= limit))

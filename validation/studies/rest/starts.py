@@ -9,7 +9,7 @@ from math import acos, pi
 
 import numpy as np
 
-from analysis import Dissipation, Scenario, Start, find_phases
+from analysis import Dissipation, Scenario, Start
 from validation.kit.report import Job, run_jobs
 from validation.kit.tables import Table
 from validation.run import run_to_rest
@@ -81,7 +81,7 @@ def run(name: str, start: Start) -> Outcome:
         spacing=5e-3,
         local_tolerance=1e-10,
     )
-    phases = find_phases(motion)
+    phases = motion.phases
     lowest = float(np.min(motion.normal_force))
     return Outcome(
         start=name,

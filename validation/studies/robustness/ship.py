@@ -1,4 +1,4 @@
-"""Put the cases of a full study into the package, and print what the README says of them.
+"""Put the cases of a full study into the package, and print what docs/results.md says of them.
 
     python -m validation.studies.robustness.ship DIR
 

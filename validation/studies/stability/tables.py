@@ -138,30 +138,31 @@ def variant_table() -> Table:
 
 
 def critical_table(found: CriticalSpeeds) -> Table:
-    """Critical speeds of one system; each row says of one eigenvalue or pair where it decays."""
+    """Critical speeds of one system; each row says what becomes of one eigenvalue or pair."""
     rows: list[list[Cell]] = [
         [
-            "complex pair crosses" if crossing.kind == "hopf" else "real eigenvalue crosses",
+            ("this pair " if crossing.kind == "hopf" else "this real eigenvalue ")
+            + ("becomes stable" if crossing.stable_side == "above" else "becomes unstable"),
             crossing.spin,
             crossing.frequency,
-            crossing.stable_side,
         ]
         for crossing in found.crossings
     ]
     rows += [
         [
-            "complex pair born" if change.complex_side == "above" else "complex pair ends",
+            "two real eigenvalues become a pair"
+            if change.complex_side == "above"
+            else "a pair becomes two real eigenvalues",
             change.spin,
             0.0,
-            None,
         ]
         for change in found.pair_changes
     ]
     return Table(
         name=f"critical-{found.system}-{found.motion}",
-        title=f"Critical speeds of {found.scenario.name}, {found.system} system, {found.motion}, "
-        f"from {found.interval[0]:g} to {found.interval[1]:g} rad/s",
-        columns=("event", "spin in rad/s", "frequency in rad/s", "this one decays"),
+        title=f"Single eigenvalues of {found.scenario.name}, {found.system} system, "
+        f"{found.motion}, from {found.interval[0]:g} to {found.interval[1]:g} rad/s",
+        columns=("as the spin rises", "spin in rad/s", "frequency in rad/s"),
         rows=rows,
         note=found.reason or "",
     )

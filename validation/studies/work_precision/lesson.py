@@ -37,7 +37,7 @@ def paragraphs(study: Study) -> list[str]:
 
 
 def summary(study: Study) -> str:
-    """The lesson in a few lines, for the README."""
+    """The lesson in a few lines, for docs/results.md."""
     runs = by_hindsight(study.runs)
     ratios, _reached = _topology_ratios(runs)
     sentences = [

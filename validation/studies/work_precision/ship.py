@@ -1,4 +1,4 @@
-"""Put the results of a full study into the package, and print what the README says of them.
+"""Put the results of a full study into the package, and print what docs/results.md says of them.
 
     python -m validation.studies.work_precision.ship DIR
 
@@ -43,8 +43,8 @@ def check_complete(study: Study) -> None:
         )
 
 
-def readme_block(study: Study) -> str:
-    """Table of the engine's fastest ways and the lesson for the README, between its markers."""
+def results_block(study: Study) -> str:
+    """Table of the engine's fastest ways and the lesson for docs/results.md, with its markers."""
     head = " | ".join(f"to {words(goal)} rad" for goal in GOALS)
     lines = [BEGIN, f"| | {head} |", "| --- " * (1 + len(GOALS)) + "|"]
     for name, problem in PROBLEMS.items():
@@ -70,7 +70,7 @@ def _cell(study: Study, name: str, goal: float) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Ship the study of a folder; its exit code."""
-    return FILE.ship(arguments, check=check_complete, text=readme_block)
+    return FILE.ship(arguments, check=check_complete, text=results_block)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,15 @@
 """When each phase of the motion until rest began."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array
-from analysis.data.spatial_motion import SpatialMotion
-from analysis.models.inversion import judge_inversion
+
+if TYPE_CHECKING:
+    from analysis.data.spatial_motion import SpatialMotion
 
 Flags = npt.NDArray[np.bool_]
 
@@ -28,7 +30,7 @@ class Phases:
     Parameters
     ----------
     inversion : float, optional
-        The disk is inverted; see `analysis.models.inversion.DEFINITION`.
+        The disk is inverted; see `analysis.data.inversion.DEFINITION`.
     inversion_lost : float, optional
         Its centre of gravity first comes below the geometric centre again.
     rolling : float, optional
@@ -47,9 +49,9 @@ class Phases:
     rest: float | None
 
 
-def find_phases(motion: SpatialMotion) -> Phases:
+def find_phases(motion: "SpatialMotion") -> Phases:
     """Find when the phases of a motion begin."""
-    times, inversion = motion.times, judge_inversion(motion)
+    times, inversion = motion.times, motion.inversion
     scenario = motion.scenario
     limit = FLAT * scenario.penalty_contact.half_thickness / scenario.disk.radius
     flat = _from_here_on(times, motion.leaning < limit)

@@ -7,8 +7,6 @@ import numpy as np
 
 from analysis.data.checks import Array, increasing_times
 from analysis.data.endings import REACHED
-from analysis.data.spatial_motion import SpatialMotion
-from analysis.data.trajectory import Trajectory
 
 STAYING = 1.0
 """Time in s for which it then stays above the geometric centre.
@@ -74,19 +72,3 @@ class Inversion:
             return cls(outcome=outcome, time=float(high[first]), lost=lost)
         undecided = high.size > 0 and np.isinf(next_fall[-1])
         return cls(outcome="not decided" if undecided else "not inverted")
-
-
-def judge_inversion(motion: Trajectory | SpatialMotion) -> Inversion:
-    """What became of the inversion in a motion; a disk without eccentricity is never inverted."""
-    if not motion.scenario.disk.eccentricity:
-        return Inversion(outcome="not inverted")
-    return Inversion.of_direction(motion.times, motion.cog_direction)
-
-
-def find_inversion(motion: Trajectory | SpatialMotion) -> float | None:
-    """Time in s at which the disk is inverted, by `DEFINITION`; None if it is not.
-
-    It is also None for a motion that ends before the disk has stayed up long enough: then
-    `judge_inversion` says "not decided".
-    """
-    return judge_inversion(motion).time

@@ -1,0 +1,1 @@
+"""Periodic motions of the reduced system and where they begin and end."""

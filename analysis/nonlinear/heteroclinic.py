@@ -1,0 +1,266 @@
+"""The end of the cycles: a connection between noninverted spinning and itself, a turn further.
+
+Noninverted spinning is a saddle with one growing direction. The motion that leaves it there with
+growing gamma either turns back before gamma has made a whole turn, or goes on over it; in between
+there is a spin at which it ends in the saddle again. Neither cycles nor boundary values are needed
+to find it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from analysis.data.checks import Array, number, positive
+from analysis.data.scenario import Scenario
+from analysis.models import reduced
+from analysis.nonlinear import flow
+from analysis.nonlinear.cycle import Cycle
+from analysis.stability.linear_reduced import critical_speed, reduced_matrices
+
+_DEPARTURE = 1e-6
+"""Deviation of gamma in rad at which a motion leaves the saddle along its growing direction."""
+
+_LONGEST = 60.0
+"""End of a run in time constants of the growing direction; it takes 14 to leave."""
+
+_STEP = 0.02
+_WIDEST = 0.5
+"""Steps and range of the search about the critical speed, in parts of it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fall:
+    """The motion that leaves noninverted spinning with growing gamma.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        In s.
+    states : ndarray, shape (n, 3)
+        beta, gamma in rad and rate of beta in rad/s.
+    miss : float
+        Negative, gamma less 3 pi/2 where it turns back; or positive, beta less pi/2 (at most
+        pi/2: the disk falls flat) where gamma reaches 3 pi/2.
+    """
+
+    times: Array
+    states: Array
+    miss: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Connection:
+    """The heteroclinic connection.
+
+    Parameters
+    ----------
+    spin : float
+        In rad/s.
+    below, above : float
+        Spins in rad/s next to it on which the motion falls to different sides.
+    growing, slow, strong : float
+        Eigenvalues of the saddle in 1/s: the positive one, and the negative ones.
+    """
+
+    spin: float
+    below: float
+    above: float
+    growing: float
+    slow: float
+    strong: float
+
+    @property
+    def saddle_index(self) -> float:
+        """Slow decay over growth; cycles near the connection are stable where it exceeds 1."""
+        return -self.slow / self.growing
+
+
+class NoConnectionError(ArithmeticError):
+    """No heteroclinic connection has been found."""
+
+
+def saddle(scenario: Scenario, spin: float) -> tuple[Array, Array]:
+    """Real eigenvalues of noninverted spinning, falling, shape (3,), and growing direction, (3,).
+
+    Raises
+    ------
+    NoConnectionError
+        If it is no saddle with one growing direction.
+    """
+    values, vectors = np.linalg.eig(reduced_matrices(scenario, [spin], "noninverted")[0])
+    order = np.argsort(-values.real)
+    values = values[order]
+    if np.any(values.imag) or not values[0].real > 0.0 > values[1].real:
+        raise NoConnectionError(
+            f"noninverted spinning at {spin:.9g} rad/s is no saddle with one growing and two "
+            f"decaying directions: its eigenvalues are {', '.join(f'{v:.4g}' for v in values)} 1/s"
+        )
+    growing = vectors[:, order[0]].real
+    return values.real, growing / growing[1]
+
+
+def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
+    """Follow the motion that leaves noninverted spinning until it turns back or goes over.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the reduced system.
+    spin : float
+        In rad/s, positive.
+    tolerance : float
+        Relative error of a step.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range or the scenario has no cycles.
+    NoConnectionError
+        If noninverted spinning is no saddle, or the run fails.
+    """
+    flow.require_cycles(scenario)
+    spin = positive("spin", spin)
+    values, growing = saddle(scenario, spin)
+
+    def rates(_: float, x: Array) -> tuple[float, float, float]:
+        return reduced.right_hand_side(scenario, spin, x.tolist())
+
+    def turns_back(_: float, x: Array) -> float:
+        return float(x[0]) - np.pi / 2
+
+    def goes_over(_: float, x: Array) -> float:
+        return float(x[1]) - 1.5 * np.pi
+
+    def flat(_: float, x: Array) -> float:
+        return np.pi - float(x[0])
+
+    for event in (turns_back, goes_over, flat):
+        event.terminal = True  # type: ignore[attr-defined]
+    turns_back.direction = -1.0  # type: ignore[attr-defined]
+    run = solve_ivp(
+        rates,
+        (0.0, _LONGEST / values[0]),
+        np.array((np.pi / 2, -np.pi / 2, 0.0)) + _DEPARTURE * growing,
+        # The strong direction is stiff where friction is steep.
+        method="LSODA",
+        rtol=tolerance,
+        atol=tolerance * 1e-2,
+        events=(turns_back, goes_over, flat),
+    )
+    if not run.success:
+        raise NoConnectionError(f"the motion at {spin:.9g} rad/s fails: {run.message}")
+    beta, gamma, _ = run.y[:, -1]
+    # Closer than rounding to the saddle, it stays there.
+    back, over, lies = (times.size > 0 for times in run.t_events)
+    miss = gamma - 1.5 * np.pi if back else beta - np.pi / 2 if over or lies else 0.0
+    return Fall(times=run.t, states=run.y.T, miss=float(miss))
+
+
+def heteroclinic_connection(scenario: Scenario, accuracy: float = 1e-11) -> Connection:
+    """Find the spin of the heteroclinic connection next to the critical speed.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of Model 4 with friction that knows the weight, and an eccentricity.
+    accuracy : float
+        Of the search in rad/s, at least 1e-11. The runs add some 1e-9 to its error, 3e-8 for
+        friction a hundred times as steep as the paper's.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range or the scenario has no cycles.
+    NoConnectionError
+        If there is none within half the critical speed.
+    """
+    flow.require_cycles(scenario)
+    if number("accuracy", accuracy) < 1e-11:
+        raise ValueError(f"accuracy must be at least 1e-11 rad/s, got {accuracy:g}")
+    low, high = _bracket(scenario)
+
+    def miss(spin: float) -> float:
+        value = fall(scenario, spin).miss
+        tried.append((spin, value))
+        return value
+
+    tried: list[tuple[float, float]] = []
+    found = float(brentq(miss, low, high, xtol=accuracy, rtol=1e-14))
+    growing, slow, strong = saddle(scenario, found)[0].tolist()
+    signs = sorted(tried)
+    below = max((s for s, v in signs if s <= found and v * signs[0][1] > 0.0), default=found)
+    above = min((s for s, v in signs if s >= found and v * signs[-1][1] > 0.0), default=found)
+    return Connection(
+        spin=found, below=below, above=above, growing=growing, slow=slow, strong=strong
+    )
+
+
+def _bracket(scenario: Scenario) -> tuple[float, float]:
+    """Two spins, the nearest to the critical speed in steps, that fall to different sides."""
+    centre = critical_speed(scenario).spin
+    reached = {0: fall(scenario, centre).miss}
+    for count in range(1, round(_WIDEST / _STEP) + 1):
+        for way in (-count, count):
+            inner = way - (1 if way > 0 else -1)
+            reached[way] = fall(scenario, centre * (1.0 + way * _STEP)).miss
+            if reached[way] * reached[inner] <= 0.0:
+                ends = sorted((inner, way))
+                return centre * (1.0 + ends[0] * _STEP), centre * (1.0 + ends[1] * _STEP)
+    side = "turns back" if reached[0] < 0.0 else "goes over"
+    raise NoConnectionError(
+        f"no heteroclinic connection between {centre * (1 - _WIDEST):.6g} and "
+        f"{centre * (1 + _WIDEST):.6g} rad/s: the motion from noninverted spinning {side} at all "
+        "spins tried"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PeriodGrowth:
+    """How the period of cycles grows towards the connection, by least squares.
+
+    Parameters
+    ----------
+    by_spin, predicted_by_spin : float
+        Of the period over the logarithm of the distance to the connection's spin, in s, and
+        -2 / growth.
+    by_amplitude, predicted_by_amplitude : float
+        Of the period over the logarithm of what the amplitude lacks to pi, in s, and
+        -2 (1 / growth + 1 / slow decay).
+    """
+
+    by_spin: float
+    predicted_by_spin: float
+    by_amplitude: float
+    predicted_by_amplitude: float
+
+
+def period_growth(cycles: Sequence[Cycle], connection: Connection) -> PeriodGrowth:
+    """Fit the period of the last cycles of a family.
+
+    Parameters
+    ----------
+    cycles : sequence of Cycle
+        Of the connection's scenario. Those are used that lack 0.01 to 3e-5 rad to an amplitude
+        of pi; nearer ones are closer to its spin than that is known.
+    connection : Connection
+
+    Raises
+    ------
+    ValueError
+        If there are less than 4 of them.
+    """
+    lacking = np.array([np.pi - cycle.amplitude for cycle in cycles])
+    used = (lacking < 1e-2) & (lacking > 3e-5)
+    if np.sum(used) < 4:
+        raise ValueError(f"cycles must hold 4 with 0.01 to 3e-5 rad to pi, got {np.sum(used)}")
+    periods = np.array([cycle.period for cycle in cycles])[used]
+    away = np.array([abs(cycle.spin - connection.spin) for cycle in cycles])[used]
+    return PeriodGrowth(
+        by_spin=float(np.polyfit(np.log(away), periods, 1)[0]),
+        predicted_by_spin=-2.0 / connection.growing,
+        by_amplitude=float(np.polyfit(np.log(lacking[used]), periods, 1)[0]),
+        predicted_by_amplitude=-2.0 * (1.0 / connection.growing - 1.0 / connection.slow),
+    )

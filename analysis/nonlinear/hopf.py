@@ -1,0 +1,187 @@
+"""Type of the Hopf bifurcation of inverted spinning.
+
+The critical pair does not slip: its eigenvector v of A(Omega_crit) solves the system without
+friction, too (Eqs. (129), (130) have friction as a common factor). Slip is therefore of third
+order in the amplitude, and the force law enters the normal form by its gradient alone. Its kink in
+the second derivative, which leaves no classical Lyapunov coefficient to be computed for it, comes
+in two orders later, and the coefficient of a smooth law of the same gradient holds.
+
+Since the flow is odd about inverted spinning, its quadratic terms vanish. Notation as in
+Y. A. Kuznetsov, "Elements of Applied Bifurcation Theory": A q = i omega q, A^T p = -i omega p,
+<p, q> = 1, l_1 = Re <p, C(q, q, conj q)> / (2 omega).
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.data.checks import Array, real_array
+from analysis.data.scenario import Scenario
+from analysis.nonlinear import flow
+from analysis.stability.linear_reduced import critical_speed, reduced_matrices
+
+ComplexArray = npt.NDArray[np.complex128]
+HopfKind = Literal["supercritical", "subcritical", "degenerate"]
+
+_CIRCLE = 16
+"""Points on a circle in the complex plane from which a Taylor coefficient is taken."""
+
+_RADIUS = 0.1
+_NOTHING = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HopfType:
+    """Normal form of the Hopf bifurcation.
+
+    Parameters
+    ----------
+    spin, frequency : float
+        Of the Hopf point in rad/s.
+    lyapunov : float
+        First Lyapunov coefficient l_1 with a critical eigenvector scaled to 1 rad in gamma.
+    real_part_slope : float
+        Derivative of the real part of the critical pair by the spin, without unit.
+    slip : float
+        Slip of the critical eigenvector over that of one part of it, 0 but for rounding.
+    """
+
+    spin: float
+    frequency: float
+    lyapunov: float
+    real_part_slope: float
+    slip: float
+
+    @property
+    def curvature(self) -> float:
+        """Limit of (spin - Hopf spin) / amplitude² for small cycles, in rad/s for each rad²."""
+        return -self.frequency * self.lyapunov / 4.0 / self.real_part_slope
+
+    @property
+    def kind(self) -> HopfKind:
+        """Supercritical if the cycles are born stable."""
+        if abs(self.lyapunov) < _NOTHING:
+            return "degenerate"
+        return "supercritical" if self.lyapunov < 0.0 else "subcritical"
+
+
+def hopf_type(scenario: Scenario) -> HopfType:
+    """First Lyapunov coefficient of the reduced system at its critical speed.
+
+    Raises
+    ------
+    ValueError
+        If the scenario is not of Model 4 with friction that knows the weight, and an
+        eccentricity.
+    """
+    flow.require_cycles(scenario)
+    hopf = critical_speed(scenario)
+    less, A, more = reduced_matrices(scenario, hopf.spin + np.array((-1.0, 0.0, 1.0)))
+    q = _eigenvector(A, hopf.frequency)
+    q = q / q[1]
+    p = _eigenvector(A.T, -hopf.frequency)
+    p = p / np.conj(np.vdot(p, q))
+    u, w = q.real, q.imag
+
+    def mixed(first: Array, second: Array) -> Array:
+        """C(first, second, second) from third derivatives along single directions."""
+        both = _cubic(scenario, hopf.spin, first + second)
+        both = both + _cubic(scenario, hopf.spin, first - second)
+        result: Array = (both - 2.0 * _cubic(scenario, hopf.spin, first)) / 6.0
+        return result
+
+    C = _cubic(scenario, hopf.spin, u) + mixed(u, w)
+    C = C + 1j * (mixed(w, u) + _cubic(scenario, hopf.spin, w))
+    disk = scenario.disk
+    turning = disk.eccentricity * hopf.spin * q[1]
+    slip = (disk.radius + disk.eccentricity) * q[2] + turning
+    return HopfType(
+        spin=hopf.spin,
+        frequency=hopf.frequency,
+        lyapunov=float(np.vdot(p, C).real / (2.0 * hopf.frequency)),
+        # The matrix is a quadratic in the spin: the difference is exact.
+        real_part_slope=float(np.vdot(p, (more - less) / 2.0 @ q).real),
+        slip=float(abs(slip / turning)),
+    )
+
+
+def _eigenvector(A: Array, frequency: float) -> ComplexArray:
+    values, vectors = np.linalg.eig(A.astype(complex))
+    result: ComplexArray = vectors[:, np.argmin(np.abs(values - 1j * frequency))]
+    return result
+
+
+def _cubic(scenario: Scenario, spin: float, direction: Array) -> Array:
+    """Third derivative of the flow along a direction, shape (3,), by Cauchy's integral.
+
+    With friction in proportion to slip, the flow is analytic; see the top of the file.
+    """
+    circle = np.exp(2j * np.pi * np.arange(_CIRCLE) / _CIRCLE)
+    gradient = scenario.friction.gradient
+    values = flow.analytic(
+        scenario, spin, _RADIUS * circle * direction[:, None], lambda slip: gradient * slip
+    )
+    coefficient: Array = (values @ circle**-3).real / _CIRCLE / _RADIUS**3
+    return 6.0 * coefficient
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Growth:
+    """Spin over amplitude near the Hopf point, fitted to cycles.
+
+    Parameters
+    ----------
+    curvature, curvature_error : float
+        Of the term amplitude² in rad/s for each rad², and its standard error.
+    exponent, exponent_error : float
+        Power of the amplitude with which the spin leaves its critical value, and its standard
+        error, with no form assumed but a correction in amplitude².
+    """
+
+    curvature: float
+    curvature_error: float
+    exponent: float
+    exponent_error: float
+
+
+def fitted_growth(spins: npt.ArrayLike, amplitudes: npt.ArrayLike, critical: float) -> Growth:
+    """Fit how the spin of cycles leaves the critical speed.
+
+    Parameters
+    ----------
+    spins, amplitudes : array_like, shape (n,)
+        Of cycles, n > 4, in rad/s and rad.
+    critical : float
+        Spin of the Hopf point in rad/s.
+
+    Raises
+    ------
+    ValueError
+        If there are too few, or they do not leave the critical speed on one side.
+    """
+    a, away = real_array("amplitudes", amplitudes), real_array("spins", spins) - critical
+    if a.size < 5 or a.shape != away.shape:
+        raise ValueError(f"spins and amplitudes must be 5 or more each, got {away.size}, {a.size}")
+    if np.any(a <= 0.0) or not (np.all(away < 0.0) or np.all(away > 0.0)):
+        raise ValueError("spins must all lie on one side of the critical speed")
+    # Each cycle is known to the same part of its amplitude squared.
+    terms, errors = _least_squares(np.stack((a**0, a**2, a**3, a**4), axis=1), away / a**2)
+    logs = np.stack((np.log(a), a**0, a**2, a**4), axis=1)
+    powers, power_errors = _least_squares(logs, np.log(np.abs(away)))
+    return Growth(
+        curvature=float(terms[0]),
+        curvature_error=float(errors[0]),
+        exponent=float(powers[0]),
+        exponent_error=float(power_errors[0]),
+    )
+
+
+def _least_squares(matrix: Array, values: Array) -> tuple[Array, Array]:
+    """Coefficients and their standard errors."""
+    solution = np.linalg.lstsq(matrix, values, rcond=None)[0]
+    rest = values - matrix @ solution
+    variance = float(rest @ rest) / max(1, values.size - solution.size)
+    covariance = np.linalg.inv(matrix.T @ matrix) * variance
+    return real_array("solution", solution), real_array("errors", np.sqrt(np.diag(covariance)))

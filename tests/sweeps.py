@@ -1,0 +1,40 @@
+"""Sweeps that several tests run, and a pool that runs them at once."""
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any
+
+from analysis import MODELS, Scenario
+from validation.sweeps.axes import Design, axis_from_text
+from validation.sweeps.sweep import Plan, Sweep
+
+
+class Direct:
+    """A pool of this process."""
+
+    workers = 1
+
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
+        future: Future[Any] = Future()
+        try:
+            future.set_result(function(*arguments))
+        except Exception as error:  # noqa: BLE001 - as every executor does
+            future.set_exception(error)
+        return future
+
+    def mend(self) -> None:
+        pass
+
+    def stop(self) -> None:
+        pass
+
+
+def sweep(*axes: str, scenario: Scenario | None = None, **plan: Any) -> Sweep:
+    """Sweep over a grid, short runs of the reduced system by default."""
+    if scenario is None:
+        scenario = Scenario(constraints=MODELS[4])
+        plan.setdefault("formulation", "reduced")
+    plan.setdefault("end", 0.05)
+    plan.setdefault("tolerance", 1e-4)
+    design = Design(axes=tuple(map(axis_from_text, axes)))
+    return Sweep(scenario=scenario, design=design, plan=Plan(**plan))

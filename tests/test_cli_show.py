@@ -1,0 +1,97 @@
+"""`tippedisk show`: how far stored motions are apart, and their picture."""
+
+import re
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from analysis import Scenario, SpatialMotion, Start, Trajectory, simulate, simulate_to_rest
+from tests.helpers import random_trajectory
+from validation import cli
+from validation.kit.differences import difference_table
+
+
+@cache
+def falling() -> SpatialMotion:
+    return simulate_to_rest(Scenario.rest(start=Start(spin=5.0, beta=1.2)), 0.1)
+
+
+def test_runs_are_drawn_over_each_other(tmp_path: Path) -> None:
+    out = str(tmp_path / "run.npz")
+    random_trajectory().save(out)
+    for suffix, magic in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
+        picture = tmp_path / f"picture{suffix}"
+        assert cli.main(["show", out, out, "--out", str(picture)]) == 0
+        assert picture.read_bytes().startswith(magic)
+
+
+def test_difference_is_the_largest_and_the_root_mean_square() -> None:
+    one = random_trajectory()
+    shift = np.zeros_like(one.coordinates)
+    shift[2, 4] = 3e-3
+    other = replace(one, coordinates=one.coordinates + shift)
+    table = difference_table([("one", one), ("other", other)])
+    rows = {row[1]: row for row in table.rows}
+    assert rows["beta"][3:] == pytest.approx([3e-3, one.times[2], 3e-3 / np.sqrt(one.times.size)])
+    assert rows["gamma"][3] == 0.0
+    assert rows["beta"][2] == "rad"
+    assert not table.note
+
+
+def test_runs_sampled_at_other_times_are_interpolated_and_said_to_be() -> None:
+    one, other = (
+        simulate(Scenario(), np.linspace(0.0, end, count))
+        for end, count in ((0.4, 101), (0.3, 149))
+    )
+    table = difference_table([("one", one), ("other", other)])
+    largest = {str(row[1]): row[3] for row in table.rows}
+    assert 0.0 < float(str(largest["beta"])) < 1e-7
+    assert "other is interpolated between its samples, to " in table.note
+    assert "other is compared from 0 to 0.3 s alone" in table.note
+
+
+def test_runs_that_cannot_be_compared_say_why() -> None:
+    coarse = simulate(Scenario(), np.linspace(0.0, 2.0, 9))
+    fine = simulate(Scenario(), np.linspace(0.0, 0.1, 11))
+    table = difference_table([("fine", fine), ("coarse", coarse)])
+    assert not table.rows
+    assert re.match(r"coarse is not compared: the samples around t = .* determine", table.note)
+    later = replace(fine, times=fine.times + 5.0)
+    assert "no time in common" in difference_table([("fine", fine), ("later", later)]).note
+
+
+@pytest.mark.parametrize("first", ["rest", "run"])
+def test_rest_files_are_shown_beside_trajectories(
+    first: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    motions: dict[str, SpatialMotion | Trajectory] = {
+        "rest": falling(),
+        "run": falling().to_trajectory(),
+    }
+    order = sorted(motions, key=lambda name: name != first)
+    for name in order:
+        motions[name].save(tmp_path / f"{name}.npz")
+    files = [str(tmp_path / f"{name}.npz") for name in order]
+    assert cli.main(["show", *files, "--out", str(tmp_path / "both.png")]) == 0
+    shown = capsys.readouterr().out
+    assert "rest: SpatialMotion(" in shown
+    assert "run: Trajectory(" in shown
+    found = re.search(r"cog_height +m +(\S+)", shown)
+    assert found is not None
+    assert float(found[1]) < 1e-12
+    assert "quaternion" not in shown
+
+
+def test_without_a_screen_the_numbers_are_printed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mpl.use("agg")
+    random_trajectory().save(tmp_path / "run.npz")
+    assert cli.main(["show", str(tmp_path / "run.npz")]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("run: Trajectory(")
+    assert "--out PICTURE draws" in shown

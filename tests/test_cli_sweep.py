@@ -1,0 +1,123 @@
+"""`tippedisk sweep` on the command line."""
+
+import shutil
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from tests.test_cli import run
+from tests.test_cli_scenario import chosen
+from validation.commands.sweep import chosen_design
+from validation.parser import sweeps
+from validation.sweeps.axes import LAYOUTS, MOST_CASES
+from validation.sweeps.pools import KINDS
+from validation.sweeps.results import Results
+
+SHORT = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1"
+
+
+def test_choices_are_those_of_the_package() -> None:
+    assert sweeps.LAYOUTS == LAYOUTS
+    assert sweeps.EXECUTORS == KINDS
+    assert sweeps.MOST == MOST_CASES
+
+
+def test_sweep_fills_its_store_and_the_same_command_has_nothing_left(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, table = tmp_path / "a.db", tmp_path / "a.csv"
+    call = f"sweep spin=30:40:2 mu=0.2,-0.3 {SHORT} --out {out} --csv {table}".split()
+    assert run(*call) == 0
+    said = capsys.readouterr()
+    assert said.out == f"{out}: 4 cases, 2 of them failed\n{table}: 4 rows\n"
+    assert "2 of 4 cases looked at are refused, such as: coefficient" in said.err
+    before = out.read_bytes()
+    assert run(*call) == 0
+    assert out.read_bytes() == before
+    assert Results.load(out).sweep.scenario == chosen("--model 4")
+
+
+def test_axes_come_from_a_file_as_well(tmp_path: Path) -> None:
+    told, out = tmp_path / "axes.toml", tmp_path / "a.db"
+    told.write_text(
+        'layout = "sobol"\nnumber = 3\nseed = 5\n\n[axes]\nstart.spin = "30:40"\n'
+        'friction.coefficient = "0.1:1:log"\nmodel = [1, 4]\n'
+    )
+    # A failing step keeps the processes out of this: every case is refused.
+    assert run("sweep", "--axes", str(told), "gamma=0,1", "--out", str(out), "--step", "-1") == 2
+    assert not out.exists()
+    options = SimpleNamespace(axes=["gamma=0,1"], axes_file=str(told), layout=None, number=None)
+    options.seed = 6
+    design = chosen_design(options)  # type: ignore[arg-type]
+    assert (design.layout, design.number, design.seed) == ("sobol", 3, 6)
+    assert [axis.field for axis in design.axes] == [
+        "start.spin",
+        "friction.coefficient",
+        "model",
+        "start.gamma",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("spim=0:1:2", "axis must be a field of a scenario"),
+        ("", "axes must be at least one, such as spin=0:60:61"),
+        ("spin=0:60:1000 gamma=0:1:1000 --most 999999", "1000000 cases are asked for, and --most"),
+        ("mu=-2,-1", "coefficient must not be negative, got -2"),
+        ("spin=1,2 --workers 0", "--workers must be at least 1, got 0"),
+        ("spin=1,2 --scheduler tcp://here:1", "--scheduler needs --executor dask"),
+        ("spin=1,2 --witnesses -1", "witnesses must be a number of cases, got -1"),
+        ("spin=1,2 --end 0", "--end must be positive"),
+        ("spin=1,2 --spacing 5", "spacing must be less than end"),
+        ("spin=1,2 --formulation reduced", "form 'reduced' exists for Model 4 alone"),
+        ("spin=1,2 --method euler", "method must be one of DOP853"),
+        ("spin=1,2 --local-tolerance 2", "local_tolerance must lie from"),
+        ("spin=1,2 --rest --stiffness 0", "stiffness must be positive"),
+        ("spin=1,2 --step 1e-3", "--step: step must be left out for source 'in-house'"),
+        ("spin=1,2 --time-limit 0", "--time-limit must be positive"),
+        ("spin=1,2 --out a.csv", "--out: must end in .db"),
+        ("--axes no-such.toml", "No such file"),
+    ],
+)
+def test_wrong_call_is_told_in_one_line_and_leaves_no_file(
+    words: str,
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("sweep", "--out", "a.db", *words.split()) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_store_that_the_disk_cannot_hold_is_refused_before_it_starts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
+    out = tmp_path / "a.db"
+    assert run("sweep", "spin=30:40:5", *SHORT.split(), "--out", str(out)) == 2
+    assert "5 cases may take" in capsys.readouterr().err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(("executor", "module"), [("dask", "distributed"), ("mpi", "mpi4py")])
+def test_missing_extra_is_told_in_one_line(
+    executor: str,
+    module: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    call = f"sweep spin=30:40:5 {SHORT} --executor {executor} --out {tmp_path / 'a.db'}"
+    assert run(*call.split()) == 2
+    said = capsys.readouterr().err
+    assert f"the executor {executor} needs the extra" in said
+    assert said.count("\n") == 1

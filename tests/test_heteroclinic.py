@@ -1,0 +1,165 @@
+"""The end of the cycles: its spin from motions, from cycles and from the slow manifold."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analysis import DISKS, MODELS, Scenario, SmoothCoulomb, Start, ViscousFriction, simulate
+from analysis.nonlinear.family import cycle_family
+from analysis.nonlinear.heteroclinic import (
+    Connection,
+    NoConnectionError,
+    fall,
+    heteroclinic_connection,
+    period_growth,
+    saddle,
+)
+from analysis.nonlinear.hopf import hopf_type
+from analysis.nonlinear.slow_manifold import (
+    NoManifoldError,
+    cog_height,
+    distances,
+    needed_friction,
+    slip_on,
+    slow_connection,
+    slow_cycle,
+    slow_rates,
+    time_scales,
+)
+from analysis.stability.linear_reduced import critical_speed
+from tests.helpers import model
+
+PAPER = model(4)
+TO_THE_END = np.append((1.0, 2.0, 2.7, 3.0), np.pi - np.append(np.geomspace(9e-3, 9e-5, 4), 1e-6))
+
+
+def with_smoothing(smoothing: float) -> Scenario:
+    return replace(PAPER, friction=SmoothCoulomb(smoothing=smoothing))
+
+
+@pytest.mark.parametrize(
+    ("disk", "spin"), [("steel", 30.120961805), ("steel-rounded", 30.084842472)]
+)
+def test_motions_fall_to_different_sides_of_the_connection(disk: str, spin: float) -> None:
+    scenario = replace(PAPER, disk=DISKS[disk])
+    assert fall(scenario, spin - 1e-6).miss > 0.0 > fall(scenario, spin + 1e-6).miss
+
+
+@pytest.mark.slow
+def test_cycles_end_in_the_connection() -> None:
+    found = heteroclinic_connection(PAPER)
+    family = cycle_family(PAPER, TO_THE_END)
+    assert family.reason is None
+    assert family.cycles[-1].spin == pytest.approx(found.spin, abs=1e-9)
+    assert found.below <= found.spin <= found.above <= found.below + 1e-10
+    growth = period_growth(family.cycles, found)
+    assert growth.by_spin == pytest.approx(growth.predicted_by_spin, rel=0.02)
+    assert growth.by_amplitude == pytest.approx(growth.predicted_by_amplitude, rel=1e-4)
+    assert found.saddle_index > 1.0
+    assert family.cycles[-1].multiplier < 1e-3
+
+
+def test_the_full_equations_fall_to_the_same_sides() -> None:
+    for side, over in ((-0.01, True), (0.01, False)):
+        spin = 30.120961805 + side
+        way = fall(PAPER, spin)
+        beta, gamma, rate = way.states[0].tolist()
+        start = Start(beta=beta, gamma=gamma, beta_rate=rate, spin=spin)
+        scenario = Scenario(constraints=MODELS[4], start=start)
+        times = np.linspace(0.0, way.times[-1] + 0.1, 200)
+        run = simulate(scenario, times, form="index-1", tolerance=1e-5)
+        assert bool(np.max(run.coordinate("gamma")) > 1.5 * np.pi) is over
+
+
+@pytest.mark.slow
+def test_what_the_first_order_lacks_is_of_second_order_in_the_smoothing() -> None:
+    slow = slow_connection(PAPER).spin
+    ratios = np.array((0.025, 0.0125))
+    missing = [
+        heteroclinic_connection(with_smoothing(0.3 * ratio)).spin - slow for ratio in ratios
+    ]
+    order = np.log(missing[0] / missing[1]) / np.log(2.0)
+    assert order == pytest.approx(2.0, abs=0.05)
+
+
+def test_cycles_on_the_slow_manifold_begin_in_the_hopf_point_as_the_normal_form_says() -> None:
+    for friction in (PAPER.friction, ViscousFriction(viscosity=0.7)):
+        scenario = replace(PAPER, friction=friction)
+        small, critical = slow_cycle(scenario, 0.02), critical_speed(scenario)
+        curvature = (small.spin - critical.spin) / 0.02**2
+        assert curvature == pytest.approx(hopf_type(scenario).curvature, rel=1e-4)
+        assert small.period == pytest.approx(2.0 * np.pi / critical.frequency, rel=1e-4)
+
+
+def test_cycles_on_the_slow_manifold_end_in_its_connection() -> None:
+    near, end = slow_cycle(PAPER, np.pi - 1e-6), slow_connection(PAPER)
+    assert near.spin == pytest.approx(end.spin, abs=1e-8)
+    assert near.period > 8.0
+    assert end.period == np.inf
+
+
+def test_steep_friction_brings_the_cycle_to_that_on_the_slow_manifold() -> None:
+    missing = []
+    for smoothing in (0.01, 0.005):
+        scenario = with_smoothing(smoothing)
+        cycle = cycle_family(scenario, (0.5, 1.0)).cycles[-1]
+        slow = slow_cycle(scenario, 1.0)
+        missing.append(cycle.spin - slow.spin)
+        assert cycle.period == pytest.approx(slow.period, rel=1e-5)
+    assert np.log(missing[0] / missing[1]) / np.log(2.0) == pytest.approx(2.0, abs=0.05)
+
+
+def test_motions_keep_as_near_the_slow_manifold_as_its_order_says() -> None:
+    found = distances([with_smoothing(smoothing) for smoothing in (0.04, 0.02, 0.01)], 30.5)
+    assert found.orders == pytest.approx([1.0, 2.0], abs=0.07)
+
+
+def test_the_height_of_the_centre_of_gravity_is_conserved_without_slip() -> None:
+    random = np.random.default_rng(3)
+    x = np.array((random.uniform(0.6, 2.5, 20), random.uniform(-3.0, 3.0, 20)))
+    step = 1e-6
+    scenario = replace(PAPER, friction=ViscousFriction())
+    without, corrected = (slow_rates(scenario, 25.0, x, order) for order in (0, 1))
+    ahead, behind = (cog_height(PAPER, *(x + way * without)) for way in (step, -step))
+    np.testing.assert_allclose((ahead - behind) / (2.0 * step), 0.0, atol=1e-9)
+    ahead, behind = (cog_height(PAPER, *(x + way * corrected)) for way in (step, -step))
+    expected = slip_on(scenario, 25.0, x[0], x[1]) / np.tan(x[0])
+    np.testing.assert_allclose((ahead - behind) / (2.0 * step), expected, atol=1e-7)
+
+
+def test_the_slip_gives_the_friction_that_is_needed() -> None:
+    beta, gamma = np.array((1.3, 1.8)), np.array((0.4, 2.0))
+    needed = needed_friction(PAPER, 30.0, beta, gamma)
+    for law in (PAPER.friction, ViscousFriction()):
+        slips = slip_on(replace(PAPER, friction=law), 30.0, beta, gamma)
+        forces = [law.per_speed(abs(slip)) * slip for slip in slips.tolist()]
+        assert forces == pytest.approx(needed.tolist(), rel=1e-12)
+
+
+def test_time_scales_lie_an_order_apart() -> None:
+    found = time_scales(PAPER, critical_speed(PAPER).spin)
+    assert found.fast == pytest.approx(-129.04, abs=0.01)
+    assert found.fast == pytest.approx(found.limit, rel=1e-12)
+    assert found.growth == pytest.approx(0.0, abs=1e-10)
+    assert found.separation == pytest.approx(18.19, abs=0.01)
+
+
+def test_a_connection_is_refused_where_there_is_none() -> None:
+    with pytest.raises(NoConnectionError, match="no saddle with one growing and two decaying"):
+        heteroclinic_connection(with_smoothing(0.4))
+    with pytest.raises(NoManifoldError, match="cannot give"):
+        slow_connection(replace(PAPER, friction=SmoothCoulomb(coefficient=0.02)))
+    with pytest.raises(ValueError, match="accuracy must be at least"):
+        heteroclinic_connection(PAPER, accuracy=1e-15)
+    with pytest.raises(ValueError, match="Model 4"):
+        fall(model(2), 30.0)
+    with pytest.raises(ValueError, match="spin must be positive"):
+        fall(PAPER, -30.0)
+    with pytest.raises(ValueError, match="scenarios must be 2 or more"):
+        distances([PAPER], 30.0)
+    with pytest.raises(ValueError, match="complex pair beside"):
+        time_scales(PAPER, 0.5)
+    with pytest.raises(ValueError, match="cycles must hold 4"):
+        period_growth([], Connection(spin=1, below=1, above=1, growing=1, slow=-1, strong=-2))
+    assert saddle(PAPER, 30.0)[0][0] > 0.0

@@ -1,0 +1,82 @@
+"""Runs to rest that are told where to end."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import Scenario, SpatialMotion, Start, State, load_run, simulate_to_rest
+from analysis.data.endings import first_met
+from analysis.data.trajectory import SOURCES, Source
+from tests.helpers import turn_z
+from validation import cli
+from validation.run import run_to_rest
+
+SCENARIO = Scenario.rest(start=Start(spin=40.0))
+LIMIT = 1.6
+
+
+def tilted(state: State) -> float:
+    return LIMIT - state.coordinates[4]
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_run_to_rest_ends_at_the_first_sample_that_meets_a_condition(source: Source) -> None:
+    whole = run_to_rest(SCENARIO, 0.3, source=source, tolerance=1e-3)
+    ended = run_to_rest(SCENARIO, 0.3, source=source, tolerance=1e-3, stop_when=tilted)
+    first = int(np.argmax(whole.tilt > LIMIT))
+    assert 0 < first < whole.times.size - 1
+    assert ended.times.size == first + 1
+    np.testing.assert_allclose(ended.tilt, whole.tilt[: first + 1], atol=1e-6)
+    assert ended.ending is not None
+    assert ended.ending.reason == "tilted"
+    assert ended.ending.time == ended.times[-1]
+    assert ended.ending.value == pytest.approx(LIMIT - ended.tilt[-1])
+    assert ended.rest_time is None
+    assert ended.error_estimate is not None
+
+
+def test_sides_end_together() -> None:
+    ends = [
+        run_to_rest(SCENARIO, 0.3, source=source, stop_when=tilted).times[-1] for source in SOURCES
+    ]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-12)
+
+
+def test_condition_that_holds_at_the_start_ends_nothing() -> None:
+    def always(state: State) -> float:
+        return -1.0 - state.coordinates[4]
+
+    motion = simulate_to_rest(SCENARIO, 0.05, local_tolerance=1e-6, stop_when=always)
+    assert motion.ending is None
+
+
+def test_flat_poses_are_passed_over() -> None:
+    rotations = np.array([turn_z(0.3), np.eye(3), turn_z(1.0)])
+    nothing = np.zeros((3, 3))
+    asked: list[State] = []
+
+    def never(state: State) -> float:
+        asked.append(state)
+        return 1.0
+
+    assert first_met({"never": never}, nothing, rotations, nothing, nothing) is None
+    assert not asked
+
+
+@pytest.mark.parametrize("stop_when", ["asleep", [3]])
+def test_what_a_run_cannot_end_at_is_refused(stop_when: Any) -> None:
+    with pytest.raises(ValueError, match=r"^stop_when must"):
+        simulate_to_rest(SCENARIO, 0.1, stop_when=stop_when)
+
+
+def test_command_ends_where_the_disk_is_up(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = str(tmp_path / "up.npz")
+    call = ["rest", "--source", "in-house", "--end", "1", "--stop-when", "inverted"]
+    assert cli.main([*call, "--out", out]) == 0
+    assert "the centre of gravity is up, at 90% of its largest height" in capsys.readouterr().out
+    motion = load_run(out, SpatialMotion)
+    assert motion.cog_direction[-1] >= 0.9 > motion.cog_direction[-2]

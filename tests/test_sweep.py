@@ -1,0 +1,401 @@
+"""Sweeps: outcomes of the cases, the store, and workers that fail."""
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+import tracemalloc
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson
+
+from analysis import CAUSES, MODELS, Scenario, Start, power
+from tests.sweeps import Direct, sweep
+from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
+from validation.run import run
+from validation.sweeps import runner
+from validation.sweeps.outcomes import COLUMNS, DONE, Row
+from validation.sweeps.pools import open_pool
+from validation.sweeps.results import Results, write_csv
+from validation.sweeps.runner import run_cases
+from validation.sweeps.store import Store
+from validation.sweeps.sweep import Sweep, look_ahead, run_case
+
+ROOT = Path(__file__).parent.parent
+SPINS = ("spin=30:40:3", "mu=0.2,0.3")
+
+
+def run_all(wanted: Sweep, path: Path, **options: Any) -> dict[str, Any]:
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, Direct(), **options)
+    return Results.load(path).columns
+
+
+def test_row_holds_what_the_run_itself_says() -> None:
+    wanted = sweep("spin=40:44:2", end=2.0, tolerance=1e-6)
+    row = run_case(wanted, 0, None)
+    times = np.linspace(0.0, 2.0, 401)
+    motion = run(
+        Scenario(constraints=MODELS[4]),
+        times,
+        source="in-house",
+        formulation="reduced",
+        tolerance=1e-6,
+    )
+    inversion = motion.inversion
+    assert (row["status"], row["inversion"], row["ending"]) == (DONE, "inverted", None)
+    assert row["inverted_at"] == inversion.time
+    assert row["force_least"] == motion.normal_force.min()
+    assert row["force_largest"] == motion.normal_force.max()
+    assert row["error_estimate"] == motion.error_estimate
+    assert row["spin_after"] == pytest.approx(40.0, rel=1e-12)
+    assert set(row) <= {"number", "start.spin", *COLUMNS}
+
+
+def test_friction_of_a_row_is_the_integral_of_its_power() -> None:
+    # The row tells it from the energies at both ends.
+    wanted = sweep("spin=40:44:2", end=0.5, tolerance=1e-6, spacing=1e-3)
+    row = run_case(wanted, 0, None)
+    scenario = Scenario(constraints=MODELS[4])
+    how: Any = {"source": "in-house", "formulation": "reduced", "tolerance": 1e-6}
+    motion = run(scenario, np.linspace(0.0, 0.5, 501), **how)
+    torque = motion.multiplier("spin_torque") * motion.rate("alpha")
+    taken = -simpson(power(motion) - torque, x=motion.times)
+    assert taken > 0.005
+    assert row["taken_sliding"] == pytest.approx(taken, abs=1e-7)
+
+
+def test_witness_is_the_other_side_with_its_difference() -> None:
+    wanted = sweep("spin=40:44:2", witnesses=2, tolerance=1e-6)
+    row = run_case(wanted, 1, None)
+    assert row["other_inversion"] == "not inverted"
+    assert 0.0 < float(row["difference"] or 0.0) < 2e-6
+    assert float(row["other_seconds"] or 0.0) > 0.0
+
+
+def test_witnesses_are_spread_evenly() -> None:
+    wanted = sweep("spin=0:60:20", "gamma=0:1:20", witnesses=40)
+    chosen = [number for number in range(400) if wanted.has_witness(number)]
+    assert 36 <= len(chosen) <= 44
+    assert all(sum(part <= n < part + 100 for n in chosen) >= 8 for part in (0, 100, 200, 300))
+    everything = replace(wanted, plan=replace(wanted.plan, witnesses=400))
+    assert all(everything.has_witness(number) for number in range(400))
+
+
+@pytest.mark.slow
+def test_row_of_a_run_to_rest_holds_every_cause() -> None:
+    scenario = Scenario.rest(start=Start(beta=0.05, spin=1.0))
+    wanted = sweep("mu=0.2,0.3", scenario=scenario, to_rest=True, end=0.3, tolerance=1e-2)
+    row = run_case(wanted, 0, None)
+    assert row["status"] == DONE
+    taken = [float(row[f"taken_{cause}"] or 0.0) for cause in CAUSES]
+    lost = float(row["energy_start"] or 0) - float(row["energy_end"] or 0)
+    assert sum(taken) == pytest.approx(lost, rel=1e-2)
+    assert float(row["face_end"] or 0.0) > 0.99
+
+
+@pytest.mark.parametrize(
+    ("coefficient", "status", "reason"),
+    [(-0.1, "refused", "coefficient must not be negative"), (FAILS, "failed", "no such friction")],
+)
+def test_failed_case_is_a_row_with_its_reason(
+    coefficient: float, status: str, reason: str
+) -> None:
+    scenario = Scenario(friction=Wayward())
+    wanted = sweep(f"mu=0.3,{coefficient}", scenario=scenario)
+    row = run_case(wanted, 1, None)
+    assert (row["status"], row["number"]) == (status, 1)
+    assert reason in str(row["reason"])
+
+
+def test_case_over_its_time_limit_says_so() -> None:
+    wanted = sweep("spin=30,40", scenario=Scenario(), end=5.0)
+    row = run_case(wanted, 0, 1e-3)
+    assert row["status"] == "too slow"
+    assert "time limit" in str(row["reason"])
+
+
+def test_same_command_runs_only_what_is_missing(tmp_path: Path) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    counted: list[int] = []
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, Direct(), numbers=[4, 1], told=lambda new, _: counted.append(new))
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, Direct(), told=lambda new, _: counted.append(new))
+        run_cases(wanted, kept, Direct(), told=lambda new, _: counted.append(new))
+    assert sum(counted) == 6
+    table = Results.load(path).columns
+    assert table["number"].tolist() == list(range(6))
+    assert table["start.spin"].tolist() == [30.0, 30.0, 35.0, 35.0, 40.0, 40.0]
+
+
+def test_failed_cases_run_again_only_when_asked(tmp_path: Path) -> None:
+    wanted, path = sweep("mu=0.3,-0.1"), tmp_path / "a.db"
+    counted: list[int] = []
+    run_all(wanted, path)
+    run_all(wanted, path, told=lambda new, _: counted.append(new))
+    assert counted == []
+    run_all(wanted, path, retry=True, told=lambda new, failed: counted.extend((new, failed)))
+    assert counted == [1, 1]
+
+
+OTHERS: dict[str, Callable[[Sweep], Sweep]] = {
+    "scenario.friction.coefficient": lambda wanted: replace(
+        wanted, scenario=Scenario(constraints=MODELS[4], friction=Wayward(coefficient=0.2))
+    ),
+    "plan.end": lambda wanted: replace(wanted, plan=replace(wanted.plan, end=0.06)),
+    "design.axes.0.last": lambda _: sweep("spin=30:41:3", "mu=0.2,0.3"),
+    "plan.tolerance": lambda _: sweep(*SPINS, tolerance=1e-5),
+}
+
+
+@pytest.mark.parametrize("key", OTHERS)
+def test_store_of_another_sweep_is_refused(key: str, tmp_path: Path) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    run_all(wanted, path, numbers=[0])
+    before = path.read_bytes()
+    with pytest.raises(ValueError, match=f"results of another sweep: {key} is "):
+        Store(path, OTHERS[key](wanted))
+    assert path.read_bytes() == before
+
+
+def test_store_of_other_sources_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    run_all(wanted, path, numbers=[0])
+    code = wanted.code()
+    monkeypatch.setattr(Sweep, "code", lambda _: code | {"exudyn": "0.1"})
+    with pytest.raises(ValueError, match=r"results of other sources: exudyn is .* 0\.1 here"):
+        Store(path, wanted)
+
+
+def test_digest_knows_a_law_of_ones_own() -> None:
+    own = sweep(*SPINS, scenario=Scenario(friction=Wayward()))
+    assert own.code()["sources"] != sweep(*SPINS).code()["sources"]
+
+
+@pytest.mark.parametrize("content", [b"no database " * 1000, b"SQLite format 3\0" + b"x" * 5000])
+def test_foreign_file_is_refused_and_left_alone(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "a.db"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match="is no readable store"):
+        Store(path, sweep(*SPINS))
+    assert path.read_bytes() == content
+
+
+def test_foreign_database_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.db"
+    with sqlite3.connect(path) as other:
+        other.execute("CREATE TABLE cases (number INTEGER)")
+    other.close()
+    with pytest.raises(ValueError, match="is no store of a sweep, but another SQLite file"):
+        Store(path, sweep(*SPINS))
+
+
+def test_truncated_store_is_told_from_a_whole_one(tmp_path: Path) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    run_all(wanted, path)
+    path.write_bytes(path.read_bytes()[:-4096])
+    with pytest.raises(ValueError, match="is no readable store"):
+        Results.load(path)
+
+
+def test_second_writer_is_refused_and_readers_are_not(tmp_path: Path) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, Direct(), numbers=[0])
+        with pytest.raises(OSError, match="is being written to by another process"):
+            Store(path, wanted)
+        assert Results.load(path).columns["number"].tolist() == [0]
+        run_cases(wanted, kept, Direct(), numbers=[1])
+    assert Results.load(path).columns["number"].tolist() == [0, 1]
+
+
+def test_csv_holds_every_row_in_full_precision(tmp_path: Path) -> None:
+    wanted, path, text = sweep(*SPINS), tmp_path / "a.db", tmp_path / "a.csv"
+    columns = run_all(wanted, path)
+    assert write_csv(path, text) == 6
+    head, *lines = text.read_text().splitlines()
+    assert head.split(",") == ["number", "start.spin", "friction.coefficient", *COLUMNS]
+    at = head.split(",").index("force_least")
+    assert [float(line.split(",")[at]) for line in lines] == columns["force_least"].tolist()
+
+
+def test_column_on_the_grid_leaves_gaps_where_no_row_is(tmp_path: Path) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    run_all(wanted, path, numbers=[0, 3])
+    end = Results.load(path).on_grid("end")
+    np.testing.assert_array_equal(end, [[0.05, np.nan], [np.nan, 0.05], [np.nan, np.nan]])
+
+
+def test_memory_of_a_sweep_does_not_grow_with_its_cases(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def quick(_wanted: Sweep, index: int, _limit: float | None) -> Row:
+        return {"number": index, "start.spin": 1.0, "status": DONE, "seconds": 1e-3}
+
+    monkeypatch.setattr(runner, "run_case", quick)
+    monkeypatch.setattr(runner, "LARGEST_CHUNK", 50)
+    monkeypatch.setattr(runner, "_LOOK", 200)
+    wanted = sweep("spin=0:60:8000")
+    with Store(tmp_path / "many.db", wanted) as kept:
+        tracemalloc.start()
+        run_cases(wanted, kept, Direct(), numbers=range(1000))
+        few = tracemalloc.get_traced_memory()[1]
+        tracemalloc.reset_peak()
+        run_cases(wanted, kept, Direct(), numbers=range(8000))
+        many = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    # Its rows kept, a case would take over 200 bytes.
+    assert many - few < 7000 * 20
+
+
+@pytest.mark.slow
+def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(runner, "GRACE", 0.0)
+    scenario = Scenario(friction=Wayward())
+    wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=scenario, end=0.02)
+    path = tmp_path / "a.db"
+    with Store(path, wanted) as kept, open_pool("processes", workers=1) as pool:
+        run_cases(wanted, kept, pool, time_limit=1.0)
+    table = Results.load(path).columns
+    assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
+    assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
+
+
+def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None:
+    with pytest.raises(ValueError, match="coefficient must not be negative, got -1"):
+        look_ahead(sweep("mu=-1,-2"))
+    ahead = look_ahead(sweep("mu=-1,0.2,0.3"))
+    assert (ahead.looked_at, ahead.refused) == (3, 1)
+    assert ahead.reason == "coefficient must not be negative, got -1"
+
+
+WRITER = """
+import sys
+from tests.sweeps import sweep
+from validation.sweeps.store import Store
+wanted = sweep("spin=0:60:1000000")
+with Store(sys.argv[1], wanted) as kept:
+    number = kept.count()
+    while True:
+        new = range(number, number + 7)
+        kept.add({"number": n, "status": "done", "end": float(n)} for n in new)
+        kept.commit()
+        number += 7
+        print(number, flush=True)
+"""
+
+
+def killed_writer(path: Path, lines: int) -> int:
+    """Kill a process in the midst of writing; returns the last number that it said was safe."""
+    writer = subprocess.Popen(
+        [sys.executable, "-c", WRITER, str(path)],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert writer.stdout is not None
+    said = [int(writer.stdout.readline()) for _ in range(lines)]
+    writer.send_signal(signal.SIGKILL)
+    writer.wait()
+    said += [int(line) for line in writer.stdout.read().splitlines()]
+    writer.stdout.close()
+    return said[-1]
+
+
+def check_whole(path: Path, promised: int) -> None:
+    with sqlite3.connect(path) as file:
+        assert file.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+        ends = [end for (end,) in file.execute('SELECT "end" FROM cases ORDER BY number')]
+    file.close()
+    assert ends == [float(n) for n in range(len(ends))]
+    # Of the commit that was going on, all or nothing.
+    assert len(ends) - promised in (0, 7)
+
+
+def test_killed_writer_leaves_all_that_it_has_committed(tmp_path: Path) -> None:
+    path = tmp_path / "a.db"
+    for lines in (1, 3):
+        check_whole(path, killed_writer(path, lines))
+
+
+@pytest.mark.slow
+def test_store_outlives_many_kills(tmp_path: Path) -> None:
+    path = tmp_path / "a.db"
+    for lines in range(1, 8):
+        check_whole(path, killed_writer(path, lines))
+
+
+def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
+    path = tmp_path / "a.db"
+    path.touch()
+    assert run_all(sweep(*SPINS), path, numbers=[2])["number"].tolist() == [2]
+
+
+def children(process: int) -> list[int]:
+    found = Path(f"/proc/{process}/task/{process}/children").read_text()
+    return [int(word) for word in found.split()]
+
+
+def is_running(process: int) -> bool:
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
+def test_interrupted_and_killed_sweeps_leave_no_process_and_go_on(tmp_path: Path) -> None:
+    path = tmp_path / "a.db"
+    call = [sys.executable, "-m", "validation", "sweep", "spin=30:40:30", "mu=0.2,0.3"]
+    call += ["--model", "4", "--formulation", "reduced", "--end", "1", "--workers", "2"]
+    call += ["--out", str(path)]
+    count = 0
+    for sent, code in ((signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)):
+        process = subprocess.Popen(call, cwd=ROOT, stderr=subprocess.PIPE, text=True)
+        while not path.exists() or rows(path) <= count:
+            assert process.poll() is None
+            time.sleep(0.05)
+        workers = children(process.pid)
+        process.send_signal(sent)
+        said = process.communicate(timeout=60.0)[1]
+        assert process.returncode == code
+        if sent == signal.SIGINT:
+            assert "the same command goes on" in said
+            assert said.count("\n") == 2
+        limit = time.monotonic() + 60.0
+        while any(map(is_running, workers)):
+            assert time.monotonic() < limit
+            time.sleep(0.05)
+        count = rows(path)
+        assert 0 < count < 60
+    done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout == f"{path}: 60 cases\n"
+
+
+def rows(path: Path) -> int:
+    with sqlite3.connect(path, timeout=10.0) as file:
+        tables = file.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        count = file.execute("SELECT count(*) FROM cases").fetchone()[0] if tables else 0
+    file.close()
+    return int(count)
+
+
+def test_identity_of_a_sweep_is_plain_text() -> None:
+    wanted = sweep(*SPINS, scenario=Scenario(friction=Wayward()), witnesses=1)
+    assert Sweep.from_values(json.loads(wanted.to_text())) == wanted
+    assert os.linesep not in wanted.to_text()

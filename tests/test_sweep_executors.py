@@ -1,0 +1,137 @@
+"""Sweeps on a Dask cluster and on MPI ranks, for real, where these extras are installed."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.sweeps import Direct, sweep
+from validation.sweeps.outcomes import DONE
+from validation.sweeps.pools import open_pool
+from validation.sweeps.results import Results
+from validation.sweeps.runner import run_cases
+from validation.sweeps.store import Store
+
+ROOT = Path(__file__).parent.parent
+AXES = ("spin=30:45:60",)
+OPTIONS = ["--model", "4", "--formulation", "reduced", "--end", "0.3", "--tolerance", "1e-4"]
+
+pytestmark = [
+    pytest.mark.slow,
+    # Not this project's: what the extras use of each other.
+    pytest.mark.filterwarnings("ignore:::distributed"),
+    pytest.mark.filterwarnings("ignore:::dask"),
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),
+]
+
+
+def check_complete(path: Path, folder: Path) -> None:
+    """Every case is there, with the numbers of a run in this process."""
+    wanted = sweep(*AXES, end=0.3)
+    with Store(folder / "here.db", wanted) as kept:
+        run_cases(wanted, kept, Direct(), numbers=range(0, 60, 7))
+    here, found = Results.load(folder / "here.db").columns, Results.load(path).columns
+    assert found["number"].tolist() == list(range(60))
+    assert set(found["status"]) == {DONE}
+    np.testing.assert_array_equal(found["energy_end"][::7], here["energy_end"])
+
+
+def test_dask_finishes_a_sweep_though_a_worker_is_killed(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    wanted, path = sweep(*AXES, end=0.3), tmp_path / "a.db"
+    killed: list[int] = []
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None
+    ) as cluster:
+
+        def told(_new: int, _failed: int) -> None:
+            if not killed:
+                killed.append(cluster.workers[0].pid)
+                os.kill(killed[0], signal.SIGKILL)
+
+        with (
+            Store(path, wanted) as kept,
+            open_pool("dask", workers=2, scheduler=cluster.scheduler_address) as pool,
+        ):
+            assert pool.workers == 2
+            run_cases(wanted, kept, pool, told=told)
+    assert killed
+    check_complete(path, tmp_path)
+
+
+def test_lost_dask_scheduler_is_told_and_the_rows_stay(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    wanted, path = sweep(*AXES, end=0.3), tmp_path / "a.db"
+    cluster = distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None)
+    closing: list[threading.Thread] = []
+
+    def told(_new: int, _failed: int) -> None:
+        if not closing:
+            closing.append(threading.Thread(target=cluster.close))
+            closing[0].start()
+
+    with pytest.raises(OSError, match="the workers are lost"), Store(path, wanted) as kept:  # noqa: SIM117
+        with open_pool("dask", workers=1, scheduler=cluster.scheduler_address) as pool:
+            run_cases(wanted, kept, pool, told=told)
+    closing[0].join()
+    assert 0 < Results.load(path).columns["number"].size < 60
+
+
+def mpi_call(path: Path, ranks: int) -> list[str]:
+    pytest.importorskip("mpi4py")
+    found = shutil.which("mpiexec") or shutil.which(
+        "mpiexec", path=str(Path(sys.executable).parent)
+    )
+    if found is None:
+        pytest.skip("needs mpiexec")
+    call = [found, "-n", str(ranks), sys.executable, "-m", "mpi4py.futures", "-m", "validation"]
+    return [*call, "sweep", *AXES, *OPTIONS, "--executor", "mpi", "--out", str(path)]
+
+
+def test_mpi_ranks_finish_a_sweep(tmp_path: Path) -> None:
+    path = tmp_path / "a.db"
+    done = subprocess.run(
+        mpi_call(path, 3), cwd=ROOT, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.stdout == f"{path}: 60 cases\n", done.stderr
+    check_complete(path, tmp_path)
+
+
+def test_killed_mpi_job_leaves_a_store_that_the_same_command_finishes(tmp_path: Path) -> None:
+    path = tmp_path / "a.db"
+    job = subprocess.Popen(mpi_call(path, 2), cwd=ROOT, start_new_session=True)
+    count, limit = 0, time.monotonic() + 120.0
+    while not count:
+        assert job.poll() is None
+        assert time.monotonic() < limit
+        time.sleep(0.05)
+        if path.exists() and path.stat().st_size:
+            count = Results.load(path).columns["number"].size
+    os.killpg(job.pid, signal.SIGKILL)
+    job.wait()
+    done = subprocess.run(
+        mpi_call(path, 2), cwd=ROOT, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.stdout == f"{path}: 60 cases\n", done.stderr
+
+
+def test_tables_of_other_packages_hold_the_columns(tmp_path: Path) -> None:
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    wanted, path = sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db"
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, Direct())
+    results = Results.load(path)
+    frame, cube = results.to_dataframe(), results.to_xarray()
+    assert frame.loc[4, "start.spin"] == 40.0
+    assert frame["status"].tolist() == [DONE, "refused"] * 3
+    assert cube["energy_end"].dims == ("start.spin", "friction.coefficient")
+    picked = cube["energy_end"].sel({"start.spin": 35.0, "friction.coefficient": 0.2})
+    assert float(picked) == frame.loc[2, "energy_end"]

@@ -1,0 +1,136 @@
+"""What the subcommands on nonlinear dynamics do; each returns the exit code."""
+
+import argparse
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from analysis import Scenario
+from analysis.data.files import whole_file
+from analysis.nonlinear import family as families
+from analysis.nonlinear.cycle import Cycle
+from analysis.nonlinear.family import CycleFamily
+from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
+from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from validation.commands.scenarios import chosen_scenario
+from validation.commands.stability import parse_spins
+from validation.kit.tables import Table
+from validation.studies.nonlinear import tables
+
+_SIDE = 0.05
+"""Distance in rad/s from the connection at which the picture shows motions."""
+
+
+def cycles(options: argparse.Namespace) -> int:
+    """Print, store or plot the periodic motions."""
+    spins = None if options.spins is None else parse_spins(options.spins)
+    scenario = _reduced(options)
+    if spins is not None:
+        found = [families.cycle_at(scenario, spin) for spin in spins.tolist()]
+        _deliver(options, [tables.cycle_table(found)], {"cycles": _values(found)})
+        if options.plot is not None:
+            from validation.studies.nonlinear import figures
+
+            _save(figures.cycle_portrait(found).figure, options.plot)
+        return 0
+    family = families.cycle_family(scenario)
+    shown, values = _family(scenario, family)
+    _deliver(options, shown, values)
+    if options.plot is not None:
+        _plot_family(family, options.plot)
+    if family.reason is not None and not options.json:
+        print(f"The family ends early: {family.reason}.")
+    return 0
+
+
+def heteroclinic(options: argparse.Namespace) -> int:
+    """Print, store or plot the heteroclinic connection."""
+    scenario = _reduced(options)
+    found = heteroclinic_connection(scenario)
+    slow = tables.prediction(scenario)
+    values = {
+        **asdict(found),
+        "saddle_index": found.saddle_index,
+        "prediction": None if slow is None else slow.spin,
+    }
+    _deliver(options, [tables.connection_table(found, slow, None)], values)
+    if options.plot is not None:
+        from validation.studies.nonlinear import figures
+
+        ways = [fall(scenario, found.spin + side) for side in (-_SIDE, 0.0, _SIDE)]
+        names = [f"{found.spin + side:.6f} rad/s" for side in (-_SIDE, 0.0, _SIDE)]
+        _save(figures.connection_portrait(ways, names).figure, options.plot)
+    return 0
+
+
+def _reduced(options: argparse.Namespace) -> Scenario:
+    """Scenario of the options, of Model 4 unless they say otherwise."""
+    if options.model is None and options.constraints is None and options.scenario is None:
+        options.model = 4
+    return chosen_scenario(options)
+
+
+def _family(scenario: Scenario, family: CycleFamily) -> tuple[list[Table], dict[str, Any]]:
+    normal = hopf_type(scenario)
+    small = tables.small_cycles(family)
+    growth = None
+    if len(small) > 4:
+        growth = fitted_growth(
+            [cycle.spin for cycle in small], [cycle.amplitude for cycle in small], normal.spin
+        )
+    found = families.bifurcations(family)
+    values = {
+        "hopf": {**asdict(normal), "kind": normal.kind, "curvature": normal.curvature},
+        "growth": None if growth is None else asdict(growth),
+        "cycles": _values(family.cycles),
+        "bifurcations": [{"kind": each.kind, **_values([each.cycle])[0]} for each in found],
+        "reason": family.reason,
+    }
+    shown = [
+        tables.cycle_table(family.cycles),
+        tables.hopf_table(normal, growth),
+        tables.bifurcation_table(found),
+    ]
+    return shown, values
+
+
+def _values(cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
+    names = (
+        "spin",
+        "amplitude",
+        "period",
+        "multiplier",
+        "half_multiplier",
+        "log_strong",
+        "stable",
+    )
+    return [{name: getattr(cycle, name) for name in names} for cycle in cycles]
+
+
+def _deliver(options: argparse.Namespace, shown: Sequence[Table], values: dict[str, Any]) -> None:
+    """Store the first table, and print the values, or all tables if nothing else is asked for."""
+    if options.csv is not None:
+        with whole_file(options.csv) as stream:
+            stream.write(shown[0].to_csv().encode())
+    if options.json:
+        print(json.dumps(values))
+    elif options.csv is None and options.plot is None:
+        for table in shown:
+            print(f"{table.title}\n{table.to_text() if table.rows else 'none'}\n{table.note}\n")
+
+
+def _plot_family(family: CycleFamily, path: Path) -> None:
+    from validation.kit.figures import new_figure
+    from validation.studies.nonlinear import figures
+
+    figure, axes = new_figure(4, height=11.0, share=False)
+    figures.bifurcation_diagram(family, axes=axes[0])
+    figures.period_diagram(family, axes=axes[1:])
+    _save(figure, path)
+
+
+def _save(figure: Any, path: Path) -> None:
+    with whole_file(path) as stream:
+        figure.savefig(stream, format=path.suffix[1:], dpi=150)

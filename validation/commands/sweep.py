@@ -1,0 +1,195 @@
+"""The subcommand `sweep`: many runs of a scenario, kept in one file."""
+
+import argparse
+import os
+import shutil
+import sys
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from analysis.data.checks import choice, positive
+from validation.commands.options import PATIENCE, chosen_end
+from validation.commands.scenarios import chosen_scenario
+from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
+from validation.sweeps.outcomes import DONE
+from validation.sweeps.pools import Pool, open_pool
+from validation.sweeps.results import write_csv
+from validation.sweeps.runner import Told, run_cases
+from validation.sweeps.store import Store, expected_size
+from validation.sweeps.sweep import LookAhead, Plan, Sweep, look_ahead
+
+_FILE = ("axes", "layout", "number", "seed")
+
+
+def sweep(options: argparse.Namespace) -> int:
+    """Run what the store does not hold yet, and say what it holds then."""
+    out = options.out
+    table = options.csv
+    wanted = Sweep(
+        scenario=chosen_scenario(options, rest=options.rest),
+        design=chosen_design(options),
+        plan=_plan(options),
+    )
+    processes = workers(options)
+    time_limit = positive("--time-limit", options.time_limit)
+    _check_size(wanted, out, options.most)
+    ahead = look_ahead(wanted)
+    with Store(out, wanted) as store:
+        left = wanted.design.size - store.count()
+        if left:
+            _announce(wanted, ahead, left, processes)
+        if left or options.retry:
+            with (
+                _interrupted(store, wanted),
+                chosen_pool(options) as pool,
+                _counter(wanted.design.size, store.count()) as told,
+            ):
+                how = {"time_limit": time_limit, "retry": options.retry, "told": told}
+                run_cases(wanted, store, pool, **how)
+        failed = store.count() - store.count(DONE)
+        print(f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else ""))
+    if table is not None:
+        print(f"{table}: {write_csv(out, table)} rows")
+    return 0
+
+
+def workers(options: argparse.Namespace) -> int:
+    """Number of processes; `ValueError` if it is none."""
+    if options.workers is not None and options.workers < 1:
+        raise ValueError(f"--workers must be at least 1, got {options.workers}")
+    if options.scheduler is not None and options.executor != "dask":
+        raise ValueError(f"--scheduler needs --executor dask, got {options.executor}")
+    return options.workers or os.cpu_count() or 1
+
+
+@contextmanager
+def chosen_pool(options: argparse.Namespace) -> Iterator[Pool]:
+    """Workers of the options."""
+    with open_pool(
+        options.executor, workers=workers(options), scheduler=options.scheduler
+    ) as pool:
+        yield pool
+
+
+def chosen_design(options: argparse.Namespace) -> Design:
+    """What varies, from the words of the call and from a file."""
+    told: dict[str, Any] = {}
+    axes = [axis_from_text(text) for text in options.axes]
+    if options.axes_file is not None:
+        told, more = _axes_file(options.axes_file)
+        axes = more + axes
+    told |= {
+        name: value
+        for name in ("layout", "number", "seed")
+        if (value := getattr(options, name)) is not None
+    }
+    return Design(axes=tuple(axes), **told)
+
+
+def _axes_file(path: str) -> tuple[dict[str, Any], list[Axis]]:
+    """What a file says besides the axes, and the axes."""
+    try:
+        with Path(path).open("rb") as stream:
+            told = tomllib.load(stream)
+        for name in told:
+            choice("key", name, _FILE)
+        # What is no table is refused as an axis of that name.
+        axes = _dotted({"": told.pop("axes", {})})
+        return told, [axis_from(field, value) for field, value in axes]
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def _dotted(table: dict[str, Any], name: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        full = f"{name}.{key}" if name else key
+        if isinstance(value, dict):
+            yield from _dotted(value, full)
+        else:
+            yield full, value
+
+
+def _plan(options: argparse.Namespace) -> Plan:
+    return Plan(
+        source=options.source,
+        formulation=options.formulation,
+        method=options.method,
+        tolerance=options.tolerance,
+        local_tolerance=options.local_tolerance,
+        step=options.step,
+        end=chosen_end(options),
+        spacing=options.spacing,
+        stop_when=options.stop_when,
+        to_rest=options.rest,
+        witnesses=options.witnesses,
+    )
+
+
+def _check_size(wanted: Sweep, out: Path, most: int) -> None:
+    """Raise before anything runs if there are more cases than wanted, or than the disk holds."""
+    size = wanted.design.size
+    if size > most:
+        raise ValueError(f"{size} cases are asked for, and --most allows {most}")
+    needed, free = expected_size(wanted), shutil.disk_usage(out.parent).free
+    if needed > free:
+        raise ValueError(
+            f"{size} cases may take {needed / 1e6:.0f} MB at {out}, where {free / 1e6:.0f} MB are "
+            "free"
+        )
+
+
+def _announce(wanted: Sweep, ahead: LookAhead, left: int, processes: int) -> None:
+    """Say what is coming, if it takes long or some cases will be refused."""
+    seconds = left * ahead.seconds / processes
+    words = []
+    if ahead.refused:
+        words.append(
+            f"{ahead.refused} of {ahead.looked_at} cases looked at are refused, such as: "
+            f"{ahead.reason}"
+        )
+    if seconds > PATIENCE:
+        words.append(
+            f"{left} cases, roughly {seconds / 60.0:.0f} minutes on {processes} processes, at "
+            f"most {expected_size(wanted) / 1e6:.1f} MB"
+        )
+    for word in words:
+        with suppress(OSError, ValueError):
+            print(f"tippedisk sweep: {word}", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def _interrupted(store: Store, wanted: Sweep) -> Iterator[None]:
+    try:
+        yield
+    except KeyboardInterrupt:
+        with suppress(OSError, ValueError):
+            print(
+                f"tippedisk sweep: {store.count()} of {wanted.design.size} cases are in "
+                f"{store.path}; the same command goes on",
+                file=sys.stderr,
+                flush=True,
+            )
+        raise
+
+
+@contextmanager
+def _counter(total: int, done: int) -> Iterator[Told]:
+    """A bar with the rate and the time left; nothing is shown where no terminal looks on."""
+    failures = 0
+    with tqdm(
+        total=total, initial=done, unit="case", disable=not sys.stderr.isatty(), leave=False
+    ) as bar:
+
+        def told(new: int, failed: int) -> None:
+            nonlocal failures
+            failures += failed
+            if failures:
+                bar.set_postfix_str(f"{failures} failed", refresh=False)
+            bar.update(new)
+
+        yield told

@@ -1,0 +1,71 @@
+"""How far stored motions are from each other, quantity by quantity."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from analysis import StoredRun
+from analysis.data.checks import Array, ToleranceError
+from validation.kit.tables import Cell, Table
+
+COARSEST = 1e-3
+"""Error in rad that interpolation between samples may have for motions to be compared at all."""
+
+_SIGNED_AT_WILL = "quaternion_"
+"""The two signs of a quaternion are the same attitude, so its parts tell no difference."""
+
+_SAME_TIME = 1e-9
+
+
+def difference_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
+    """Largest and root-mean-square difference of every quantity from that of the first run.
+
+    Parameters
+    ----------
+    runs : sequence of (str, StoredRun)
+        Labels and motions. They are compared at the sample times of the first where both have
+        samples; where those of another lie elsewhere, it is interpolated, and the note says to
+        which error.
+    """
+    (first_name, first), *others = runs
+    rows: list[list[Cell]] = []
+    notes = []
+    for name, run in others:
+        inside = (first.times >= run.times[0]) & (first.times <= run.times[-1])
+        times = first.times[inside]
+        try:
+            found, error = _at(run, times)
+        except (ToleranceError, ValueError) as refusal:
+            notes.append(f"{name} is not compared: {refusal}.")
+            continue
+        if error:
+            notes.append(f"{name} is interpolated between its samples, to {error:.1e} rad.")
+        if times.size < first.times.size:
+            notes.append(f"{name} is compared from {times[0]:g} to {times[-1]:g} s alone.")
+        for quantity, values in first.to_dict().items():
+            if quantity == "time" or quantity not in found or _SIGNED_AT_WILL in quantity:
+                continue
+            apart = np.abs(found[quantity] - values[inside])
+            worst = int(np.argmax(apart))
+            rms = float(np.sqrt(np.mean(apart**2)))
+            unit = first.units[quantity]
+            rows.append([name, quantity, unit, float(apart[worst]), float(times[worst]), rms])
+    return Table(
+        name="differences",
+        title=f"Differences from {first_name}",
+        columns=("run", "quantity", "unit", "largest", "at t in s", "root mean square"),
+        rows=rows,
+        note=" ".join(notes),
+    )
+
+
+def _at(run: StoredRun, times: Array) -> tuple[dict[str, Array], float]:
+    """Quantities at some times within the samples, and the error of interpolation in rad."""
+    if not times.size:
+        raise ValueError("the two have no time in common")
+    rows = np.searchsorted(run.times, times - _SAME_TIME).clip(max=run.times.size - 1)
+    if np.all(np.abs(run.times[rows] - times) <= _SAME_TIME):
+        return {name: values[rows] for name, values in run.to_dict().items()}, 0.0
+    between = replace(run, error_estimate=0.0).resampled(times, tolerance=COARSEST)
+    return between.to_dict(), between.error_estimate or 0.0

@@ -1,0 +1,94 @@
+"""The subcommands for many runs: `sweep`."""
+
+import argparse
+from typing import TYPE_CHECKING
+
+from validation.parser.groups import CONDITIONS, FORMS, FORMULATIONS, add_scenario, add_source
+from validation.parser.paths import writable
+
+if TYPE_CHECKING:
+    from validation.parser.commands import Parser
+
+LAYOUTS = ("grid", "random", "latin-hypercube", "sobol")
+EXECUTORS = ("processes", "dask", "mpi")
+MOST = 10_000_000
+
+_SWEEP = """\
+Run a scenario many times and keep the outcomes in one SQLite file.
+
+An axis is a field of the scenario's file and what it goes through:
+  spin=0:60:61            61 values from 0 to 60, both included
+  mu=0.01:1:20:log        even steps of the logarithm
+  model=1,2,4             a list; friction.load=weight,contact likewise
+  gamma=-pi/2:pi/2        drawn between, with --layout random, latin-hypercube or sobol
+A grid holds all combinations, the last axis fastest. Each case is a row: inverted or not, when,
+spin after it, extremes of the normal force, energy taken, why it ended, estimated error and
+processor time; a run that fails, hangs or crashes is a row with its reason.
+
+The same command goes on where an interrupted one stopped, also after kill -9. A file of another
+sweep, or of another version of the sources, is refused.
+"""
+
+
+def add_sweep(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """The subcommand `sweep`."""
+    sweep = commands.add_parser(
+        "sweep",
+        help="run a scenario many times with some of its fields varied",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description=_SWEEP,
+    )
+    sweep.set_defaults(module="sweep")
+    add = sweep.add_argument
+    add("axes", nargs="*", metavar="AXIS", help="what varies, as above")
+    add("--axes", dest="axes_file", metavar="FILE", help="TOML with the table [axes] instead")
+    add("--layout", choices=LAYOUTS, help="how cases are laid out (grid)")
+    add("--number", type=int, metavar="N", help="of drawn cases")
+    add("--seed", type=int, metavar="N", help="of the drawing (0)")
+    add(
+        "--out",
+        required=True,
+        type=writable(".db"),
+        metavar="FILE",
+        help="store, .db; made if there is none",
+    )
+    add("--csv", type=writable(".csv"), metavar="FILE", help="write all rows to a .csv at the end")
+    _add_plan(sweep)
+    add_workers(sweep)
+    add_scenario(sweep)
+
+
+def _add_plan(sweep: argparse.ArgumentParser) -> None:
+    """How each case is run."""
+    add_source(sweep, default="in-house")
+    add = sweep.add_argument
+    add("--witnesses", type=int, default=0, metavar="N",
+        help="cases, evenly spread, that the other side runs as well, with the difference (0)",
+        )  # fmt: skip
+    add("--formulation", choices=(*FORMULATIONS, *FORMS), help="as in `tippedisk simulate`")
+    add("--method", metavar="NAME", help="in-house only: solver (DOP853; to rest LSODA)")
+    accuracy = sweep.add_mutually_exclusive_group()
+    accuracy.add_argument(
+        "--tolerance", type=float, help="largest error of beta and gamma in rad (1e-6)"
+    )
+    accuracy.add_argument("--step", type=float, help="engine only: fixed step in s instead")
+    accuracy.add_argument(
+        "--local-tolerance",
+        type=float,
+        help="in-house only: of a single run in place of two that agree; no error is estimated",
+    )
+    add("--end", type=float, default=4.0, help="end of each motion in s (4)")
+    add("--spacing", type=float, default=5e-3, help="between samples in s (0.005)")
+    add("--stop-when", choices=CONDITIONS, help="end each run there")
+    add("--rest", action="store_true", help="run until the disk lies still, as `tippedisk rest`")
+
+
+def add_workers(parser: argparse.ArgumentParser) -> None:
+    """Who computes, and how long a case may take."""
+    add = parser.add_argument_group("workers").add_argument
+    add("--workers", type=int, metavar="N", help="processes (one for each core)")
+    add("--executor", choices=EXECUTORS, default="processes", help="(default: %(default)s)")
+    add("--scheduler", metavar="ADDRESS", help="of Dask; by default a cluster of this machine")
+    add("--time-limit", type=float, default=60.0, help="of each run, processor time in s (60)")
+    add("--retry", action="store_true", help="run cases again that failed")
+    add("--most", type=int, default=MOST, metavar="N", help=f"cases to allow ({MOST})")

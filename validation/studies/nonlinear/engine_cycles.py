@@ -1,0 +1,194 @@
+"""The engine on the cycles, and the cycles of Models 1 and 2 at held spin."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from analysis import MODELS, Scenario
+from analysis.nonlinear.cycle import Cycle
+from analysis.nonlinear.family import cycle_at
+from analysis.stability.critical import critical_speeds
+from validation.kit.tables import Table
+from validation.studies.nonlinear.held_spin import HELD, HeldCycle, find, small_cycle
+
+SPINS = (30.2, 30.3, 30.5, 30.8)
+"""Spins in rad/s at which the engine is put on the cycle of Model 4."""
+
+FORMULATION = "floating"
+
+AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0, 1.3)
+"""Amplitudes in rad of the cycles of Models 1 and 2."""
+
+REPEATED = 0.4
+"""That of the one which the engine repeats."""
+
+_LARGEST = 1e-6
+_LARGEST_MULTIPLIER = 1e-5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Witness:
+    """A cycle of the reduced system and the one that the engine has at its spin."""
+
+    cycle: Cycle
+    engine: HeldCycle
+
+
+def witness(spin: float) -> Witness:
+    """Put Model 4 of the engine on the cycle of a spin in rad/s, and let it find its own."""
+    scenario = Scenario(constraints=MODELS[4])
+    cycle = cycle_at(scenario, spin)
+    engine = find(scenario, beginning(cycle), source="engine", formulation=FORMULATION)
+    return Witness(cycle=cycle, engine=engine)
+
+
+def beginning(cycle: Cycle) -> dict[str, Any]:
+    """Where to begin a search at a cycle of the reduced system."""
+    return {
+        "spin": cycle.spin,
+        "amplitude": cycle.amplitude,
+        "period": cycle.period,
+        "start": cycle.states[0, 2:],
+    }
+
+
+def witness_table(found: Sequence[Witness]) -> Table:
+    """Cycles and multipliers of the engine beside the in-house ones."""
+    return Table(
+        name="engine_cycles",
+        title="Cycles of Model 4: engine against the reduced system",
+        columns=(
+            "spin in rad/s",
+            "amplitude in rad",
+            "period in s",
+            "multiplier",
+            "amplitude, engine less in-house",
+            "period, engine less in-house",
+            "multiplier, engine less in-house",
+            "agree",
+        ),
+        rows=[_witness_row(each) for each in found],
+        note=(
+            f"Amplitude and period have to agree to {_LARGEST:g}, the multiplier, which the "
+            f"engine has from displaced starts, to {_LARGEST_MULTIPLIER:g}."
+        ),
+    )
+
+
+def _witness_row(each: Witness) -> tuple[float | bool, ...]:
+    cycle, engine = each.cycle, each.engine
+    differences = (
+        engine.amplitude - cycle.amplitude,
+        engine.period - cycle.period,
+        engine.multiplier - cycle.multiplier,
+    )
+    agree = (
+        abs(differences[0]) < _LARGEST
+        and abs(differences[1]) < _LARGEST
+        and abs(differences[2]) < _LARGEST_MULTIPLIER
+    )
+    return (cycle.spin, cycle.amplitude, cycle.period, cycle.multiplier, *differences, agree)
+
+
+def held_family(name: str, amplitudes: Sequence[float] = AMPLITUDES) -> list[HeldCycle]:
+    """Cycles of a model of `HELD` from its Hopf point of slow frequency on, in-house.
+
+    Parameters
+    ----------
+    name : str
+        One of `HELD`.
+    amplitudes : sequence of float
+        Rising, in rad.
+    """
+    scenario = Scenario(constraints=HELD[name])
+    hopf = critical_speeds(scenario, (29.0, 31.5)).crossings[-1]
+    start = small_cycle(scenario, hopf.spin, hopf.frequency, amplitudes[0])
+    found: list[HeldCycle] = []
+    for amplitude in amplitudes:
+        larger = amplitude / start["amplitude"]
+        start = {**start, "amplitude": amplitude, "start": np.array(start["start"]) * larger}
+        found.append(find(scenario, start, source="in-house", fixed="amplitude"))
+        start = as_start(found[-1])
+    return found
+
+
+def as_start(cycle: HeldCycle) -> dict[str, Any]:
+    """Where to begin a search at a cycle that has been found."""
+    return {name: getattr(cycle, name) for name in ("spin", "amplitude", "period", "start")}
+
+
+def repeated(name: str) -> tuple[HeldCycle, HeldCycle]:
+    """A cycle of a model of `HELD` on both sides, in-house first."""
+    reach = [amplitude for amplitude in AMPLITUDES if amplitude <= REPEATED]
+    inhouse = held_family(name, reach)[-1]
+    scenario = replace(Scenario(), constraints=HELD[name])
+    engine = find(
+        scenario,
+        as_start(inhouse),
+        source="engine",
+        fixed="amplitude",
+        formulation=FORMULATION,
+    )
+    return inhouse, engine
+
+
+def held_table(families: Sequence[tuple[str, Sequence[HeldCycle]]]) -> Table:
+    """Cycles of Models 1 and 2 at held spin."""
+    return Table(
+        name="held_cycles",
+        title="Cycles of the models with more freedom, at held spin",
+        columns=(
+            "model",
+            "amplitude in rad",
+            "spin in rad/s",
+            "period in s",
+            "largest real half multiplier",
+            "size of the complex pair",
+        ),
+        rows=[
+            (name, cycle.amplitude, cycle.spin, cycle.period, *split(cycle))
+            for name, family in families
+            for cycle in family
+        ],
+        note=(
+            "Here the critical pair slips, and the kink of the friction law gives the spin a term "
+            "in the amplitude itself: cycles are born stable, fold below 0.2 rad and are unstable "
+            "beyond, to spins above the critical one. In Model 1 a fast pair is unstable as well, "
+            "as for inverted spinning. Model 3 at held spin is Model 4."
+        ),
+    )
+
+
+def split(cycle: HeldCycle) -> tuple[float, float | None]:
+    """Largest real multiplier over half a period, and size of the complex pair if there is one."""
+    values = cycle.half_multipliers
+    pair = np.abs(values.imag) > 1e-6
+    real = values[~pair].real
+    largest = float(real[np.argmax(np.abs(real))])
+    return largest, float(np.max(np.abs(values[pair]))) if np.any(pair) else None
+
+
+def repeated_table(pairs: Sequence[tuple[str, tuple[HeldCycle, HeldCycle]]]) -> Table:
+    """Engine against in-house cycles of Models 1 and 2."""
+    rows = []
+    for name, (inhouse, engine) in pairs:
+        spin, period = engine.spin - inhouse.spin, engine.period - inhouse.period
+        multiplier = engine.multiplier - inhouse.multiplier
+        agree = max(abs(spin), abs(period)) < _LARGEST and abs(multiplier) < _LARGEST_MULTIPLIER
+        rows.append((name, inhouse.amplitude, inhouse.spin, spin, period, multiplier, agree))
+    return Table(
+        name="repeated_cycles",
+        title="Cycles at held spin: engine against in-house equations",
+        columns=(
+            "model",
+            "amplitude in rad",
+            "spin in rad/s",
+            "spin, engine less in-house",
+            "period, engine less in-house",
+            "multiplier, engine less in-house",
+            "agree",
+        ),
+        rows=rows,
+    )

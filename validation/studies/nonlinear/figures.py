@@ -1,0 +1,174 @@
+"""Pictures of cycles: in-house as lines, the engine as markers. Functions draw into given axes."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from analysis.data.checks import Array
+from analysis.nonlinear.cycle import Cycle
+from analysis.nonlinear.family import CycleFamily
+from analysis.nonlinear.heteroclinic import Fall
+from validation.kit import figures
+
+_ENGINE = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 6,
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "zorder": 4,
+}
+
+_GREY = "#777777"
+
+
+def family_lines(
+    axes: Any,
+    family: CycleFamily,
+    values: Array,
+    first: float | None = None,
+    label: str = "cycles",
+) -> None:
+    """Draw a quantity of a family over the spin, solid where stable and dashed where not.
+
+    Parameters
+    ----------
+    axes : Axes
+    family : CycleFamily
+    values : ndarray, shape (n,)
+        One for each cycle.
+    first : float, optional
+        Its value at the Hopf point.
+    label : str
+    """
+    spins = family.values("spin")
+    stable = np.array([cycle.stable is not False for cycle in family.cycles])
+    if first is not None:
+        spins, values = np.append(family.hopf.spin, spins), np.append(first, values)
+        stable = np.append(stable[0], stable)
+    for wanted, style, word in ((True, "-", "stable"), (False, "--", "unstable")):
+        # A piece takes the kind of its farther end, so that the curve has no gaps.
+        shown = np.append(stable[1:] == wanted, False) | np.append(False, stable[1:] == wanted)
+        if np.any(shown):
+            axes.plot(
+                np.where(shown, spins, np.nan),
+                np.where(shown, values, np.nan),
+                style,
+                color=figures.COLOURS[1 if wanted else 2],
+                label=f"{label}, {word}",
+            )
+
+
+def bifurcation_diagram(
+    family: CycleFamily,
+    *,
+    connection: float | None = None,
+    slow: Sequence[tuple[float, float]] = (),
+    engine: Sequence[tuple[float, float]] = (),
+    axes: Any = None,
+) -> Any:
+    """Amplitude over spin, with the stationary motions it leads between.
+
+    Parameters
+    ----------
+    family : CycleFamily
+    connection : float, optional
+        Spin of the heteroclinic connection in rad/s.
+    slow, engine : sequence of (spin, amplitude)
+        Cycles on the slow manifold to leading order, and cycles of the engine.
+    axes : Axes, optional
+    """
+    axes = figures.new_figure(height=4.6)[1] if axes is None else axes
+    family_lines(axes, family, family.values("amplitude"), 0.0)
+    hopf, spins = family.hopf.spin, family.values("spin")
+    ends = [min(hopf, *spins), max(hopf, *spins)]
+    if connection is not None:
+        ends = [min(ends[0], connection), max(ends[1], connection)]
+    room = 0.15 * (ends[1] - ends[0])
+    low, high = ends[0] - room, ends[1] + room
+    axes.plot([hopf, high], [0.0, 0.0], color=figures.COLOURS[1])
+    axes.plot([low, hopf], [0.0, 0.0], "--", color=figures.COLOURS[2])
+    axes.plot([low, high], [np.pi, np.pi], "--", color=figures.COLOURS[2])
+    axes.annotate("inverted spinning", (low, 0.0), (low + room, 0.12))
+    axes.annotate("noninverted spinning", (high, np.pi), (high - room, np.pi - 0.25), ha="right")
+    axes.plot(hopf, 0.0, "D", color="black", label="Hopf point", zorder=5)
+    if slow:
+        axes.plot(*zip(*slow, strict=True), ":", color=figures.COLOURS[3], label="slow manifold")
+    if connection is not None:
+        axes.axvline(connection, color=_GREY, linestyle="-.", label="heteroclinic", zorder=0)
+    if engine:
+        axes.plot(*zip(*engine, strict=True), label="engine", **_ENGINE)
+    axes.set(
+        xlabel="spinning speed Ω in rad/s",
+        ylabel="amplitude max |γ − π/2| in rad",
+        xlim=(low, high),
+    )
+    figures.angle_axis(axes)
+    figures.legend_above(axes, columns=3)
+    return axes
+
+
+def period_diagram(
+    family: CycleFamily, *, connection: float | None = None, axes: Any = None
+) -> Any:
+    """Period and multipliers over the spin.
+
+    Parameters
+    ----------
+    family : CycleFamily
+    connection : float, optional
+        Spin of the heteroclinic connection in rad/s.
+    axes : sequence of 3 Axes, optional
+    """
+    axes = figures.new_figure(3, height=8.0)[1] if axes is None else axes
+    hopf = family.hopf
+    family_lines(axes[0], family, family.values("period"), 2.0 * np.pi / hopf.frequency)
+    family_lines(axes[1], family, family.values("multiplier"), 1.0)
+    family_lines(axes[2], family, family.values("log_strong") / np.log(10.0))
+    for each in axes:
+        if connection is not None:
+            each.axvline(connection, color=_GREY, linestyle="-.", label="heteroclinic", zorder=0)
+    axes[0].set(ylabel="period in s")
+    axes[1].set(ylabel="larger Floquet multiplier")
+    axes[1].axhline(1.0, color=_GREY, linewidth=0.8, zorder=0)
+    if np.max(family.values("multiplier")) > 10.0:
+        axes[1].set_yscale("log")
+    axes[2].set(ylabel="log10 of the smaller one", xlabel="spinning speed Ω in rad/s")
+    figures.legend_above(axes[0], columns=3)
+    return axes
+
+
+def cycle_portrait(cycles: Sequence[Cycle], axes: Any = None) -> Any:
+    """Cycles in the plane of gamma and beta."""
+    axes = figures.new_figure(height=4.6)[1] if axes is None else axes
+    for index, cycle in enumerate(cycles):
+        states = cycle.full[1]
+        axes.plot(
+            states[:, 1],
+            states[:, 0],
+            color=figures.COLOURS[index % 4],
+            linestyle=figures.STYLES[index // 4 % 4],
+            label=f"{cycle.spin:.6g} rad/s",
+        )
+    axes.set(xlabel="γ in rad", ylabel="β in rad")
+    figures.legend_above(axes)
+    return axes
+
+
+def connection_portrait(ways: Sequence[Fall], names: Sequence[str], axes: Any = None) -> Any:
+    """Motions that leave noninverted spinning, near the connection, in gamma and beta."""
+    axes = figures.new_figure(height=4.6)[1] if axes is None else axes
+    for index, (way, name) in enumerate(zip(ways, names, strict=True)):
+        axes.plot(
+            way.states[:, 1],
+            way.states[:, 0],
+            color=figures.COLOURS[index % 4],
+            linestyle=figures.STYLES[index % 4],
+            label=name,
+        )
+    for place in (-np.pi / 2, 3 * np.pi / 2):
+        axes.plot(place, np.pi / 2, "s", color="black")
+    axes.set(xlabel="γ in rad", ylabel="β in rad")
+    figures.legend_above(axes)
+    return axes

@@ -1,0 +1,207 @@
+"""Tables of cycles, of the Hopf point, of the heteroclinic connection and the slow manifold."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from analysis import Scenario
+from analysis.nonlinear.cycle import Cycle
+from analysis.nonlinear.family import Bifurcation, CycleFamily
+from analysis.nonlinear.heteroclinic import Connection, PeriodGrowth
+from analysis.nonlinear.hopf import Growth, HopfType
+from analysis.nonlinear.slow_manifold import Distances, SlowOrbit, slow_connection, time_scales
+from validation.kit.tables import Table
+
+_SMALL = 1.05
+"""Largest amplitude in rad of the cycles from which the growth is fitted."""
+
+
+def cycle_table(cycles: Sequence[Cycle]) -> Table:
+    """Cycles with their multipliers."""
+    return Table(
+        name="cycles",
+        title="Periodic motions of the reduced system",
+        columns=(
+            "amplitude in rad",
+            "spin in rad/s",
+            "period in s",
+            "multiplier",
+            "log10 of the other",
+            "stable",
+        ),
+        rows=[
+            (
+                cycle.amplitude,
+                cycle.spin,
+                cycle.period,
+                cycle.multiplier,
+                cycle.log_strong / float(np.log(10.0)),
+                # A verdict's cell would be a check; this one is a property.
+                {True: "stable", False: "unstable", None: "undecided"}[cycle.stable],
+            )
+            for cycle in cycles
+        ],
+        note="The amplitude is the largest deviation of γ from π/2; the third multiplier is 1.",
+    )
+
+
+def bifurcation_table(found: Sequence[Bifurcation]) -> Table:
+    """Where the stability of cycles changes."""
+    return Table(
+        name="bifurcations",
+        title="Bifurcations along the family",
+        columns=("kind", "amplitude in rad", "spin in rad/s", "period in s"),
+        rows=[(b.kind, b.cycle.amplitude, b.cycle.spin, b.cycle.period) for b in found],
+        note="" if found else "There are none: stability does not change along the family.",
+    )
+
+
+def small_cycles(family: CycleFamily) -> list[Cycle]:
+    """The cycles from which the growth near the Hopf point is fitted."""
+    return [cycle for cycle in family.cycles if cycle.amplitude < _SMALL]
+
+
+def hopf_table(normal: HopfType, growth: Growth | None) -> Table:
+    """Type of the Hopf bifurcation from both approaches."""
+    rows: list[tuple[str, float, float | None]] = [
+        ("spin in rad/s", normal.spin, None),
+        ("frequency in rad/s", normal.frequency, None),
+        ("first Lyapunov coefficient", normal.lyapunov, None),
+        ("(Ω − Ω_crit)/amplitude², normal form, in rad/s", normal.curvature, None),
+    ]
+    if growth is not None:
+        rows += [
+            (
+                "(Ω − Ω_crit)/amplitude², fitted, in rad/s",
+                growth.curvature,
+                growth.curvature_error,
+            ),
+            ("power of the amplitude, fitted", growth.exponent, growth.exponent_error),
+        ]
+    return Table(
+        name="hopf",
+        title=f"The Hopf bifurcation of inverted spinning is {normal.kind}",
+        columns=("quantity", "value", "standard error"),
+        rows=rows,
+        note=(
+            "The critical pair does not slip, so the normal form takes the friction law by its "
+            "gradient alone, and holds for the paper's law in spite of its kink."
+        ),
+    )
+
+
+def connection_table(
+    found: Connection, slow: SlowOrbit | None, growth: PeriodGrowth | None
+) -> Table:
+    """The heteroclinic connection beside its first-order prediction."""
+    rows: list[tuple[str, float]] = [
+        ("spin in rad/s", found.spin),
+        ("spin less lower side of the bracket in rad/s", found.spin - found.below),
+        ("upper side of the bracket less spin in rad/s", found.above - found.spin),
+        ("growing eigenvalue of the saddle in 1/s", found.growing),
+        ("slow decaying one in 1/s", found.slow),
+        ("fast decaying one in 1/s", found.strong),
+        ("saddle index", found.saddle_index),
+    ]
+    if slow is not None:
+        rows += [
+            ("first-order prediction of the spin in rad/s", slow.spin),
+            ("spin less prediction in rad/s", found.spin - slow.spin),
+            ("largest friction over weight on it", slow.friction),
+        ]
+    if growth is not None:
+        rows += [
+            ("period over ln |Ω − Ω_het| in s", growth.by_spin),
+            ("  −2/growing eigenvalue in s", growth.predicted_by_spin),
+            ("period over ln(π − amplitude) in s", growth.by_amplitude),
+            ("  −2 (1/growing + 1/|slow|) in s", growth.predicted_by_amplitude),
+        ]
+    return Table(
+        name="heteroclinic",
+        title=f"The heteroclinic connection, where the cycles end, at {found.spin:.9f} rad/s",
+        columns=("quantity", "value"),
+        rows=rows,
+        note="Cycles near the connection are stable where the saddle index exceeds 1.",
+    )
+
+
+def dependence_table(rows: Sequence[tuple[float, float, float | None, float | None]]) -> Table:
+    """Spin of the connection over friction.
+
+    Parameters
+    ----------
+    rows : sequence of (mu, epsilon, spin, prediction)
+        None where there is none.
+    """
+    return Table(
+        name="heteroclinic_dependence",
+        title="Spin of the heteroclinic connection over friction",
+        columns=(
+            "μ",
+            "ε in m/s",
+            "spin in rad/s",
+            "first-order prediction in rad/s",
+            "difference over (ε/μ)² in s/m²",
+        ),
+        rows=[
+            (
+                mu,
+                smoothing,
+                spin,
+                slow,
+                None if spin is None or slow is None else (spin - slow) * (mu / smoothing) ** 2,
+            )
+            for mu, smoothing, spin, slow in rows
+        ],
+        note=(
+            "The prediction depends on μ alone; what it lacks is of second order in ε/μ, since "
+            "the slow flow is reversible and odd orders only change the stability."
+        ),
+    )
+
+
+def manifold_table(found: Distances) -> Table:
+    """Distance of motions from the slow manifold, and its order."""
+    surface, corrected = found.orders.tolist()
+    return Table(
+        name="slow_manifold",
+        title="Distance of motions from the slow manifold",
+        columns=(
+            "ε/μ in m/s",
+            "β' off the surface without slip in rad/s",
+            "off the corrected one in rad/s",
+        ),
+        rows=[
+            (ratio, *each)
+            for ratio, each in zip(found.ratios.tolist(), found.distances.tolist(), strict=True)
+        ],
+        note=f"Fitted orders in ε/μ: {surface:.3f} and {corrected:.3f}; expected are 1 and 2.",
+    )
+
+
+def time_scale_table(scenario: Scenario, spins: Sequence[float]) -> Table:
+    """How far the time scales lie apart, which the paper writes as λ₃ ≪ Re λ₁,₂."""
+    return Table(
+        name="time_scales",
+        title="Time scales at inverted spinning",
+        columns=(
+            "spin in rad/s",
+            "λ₃ in 1/s",
+            "limit for small ε in 1/s",
+            "|λ₁,₂| in 1/s",
+            "Re λ₁,₂ in 1/s",
+            "−λ₃/|λ₁,₂|",
+        ),
+        rows=[
+            (spin, found.fast, found.limit, found.slow, found.growth, found.separation)
+            for spin, found in ((spin, time_scales(scenario, spin)) for spin in spins)
+        ],
+    )
+
+
+def prediction(scenario: Scenario) -> SlowOrbit | None:
+    """First-order prediction of the connection; None where friction is too weak for it."""
+    try:
+        return slow_connection(scenario)
+    except ArithmeticError:
+        return None

@@ -1,0 +1,1 @@
+"""Many runs: what varies, what is kept, where it is stored and who computes."""

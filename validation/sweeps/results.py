@@ -1,0 +1,147 @@
+"""Results of a sweep, read from its store."""
+
+import csv
+import io
+import os
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.data.files import whole_file
+from validation.sweeps.outcomes import COLUMNS
+from validation.sweeps.store import read_about, told
+from validation.sweeps.sweep import Sweep
+
+Column = npt.NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Results:
+    """Rows of a sweep, in the order of their numbers.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    columns : dict
+        Arrays of shape (n,) by name: "number", the dotted names of the axes, and `COLUMNS`. An
+        empty cell is nan in numbers and None in words.
+    """
+
+    sweep: Sweep
+    columns: dict[str, Column]
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Results":
+        """Read a store, also one that is being written to.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If it is no store, or damaged.
+        """
+        file, sweep = read_about(path)
+        with closing(file), told(Path(path)):
+            names, rows = _rows(file)
+            table = list(zip(*rows, strict=True)) or [()] * len(names)
+        columns = {}
+        for name, cells in zip(names, table, strict=True):
+            words = COLUMNS.get(name) == "TEXT" or any(isinstance(each, str) for each in cells)
+            kind: Any = int if name == "number" else object if words else float
+            columns[name] = np.array(cells, dtype=kind)
+        return cls(sweep=sweep, columns=columns)
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Dotted names of what varies."""
+        return tuple(axis.field for axis in self.sweep.design.axes)
+
+    def on_grid(self, name: str) -> Column:
+        """A column in the shape of the grid, the first axis first; nan or None where no row is.
+
+        Raises
+        ------
+        ValueError
+            If the cases are drawn, and lie on no grid.
+        """
+        design = self.sweep.design
+        if design.layout != "grid":
+            raise ValueError(f"layout must be grid, got {design.layout}: these cases lie on none")
+        column = self.columns[name]
+        empty = None if column.dtype == object else np.nan
+        values = np.full(design.size, empty, dtype=object if empty is None else float)
+        values[self.columns["number"]] = column
+        return values.reshape([axis.size or 0 for axis in design.axes])
+
+    def to_dataframe(self) -> Any:
+        """A `pandas.DataFrame` with the case's number as its index.
+
+        Raises
+        ------
+        ValueError
+            If pandas is not installed.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise ValueError(
+                "to_dataframe needs pandas: pip install 'tippedisk[export]'"
+            ) from None
+        return pd.DataFrame(self.columns).set_index("number")
+
+    def to_xarray(self) -> Any:
+        """An `xarray.Dataset` over the axes of a grid, or over "number" where cases are drawn.
+
+        Raises
+        ------
+        ValueError
+            If xarray is not installed.
+        """
+        try:
+            import xarray as xr
+        except ImportError:
+            raise ValueError("to_xarray needs xarray: pip install 'tippedisk[export]'") from None
+        design = self.sweep.design
+        if design.layout != "grid":
+            held = {name: ("number", column) for name, column in self.columns.items()}
+            return xr.Dataset(held).set_coords(["number", *self.axes])
+        coordinates = {
+            axis.field: [axis.at(index) for index in range(axis.size or 0)] for axis in design.axes
+        }
+        data = {name: (self.axes, self.on_grid(name)) for name in COLUMNS}
+        return xr.Dataset(data, coords=coordinates)
+
+
+def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> int:
+    """Write the rows of a store as comma-separated text, row by row; returns their number.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read or written.
+    ValueError
+        If the store is none.
+    """
+    file, _ = read_about(store)
+    count = 0
+    with closing(file), told(Path(store)), whole_file(path) as stream:
+        text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
+        writer = csv.writer(text, lineterminator="\n")
+        names, rows = _rows(file)
+        writer.writerow(names)
+        for count, row in enumerate(rows, 1):  # noqa: B007
+            writer.writerow(row)
+        text.flush()
+        text.detach()
+    return count
+
+
+def _rows(file: Any) -> tuple[list[str], Iterator[tuple[Any, ...]]]:
+    found = file.execute("SELECT * FROM cases ORDER BY number")
+    return [column[0] for column in found.description], iter(found)

@@ -1,0 +1,257 @@
+"""Running the cases of a sweep that its store does not hold yet."""
+
+import faulthandler
+import os
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass
+from itertools import islice
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+from validation.sweeps.outcomes import DONE, Row, failure
+from validation.sweeps.pools import Pool, Processes, open_pool
+from validation.sweeps.store import COMMIT_EVERY, Store
+from validation.sweeps.sweep import Sweep, run_case, sweep_from_text
+
+CHUNK_TIME = 1.0
+"""Time in s that a chunk of cases should take: handing one out takes 1 ms here, 18 ms on Dask."""
+
+LARGEST_CHUNK = 1000
+"""Cases in a chunk."""
+
+GRACE = 10.0
+"""Time in s beyond twice the time limit after which a case that does not look at it is ended."""
+
+_HUNG = 1
+"""Exit code of a process that `faulthandler` ends."""
+
+_LOOK = 4096
+"""Cases whose presence in the store is asked for at once."""
+
+Told = Callable[[int, int], None]
+"""Called with the numbers of cases that are done anew, and of those among them that failed."""
+
+
+def run_cases(
+    sweep: Sweep,
+    store: Store,
+    pool: Pool,
+    *,
+    numbers: Iterable[int] | None = None,
+    time_limit: float = 60.0,
+    retry: bool = False,
+    told: Told = lambda _done, _failed: None,
+) -> None:
+    """Run the cases that a store does not hold, and put them there.
+
+    A case whose run fails, hangs or takes its process down becomes a row that says so. However
+    this ends, the store holds what was done up to a second before.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    store : Store
+        Of this sweep.
+    pool : Pool
+    numbers : iterable of int, optional
+        Cases to run; all by default. Memory does not grow with their number.
+    time_limit : float
+        Of each run in s of processor time.
+    retry : bool
+        Whether cases that failed run again.
+    told : callable
+        See `Told`.
+
+    Raises
+    ------
+    OSError
+        If the store cannot be written, or the workers are lost.
+    """
+    wanted = range(sweep.design.size) if numbers is None else numbers
+    work = _Work(sweep, pool, time_limit)
+    todo = _missing(store, wanted, retry=retry)
+    try:
+        while work.fill(todo):
+            rows = work.collect()
+            if rows:
+                store.add(rows)
+                told(len(rows), sum(row["status"] != DONE for row in rows))
+            store.commit_if_due()
+    finally:
+        work.close()
+        store.commit()
+
+
+def run_sweep(
+    sweep: Sweep,
+    path: str | os.PathLike[str],
+    *,
+    workers: int | None = None,
+    time_limit: float = 60.0,
+) -> None:
+    """Run what a store does not hold of a sweep, in processes of this machine.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    path : path-like
+        Of the store, made if there is none; `Results.load` reads it.
+    workers : int, optional
+        Number of processes, by default that of the cores.
+    time_limit : float
+        Of each run in s of processor time.
+
+    Raises
+    ------
+    OSError, ValueError
+        If the store cannot be written, or is another's.
+    """
+    workers = workers or os.cpu_count() or 1
+    with Store(path, sweep) as store, open_pool("processes", workers=workers) as pool:
+        run_cases(sweep, store, pool, time_limit=time_limit)
+
+
+def _missing(store: Store, numbers: Iterable[int], *, retry: bool) -> Iterator[int]:
+    left = iter(numbers)
+    while block := list(islice(left, _LOOK)):
+        yield from store.missing(block, retry=retry)
+
+
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """A suspect that is being run in a process of its own."""
+
+    future: "Future[Any]"
+    number: int
+    begin: float
+    processes: Set[BaseProcess]
+
+
+class _Work:
+    """Chunks of cases that are being run.
+
+    Where a worker is lost, nobody knows over which case. Those it may have been are suspects:
+    they run one by one in a process of their own, beside the others.
+    """
+
+    def __init__(self, sweep: Sweep, pool: Pool, time_limit: float) -> None:
+        self._text = sweep.to_text()
+        self._pool = pool
+        self._limit = time_limit
+        self._hanging = 2.0 * time_limit + GRACE
+        self._running: dict[Future[Any], list[int]] = {}
+        self._suspects: deque[int] = deque()
+        self._quarantine: Processes | None = None
+        self._trial: _Trial | None = None
+        self._seconds = CHUNK_TIME
+
+    def fill(self, todo: Iterator[int]) -> bool:
+        """Hand out what the workers can take; whether anything is running then."""
+        while len(self._running) < 2 * self._pool.workers:
+            size = max(1, min(int(CHUNK_TIME / self._seconds), LARGEST_CHUNK))
+            chunk = list(islice(todo, size))
+            if not chunk:
+                break
+            future = self._pool.submit(run_chunk, self._text, chunk, self._limit, self._hanging)
+            self._running[future] = chunk
+        if self._suspects and self._trial is None:
+            self._quarantine = self._quarantine or Processes(1)
+            number = self._suspects.popleft()
+            call = (self._text, [number], self._limit, self._hanging)
+            future = self._quarantine.submit(run_chunk, *call)
+            self._trial = _Trial(future, number, time.monotonic(), self._quarantine.children())
+        return bool(self._running) or self._trial is not None
+
+    def collect(self) -> list[Row]:
+        """Rows that have come in, after a second at the latest."""
+        futures = [*self._running, *([self._trial.future] if self._trial else [])]
+        done = wait(futures, timeout=COMMIT_EVERY, return_when=FIRST_COMPLETED).done
+        rows: list[Row] = []
+        broken = False
+        for future in done & self._running.keys():
+            chunk = self._running.pop(future)
+            found = _result(future)
+            if isinstance(found, BaseException):
+                self._suspects.extend(chunk)
+                broken = True
+            else:
+                rows += found
+        if broken:
+            self._mend()
+        if rows:
+            taken = sum(float(row["seconds"] or 0.0) + float(row.get("other_seconds") or 0.0)
+                        for row in rows)  # fmt: skip
+            self._seconds = max(0.5 * self._seconds + 0.5 * taken / len(rows), 1e-6)
+        if self._trial and self._trial.future in done:
+            rows += self._judged(self._trial)
+            self._trial = None
+        return rows
+
+    def _mend(self) -> None:
+        # The calls of a broken pool all fail, each in its time; nothing is lost by waiting.
+        if isinstance(self._pool, Processes):
+            for future, chunk in self._running.items():
+                future.cancel()
+                self._suspects.extend(chunk)
+            self._running.clear()
+        self._pool.mend()
+
+    def _judged(self, trial: "_Trial") -> list[Row]:
+        """Rows of a suspect."""
+        found = _result(trial.future)
+        if not isinstance(found, BaseException):
+            return list(found)
+        assert self._quarantine is not None
+        self._quarantine.mend()
+        sweep = sweep_from_text(self._text)
+        names = [axis.field for axis in sweep.design.axes]
+        values = dict(zip(names, sweep.design.case(trial.number), strict=True))
+        codes = [process.exitcode for process in trial.processes]
+        if time.monotonic() - trial.begin >= self._hanging and codes == [_HUNG]:
+            why = failure("too slow", f"no result within {self._hanging:g} s")
+        else:
+            why = failure("crashed", f"its process ended with code {codes[0]}")
+        return [{"number": trial.number, **values, **why}]
+
+    def close(self) -> None:
+        """End the process of the suspects."""
+        if self._quarantine is not None:
+            self._quarantine.stop()
+
+
+def _result(future: "Future[Any]") -> Any:
+    """Result of a call or the error that it ended in."""
+    if future.cancelled():
+        return InterruptedError("cancelled")
+    return future.exception() or future.result()
+
+
+def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: float) -> list[Row]:
+    """Rows of some cases; called in a worker.
+
+    Parameters
+    ----------
+    text : str
+        From `Sweep.to_text`.
+    numbers : sequence of int
+    time_limit : float
+        Of each run in s of processor time.
+    hanging : float
+        Time in s after which a case that does not look at its limit, such as an endless loop of a
+        friction law of one's own, ends the process.
+    """
+    sweep = sweep_from_text(text)
+    rows = []
+    with Path(os.devnull).open("w") as nowhere:
+        for number in numbers:
+            # A thread of its own, which the engine cannot keep from running.
+            faulthandler.dump_traceback_later(hanging, exit=True, file=nowhere)
+            try:
+                rows.append(run_case(sweep, number, time_limit))
+            finally:
+                faulthandler.cancel_dump_traceback_later()
+    return rows

@@ -1,0 +1,242 @@
+"""The results of a sweep in one SQLite file, which no kill at any point can damage.
+
+Rows are committed in transactions of SQLite's rollback journal: after a kill the file holds all
+rows of the last commit, and none of the next. The write-ahead log commits a little faster and
+leaves more files than one.
+"""
+
+import json
+import os
+import sqlite3
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from analysis.data.checks import choice
+from validation.sweeps.outcomes import COLUMNS, DONE, Row
+from validation.sweeps.sweep import Sweep
+
+FORMAT = 1
+"""Of the stores written here."""
+
+APPLICATION = 0x74697070
+"""Mark of these files among those of SQLite: "tipp"."""
+
+COMMIT_EVERY = 1.0
+"""Time in s between commits, each of which takes some 20 ms."""
+
+_PATIENCE = 30.0
+"""Time in s for which a commit waits for a reader of the file."""
+
+_BYTES = 350
+"""Size of a row in a file, generously."""
+
+
+class Store:
+    """A store of a sweep, open for writing; use it as a context.
+
+    Parameters
+    ----------
+    path : path-like
+        Made if there is none.
+    sweep : Sweep
+        What its rows belong to.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read or written, or another process is writing to it.
+    ValueError
+        If it is no store, is damaged, or belongs to another sweep or to other sources.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], sweep: Sweep) -> None:
+        self.path = Path(path)
+        self._sweep = sweep
+        self._names = ["number", *(axis.field for axis in sweep.design.axes), *COLUMNS]
+        with self._told():
+            self._file = sqlite3.connect(path, timeout=0.2, isolation_level=None)
+            try:
+                self._open()
+            except BaseException:
+                self._file.close()
+                raise
+        self._committed = time.monotonic()
+
+    def _open(self) -> None:
+        # A transaction is always open: its lock keeps a second process from writing.
+        self._file.execute("BEGIN IMMEDIATE")
+        if self._file.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+            self._check()
+        else:
+            self._create()
+        self._file.execute(f"PRAGMA busy_timeout = {round(1000 * _PATIENCE)}")
+
+    def _create(self) -> None:
+        kinds = ["INTEGER PRIMARY KEY"]
+        for axis in self._sweep.design.axes:
+            sample = axis.values[0] if axis.values else 0.0
+            kinds.append("TEXT" if isinstance(sample, str) else "REAL")
+        kinds += COLUMNS.values()
+        columns = ", ".join(f'"{name}" {kind}' for name, kind in zip(self._names, kinds,
+                                                                     strict=True))  # fmt: skip
+        self._file.execute(f"CREATE TABLE cases ({columns})")
+        self._file.execute("CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT)")
+        about = {
+            "format": str(FORMAT),
+            "sweep": self._sweep.to_text(),
+            "code": json.dumps(self._sweep.code()),
+        }
+        self._file.executemany("INSERT INTO sweep VALUES (?, ?)", about.items())
+        self._file.execute(f"PRAGMA application_id = {APPLICATION}")
+        self._file.execute("COMMIT")
+        self._file.execute("BEGIN IMMEDIATE")
+
+    def _check(self) -> None:
+        about = _about(self._file, self.path)
+        for name, ours in (("sweep", self._sweep.to_values()), ("code", self._sweep.code())):
+            # Both through JSON, which knows no tuples.
+            there, here = _flat(json.loads(about[name])), _flat(json.loads(json.dumps(ours)))
+            differing = [key for key in {**there, **here} if there.get(key) != here.get(key)]
+            if differing:
+                key = differing[0]
+                what = "another sweep" if name == "sweep" else "other sources"
+                raise ValueError(
+                    f"{self.path} holds results of {what}: {key} is {there.get(key)} there and "
+                    f"{here.get(key)} here; give another file"
+                )
+
+    def __enter__(self) -> "Store":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.commit()
+        self._file.close()
+
+    def count(self, status: str | None = None) -> int:
+        """Number of rows, all or those of a status."""
+        where = "" if status is None else " WHERE status = ?"
+        with self._told():
+            given = () if status is None else (status,)
+            found = self._file.execute(f"SELECT count(*) FROM cases{where}", given)
+            return int(found.fetchone()[0])
+
+    def missing(self, numbers: Iterable[int], *, retry: bool = False) -> list[int]:
+        """Those of some cases, at most some thousand, that have no row yet.
+
+        Parameters
+        ----------
+        numbers : iterable of int
+        retry : bool
+            Whether a case that failed counts as missing.
+        """
+        numbers = list(numbers)
+        if not numbers:
+            return []
+        with self._told():
+            found = self._file.execute(
+                "SELECT number FROM cases WHERE number BETWEEN ? AND ? AND (status = ? OR ?)",
+                (min(numbers), max(numbers), DONE, not retry),
+            )
+            present = {number for (number,) in found}
+        return [number for number in numbers if number not in present]
+
+    def column(self, name: str) -> dict[int, Any]:
+        """A column by the numbers of the cases."""
+        name = choice("column", name, self._names)
+        with self._told():
+            return dict(self._file.execute(f'SELECT number, "{name}" FROM cases'))
+
+    def add(self, rows: Iterable[Row]) -> None:
+        """Add rows; they are on the disk at the next commit."""
+        marks = ", ".join("?" * len(self._names))
+        with self._told():
+            self._file.executemany(
+                f"INSERT OR REPLACE INTO cases VALUES ({marks})",
+                ([row.get(name) for name in self._names] for row in rows),
+            )
+
+    def commit_if_due(self) -> None:
+        """Commit if the last time is `COMMIT_EVERY` ago."""
+        if time.monotonic() - self._committed >= COMMIT_EVERY:
+            self.commit()
+
+    def commit(self) -> None:
+        """Put all rows on the disk."""
+        with self._told():
+            if self._file.in_transaction:
+                self._file.execute("COMMIT")
+            self._file.execute("BEGIN IMMEDIATE")
+        self._committed = time.monotonic()
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        with told(self.path):
+            yield
+
+
+@contextmanager
+def told(path: Path) -> Iterator[None]:
+    """Errors of SQLite as those that the command line tells in a line."""
+    try:
+        yield
+    except sqlite3.OperationalError as error:
+        if "locked" in str(error):
+            raise OSError(f"{path} is being written to by another process") from error
+        raise OSError(f"{path}: {error}") from error
+    except sqlite3.DatabaseError as error:
+        raise ValueError(f"{path} is no readable store of a sweep: {error}") from error
+
+
+def read_about(path: str | os.PathLike[str]) -> tuple[sqlite3.Connection, Sweep]:
+    """Open a store for reading; returns the file and the sweep.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no store.
+    """
+    place = Path(path)
+    if not place.is_file():
+        raise FileNotFoundError(f"{path}: there is no such file")
+    with told(place):
+        file = sqlite3.connect(f"{place.absolute().as_uri()}?mode=ro", uri=True, timeout=_PATIENCE)
+        try:
+            sweep = Sweep.from_values(json.loads(_about(file, place)["sweep"]), own=False)
+        except BaseException:
+            file.close()
+            raise
+        return file, sweep
+
+
+def expected_size(sweep: Sweep) -> int:
+    """Bytes that a store of the whole sweep takes, generously."""
+    return sweep.design.size * (_BYTES + 8 * len(sweep.design.axes))
+
+
+def _about(file: sqlite3.Connection, path: Path) -> dict[str, str]:
+    if file.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
+        raise ValueError(f"{path} is no store of a sweep, but another SQLite file")
+    about: dict[str, str] = dict(file.execute("SELECT name, value FROM sweep"))
+    if about.get("format") != str(FORMAT):
+        raise ValueError(f"{path} has format {about.get('format')}, and this version reads "
+                         f"{FORMAT}")  # fmt: skip
+    return about
+
+
+def _flat(values: Any, name: str = "") -> dict[str, Any]:
+    """Nested plain data as one level, with dotted names."""
+    if isinstance(values, Mapping):
+        items = values.items()
+    elif isinstance(values, list):
+        items = {str(index): value for index, value in enumerate(values)}.items()
+    else:
+        return {name: values}
+    flat: dict[str, Any] = {}
+    for key, value in items:
+        flat |= _flat(value, f"{name}.{key}" if name else str(key))
+    return flat

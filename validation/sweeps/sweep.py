@@ -1,0 +1,315 @@
+"""A sweep as plain data, and one of its cases run."""
+
+import json
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property, lru_cache
+from hashlib import sha256
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, Trajectory
+from analysis.data.checks import TimeLimitError, choice, positive, within
+from analysis.data.endings import CONDITIONS
+from analysis.data.limits import LONGEST_MOTION, Effort, check_storage
+from analysis.data.trajectory import SOURCES, Source, versions
+from analysis.models.forms import default_form, pose
+from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
+from validation.run import rest_effort, run, run_effort, run_to_rest
+from validation.sweeps.axes import Design
+from validation.sweeps.fields import changed, check_field
+from validation.sweeps.outcomes import DONE, Row, difference, failure, outcome
+
+_LOOKED_AT = 50
+
+Motion = Trajectory | SpatialMotion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """How each case is run; the names are those of `validation.run`.
+
+    Parameters
+    ----------
+    source : {"engine", "in-house"}
+    formulation, method, step, local_tolerance : optional
+        Of that side.
+    tolerance : float, optional
+        1e-6 if no other accuracy is given.
+    end : float
+        Of each motion in s.
+    spacing : float
+        Between samples in s; outcomes are judged at samples.
+    stop_when : str, optional
+        One of `CONDITIONS`.
+    to_rest : bool
+        Run until the disk lies still, or until `end`.
+    witnesses : int
+        Number of cases, spread over the sweep, that the other side runs as well.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    source: Source = "in-house"
+    formulation: str | None = None
+    method: str | None = None
+    tolerance: float | None = None
+    local_tolerance: float | None = None
+    step: float | None = None
+    end: float = 4.0
+    spacing: float = 5e-3
+    stop_when: str | None = None
+    to_rest: bool = False
+    witnesses: int = 0
+
+    def __post_init__(self) -> None:
+        choice("source", self.source, SOURCES)
+        end = within("end", positive("end", self.end), 0.0, LONGEST_MOTION)
+        spacing = positive("spacing", self.spacing)
+        if not spacing < end:
+            raise ValueError(f"spacing must be less than end = {end:g} s, got {spacing:g}")
+        check_storage("spacing", end / spacing, 20)
+        if self.stop_when is not None:
+            choice("stop_when", self.stop_when, CONDITIONS)
+        if self.to_rest and (self.stop_when or self.formulation):
+            raise ValueError("stop_when and formulation do not go together with a run to rest")
+        self._check_accuracy()
+        if type(self.witnesses) is not int or self.witnesses < 0:
+            raise ValueError(f"witnesses must be a number of cases, got {self.witnesses!r}")
+        if self.tolerance is self.local_tolerance is self.step is None:
+            object.__setattr__(self, "tolerance", 1e-3 if self.to_rest else 1e-6)
+
+    def _check_accuracy(self) -> None:
+        foreign = ("method", "local_tolerance") if self.source == "engine" else ("step",)
+        for name in foreign:
+            if getattr(self, name) is not None:
+                raise ValueError(f"{name} must be left out for source {self.source!r}")
+        if self.method is not None:
+            choice("method", self.method, REST_METHODS if self.to_rest else METHODS)
+        for name in ("tolerance", "step"):
+            if (value := getattr(self, name)) is not None:
+                positive(name, value)
+        if self.local_tolerance is not None:
+            within("local_tolerance", self.local_tolerance, TIGHTEST_LOCAL_TOLERANCE, 0.1)
+
+    @property
+    def times(self) -> Any:
+        """Times of the samples in s."""
+        return np.linspace(0.0, self.end, max(2, round(self.end / self.spacing) + 1))
+
+    def motion(self, scenario: Scenario, *, time_limit: float | None) -> Motion:
+        """Motion of a case."""
+        how = {
+            "source": self.source,
+            "tolerance": self.tolerance,
+            "step": self.step,
+            "local_tolerance": self.local_tolerance,
+            "method": self.method,
+            "time_limit": time_limit,
+        }
+        return self._motion(scenario, how, self.formulation)
+
+    def witness(self, scenario: Scenario, *, time_limit: float | None) -> Motion:
+        """Motion of the same case from the other side, to the tolerance."""
+        other = SOURCES[self.source == SOURCES[0]]
+        tolerance = self.tolerance or (1e-3 if self.to_rest else 1e-6)
+        how = {"source": other, "tolerance": tolerance, "time_limit": time_limit}
+        return self._motion(scenario, how, None)
+
+    def _motion(self, scenario: Scenario, how: dict[str, Any], formulation: str | None) -> Motion:
+        if self.to_rest:
+            return run_to_rest(scenario, self.end, spacing=self.spacing, **how)
+        return run(scenario, self.times, formulation=formulation, stop_when=self.stop_when, **how)
+
+    def effort(self, scenario: Scenario) -> Effort:
+        """What a case will take; `ValueError` if the plan cannot be carried out."""
+        if self.to_rest:
+            return rest_effort(scenario, self.end, source=self.source, step=self.step)
+        if self.source == "in-house":
+            form: Any = self.formulation or default_form(scenario)
+            pose(scenario, form, {})
+        return run_effort(
+            scenario,
+            self.times,
+            source=self.source,
+            formulation=self.formulation,
+            tolerance=self.tolerance,
+            step=self.step,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep:
+    """What is run: a scenario, what varies in it, and how each case is run.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With whatever does not vary.
+    design : Design
+    plan : Plan
+
+    Raises
+    ------
+    ValueError
+        If the scenario does not have a field that varies.
+    """
+
+    scenario: Scenario
+    design: Design
+    plan: Plan
+
+    def __post_init__(self) -> None:
+        names = [axis.field for axis in self.design.axes]
+        firsts = dict(zip(names, self.design.case(0), strict=True))
+        for name in names:
+            check_field(self.scenario, name, firsts)
+
+    @cached_property
+    def _base(self) -> dict[str, Any]:
+        return self.scenario.values()
+
+    def scenario_of(self, index: int) -> Scenario:
+        """Scenario of a case; `ValueError` if its values do not fit."""
+        names = [axis.field for axis in self.design.axes]
+        return changed(self._base, dict(zip(names, self.design.case(index), strict=True)))
+
+    def has_witness(self, index: int) -> bool:
+        """Whether the other side runs this case as well: evenly spread, in no step with a grid."""
+        # Multiples of the golden ratio, of which every stretch is spread evenly from 0 to 1.
+        part = self.plan.witnesses / self.design.size
+        return (index * 0.6180339887498949) % 1.0 < part
+
+    def to_values(self) -> dict[str, Any]:
+        """Plain data, by which two sweeps are the same."""
+        return {
+            "scenario": self.scenario.values(),
+            "design": self.design.to_values(),
+            "plan": asdict(self.plan),
+        }
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any], *, own: bool = True) -> "Sweep":
+        """Sweep from what `to_values` has returned; `own` as in `Scenario.from_values`."""
+        return cls(
+            scenario=Scenario.from_values(values["scenario"], own=own),
+            design=Design.from_values(values["design"]),
+            plan=Plan(**values["plan"]),
+        )
+
+    def to_text(self) -> str:
+        """The plain data as JSON."""
+        return json.dumps(self.to_values(), sort_keys=True, allow_nan=False)
+
+    def code(self) -> dict[str, str]:
+        """What the results depend on besides: versions, and a digest of all sources."""
+        return {**versions("exudyn", "numpy", "scipy"), "sources": self._digest()}
+
+    def _digest(self) -> str:
+        specs = [find_spec(name) for name in ("analysis", "mbs_models")]
+        folders = [Path(str(spec.origin)).parent for spec in specs if spec is not None]
+        files = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
+        files += sorted(Path(__file__).parent.glob("*.py"))
+        law = sys.modules[type(self.scenario.friction).__module__].__file__
+        digest = sha256()
+        for path in (*files, Path(str(law))):
+            digest.update(path.read_bytes())
+        return digest.hexdigest()[:16]
+
+
+def run_case(sweep: Sweep, index: int, time_limit: float | None) -> Row:
+    """Row of a case: its number, its values and its outcome, or why there is none."""
+    names = [axis.field for axis in sweep.design.axes]
+    row: Row = {"number": index, **dict(zip(names, sweep.design.case(index), strict=True))}
+    begin = time.process_time()
+    try:
+        scenario = sweep.scenario_of(index)
+        motion = sweep.plan.motion(scenario, time_limit=time_limit)
+        row |= outcome(motion)
+    except TimeLimitError as error:
+        row |= failure("too slow", error)
+    except ValueError as error:
+        row |= failure("refused", error)
+    except Exception as error:  # noqa: BLE001 - a law of one's own may raise anything
+        row |= failure("failed", error)
+    row["seconds"] = time.process_time() - begin
+    if row["status"] == DONE and sweep.has_witness(index):
+        row |= _witnessed(sweep.plan, scenario, motion, time_limit)
+    return row
+
+
+def _witnessed(plan: Plan, scenario: Scenario, motion: Motion, time_limit: float | None) -> Row:
+    begin = time.process_time()
+    try:
+        other = plan.witness(scenario, time_limit=time_limit)
+    except (ValueError, ArithmeticError) as error:
+        return {"other_inversion": "failed", "reason": failure("failed", error)["reason"]}
+    found = outcome(other)
+    if found["status"] != DONE:
+        return {"other_inversion": "failed", "reason": found["reason"]}
+    return {
+        "other_inversion": found["inversion"],
+        "other_error_estimate": found["error_estimate"],
+        "other_seconds": time.process_time() - begin,
+        "difference": difference(motion, other),
+    }
+
+
+@lru_cache(maxsize=1)
+def sweep_from_text(text: str) -> Sweep:
+    """Sweep from the JSON of `Sweep.to_text`; the last one is kept."""
+    return Sweep.from_values(json.loads(text))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LookAhead:
+    """What some cases, evenly spread over a sweep, tell before it runs.
+
+    Parameters
+    ----------
+    looked_at, refused : int
+        Numbers of cases.
+    reason : str
+        Why the first of them is refused.
+    seconds : float
+        Processor time of a case in s, roughly.
+    """
+
+    looked_at: int
+    refused: int
+    reason: str
+    seconds: float
+
+
+def look_ahead(sweep: Sweep) -> LookAhead:
+    """Look at some cases of a sweep without running them.
+
+    Raises
+    ------
+    ValueError
+        If all of them would be refused.
+    """
+    size = sweep.design.size
+    numbers = sorted({round(part * (size - 1)) for part in np.linspace(0.0, 1.0, _LOOKED_AT)})
+    reasons, seconds = [], []
+    for number in numbers:
+        try:
+            seconds.append(sweep.plan.effort(sweep.scenario_of(number)).seconds)
+        except ValueError as error:
+            reasons.append(str(error))
+    if not seconds:
+        raise ValueError(reasons[0])
+    return LookAhead(
+        looked_at=len(numbers),
+        refused=len(reasons),
+        reason=reasons[0] if reasons else "",
+        seconds=sum(seconds) / len(numbers),
+    )
