@@ -11,6 +11,7 @@ import pytest
 
 from analysis import (
     MODELS,
+    POSSIBLE_SETS,
     ConstraintSet,
     Form,
     FrictionLaw,
@@ -32,7 +33,8 @@ from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
 from analysis.data.friction import LOADS
 from analysis.models import index1, reduced
-from tests.helpers import all_sets, assert_close, model, random_disk, random_table
+from tests.helpers import assert_close, model, mostly_slow, random_disk, random_table
+from validation.studies import compiled_speed
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
@@ -78,7 +80,9 @@ def difference(first: Trajectory, second: Trajectory) -> float:
     return float(np.max(np.abs(first.coordinates - second.coordinates)[:, 4:]))
 
 
-@all_sets
+@pytest.mark.parametrize(
+    "constraints", mostly_slow(POSSIBLE_SETS, [MODELS[1], MODELS[3]]), ids="+".join
+)
 @pytest.mark.parametrize("load", LOADS)
 def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(
     constraints: ConstraintSet, load: Load
@@ -367,3 +371,14 @@ def test_member_that_fails_leaves_its_batch_alone() -> None:
     assert isinstance(first, Trajectory)
     assert isinstance(last, Trajectory)
     np.testing.assert_array_equal(first.coordinates, last.coordinates)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", compiled_speed.CASES, ids=lambda case: case.form)
+def test_heyoka_driven_by_hand_samples_the_same_motion(case: Any) -> None:
+    run = case.simulate("taylor", 1e-9)
+    alone = compiled_speed.by_hand(case.scenario, case.form, 1e-9)()[-1]
+    many = compiled_speed.batches_by_hand([case.scenario] * 8, case.form, 1e-9)()[0][:, :, 0]
+    columns = slice(0, 2) if case.form == "reduced" else slice(4, 6)
+    for sampled in (alone, many):
+        np.testing.assert_allclose(sampled[:, columns], run.coordinates[:, 4:], atol=1e-7)
