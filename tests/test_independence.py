@@ -52,7 +52,7 @@ def test_data_types_import_no_mechanics(path: Path) -> None:
 @pytest.mark.parametrize(
     ("module", "absent"),
     [
-        ("analysis", ("exudyn", "heyoka", "matplotlib")),
+        ("analysis", ("exudyn", "heyoka", "matplotlib", "pandas", "xarray")),
         ("mbs_models", ("matplotlib",)),
         ("validation.cli", ("numpy", "exudyn", "matplotlib")),
     ],

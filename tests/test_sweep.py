@@ -255,8 +255,8 @@ def test_memory_of_a_sweep_does_not_grow_with_its_cases(
         run_cases(wanted, kept, Direct(), numbers=range(8000))
         many = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
-    # Its rows kept, a case would take over 200 bytes.
-    assert many - few < 7000 * 20
+    # Whatever is kept of a case takes some 30 bytes or more.
+    assert many - few < 16 * 7000
 
 
 @pytest.mark.slow
@@ -268,7 +268,7 @@ def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
     wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=scenario, end=0.02)
     path = tmp_path / "a.db"
     with Store(path, wanted) as kept, open_pool("processes", workers=1) as pool:
-        run_cases(wanted, kept, pool, time_limit=1.0)
+        run_cases(wanted, kept, pool, time_limit=0.3)
     table = Results.load(path).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
     assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
@@ -334,7 +334,7 @@ def test_killed_writer_leaves_all_that_it_has_committed(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_store_outlives_many_kills(tmp_path: Path) -> None:
     path = tmp_path / "a.db"
-    for lines in range(1, 8):
+    for lines in range(1, 6):
         check_whole(path, killed_writer(path, lines))
 
 

@@ -1,4 +1,4 @@
-"""The subcommands for many runs: `sweep`."""
+"""The subcommands for many runs: `sweep` and `map`."""
 
 import argparse
 from typing import TYPE_CHECKING
@@ -92,3 +92,52 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
     add("--time-limit", type=float, default=60.0, help="of each run, processor time in s (60)")
     add("--retry", action="store_true", help="run cases again that failed")
     add("--most", type=int, default=MOST, metavar="N", help=f"cases to allow ({MOST})")
+
+
+_MAP = """\
+Run a map of what becomes of the disk over two parameters, and draw it:
+  spin-friction      inversion over spin and friction coefficient
+  spin-eccentricity  inversion over spin and eccentricity
+  attitude           inversion over gamma and beta at the start
+  tilting            inversion over the rate of beta and beta at the start
+  basins             the same as attitude, in Models 1 to 4 beside each other
+  rest               which face is up at rest, over spin and beta at the start
+A coarse grid is run whole; cells that hold different outcomes are halved again and again. Model 1
+runs in the engine, everything else in the in-house equations; the other side runs some of the
+cases, too. Each panel has a store as `tippedisk sweep` writes it, and the same command goes on.
+"""
+
+MAPS = ("spin-friction", "spin-eccentricity", "attitude", "tilting", "basins", "rest")
+
+
+def add_map(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """The subcommand `map`."""
+    parser = commands.add_parser(
+        "map",
+        help="draw what becomes of the disk over two parameters",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description=_MAP,
+    )
+    parser.set_defaults(module="maps")
+    add = parser.add_argument
+    add("name", choices=MAPS, metavar="MAP", help=", ".join(MAPS))
+    add("--out", default="maps", metavar="DIR", help="folder (default: %(default)s)")
+    add("--cells", type=int, default=8, metavar="N", help="of the coarse grid along an axis (8)")
+    add("--levels", type=int, default=2, metavar="N", help="how often cells are halved (2)")
+    add("--end", type=float, help="end of each motion in s (4; rest: 20)")
+    add(
+        "--witnesses",
+        type=int,
+        default=8,
+        metavar="N",
+        help="on the coarse grid, and as large a part of the other cases (8)",
+    )
+    add(
+        "--pairs",
+        type=int,
+        default=0,
+        metavar="N",
+        help="random starts, each run at 4 small distances as well: how fine the map is (0)",
+    )
+    add_workers(parser)
+    add_scenario(parser)

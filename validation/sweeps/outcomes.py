@@ -42,6 +42,7 @@ COLUMNS: Mapping[str, str] = {
     "error_estimate": "REAL",
     "seconds": "REAL",
     "other_inversion": "TEXT",
+    "other_face_end": "REAL",
     "other_error_estimate": "REAL",
     "other_seconds": "REAL",
     "difference": "REAL",

@@ -2,10 +2,11 @@
 
 import faulthandler
 import os
-import time
+import signal
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from multiprocessing.process import BaseProcess
@@ -24,10 +25,13 @@ LARGEST_CHUNK = 1000
 """Cases in a chunk."""
 
 GRACE = 10.0
-"""Time in s beyond twice the time limit after which a case that does not look at it is ended."""
+"""Processor time in s beyond three time limits after which a case that does not look is ended."""
 
-_HUNG = 1
-"""Exit code of a process that `faulthandler` ends."""
+_IDLE = 20
+"""Times as much may pass on the clock, on a machine that has other things to do."""
+
+_HUNG = (1, -getattr(signal, "SIGPROF", 0))
+"""Exit codes of a process that is ended for being too slow."""
 
 _LOOK = 4096
 """Cases whose presence in the store is asked for at once."""
@@ -127,7 +131,6 @@ class _Trial:
 
     future: "Future[Any]"
     number: int
-    begin: float
     processes: Set[BaseProcess]
 
 
@@ -142,7 +145,8 @@ class _Work:
         self._text = sweep.to_text()
         self._pool = pool
         self._limit = time_limit
-        self._hanging = 2.0 * time_limit + GRACE
+        # A case is two runs if it has a witness.
+        self._hanging = 3.0 * time_limit + GRACE
         self._running: dict[Future[Any], list[int]] = {}
         self._suspects: deque[int] = deque()
         self._quarantine: Processes | None = None
@@ -163,7 +167,7 @@ class _Work:
             number = self._suspects.popleft()
             call = (self._text, [number], self._limit, self._hanging)
             future = self._quarantine.submit(run_chunk, *call)
-            self._trial = _Trial(future, number, time.monotonic(), self._quarantine.children())
+            self._trial = _Trial(future, number, self._quarantine.children())
         return bool(self._running) or self._trial is not None
 
     def collect(self) -> list[Row]:
@@ -211,8 +215,8 @@ class _Work:
         names = [axis.field for axis in sweep.design.axes]
         values = dict(zip(names, sweep.design.case(trial.number), strict=True))
         codes = [process.exitcode for process in trial.processes]
-        if time.monotonic() - trial.begin >= self._hanging and codes == [_HUNG]:
-            why = failure("too slow", f"no result within {self._hanging:g} s")
+        if codes[0] in _HUNG:
+            why = failure("too slow", f"no result within {self._hanging:g} s of processor time")
         else:
             why = failure("crashed", f"its process ended with code {codes[0]}")
         return [{"number": trial.number, **values, **why}]
@@ -241,17 +245,31 @@ def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: flo
     time_limit : float
         Of each run in s of processor time.
     hanging : float
-        Time in s after which a case that does not look at its limit, such as an endless loop of a
-        friction law of one's own, ends the process.
+        Processor time in s after which a case that does not look at its limit, such as an endless
+        loop of a friction law of one's own, ends the process.
     """
     sweep = sweep_from_text(text)
     rows = []
-    with Path(os.devnull).open("w") as nowhere:
-        for number in numbers:
-            # A thread of its own, which the engine cannot keep from running.
-            faulthandler.dump_traceback_later(hanging, exit=True, file=nowhere)
-            try:
-                rows.append(run_case(sweep, number, time_limit))
-            finally:
-                faulthandler.cancel_dump_traceback_later()
+    for number in numbers:
+        with _ended_after(hanging):
+            rows.append(run_case(sweep, number, time_limit))
     return rows
+
+
+@contextmanager
+def _ended_after(seconds: float) -> Iterator[None]:
+    """End this process if a context takes so much processor time, or waits for ever.
+
+    Neither needs the interpreter's lock, which the engine holds.
+    """
+    has_timer = hasattr(signal, "setitimer")
+    with Path(os.devnull).open("w") as nowhere:
+        if has_timer:
+            signal.setitimer(signal.ITIMER_PROF, seconds)
+        faulthandler.dump_traceback_later(_IDLE * seconds, exit=True, file=nowhere)
+        try:
+            yield
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+            if has_timer:
+                signal.setitimer(signal.ITIMER_PROF, 0.0)

@@ -14,7 +14,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from analysis.data.checks import choice
 from validation.sweeps.outcomes import COLUMNS, DONE, Row
 from validation.sweeps.sweep import Sweep
 
@@ -143,11 +142,11 @@ class Store:
             present = {number for (number,) in found}
         return [number for number in numbers if number not in present]
 
-    def column(self, name: str) -> dict[int, Any]:
-        """A column by the numbers of the cases."""
-        name = choice("column", name, self._names)
+    def rows(self) -> Iterator[Row]:
+        """All rows, by their numbers."""
         with self._told():
-            return dict(self._file.execute(f'SELECT number, "{name}" FROM cases'))
+            for cells in self._file.execute("SELECT * FROM cases ORDER BY number"):
+                yield dict(zip(self._names, cells, strict=True))
 
     def add(self, rows: Iterable[Row]) -> None:
         """Add rows; they are on the disk at the next commit."""

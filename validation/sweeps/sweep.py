@@ -257,6 +257,7 @@ def _witnessed(plan: Plan, scenario: Scenario, motion: Motion, time_limit: float
         return {"other_inversion": "failed", "reason": found["reason"]}
     return {
         "other_inversion": found["inversion"],
+        "other_face_end": found["face_end"],
         "other_error_estimate": found["error_estimate"],
         "other_seconds": time.process_time() - begin,
         "difference": difference(motion, other),

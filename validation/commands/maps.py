@@ -1,0 +1,104 @@
+"""The subcommand `map`: what becomes of the disk over two parameters."""
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+from analysis.data.checks import positive
+from analysis.data.files import whole_file
+from validation.commands.options import chosen_end, output_folder
+from validation.commands.scenarios import chosen_scenario
+from validation.commands.sweep import chosen_pool, workers
+from validation.maps.problems import PROBLEMS
+from validation.maps.run import Panel, panels, run_pairs, run_panel
+from validation.maps.uncertainty import Uncertainty, shifted_sweeps
+from validation.parser.paths import PICTURES
+from validation.sweeps.sweep import Sweep
+
+
+def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's name
+    """Run a map and draw it."""
+    problem = PROBLEMS[options.name]
+    workers(options)
+    positive("--time-limit", options.time_limit)
+    if options.end is None:
+        options.end = problem.end
+    if options.pairs < 0:
+        raise ValueError(f"--pairs must be a number of starts, got {options.pairs}")
+    scenario, end = chosen_scenario(options), chosen_end(options)
+    size = {"cells": options.cells, "levels": options.levels, "witnesses": options.witnesses}
+    wanted = panels(problem, scenario, end=end, **size)
+    pairs = shifted_sweeps(problem, scenario, number=options.pairs, end=end)
+    done, fineness = _run(options, wanted, pairs, output_folder("--out", options.out))
+    for panel in done:
+        _tell(panel)
+    if fineness is not None:
+        _tell_fineness(fineness)
+    print(_draw(options, done))
+    return 0
+
+
+def _run(
+    options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep], folder: Path
+) -> tuple[list[Panel], Uncertainty | None]:
+    """Run all panels and pairs, with a bar that counts."""
+    problem = PROBLEMS[options.name]
+    with (
+        chosen_pool(options) as pool,
+        tqdm(unit="case", disable=not sys.stderr.isatty(), leave=False) as bar,
+    ):
+        how: dict[str, Any] = {
+            "pool": pool,
+            "time_limit": options.time_limit,
+            "told": lambda new, _: bar.update(new),
+        }
+        done = []
+        for index, sweep in enumerate(wanted, 1):
+            path = folder / f"{options.name}{f'-{index}' if len(wanted) > 1 else ''}.db"
+            done.append(run_panel(problem, sweep, path, levels=options.levels, **how))
+        return done, run_pairs(problem, pairs, folder, **how) if pairs else None
+
+
+def _draw(options: argparse.Namespace, done: Sequence[Panel]) -> Path:
+    """Write the figure; returns its path."""
+    from validation.maps import figures
+
+    figure = figures.draw(PROBLEMS[options.name], done)
+    for suffix in PICTURES[:2]:
+        path = Path(options.out) / f"{options.name}{suffix}"
+        with whole_file(path) as stream:
+            figure.savefig(stream, format=suffix[1:], dpi=150)
+    return path.with_suffix(".png")
+
+
+def _tell_fineness(found: Uncertainty) -> None:
+    parts = ", ".join(f"{100 * part:.0f} %" for part in found.parts)
+    print(
+        f"uncertainty exponent {found.exponent:.2f} ± {found.error:.2f}: of pairs of starts "
+        f"{', '.join(f'{each:.1e}' for each in found.distances)} widths apart, {parts} end "
+        "differently"
+    )
+
+
+def _tell(panel: Panel) -> None:
+    """Print what a panel holds."""
+    whole, columns = panel.filled, panel.results.columns
+    parts = Counter(whole.ravel().tolist())
+    shares = ", ".join(f"{name} {100 * n / whole.size:.0f} %" for name, n in parts.most_common())
+    count = columns["number"].size
+    print(
+        f"{panel.sweep.scenario.name}: {shares}; {count} runs in place of {whole.size}, "
+        f"{columns['seconds'].sum():.0f} s"
+    )
+    if np.any(panel.seen):
+        apart = columns["difference"][panel.seen]
+        print(
+            f"  other side: {np.sum(panel.alike)} of {apart.size} alike, difference "
+            f"{np.median(apart):.1e} rad in the median, {np.max(apart):.1e} at most"
+        )
