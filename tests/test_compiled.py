@@ -1,9 +1,12 @@
 """Compiled runs: the equations of the pure path, its accuracy, its endings, and its refusals."""
 
 import math
+import os
+import subprocess
 import sys
 from dataclasses import dataclass, replace
 from math import pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -277,6 +280,24 @@ def test_without_heyoka_one_line_says_what_to_install(monkeypatch: pytest.Monkey
     message = r"^method 'taylor' needs heyoka, .*: pip install 'tippedisk\[fast\]'$"
     with pytest.raises(ValueError, match=message):
         simulate(model(4), TIMES, method="taylor")
+
+
+def test_home_that_cannot_be_written_says_nothing() -> None:
+    code = (
+        "from analysis import *\n"
+        "run = simulate(Scenario(constraints=MODELS[4]), [0.0, 0.1], form='reduced',"
+        " method='taylor', local_tolerance=1e-4)\n"
+        "assert run.counts['steps'] > 0\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"HOME": "/proc/none", "XDG_CACHE_HOME": "/proc/none"},
+        cwd=Path(__file__).parent.parent,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout + done.stderr == ""
 
 
 def test_scenarios_alike_in_structure_share_what_is_compiled() -> None:
