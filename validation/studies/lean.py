@@ -37,6 +37,11 @@ START_UPS: dict[str, str] = {
     ),
     "eigenvalues --source in-house": "validation.commands.stability",
     "critical": "validation.commands.stability, validation.studies.stability.tables",
+    "cycles": "validation.commands.nonlinear",
+    "heteroclinic": "validation.commands.nonlinear",
+    "passage": "validation.commands.nonlinear",
+    "sweep": "validation.commands.sweep",
+    "map": "validation.commands.maps",
     "scene": "validation.commands.scene",
     "work-precision": (
         "validation.commands.work_precision, validation.studies.work_precision.study"
