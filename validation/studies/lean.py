@@ -29,7 +29,7 @@ START_UPS: dict[str, str] = {
     "report": "validation.studies.full_report",
     "simulate --source engine": "validation.commands.basic, mbs_models",
     "simulate --source in-house": "validation.commands.basic",
-    "show": "validation.commands.basic, validation.kit.figures",
+    "show": "validation.commands.show, validation.kit.figures",
     "scenario": "validation.commands.scenario",
     "check": "validation.commands.scenario, validation.studies.crosscheck",
     "eigenvalues --source engine": (
