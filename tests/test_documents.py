@@ -85,6 +85,8 @@ def test_code_runs_as_it_stands(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
+    if "taylor" in PYTHON[name]:
+        pytest.importorskip("heyoka")
     monkeypatch.chdir(tmp_path)
     exec(compile(PYTHON[name], name, "exec"), {"__name__": "recipe"})  # noqa: S102
     printed = capsys.readouterr().out

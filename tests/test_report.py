@@ -24,6 +24,7 @@ from analysis import (
     Trajectory,
     simulate,
 )
+from tests.test_stated_numbers import check_report
 from validation.kit import figures
 from validation.studies import full_report, inversion
 from validation.studies.claims.claim import VERDICTS
@@ -127,3 +128,16 @@ def test_report_holds_every_check_and_shows_every_figure_and_statement(tmp_path:
         assert line.endswith(f"| {claim['verdict']} |")
         assert claim["verdict"] in VERDICTS
         assert all(html.escape(cell) in page for cell in claim.values())
+    check_report(folder)
+    # A second call takes what the first has left and makes the same page of it.
+    before = (folder / "claims.csv").read_bytes()
+    again = subprocess.run(
+        [sys.executable, "-c", code, "report"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "nothing is to be computed" in again.stderr
+    assert (folder / "claims.csv").read_bytes() == before

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 from analysis.compiled.elimination import Symbols, solve
-from analysis.compiled.library import heyoka
+from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.data.constraint_set import ConstraintSet, multiplier_names
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.data.friction import FrictionLaw, Load
@@ -108,12 +108,12 @@ def _has_kink(law: FrictionLaw) -> bool:
 def parameters(scenario: Scenario) -> list[float]:
     """Numbers of a scenario, in the order of the parameters of its compiled equations.
 
-    The first is the sign of the slip, set during a run, and the second the spin at the start.
+    The first ones are set during a run, `SIGN`, `ALIVE`, `REASON`, `WHEN`.
     """
     law, table = scenario.friction, scenario.table
     values = (getattr(law, field.name) for field in fields(law))
     return [
-        1.0,
+        *(1.0, 1.0, 0.0, 0.0),
         scenario.initial_state.rates[3],
         *(getattr(scenario.disk, name) for name in _DISK),
         table.pressing,
@@ -122,8 +122,8 @@ def parameters(scenario: Scenario) -> list[float]:
     ]
 
 
-SIGN = 0
-"""Number of the parameter that is the sign of the slip."""
+SIGN, ALIVE, REASON, WHEN = range(4)
+"""Numbers of parameters: sign of the slip, and whether, why and when a run of a batch ended."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,8 +164,8 @@ class _Symbolic:
 
 
 def _symbolic(structure: Structure) -> _Symbolic:
-    numbers = (heyoka().par[number] for number in count())
-    sign, spin = next(numbers), next(numbers)
+    numbers = (heyoka().par[number] for number in count(4))
+    spin = next(numbers)
     disk = SimpleNamespace(**{name: next(numbers) for name in _DISK})
     pressing, along, across = (next(numbers) for _ in range(3))
     table = SimpleNamespace(
@@ -177,7 +177,9 @@ def _symbolic(structure: Structure) -> _Symbolic:
     for field in fields(structure.law):
         value = options[field.name] if field.name in options else next(numbers)
         object.__setattr__(law, field.name, value)
-    return _Symbolic(structure.constraints, disk, table, law, structure.rubs, sign, spin)
+    return _Symbolic(
+        structure.constraints, disk, table, law, structure.rubs, heyoka().par[SIGN], spin
+    )
 
 
 def build(structure: Structure) -> System:
@@ -185,7 +187,7 @@ def build(structure: Structure) -> System:
 
     Raises
     ------
-    ValueError
+    CannotCompileError
         If its friction law or a condition does what cannot be done with symbols.
     """
     scenario = _symbolic(structure)
@@ -302,8 +304,8 @@ def _expressed(what: str, function: Callable[[Any], Any], argument: Any) -> Any:
         raise _unexpressed(what, error) from error
 
 
-def _unexpressed(what: str, error: Exception) -> ValueError:
-    return ValueError(
+def _unexpressed(what: str, error: Exception) -> CannotCompileError:
+    return CannotCompileError(
         f"method 'taylor' cannot express {what} ({error}); it must do with arithmetic and the "
         "functions of analysis.data.elementary"
     )

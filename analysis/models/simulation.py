@@ -1,6 +1,6 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import inf
 
@@ -21,7 +21,7 @@ from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Setting, Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from analysis.models.effort import simulation_effort
-from analysis.models.forms import Form, default_form, pose
+from analysis.models.forms import Form, PosedForm, default_form, pose
 from analysis.models.integration import METHODS, Method, Run, integrate
 
 TIGHTEST_LOCAL_TOLERANCE = 3e-14
@@ -138,7 +138,7 @@ def simulate(
     if local_tolerance is not None:
         if tolerance is not None:
             raise ValueError("give either tolerance or local_tolerance, not both")
-        local_tolerance = _check_local_tolerance("local_tolerance", local_tolerance)
+        local_tolerance = check_local_tolerance("local_tolerance", local_tolerance)
         check_effort(local_tolerance=local_tolerance)
         result, estimate = run(local_tolerance), None
         evaluations = result.evaluations
@@ -148,15 +148,34 @@ def simulate(
         result, evaluations, local_tolerance, estimate = _integrate_to(
             run, posed.attitudes, tolerance, method
         )
-    coordinates, rates, multipliers = posed.expand(result.times, result.states)
+    if result.ended == TIME_LIMIT:
+        result = replace(result, value=watch.seconds)
     settings: dict[str, Setting] = {
         "form": form,
         "method": method,
         "tolerance": tolerance,
         "local_tolerance": local_tolerance,
     }
+    return trajectory(
+        scenario, posed, replace(result, evaluations=evaluations), settings, estimate
+    )
+
+
+def trajectory(
+    scenario: Scenario,
+    posed: PosedForm,
+    run: Run,
+    settings: Mapping[str, Setting],
+    estimate: float | None,
+) -> Trajectory:
+    """Trajectory of a run, with the settings that led to it and its estimated error."""
+    coordinates, rates, multipliers = posed.expand(run.times, run.states)
+    compiled = settings["method"] == "taylor"
+    ending = None
+    if run.ended is not None:
+        ending = Ending(reason=run.ended, time=float(run.times[-1]), value=run.value)
     return Trajectory(
-        times=result.times,
+        times=run.times,
         coordinates=coordinates,
         rates=rates,
         multipliers=multipliers,
@@ -164,18 +183,11 @@ def simulate(
         source="in-house",
         method=settings,
         error_estimate=estimate,
-        counts={"right_hand_sides" if compiled is None else "steps": evaluations},
-        versions=versions("numpy", "scipy" if compiled is None else "heyoka"),
-        ending=_ending(result, watch),
-        pulling=result.pulling,
+        counts={"steps" if compiled else "right_hand_sides": run.evaluations},
+        versions=versions("numpy", "heyoka" if compiled else "scipy"),
+        ending=ending,
+        pulling=run.pulling,
     )
-
-
-def _ending(run: Run, watch: Watch) -> Ending | None:
-    if run.ended is None:
-        return None
-    value = watch.seconds if run.ended == TIME_LIMIT else run.value
-    return Ending(reason=run.ended, time=float(run.times[-1]), value=value)
 
 
 def _integrate_to(
@@ -185,7 +197,7 @@ def _integrate_to(
     method: Method,
 ) -> tuple[Run, int, float, float]:
     """Tighten the local tolerance until the estimated error of beta and gamma is small enough."""
-    first, *tighter = _local_tolerances(tolerance, method)
+    first, *tighter = local_tolerances(tolerance, method)
     longest = 1.0
     coarse = run(first, longest)
     evaluations, estimate = coarse.evaluations, inf
@@ -196,7 +208,7 @@ def _integrate_to(
         longest *= 0.8
         fine = run(local, longest)
         evaluations += fine.evaluations
-        fine, estimate = _compare(fine, coarse, attitudes)
+        fine, estimate = compare(fine, coarse, attitudes)
         if estimate <= tolerance:
             return fine, evaluations, local, estimate
         coarse = fine
@@ -205,13 +217,18 @@ def _integrate_to(
             f"time limit met at t = {coarse.times[-1]:.6g} s of a run before two runs agreed to "
             f"{tolerance:g} rad"
         )
-    raise ToleranceError(
+    raise unreachable(tolerance, method, estimate)
+
+
+def unreachable(tolerance: float, method: Method, estimate: float) -> ToleranceError:
+    """The error of a tolerance that not even the tightest run keeps."""
+    return ToleranceError(
         f"tolerance {tolerance:g} rad cannot be reached with {method}: the estimated error of "
         f"the tightest run is {estimate:.1e} rad"
     )
 
 
-def _compare(fine: Run, coarse: Run, attitudes: Callable[[Array], Array]) -> tuple[Run, float]:
+def compare(fine: Run, coarse: Run, attitudes: Callable[[Array], Array]) -> tuple[Run, float]:
     """The finer run as far as it can be judged, and its estimated error.
 
     The error in beta and gamma is infinite if the two do not end alike. Where the contact
@@ -230,7 +247,7 @@ def _compare(fine: Run, coarse: Run, attitudes: Callable[[Array], Array]) -> tup
     return fine, max(CAUTION * float(np.max(apart)), ROUNDING)
 
 
-def _local_tolerances(tolerance: float, method: Method) -> list[float]:
+def local_tolerances(tolerance: float, method: Method) -> list[float]:
     """Local tolerances of the runs to a tolerance, in turn.
 
     Two runs of nearly the same one would agree without being right.
@@ -246,7 +263,8 @@ def _local_tolerances(tolerance: float, method: Method) -> list[float]:
     return tolerances
 
 
-def _check_local_tolerance(name: str, value: float) -> float:
+def check_local_tolerance(name: str, value: float) -> float:
+    """Return a local tolerance that SciPy's solvers take; `ValueError` otherwise."""
     value = positive(name, value)
     if not TIGHTEST_LOCAL_TOLERANCE <= value < 1.0:
         raise ValueError(f"{name} must lie in [{TIGHTEST_LOCAL_TOLERANCE:g}, 1), got {value:g}")

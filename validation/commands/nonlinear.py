@@ -17,6 +17,7 @@ from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from validation.commands.options import chosen_end
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.stability import parse_spins
+from validation.kit.progress import progress_bar
 from validation.kit.tables import Table
 from validation.studies.nonlinear import tables
 
@@ -36,7 +37,8 @@ def cycles(options: argparse.Namespace) -> int:
 
             _save(figures.cycle_portrait(found).figure, options.plot)
         return 0
-    family = families.cycle_family(scenario)
+    with progress_bar("amplitude {n:.3g} of {total:.3g} rad") as progress:
+        family = families.cycle_family(scenario, progress=progress)
     shown, values = _family(scenario, family)
     _deliver(options, shown, values)
     if options.plot is not None:

@@ -3,8 +3,10 @@
 import csv
 import html
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from math import ceil, floor, log10
+from typing import Protocol
 
 Cell = str | float | int | bool | None
 
@@ -161,3 +163,71 @@ def _cell(cell: Cell, column: str, digits: int) -> str:
         kind = ' class="number"'
     # Narrow screens show the heading in front of each cell.
     return f'<td{kind} data-head="{html.escape(column)}">{html.escape(show(cell, digits))}</td>'
+
+
+class HasTables(Protocol):
+    """A section of a report."""
+
+    @property
+    def tables(self) -> Sequence[Table]:
+        """Its tables."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """Tables of a report, to be asked for numbers.
+
+    Parameters
+    ----------
+    by_name : dict
+    """
+
+    by_name: dict[str, Table]
+
+    @classmethod
+    def of(cls, sections: Iterable[HasTables]) -> "Tables":
+        """All tables of some sections."""
+        return cls({table.name: table for section in sections for table in section.tables})
+
+    def column(self, table: str, column: str) -> list[Cell]:
+        """Cells of a column."""
+        found = self.by_name[table]
+        index = list(found.columns).index(column)
+        return [row[index] for row in found.rows]
+
+    def numbers(self, table: str, *starts: str) -> list[float]:
+        """All numbers of the columns whose headings start so."""
+        return [
+            float(cell)
+            for column in self.by_name[table].columns
+            if column.startswith(starts)
+            for cell in self.column(table, column)
+            if isinstance(cell, int | float) and not isinstance(cell, bool)
+        ]
+
+    def row(self, table: str, *keys: str) -> dict[str, Cell]:
+        """Cells by heading of the row that starts with these cells."""
+        found = self.by_name[table]
+        for row in found.rows:
+            if tuple(row[: len(keys)]) == keys:
+                return dict(zip(found.columns, row, strict=True))
+        raise KeyError(f"{table} has no row {', '.join(keys)}")
+
+    def checks(self) -> tuple[int, list[str]]:
+        """Number of checks, and the titles of the tables in which some fail."""
+        cells = {
+            table.title: [cell for row in table.rows for cell in row if isinstance(cell, bool)]
+            for table in self.by_name.values()
+        }
+        failed = [title for title, found in cells.items() if not all(found)]
+        return sum(map(len, cells.values())), failed
+
+
+def at_most(value: float) -> str:
+    """One digit, rounded up, for what is no larger: "8e-10"."""
+    if not value > 0.0:
+        return f"{value:g}"
+    exponent = floor(log10(value))
+    # Rounding to some digits first keeps 2e-7 what it is.
+    digit = ceil(round(value / 10.0**exponent, 6))
+    return f"{digit}e{exponent}" if digit < 10 else f"1e{exponent + 1}"

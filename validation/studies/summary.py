@@ -5,14 +5,14 @@ with the package, so that box and section cannot tell different things.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import mbs_models
-from analysis import LEVELS, MODELS, Scenario
+from analysis import LEVELS, MODELS, Scenario, Start
 from analysis.stability.linear_variants import PRINTED
 from validation.kit.page import Section, Verdict
-from validation.kit.tables import Cell, Table
+from validation.kit.tables import Cell, Tables, at_most
+from validation.studies import agreement
 from validation.studies.claims.claim import VERDICTS
 from validation.studies.rest import section as rest
 from validation.studies.robustness import stored as robustness
@@ -31,51 +31,6 @@ QUESTION = (
 
 PRINTED_SPIN = 30.92
 """Critical speed of the reduced system in the paper, in rad/s."""
-
-
-@dataclass(frozen=True, slots=True)
-class Tables:
-    """Tables of a report, to be asked for numbers."""
-
-    by_name: dict[str, Table]
-
-    @classmethod
-    def of(cls, sections: Iterable[Section]) -> "Tables":
-        """All tables of some sections."""
-        return cls({table.name: table for section in sections for table in section.tables})
-
-    def column(self, table: str, column: str) -> list[Cell]:
-        """Cells of a column."""
-        found = self.by_name[table]
-        index = list(found.columns).index(column)
-        return [row[index] for row in found.rows]
-
-    def numbers(self, table: str, *starts: str) -> list[float]:
-        """All numbers of the columns whose headings start so."""
-        return [
-            float(cell)
-            for column in self.by_name[table].columns
-            if column.startswith(starts)
-            for cell in self.column(table, column)
-            if isinstance(cell, int | float) and not isinstance(cell, bool)
-        ]
-
-    def row(self, table: str, *keys: str) -> dict[str, Cell]:
-        """Cells by heading of the row that starts with these cells."""
-        found = self.by_name[table]
-        for row in found.rows:
-            if tuple(row[: len(keys)]) == keys:
-                return dict(zip(found.columns, row, strict=True))
-        raise KeyError(f"{table} has no row {', '.join(keys)}")
-
-    def checks(self) -> tuple[int, list[str]]:
-        """Number of checks, and the titles of the tables in which some fail."""
-        cells = {
-            table.title: [cell for row in table.rows for cell in row if isinstance(cell, bool)]
-            for table in self.by_name.values()
-        }
-        failed = [title for title, found in cells.items() if not all(found)]
-        return sum(map(len, cells.values())), failed
 
 
 def section(sections: Sequence[Section]) -> Section:
@@ -108,6 +63,7 @@ def section(sections: Sequence[Section]) -> Section:
             ),
         ],
         verdicts=[make(tables) for make in makers],
+        tables=[agreement.table(tables)],
     )
 
 
@@ -118,9 +74,10 @@ def _inversion(tables: Tables) -> Verdict:
     return Verdict(
         statement="The disk turns itself upside down.",
         answer="yes" if all(isinstance(time, float) for time in times) else "partly",
-        numbers=f"From Table 3, Models {LEVELS[0]} to {LEVELS[-1]} are inverted after "
-        f"{', '.join(told[:-1])} and {told[-1]} s.",
-        certainty=f"engine and in-house equations follow each other to {apart:.0e} rad over 4 s.",
+        numbers=f"From Table 3, at {Start().spin:g} rad/s, Models {LEVELS[0]} to {LEVELS[-1]} are "
+        f"inverted after {', '.join(told[:-1])} and {told[-1]} s.",
+        certainty="engine and in-house equations follow each other to "
+        f"{at_most(apart)} rad over 4 s.",
         section="inversion",
     )
 
@@ -139,7 +96,7 @@ def _critical_speed(tables: Tables) -> Verdict:
         numbers=f"Closed form {ways[0]:.4f}, root finding {ways[1]:.4f}, engine {engine:.4f} "
         "rad/s.",
         certainty="three independent ways, apart by at most "
-        f"{max(*ways, engine) - min(*ways, engine):.0e} rad/s.",
+        f"{at_most(max(*ways, engine) - min(*ways, engine))} rad/s.",
         section="stability",
     )
 
@@ -156,9 +113,9 @@ def _hopf_speeds(tables: Tables) -> Verdict:
         f"{PRINTED[1]} rad/s.",
         answer="confirmed" if confirmed else "not confirmed",
         numbers=f"They cross at {here[0]:.2f} and {here[1]:.2f} rad/s.",
-        certainty=f"matrices, numerical linearisation and engine agree (the engine to {apart:.0e} "
-        f"rad/s); {tried.count('yes') or 'none'} of {len(tried)} obvious other choices "
-        f"{'give' if tried.count('yes') > 1 else 'gives'} the printed pair.",
+        certainty="matrices, numerical linearisation and engine agree (the engine to "
+        f"{at_most(apart)} rad/s); {tried.count('yes') or 'none'} of {len(tried)} obvious other "
+        f"choices {'give' if tried.count('yes') > 1 else 'gives'} the printed pair.",
         section="stability",
     )
 
@@ -176,7 +133,7 @@ def _stable_region(tables: Tables) -> Verdict:
         f"rad/s. Between {min(gradients):.2g} and {max(gradients):.2g} s/m there is a region in "
         f"which it is stable, with corners from {min(spins):.3g} to {max(spins):.3g} rad/s.",
         certainty="linear stability, its boundaries by continuation and closed form; at the "
-        f"paper's friction the engine has the same eigenvalues to {worst:.0e}, relative.",
+        f"paper's friction the engine has the same eigenvalues to {at_most(worst)}, relative.",
         section="stability",
     )
 
@@ -191,8 +148,8 @@ def _agreement(tables: Tables) -> Verdict:
         statement="The engine solves the same equations as the in-house ones.",
         answer="no" if False in verdicts else "yes",
         numbers=f"Over {scenes} scenes: accelerations and constraint forces at 1000 random states "
-        f"to {accelerations:.0e}, motions over 2 s to {motion:.0e} rad, eigenvalues to "
-        f"{eigenvalues:.0e}.",
+        f"to {at_most(accelerations)}, motions over 2 s to {at_most(motion)} rad, eigenvalues to "
+        f"{at_most(eigenvalues)}.",
         certainty="both sides share the description of the problem and no mechanics; a test "
         "reads the imports.",
         section="crosscheck",
@@ -210,12 +167,13 @@ def _rest(tables: Tables) -> Verdict:
         answer="not by sliding friction alone" if sliding is None else "yes",
         numbers="With sliding friction alone it "
         + (f"still creeps after {rest.END:g} s" if sliding is None else f"rests at {sliding:g} s")
-        + f"; with dry rolling resistance and pivoting friction it inverts at "
-        f"{_number(row['inversion']):.2f} s, loses the inversion at "
-        f"{_number(row['inversion lost']):.1f} s and lies still at {_number(row['rest']):.1f} "
-        "s.",
-        certainty=f"engine and in-house equations agree to {_number(apart):.0e} rad in the tilt; "
-        "the coefficients of rolling and pivoting are chosen here, not the paper's.",
+        + f"; with dry rolling resistance and pivoting friction it inverts after "
+        f"{_number(row['inversion']):.2f} s, loses the inversion after "
+        f"{_number(row['inversion lost']):.1f} s and lies still after "
+        f"{_number(row['rest']):.1f} s.",
+        certainty="engine and in-house equations agree to "
+        f"{at_most(_number(apart))} rad in the tilt; the coefficients of rolling and pivoting are "
+        "chosen here, not the paper's.",
         section="rest",
     )
 
