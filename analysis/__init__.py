@@ -4,6 +4,7 @@ Source of all equation numbers: S. Sailer and R. I. Leine, "Model reduction of t
 path to the full analysis", Nonlinear Dynamics 105 (2021).
 """
 
+from analysis.compiled.batches import Outcome
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.constraint_set import (
     CONSTRAINTS,
@@ -48,7 +49,7 @@ from analysis.models.balance import (
     energy_residual,
     power,
 )
-from analysis.models.ensemble import Outcome, simulate_many
+from analysis.models.ensemble import simulate_many
 from analysis.models.forms import FORMS, Form
 from analysis.models.integration import METHODS, Method
 from analysis.models.simulation import simulate

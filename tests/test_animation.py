@@ -242,7 +242,7 @@ def test_text_cannot_break_the_page() -> None:
 def test_report_carries_players_side_by_side_and_as_files(tmp_path: Path) -> None:
     played = [player(inversion(), name=name, title=name.upper()) for name in ("one", "two")]
     section = report.Section(name="s", title="S", animations=played)
-    page = report.write([section], tmp_path, seconds=1.0).read_text()
+    page = report.write([section], tmp_path, made="in 1 s").read_text()
     assert page.count('<figure class="disk-player"') == 2
     assert 'id="one"' in page
     assert 'id="two"' in page

@@ -17,6 +17,7 @@ from analysis.data.endings import CONDITIONS, INVERTED
 from analysis.data.trajectory import SOURCES
 from validation import cli
 from validation.parser import commands, groups
+from validation.studies import full_report
 
 
 def run(*arguments: str) -> int:
@@ -36,6 +37,7 @@ def test_choices_are_those_of_the_packages() -> None:
     assert tuple(analysis.DISKS) == groups.DISKS
     assert commands.INVERSION == analysis.data.inversion.DEFINITION
     assert groups.SOURCES == SOURCES
+    assert tuple(study.name for study in full_report.STUDIES) == commands.SECTIONS
 
 
 def test_help_teaches_by_example(capsys: pytest.CaptureFixture[str]) -> None:

@@ -29,6 +29,7 @@ def test_members_are_those_of_single_runs_in_order() -> None:
             members,
             TIMES,
             form="reduced",
+            method="DOP853",
             executor=threads,
             progress=lambda *counts: told.append(counts),
         )
@@ -43,7 +44,7 @@ def test_members_are_those_of_single_runs_in_order() -> None:
 def test_each_member_has_its_own_tolerance_and_end() -> None:
     members = [model(1), model(1), model(1, start=Start(spin=200.0))]
     fine, hopeless, pulling = simulate_many(
-        members, TIMES, tolerance=[1e-6, 1e-16, 1e-6], workers=1
+        members, TIMES, method="DOP853", tolerance=[1e-6, 1e-16, 1e-6], workers=1
     )
     assert isinstance(fine, Trajectory)
     assert fine.method["tolerance"] == 1e-6
@@ -59,7 +60,7 @@ def killer(_: State) -> float:
 
 @pytest.mark.slow
 def test_members_of_a_killed_process_say_so() -> None:
-    outcomes = simulate_many([model(4)] * 3, TIMES, stop_when=killer, workers=2)
+    outcomes = simulate_many([model(4)] * 3, TIMES, method="DOP853", stop_when=killer, workers=2)
     assert [type(outcome) for outcome in outcomes] == [BrokenProcessPool] * 3
 
 

@@ -1,7 +1,6 @@
 """What motions of either kind offer: between samples, out of Python, printed, drawn."""
 
 import csv
-import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -262,14 +261,6 @@ def test_missing_package_says_what_to_install(
     with pytest.raises(ImportError, match=rf"needs {package}, .*tippedisk\[export\]") as found:
         export()
     assert "\n" not in str(found.value)
-
-
-def test_export_loads_the_packages_no_sooner() -> None:
-    code = (
-        "import sys, analysis; "
-        "assert not {'pandas', 'xarray', 'scipy.interpolate'} & set(sys.modules)"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_motion_prints_in_one_line(motion: StoredRun) -> None:

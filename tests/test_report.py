@@ -24,6 +24,7 @@ from analysis import (
     Trajectory,
     simulate,
 )
+from tests.test_stated_numbers import check_report
 from validation.kit import figures
 from validation.studies import full_report, inversion
 from validation.studies.claims.claim import VERDICTS
@@ -31,7 +32,7 @@ from validation.studies.claims.claim import VERDICTS
 ROOT = Path(__file__).parent.parent
 
 FIGURES = {
-    *(f"figure-{number}" for number in (6, 7, 8, 9, 10, 11)),
+    *(f"paper-fig-{number}" for number in (6, 7, 8, 9, 10, 11)),
     "snapshots",
     "pure-rolling",
     "stability-chart",
@@ -80,7 +81,7 @@ def test_captions_of_figures_7_to_9_hold_the_numbers_of_their_runs() -> None:
     loads = {load: (run(1, load, 2.0, 1e-6),) * 2 for load in LOADS}
     levels = [(run(level, "weight", 4.0, 1e-6),) * 2 for level in LEVELS]
     drawn = inversion.draw(loads, levels)
-    assert [picture.name for picture in drawn] == ["figure-7", "figure-8", "figure-9"]
+    assert [picture.name for picture in drawn] == [f"paper-fig-{number}" for number in (7, 8, 9)]
     assert all(picture.png.startswith(b"\x89PNG") for picture in drawn)
     assert "after 0.5 s it is 0.28 rad short" in drawn[0].caption
     assert "changes the angles by up to 2.4e-02 rad" in drawn[0].caption
@@ -88,11 +89,10 @@ def test_captions_of_figures_7_to_9_hold_the_numbers_of_their_runs() -> None:
     assert "47, 47, 53 % went into height" in drawn[2].caption
 
 
-def test_jobs_of_all_studies_can_be_told_apart_and_sent_to_workers() -> None:
-    jobs = [job for study in full_report.STUDIES for job in study.jobs()]
-    assert len({job.key for job in jobs}) == len(jobs) > 100
-    for job in jobs:
-        assert pickle.dumps(job)
+def test_jobs_of_all_studies_can_be_sent_to_workers() -> None:
+    for study in full_report.STUDIES:
+        for job in study.jobs():
+            assert pickle.dumps(job)
 
 
 @pytest.mark.slow
@@ -114,7 +114,7 @@ def test_report_holds_every_check_and_shows_every_figure_and_statement(tmp_path:
     assert 'class="bad"' not in page
     pictures = sorted(folder.glob("*.png"))
     assert {path.stem for path in pictures} >= FIGURES
-    assert page.count("<img ") == len(pictures)
+    assert all(f'<figure id="{path.stem}"' in page for path in pictures)
     for path in pictures:
         assert path.with_suffix(".svg").stat().st_size > 1000, path.name
         with Image.open(path) as picture:
@@ -128,3 +128,16 @@ def test_report_holds_every_check_and_shows_every_figure_and_statement(tmp_path:
         assert line.endswith(f"| {claim['verdict']} |")
         assert claim["verdict"] in VERDICTS
         assert all(html.escape(cell) in page for cell in claim.values())
+    check_report(folder)
+    # A second call takes what the first has left and makes the same page of it.
+    before = (folder / "claims.csv").read_bytes()
+    again = subprocess.run(
+        [sys.executable, "-c", code, "report"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "nothing is to be computed" in again.stderr
+    assert (folder / "claims.csv").read_bytes() == before

@@ -91,7 +91,7 @@ def test_form_must_fit_the_contact() -> None:
         simulate(soft, [0.0, 0.01], form="index-1")
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
 def test_unreachable_tolerance_is_refused(method: Method) -> None:
     message = rf"^tolerance 1e-16 rad cannot be reached with {method}: .* is \d\.\de-\d\d rad$"
     with pytest.raises(ToleranceError, match=message):

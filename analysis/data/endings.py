@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from math import sin
 
 import numpy as np
 
 from analysis.data import frames
 from analysis.data.checks import Array, choice, number
+from analysis.data.elementary import sin
 from analysis.data.state import State
 
 CONTACT_WOULD_PULL = "contact would pull"

@@ -4,10 +4,10 @@ import sys
 from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass, fields
 from importlib import import_module
-from math import exp, tanh
 from typing import Any, Literal, get_args
 
 from analysis.data.checks import choice, not_negative, positive, within
+from analysis.data.elementary import exp, tanh
 from analysis.data.limits import LARGEST_FRICTION, SMOOTHING_RANGE, STEEPEST_FRICTION
 
 Load = Literal["weight", "contact"]
@@ -217,7 +217,7 @@ class TanhCoulomb(_Regularised):
     def per_speed(self, speed: float) -> float:
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
         relative = speed / self.smoothing
-        if relative < 1e-4:
+        if isinstance(relative, float) and relative < 1e-4:
             # Two terms of the series: the next one is below rounding.
             return self.coefficient / self.smoothing * (1.0 - relative * relative / 3.0)
         return self.coefficient * tanh(relative) / speed

@@ -7,13 +7,13 @@ level, so none of them has a position-level row.
 """
 
 from functools import cache
-from math import cos, sin
 
 import numpy as np
 
 from analysis.data.checks import Array
 from analysis.data.constraint_set import MULTIPLIERS, ConstraintSet, multiplier_names
 from analysis.data.disk import Disk
+from analysis.data.elementary import cos, sin
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from analysis.models.equations import Vector

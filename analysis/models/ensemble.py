@@ -7,22 +7,24 @@ from functools import partial
 from os import cpu_count
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import increasing_times
+from analysis.compiled.batches import Outcome, simulate_batches
+from analysis.compiled.library import CannotCompileError, is_installed
+from analysis.data.checks import Array, increasing_times
 from analysis.data.endings import StopWhen, named_conditions
 from analysis.data.scenario import Scenario
-from analysis.data.trajectory import Trajectory
 from analysis.data.workers import process_pool
 from analysis.models.forms import Form
 from analysis.models.integration import Method
 from analysis.models.simulation import simulate
 
-Outcome = Trajectory | Exception
-"""Of one member: its motion, or the error that ended it."""
-
 LARGEST_CHUNK = 32
 """Members that a worker gets at once; some ten seconds of them, and handing over costs 1 ms."""
+
+COMPILED_CHUNK = 1024
+"""The same if they are compiled: a worker takes a second to start."""
 
 
 def simulate_many(
@@ -30,7 +32,7 @@ def simulate_many(
     times: npt.ArrayLike,
     *,
     form: Form | None = None,
-    method: Method = "DOP853",
+    method: Method | None = None,
     tolerance: float | Sequence[float] | None = None,
     local_tolerance: float | None = None,
     stop_when: StopWhen = (),
@@ -42,8 +44,10 @@ def simulate_many(
 ) -> list[Outcome]:
     """Simulate many scenarios; a member that fails does not end the others.
 
-    The members run on worker processes, which import the calling script: as with every such
-    pool, a script calls this below `if __name__ == "__main__":`.
+    Where heyoka is installed, members alike in structure are compiled together and run in
+    batches, with the error estimate, endings and errors of single runs. Others, and more than
+    `COMPILED_CHUNK` compiled ones, run on worker processes, which import the calling script: as
+    with every such pool, a script calls this below `if __name__ == "__main__":`.
 
     Parameters
     ----------
@@ -51,8 +55,11 @@ def simulate_many(
         The members.
     times : array_like, shape (n,)
         Times in s, the same for all; see `simulate`.
-    form, method, local_tolerance, stop_when, allow_pulling, time_limit
+    form, local_tolerance, stop_when, allow_pulling, time_limit
         Of every member, as in `simulate`. Functions in `stop_when` must be importable by name.
+    method : str, optional
+        As in `simulate`. By default "taylor" where heyoka is installed, and DOP853 for members
+        that cannot be compiled. Compiled members run in batches.
     tolerance : float or sequence of floats, optional
         Largest error in beta and gamma in rad, of all members or of each.
     workers : int, optional
@@ -100,11 +107,14 @@ def simulate_many(
     )
     tasks = list(zip(members, tolerances, strict=True))
     workers = workers or cpu_count() or 1
-    chunk = max(1, min(LARGEST_CHUNK, len(tasks) // (4 * workers)))
+    if method == "taylor" or (method is None and is_installed()):
+        chunk = COMPILED_CHUNK
+    else:
+        chunk = max(1, min(LARGEST_CHUNK, len(tasks) // (4 * workers)))
     chunks = [tasks[first : first + chunk] for first in range(0, len(tasks), chunk)]
     tell = progress or (lambda _done, _all: None)
     outcomes: list[Outcome] = []
-    if executor is None and (workers == 1 or len(tasks) == 1):
+    if executor is None and (workers == 1 or len(chunks) == 1):
         for some in chunks:
             outcomes += call(some)
             tell(len(outcomes), len(tasks))
@@ -122,7 +132,7 @@ def simulate_many(
 
 
 def _each(tolerance: float | Sequence[float] | None, count: int) -> list[float | None]:
-    if not isinstance(tolerance, Sequence):
+    if not isinstance(tolerance, Sequence | np.ndarray):
         return [tolerance] * count
     given: list[float | None] = list(tolerance)
     if len(given) != count:
@@ -137,12 +147,41 @@ def _result(future: Future[list[Outcome]], size: int) -> list[Outcome]:
         return [error] * size
 
 
-def _outcomes(tasks: list[tuple[Scenario, Any]], *, times: Any, **how: Any) -> list[Outcome]:
+def _outcomes(
+    tasks: list[tuple[Scenario, float | None]],
+    *,
+    times: Array,
+    method: Method | None,
+    stop_when: StopWhen,
+    allow_pulling: bool,
+    time_limit: float | None,
+    **how: Any,
+) -> list[Outcome]:
     """Outcomes of some members, with their tolerances, in this process."""
-    outcomes: list[Outcome] = []
-    for scenario, tolerance in tasks:
+
+    def alone(task: tuple[Scenario, float | None], method: Method) -> Outcome:
         try:
-            outcomes.append(simulate(scenario, times, tolerance=tolerance, **how))
+            return simulate(
+                task[0],
+                times,
+                method=method,
+                tolerance=task[1],
+                stop_when=stop_when,
+                allow_pulling=allow_pulling,
+                time_limit=time_limit,
+                **how,
+            )
         except (ArithmeticError, ValueError) as error:
-            outcomes.append(error)
+            return error
+
+    first: Method = method or "taylor"
+    if first == "taylor" and not allow_pulling and time_limit is None:
+        conditions = named_conditions(stop_when)
+        outcomes = simulate_batches(tasks, times, conditions=conditions, **how)
+    else:
+        outcomes = [alone(task, first) for task in tasks]
+    if method is None:
+        for number, outcome in enumerate(outcomes):
+            if isinstance(outcome, CannotCompileError):
+                outcomes[number] = alone(tasks[number], "DOP853")
     return outcomes

@@ -6,12 +6,12 @@ Notation as in the paper; s and c in front of a letter are its sine and cosine.
 """
 
 from collections.abc import Sequence
-from math import cos, sin
 
 import numpy as np
 
 from analysis.data.checks import Array
 from analysis.data.disk import Disk
+from analysis.data.elementary import cos, sin
 from analysis.data.table import Table
 
 Vector = Sequence[float] | Array

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from math import hypot, sin
 from typing import Literal, get_args
 
@@ -53,7 +54,10 @@ def default_form(scenario: Scenario) -> Form:
 
 
 def pose(
-    scenario: Scenario, form: Form, conditions: Mapping[str, Condition] | None = None
+    scenario: Scenario,
+    form: Form,
+    conditions: Mapping[str, Condition] | None = None,
+    multipliers: Callable[[Array], Array] | None = None,
 ) -> PosedForm:
     """Initial value problem of a scenario.
 
@@ -64,6 +68,8 @@ def pose(
         One of `FORMS`.
     conditions : mapping
         From reasons to functions of a `State`; the motion ends where one turns negative.
+    multipliers : callable, optional
+        Another way to the constraint forces, shape (n, k), from states, shape (n, 12).
 
     Raises
     ------
@@ -79,7 +85,7 @@ def pose(
     if form != "free-body":
         check_admissible(scenario, scenario.initial_state)
     makers = {"index-1": _index1, "reduced": _reduced, "free-body": _free_body}
-    posed = makers[form](scenario)
+    posed = makers[form](scenario, multipliers or partial(_multipliers, scenario))
     if not conditions:
         return posed
 
@@ -90,7 +96,7 @@ def pose(
     return replace(posed, problem=replace(posed.problem, conditions=named))
 
 
-def _index1(scenario: Scenario) -> PosedForm:
+def _index1(scenario: Scenario, multipliers: Callable[[Array], Array]) -> PosedForm:
     def derivative(_: float, state: Array) -> Array:
         values = state.tolist()
         z, u = values[:6], values[6:]
@@ -101,7 +107,7 @@ def _index1(scenario: Scenario) -> PosedForm:
         return float(index1.accelerations(scenario, values[:6], values[6:])[1][0])
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
-        return states[:, :6], states[:, 6:], _multipliers(scenario, states)
+        return states[:, :6], states[:, 6:], multipliers(states)
 
     return PosedForm(
         InitialValueProblem(
@@ -117,7 +123,7 @@ def _index1(scenario: Scenario) -> PosedForm:
     )
 
 
-def _reduced(scenario: Scenario) -> PosedForm:
+def _reduced(scenario: Scenario, multipliers: Callable[[Array], Array]) -> PosedForm:
     if scenario.model != 4:
         raise ValueError(f"form 'reduced' exists for Model 4 alone, got {scenario.name}")
     if scenario.friction.load != "weight":
@@ -134,7 +140,7 @@ def _reduced(scenario: Scenario) -> PosedForm:
     def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
         turned = alpha + spin * (times - times[0])
         coordinates, rates = reduced.expand(scenario.disk, spin, turned, states)
-        return coordinates, rates, _multipliers(scenario, np.hstack((coordinates, rates)))
+        return coordinates, rates, multipliers(np.hstack((coordinates, rates)))
 
     def state(values: Array) -> State:
         return _state(*_first(reduced.expand(scenario.disk, spin, np.zeros(1), values[None])))
@@ -153,7 +159,7 @@ def _reduced(scenario: Scenario) -> PosedForm:
     )
 
 
-def _free_body(scenario: Scenario) -> PosedForm:
+def _free_body(scenario: Scenario, _: Callable[[Array], Array]) -> PosedForm:
     model = FreeDisk(scenario)
     start = scenario.initial_state
 

@@ -1,17 +1,23 @@
 """The constrained systems of index 1, Eqs. (79), (80) and (92), for any set of constraints."""
 
-from math import cos, hypot, sin
+from collections.abc import Callable
+from math import hypot
+from typing import Any
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from analysis.data.checks import Array
+from analysis.data.elementary import cos, sin
 from analysis.data.scenario import Scenario
 from analysis.models import constraints, equations
 from analysis.models.equations import Vector
 
+Speed = Callable[[Any, Any], Any]
+"""Size of a slip from its two parts, one of which is 0.0 where slip is held."""
 
-def friction_per_load(scenario: Scenario, z: Vector, u: Vector) -> Array:
+
+def friction_per_load(scenario: Scenario, z: Vector, u: Vector, speed: Speed = hypot) -> Array:
     """Generalised friction force for a load of 1 N, shape (6,); Eq. (3) without its lambda_N.
 
     The disk slides where it is not held: Models 1 and 2 in both directions of the table, Models 3
@@ -22,17 +28,72 @@ def friction_per_load(scenario: Scenario, z: Vector, u: Vector) -> Array:
     x, side, lift = z[0], r * cos(z[4]) - z[1], r * sin(z[4])
     slip_x = 0.0 if "no-slip-along" in held else u[0] + side * u[3] + r * u[5]
     slip_y = 0.0 if "no-slip-across" in held else u[1] + x * u[3] + lift * u[4]
-    factor = -scenario.friction.per_speed(hypot(slip_x, slip_y))
+    factor = -scenario.friction.per_speed(speed(slip_x, slip_y))
     fx, fy = factor * slip_x, factor * slip_y
     return np.array((fx, fy, 0.0, side * fx + x * fy, lift * fy, r * fx))
+
+
+def system(scenario: Scenario, z: Vector, u: Vector, speed: Speed = hypot) -> tuple[Array, Array]:
+    """Matrix and right-hand sides for accelerations and multipliers, from numbers of any kind.
+
+    The second and third block row of Eq. (80), of Eq. (79) if the friction law takes the contact
+    force as its load, and of Eq. (92) for the further constraints.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With the ideal contact.
+    z, u : array_like, shape (6,)
+        Co-rotating coordinates and their rates.
+    speed : callable
+        See `Speed`.
+
+    Returns
+    -------
+    matrix : ndarray, shape (6 + n, 6 + n)
+        For n constraints, in the order of `multiplier_names(scenario.constraints)`.
+    right : ndarray, shape (6 + n, 1) or (6 + n, 2)
+        The second column holds the friction for each newton of contact force, if that matters.
+    """
+    held, disk = scenario.constraints, scenario.disk
+    mass, W = equations.mass_matrix(disk, z), constraints.directions(held, disk, z)
+    n = len(W)
+    matrix = np.zeros((6 + n, 6 + n), order="F", dtype=mass.dtype)
+    matrix[:6, :6] = mass
+    matrix[:6, 6:] = -W.T
+    matrix[6:, :6] = W
+    rubs = scenario.rubs
+    by_contact = rubs and scenario.friction.load == "contact"
+    right = np.zeros((6 + n, 2 if by_contact else 1), order="F", dtype=mass.dtype)
+    forces = equations.gyroscopic_forces(disk, z, u)
+    forces += equations.gravity_forces(disk, scenario.table, z)
+    if by_contact:
+        right[:6, 1] = friction_per_load(scenario, z, u, speed)
+    elif rubs:
+        forces += scenario.weight * friction_per_load(scenario, z, u, speed)
+    right[:6, 0] = forces
+    right[6:, 0] = -constraints.acceleration_terms(held, disk, z, u)
+    return matrix, right
+
+
+def loaded(solution: Array) -> Array:
+    """Accelerations and multipliers where friction knows the contact force, shape (6 + n,).
+
+    Parameters
+    ----------
+    solution : ndarray, shape (6 + n, 2)
+        Of `system`: without friction, and what each newton of contact force adds.
+    """
+    frictionless, feedback = solution[6]
+    result: Array = solution[:, 0] + frictionless / (1.0 - feedback) * solution[:, 1]
+    return result
 
 
 def accelerations(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Array]:
     """Accelerations and multipliers with all constraints on acceleration level.
 
-    Solves the second and third block row of Eq. (80), of Eq. (79) if the friction law takes the
-    contact force as its load, and of Eq. (92) for the further constraints. A contact that pulls
-    (negative normal force) rubs with no load: friction never gives energy.
+    Solves `system`. A contact that pulls (negative normal force) rubs with no load: friction
+    never gives energy.
 
     Parameters
     ----------
@@ -53,31 +114,14 @@ def accelerations(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Arra
         If the matrix is singular, or if the friction of each newton of normal force calls for a
         newton more of it: Eq. (79) then has no solution, or two.
     """
-    held, disk = scenario.constraints, scenario.disk
-    W = constraints.directions(held, disk, z)
-    n = len(W)
-    matrix = np.zeros((6 + n, 6 + n), order="F")
-    matrix[:6, :6] = equations.mass_matrix(disk, z)
-    matrix[:6, 6:] = -W.T
-    matrix[6:, :6] = W
-    rubs = scenario.rubs
-    by_contact = rubs and scenario.friction.load == "contact"
-    right = np.zeros((6 + n, 2 if by_contact else 1), order="F")
-    forces = equations.gyroscopic_forces(disk, z, u)
-    forces += equations.gravity_forces(disk, scenario.table, z)
-    if by_contact:
-        right[:6, 1] = friction_per_load(scenario, z, u)
-    elif rubs:
-        forces += scenario.weight * friction_per_load(scenario, z, u)
-    right[:6, 0] = forces
-    right[6:, 0] = -constraints.acceleration_terms(held, disk, z, u)
+    matrix, right = system(scenario, z, u)
     _, _, solution, info = dgesv(matrix, right, overwrite_a=True, overwrite_b=True)
     if info != 0:
         raise ArithmeticError(
             f"singular index-1 system of {scenario.name} at coordinates {list(z)}"
         )
     result = solution[:, 0]
-    if by_contact:
+    if right.shape[1] == 2:
         frictionless, feedback = solution[6]
         if feedback >= 1.0:
             raise ArithmeticError(
@@ -85,5 +129,5 @@ def accelerations(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Arra
                 f"newton of normal force calls for {feedback:.3g} N of it through friction"
             )
         if frictionless > 0.0:
-            result = result + frictionless / (1.0 - feedback) * solution[:, 1]
+            result = loaded(solution)
     return result[:6], result[6:]

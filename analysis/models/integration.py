@@ -18,10 +18,10 @@ from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.watch import Watch
 
-Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA"]
+Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
 METHODS: tuple[Method, ...] = get_args(Method)
 
-_SOLVERS: dict[Method, Any] = {
+_SOLVERS: dict[str, Any] = {
     "DOP853": DOP853,
     "RK45": RK45,
     "RK23": RK23,
@@ -205,6 +205,32 @@ def _states(solver: Any, within: Array) -> Iterator[tuple[float, Array]]:
     yield solver.t, solver.y
 
 
+def pulls_at_start(problem: InitialValueProblem, *, allow_pulling: bool) -> bool:
+    """Whether the contact pulls at the start; `ValueError` if it does and must not."""
+    force = problem.normal_force(problem.start)
+    if force < 0.0 and not allow_pulling:
+        raise ValueError(
+            f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
+            "allow_pulling lets it"
+        )
+    return force < 0.0
+
+
+def endings(problem: InitialValueProblem) -> dict[str, Callable[[Array], float]]:
+    """What ends a motion: functions of its state that turn negative there, by reason."""
+    return {
+        FLAT: lambda state: problem.leaning(state) - NEARLY_FLAT,
+        CONTACT_WOULD_PULL: problem.normal_force,
+        **problem.conditions,
+    }
+
+
+def intervals(edges: list[float], last: float) -> tuple[tuple[float, float], ...]:
+    """Intervals between edges in turns, the last one open up to `last`."""
+    closed = [*edges, last] if len(edges) % 2 else edges
+    return tuple(zip(closed[::2], closed[1::2], strict=True))
+
+
 class _Lookout:
     """Looks out for what ends a motion, and for a contact that pulls.
 
@@ -226,20 +252,11 @@ class _Lookout:
     """
 
     def __init__(self, problem: InitialValueProblem, begin: float, allow_pulling: bool) -> None:
-        force = problem.normal_force(problem.start)
-        if force < 0.0 and not allow_pulling:
-            raise ValueError(
-                f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
-                "allow_pulling lets it"
-            )
-        self._conditions = {
-            FLAT: lambda state: problem.leaning(state) - NEARLY_FLAT,
-            CONTACT_WOULD_PULL: problem.normal_force,
-            **problem.conditions,
-        }
+        pulls = pulls_at_start(problem, allow_pulling=allow_pulling)
+        self._conditions = endings(problem)
         self._allow, self._time = allow_pulling, begin
         self._values = {name: says(problem.start) for name, says in self._conditions.items()}
-        self._edges = [begin] if force < 0.0 else []
+        self._edges = [begin] if pulls else []
         self.reason, self.value = "", 0.0
         self.end: tuple[float, Array] | None = None
 
@@ -270,8 +287,7 @@ class _Lookout:
 
     def pulling(self, last: float) -> tuple[tuple[float, float], ...]:
         """Times between which the contact has pulled, up to `last`."""
-        edges = [*self._edges, last] if len(self._edges) % 2 else self._edges
-        return tuple(zip(edges[::2], edges[1::2], strict=True))
+        return intervals(self._edges, last)
 
 
 def _along(path: Any, function: Callable[[Array], float]) -> Callable[[float], float]:

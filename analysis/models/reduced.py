@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from analysis.data import elementary
 from analysis.data.checks import Array
 from analysis.data.disk import Disk
 from analysis.data.scenario import Scenario
@@ -72,16 +73,26 @@ def acceleration_from(
 
 
 def normal_force(scenario: Scenario, spin: float, x: Sequence[float]) -> float:
-    """Normal contact force in N: the mass times gravity and the centre of gravity's rise.
+    """Normal contact force in N; parameters are those of `acceleration`."""
+    beta, gamma, beta_rate = x
+    directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    second = acceleration(scenario, spin, x)
+    return float(normal_force_from(scenario, spin, directions, beta_rate, second))
 
-    Parameters are those of `acceleration`; the centre of gravity is (r + e sin(gamma)) sin(beta)
-    above the table, and gamma' = -Omega cos(beta).
+
+def normal_force_from(
+    scenario: Scenario, spin: Any, directions: Sequence[Any], bd: Any, bdd: Any
+) -> Any:
+    """The mass times gravity and the centre of gravity's rise, for numbers of any kind.
+
+    The centre of gravity is (r + e sin(gamma)) sin(beta) above the table, and
+    gamma' = -Omega cos(beta). Parameters are those of `acceleration_from`, and the second
+    derivative of beta.
     """
     disk = scenario.disk
     e, Omega = disk.eccentricity, spin
-    beta, gamma, bd = x
-    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
-    gd, gdd, bdd = -Omega * cb, Omega * sb * bd, acceleration(scenario, spin, x)
+    sb, cb, sg, cg = directions
+    gd, gdd = -Omega * cb, Omega * sb * bd
     rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
     rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
     return scenario.weight + disk.mass * rise
@@ -111,19 +122,26 @@ def expand(disk: Disk, spin: float, alpha: Array, x: Array) -> tuple[Array, Arra
     -------
     coordinates, rates : ndarray, shape (n, 6)
     """
+    coordinates, rates = expanded(disk, spin, alpha, x.T)
+    return np.column_stack(coordinates), np.column_stack(np.broadcast_arrays(*rates))
+
+
+def expanded(
+    disk: Disk, spin: Any, alpha: Any, x: Sequence[Any] | Array
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """The six coordinates and the six rates of `expand`, for numbers of any kind."""
     r, e = disk.radius, disk.eccentricity
-    beta, gamma, beta_rate = x.T
-    sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
-    coordinates = np.column_stack((-e * cg, -e * cb * sg, r * sb, alpha, beta, gamma))
-    rates = np.column_stack(
-        (
-            -e * spin * cb * sg,
-            # Eq. (97) prints sin(gamma) in the second term; the constraint (83) gives cos(gamma).
-            e * sb * sg * beta_rate + e * spin * cb * cb * cg,
-            r * cb * beta_rate,
-            np.full_like(beta, spin),
-            beta_rate,
-            -spin * cb,
-        )
+    beta, gamma, beta_rate = x
+    sb, cb = elementary.sin(beta), elementary.cos(beta)
+    sg, cg = elementary.sin(gamma), elementary.cos(gamma)
+    coordinates = (-e * cg, -e * cb * sg, r * sb, alpha, beta, gamma)
+    rates = (
+        -e * spin * cb * sg,
+        # Eq. (97) prints sin(gamma) in the second term; the constraint (83) gives cos(gamma).
+        e * sb * sg * beta_rate + e * spin * cb * cb * cg,
+        r * cb * beta_rate,
+        spin,
+        beta_rate,
+        -spin * cb,
     )
     return coordinates, rates

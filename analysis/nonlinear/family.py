@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from analysis.data.checks import Array, number, real_array
 from analysis.data.scenario import Scenario
+from analysis.data.watch import Progress
 from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import Mesh, NoCycleError, hopf_mesh, solve
 from analysis.nonlinear.cycle import Cycle
@@ -72,7 +73,12 @@ class Bifurcation:
     cycle: Cycle
 
 
-def cycle_family(scenario: Scenario, amplitudes: npt.ArrayLike | None = None) -> CycleFamily:
+def cycle_family(
+    scenario: Scenario,
+    amplitudes: npt.ArrayLike | None = None,
+    *,
+    progress: Progress | None = None,
+) -> CycleFamily:
     """Follow the periodic motions of the reduced system from the Hopf point.
 
     Parameters
@@ -81,6 +87,8 @@ def cycle_family(scenario: Scenario, amplitudes: npt.ArrayLike | None = None) ->
         Of Model 4 with friction that knows the weight, and an eccentricity.
     amplitudes : array_like, shape (n,), optional
         Amplitudes of gamma about pi/2 in rad, rising, between 0 and pi; `AMPLITUDES` by default.
+    progress : callable, optional
+        Called after each cycle with its amplitude and the last one wanted, in rad.
 
     Raises
     ------
@@ -89,10 +97,14 @@ def cycle_family(scenario: Scenario, amplitudes: npt.ArrayLike | None = None) ->
     NoCycleError
         If not even the first cycle is found.
     """
+    wanted = AMPLITUDES if amplitudes is None else amplitudes
     cycles: list[Cycle] = []
     reason = None
     try:
-        cycles.extend(_followed(scenario, AMPLITUDES if amplitudes is None else amplitudes))
+        for cycle in _followed(scenario, wanted):
+            cycles.append(cycle)
+            if progress is not None:
+                progress(cycle.amplitude, float(np.max(wanted)))
     except NoCycleError as error:
         if not cycles:
             raise

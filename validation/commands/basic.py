@@ -17,7 +17,7 @@ def report(options: argparse.Namespace) -> int:
     """Write the report and print its checks."""
     from validation.studies import full_report
 
-    page, tables = full_report.make(output_folder("--out", options.out))
+    page, tables = full_report.make(output_folder("--out", options.out), only=options.only)
     for table in tables:
         print(f"\n{table.title}\n{table.to_text()}")
     failed = sum(cell is False for table in tables for row in table.rows for cell in row)

@@ -12,12 +12,13 @@ from tqdm import tqdm
 
 from analysis.data.checks import positive
 from analysis.data.files import whole_file
-from validation.commands.options import PICTURES, chosen_end, output_folder
+from validation.commands.options import chosen_end, output_folder
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.sweep import chosen_pool, workers
 from validation.maps.problems import PROBLEMS
 from validation.maps.run import Panel, panels, run_pairs, run_panel
 from validation.maps.uncertainty import Uncertainty, shifted_sweeps
+from validation.parser.paths import PICTURES
 from validation.sweeps.sweep import Sweep
 
 

@@ -14,8 +14,10 @@ from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import CycleFamily
 from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from validation.commands.options import chosen_end
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.stability import parse_spins
+from validation.kit.progress import progress_bar
 from validation.kit.tables import Table
 from validation.studies.nonlinear import tables
 
@@ -35,7 +37,8 @@ def cycles(options: argparse.Namespace) -> int:
 
             _save(figures.cycle_portrait(found).figure, options.plot)
         return 0
-    family = families.cycle_family(scenario)
+    with progress_bar("amplitude {n:.3g} of {total:.3g} rad") as progress:
+        family = families.cycle_family(scenario, progress=progress)
     shown, values = _family(scenario, family)
     _deliver(options, shown, values)
     if options.plot is not None:
@@ -62,6 +65,30 @@ def heteroclinic(options: argparse.Namespace) -> int:
         ways = [fall(scenario, found.spin + side) for side in (-_SIDE, 0.0, _SIDE)]
         names = [f"{found.spin + side:.6f} rad/s" for side in (-_SIDE, 0.0, _SIDE)]
         _save(figures.connection_portrait(ways, names).figure, options.plot)
+    return 0
+
+
+def passage(options: argparse.Namespace) -> int:
+    """Print, store or plot when an inverted disk is lost."""
+    from validation.studies.nonlinear.passage import follow, passage_table
+
+    end = chosen_end(options)
+    found = follow(chosen_scenario(options, rest=options.rest), end, options.source)
+    values = {
+        "hopf": found.pair.spin,
+        "frequency": found.pair.frequency,
+        "crossing": found.crossing,
+        "lost": found.lost,
+        "predicted": found.predicted,
+        "lowest_spin": found.lowest_spin,
+        "rate": found.rate,
+    }
+    name = found.pair.scenario.name
+    _deliver(options, [passage_table([(name, found)])], values)
+    if options.plot is not None:
+        from validation.studies.nonlinear import figures
+
+        _save(figures.passage_diagram([(name, found)])[0].figure, options.plot)
     return 0
 
 

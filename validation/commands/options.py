@@ -2,16 +2,12 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
 from analysis.data.checks import number, positive, within
 from analysis.data.limits import LONGEST_MOTION, Effort
-from validation.parser.paths import PICTURES, writable
-
-__all__ = ["PICTURES", "announce", "chosen_end", "output_folder", "output_path", "written_number"]
 
 PATIENCE = 60.0
 """Processor time in s from which on a run is announced before it starts."""
@@ -39,20 +35,6 @@ def announce(command: str, effort: Effort, time_limit: float | None = None) -> N
         hint = "; --time-limit ends it early" if endless else ""
         with suppress(OSError, ValueError):
             print(f"tippedisk {command}: {effort}{hint}", file=sys.stderr, flush=True)
-
-
-def output_path(name: str, value: str, suffixes: Sequence[str]) -> Path:
-    """Path of a file to write, for a command whose parser has not looked at it.
-
-    Raises
-    ------
-    ValueError
-        If the suffix is not one of these, or the folder does not exist.
-    """
-    try:
-        return writable(*suffixes)(value)
-    except argparse.ArgumentTypeError as error:
-        raise ValueError(f"{name} {error}") from None
 
 
 def output_folder(name: str, value: str) -> Path:

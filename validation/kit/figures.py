@@ -12,8 +12,10 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
+from PIL import Image
 
 from analysis import SpatialMotion, StoredRun, Trajectory
 from analysis.data.checks import Array
@@ -23,6 +25,16 @@ COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73")
 
 STYLES = ("-", "--", "-.", ":")
 MARKERS = ("o", "s", "^", "D")
+
+WIDTH = 5.8
+"""Of a figure in inches, such that its letters can be read on a telephone."""
+
+_DPI = 150
+_PALETTE = 96
+"""Colours of a drawing, shades at the edges of its lines included."""
+
+_EDGE = 5
+"""Pixels left around a panel that is cut out."""
 
 _MARKED = 12
 
@@ -49,6 +61,11 @@ class Picture:
     title, caption : str
     png : bytes
     svg : str
+    paper : str
+        The figure of the paper that it shows: "Fig. 7".
+    panels : sequence of bytes
+        PNGs of its legend and panels alone, which a page lays side by side as far as there is
+        room; without them it shows the whole.
     """
 
     name: str
@@ -56,13 +73,15 @@ class Picture:
     caption: str
     png: bytes
     svg: str
+    paper: str = ""
+    panels: Sequence[bytes] = ()
 
 
 def new_figure(
     rows: int = 1,
     *,
     columns: int = 1,
-    width: float = 7.5,
+    width: float = WIDTH,
     height: float = 4.2,
     share: bool = True,
 ) -> tuple[Figure, Any]:
@@ -73,18 +92,75 @@ def new_figure(
     return figure, axes
 
 
-def render(figure: Figure, *, name: str, title: str, caption: str) -> Picture:
-    """Render a figure to PNG and SVG."""
+def render(
+    figure: Figure, *, name: str, title: str, caption: str, paper: str = "", stacked: bool = False
+) -> Picture:
+    """Render a figure to PNG and SVG.
+
+    Parameters
+    ----------
+    figure : Figure
+    name, title, caption, paper : str
+        Those of the `Picture`.
+    stacked : bool
+        Whether it also gets its panels one by one, as one with several in a row needs on a narrow
+        screen.
+    """
     png, svg = io.BytesIO(), io.StringIO()
     with mpl.rc_context(_RC):
-        figure.savefig(png, format="png", dpi=150)
+        figure.savefig(png, format="png", dpi=_DPI)
+        # What the layout has found takes as long again to be found again.
+        figure.set_layout_engine("none")
         figure.savefig(svg, format="svg", metadata={"Date": None})
-    return Picture(name=name, title=title, caption=caption, png=png.getvalue(), svg=svg.getvalue())
+    with Image.open(png) as drawn:
+        picture = drawn.convert("RGB")
+    return Picture(
+        name=name,
+        title=title,
+        caption=caption,
+        png=_compressed(picture),
+        svg=svg.getvalue(),
+        paper=paper,
+        panels=_panels(figure, picture) if stacked else (),
+    )
 
 
-def legend_above(axes: Axes, columns: int = 4) -> None:
+def _compressed(picture: Image.Image) -> bytes:
+    """PNG of a drawing, which needs few colours."""
+    stream = io.BytesIO()
+    palette = picture.quantize(_PALETTE, dither=Image.Dither.NONE)
+    palette.save(stream, format="png", optimize=True)
+    return stream.getvalue()
+
+
+def _panels(figure: Figure, picture: Image.Image) -> list[bytes]:
+    """The legends of a rendered figure and its panels, cut out of it."""
+    renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    drawn = [axes for axes in figure.axes if axes.axison or axes.get_legend() is not None]
+    scale = _DPI / figure.dpi
+    found = []
+    for part in (*figure.legends, *drawn):
+        box = part.get_tightbbox(renderer)
+        if box is None:
+            continue
+        left, right = scale * box.x0 - _EDGE, scale * box.x1 + _EDGE
+        top, bottom = picture.height - scale * box.y1 - _EDGE, picture.height - scale * box.y0
+        place = (max(left, 0.0), max(top, 0.0), right, bottom + _EDGE)
+        found.append(_compressed(picture.crop(tuple(round(each) for each in place))))
+    return found
+
+
+def legend_above(axes: Axes, columns: int = 4, size: float | None = None) -> None:
     """Put the legend above the axes, where it hides nothing."""
-    axes.legend(ncols=columns, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
+    axes.legend(
+        ncols=columns,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        borderaxespad=0.2,
+        columnspacing=1.2,
+        fontsize=size,
+        frameon=False,
+    )
 
 
 def angle_axis(axes: Axes) -> None:
@@ -184,7 +260,7 @@ def figure_7(
     axes[1].set(ylabel="normal force in N", ylim=(0.0, 1.6 * weight))
     axes[2].set(xlabel="time in s", ylabel="load $m g$ less load $λ_N$\nin rad")
     for each in axes:
-        legend_above(each)
+        legend_above(each, columns=2)
     return axes
 
 
@@ -211,7 +287,7 @@ def figure_8(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory], axes: 
     axes[0].axhline(np.pi / 2, color="#999999", linewidth=0.8, zorder=0)
     axes[0].annotate(
         "upright",
-        (1.0, np.pi / 2),
+        (1.01, np.pi / 2),
         xycoords=axes[0].get_yaxis_transform(),
         ha="left",
         va="center",

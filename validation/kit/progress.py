@@ -16,8 +16,8 @@ DELAY = 2.0
 
 
 @contextmanager
-def progress_bar() -> Iterator[Progress]:
-    """Progress of a run of simulated time, to be handed to a `simulate`.
+def progress_bar(reached: str = "t = {n:.4g} of {total:.4g} s") -> Iterator[Progress]:
+    """Progress of a run of simulated time, or of what `reached` says, for `simulate` and others.
 
     A run that begins anew, as tolerance-controlled runs do, takes the bar back. Nothing is shown
     where standard error is not a terminal.
@@ -27,13 +27,13 @@ def progress_bar() -> Iterator[Progress]:
         delay=DELAY,
         disable=not sys.stderr.isatty(),
         leave=False,
-        bar_format="{l_bar}{bar}| t = {n:.4g} of {total:.4g} s [{elapsed}]",
+        bar_format=f"{{l_bar}}{{bar}}| {reached} [{{elapsed}}]",
     )
 
-    def show(reached: float, end: float) -> None:
+    def show(now: float, end: float) -> None:
         bar.total = end
-        bar.n = min(bar.n, reached)
-        bar.update(reached - bar.n)
+        bar.n = min(bar.n, now)
+        bar.update(now - bar.n)
 
     with bar:
         yield show

@@ -1,72 +1,29 @@
-"""The report: all runs, checks, tables and figures in one self-contained HTML page."""
+"""The jobs behind a report, and its files: page, figures, tables and animations."""
 
-import base64
-import html
-import time
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import as_completed
-from dataclasses import dataclass, field
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
 from analysis.data.files import whole_file
-from analysis.data.trajectory import versions
 from analysis.data.workers import process_pool
-from validation.kit.animation.player import Animation
-from validation.kit.figures import Picture
-from validation.kit.provenance import machine
-from validation.kit.tables import Table
+from validation.kit.clock import processor_time
+from validation.kit.page import Section, page
+from validation.kit.parts import Job, Part, Store
 
-_STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;
-  padding: 0 1rem; }
-h1 { line-height: 1.2; } h2 { margin-top: 3rem; border-bottom: 1px solid #ccc; }
-figure { margin: 1.5rem 0; } figure img { max-width: 100%; }
-figcaption, .note, footer { color: #555; font-size: .9rem; }
-table { border-collapse: collapse; font-size: .85rem; margin-top: 1.5rem; display: block;
-  overflow-x: auto; }
-caption { text-align: left; font-weight: 600; padding: .3rem 0; white-space: nowrap; }
-th, td { text-align: left; padding: .2rem .6rem; border-bottom: 1px solid #e3e3e3;
-  vertical-align: top; }
-th { border-bottom: 2px solid #999; } td.number { text-align: right; white-space: nowrap; }
-td.good { color: #00693e; } td.bad { color: #b00020; font-weight: 700; }
-nav a { margin-right: 1rem; }
-"""
+__all__ = ["Job", "Section", "run_jobs", "run_parts", "write"]
 
+PAGE = "report.html"
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Section:
-    """A part of the report.
+CONTENTS = ".contents"
+"""File with the names of all files of a report, one a line."""
 
-    Parameters
-    ----------
-    name : str
-        Anchor.
-    title : str
-    paragraphs : sequence of str
-        Plain text.
-    animations : sequence of Animation
-    pictures : sequence of Picture
-    tables : sequence of Table
-    """
-
-    name: str
-    title: str
-    paragraphs: Sequence[str] = ()
-    animations: Sequence[Animation] = ()
-    pictures: Sequence[Picture] = ()
-    tables: Sequence[Table] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """A function call to be made in a worker process, under a name its result is found by."""
-
-    key: Any
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...] = field(default=())
+_SUFFIXES = {".html", ".png", ".svg", ".csv"}
+"""Of the files of a report."""
 
 
 def run_jobs(
@@ -85,33 +42,91 @@ def run_jobs(
     title : str
         Shown in front of the progress bar.
     """
-    jobs = list(jobs)
-    results: dict[Any, Any] = {}
+    parts = run_parts(list(jobs), workers=workers, title=title)
+    return {key: part.result for key, part in parts.items()}
+
+
+def run_parts(
+    jobs: Sequence[Job],
+    *,
+    workers: int | None = None,
+    title: str = "",
+    store: Store | None = None,
+    tell: Callable[[Job], None] | None = None,
+) -> dict[Any, Part]:
+    """The same with the processor time of each job.
+
+    Parameters
+    ----------
+    jobs, workers, title
+        As in `run_jobs`.
+    store : Store, optional
+        Gets every part as soon as it is finished, so that an interruption loses no others.
+    tell : callable, optional
+        Called after every finished job.
+    """
+    results: dict[Any, Part] = {}
+    errors: list[BaseException] = []
+    if not jobs:
+        return results
     with process_pool(workers) as pool:
-        futures = {pool.submit(job.function, *job.arguments): job.key for job in jobs}
+        futures = {pool.submit(_timed, job.function, job.arguments): job for job in jobs}
         bar = tqdm(total=len(jobs), desc=title, disable=None, leave=False)
         try:
             for future in as_completed(futures):
-                results[futures[future]] = future.result()
+                if future.cancelled():
+                    continue
+                if (error := future.exception()) is not None:
+                    # What is running and what has finished beside it is still kept.
+                    errors.append(error)
+                    for each in futures:
+                        each.cancel()
+                    continue
+                job = futures[future]
+                results[job.key] = part = future.result()
+                if store is not None:
+                    store.keep(job, part)
                 bar.update()
+                if tell is not None:
+                    tell(job)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
         finally:
             bar.close()
+    if errors:
+        raise errors[0]
     return results
 
 
-def write(sections: Sequence[Section], folder: Path, *, seconds: float) -> Path:
+def _timed(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Part:
+    begin = processor_time()
+    result = function(*arguments)
+    return Part(result, processor_time() - begin)
+
+
+def say(text: str) -> None:
+    """Write a line to standard error, if there is one; a progress bar goes on below it."""
+    with suppress(OSError, ValueError):
+        tqdm.write(text, file=sys.stderr)
+
+
+def write(sections: Sequence[Section], folder: Path, *, made: str, whole: bool = True) -> Path:
     """Write the page, the animations as pages, the figures as PNG and SVG and tables as CSV.
+
+    The page of an earlier report goes first and the new one comes last, so that a page never
+    stands beside files of another report.
 
     Parameters
     ----------
     sections : sequence of Section
     folder : Path
         Made if it does not exist.
-    seconds : float
-        Time that the computations took, for the footer.
+    made : str
+        How it was made, for the foot of the page.
+    whole : bool
+        Whether these are all sections: files of an earlier report in the folder that this one
+        does not have are then removed.
 
     Returns
     -------
@@ -124,57 +139,52 @@ def write(sections: Sequence[Section], folder: Path, *, seconds: float) -> Path:
         If the folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    path = folder / PAGE
+    path.unlink(missing_ok=True)
+    files = dict(_files(sections))
+    earlier = contents(folder)
+    if whole:
+        for name in earlier - files.keys():
+            (folder / name).unlink()
+        earlier = set()
+    _write(folder / CONTENTS, "\n".join(sorted(earlier | files.keys() | {PAGE})).encode())
+    for name, content in files.items():
+        _write(folder / name, content)
+    _write(path, page(sections, made=made).encode())
+    return path
+
+
+def _files(sections: Iterable[Section]) -> Iterable[tuple[str, bytes]]:
     for section in sections:
+        for drawing in section.drawings:
+            yield f"{drawing.name}.svg", drawing.svg.encode()
         for animation in section.animations:
-            _write(folder / f"{animation.name}.html", animation.page.encode())
+            yield f"{animation.name}.html", animation.page.encode()
         for picture in section.pictures:
-            _write(folder / f"{picture.name}.png", picture.png)
-            _write(folder / f"{picture.name}.svg", picture.svg.encode())
+            yield f"{picture.name}.png", picture.png
+            yield f"{picture.name}.svg", picture.svg.encode()
         for table in section.tables:
-            _write(folder / f"{table.name}.csv", table.to_csv().encode())
-    page = folder / "report.html"
-    _write(page, _page(sections, seconds).encode())
-    return page
+            yield f"{table.name}.csv", table.to_csv().encode()
+
+
+def contents(folder: Path) -> set[str]:
+    """Names of the files that an earlier report has left in a folder and noted."""
+    try:
+        names = (folder / CONTENTS).read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError):
+        return set()
+    return set(names) & _reportlike(folder)
+
+
+def foreign(folder: Path) -> list[str]:
+    """Names of the files in a folder that look like a report's and are not of the one there."""
+    return sorted(_reportlike(folder) - contents(folder))
+
+
+def _reportlike(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir() if path.suffix in _SUFFIXES and path.is_file()}
 
 
 def _write(path: Path, content: bytes) -> None:
     with whole_file(path) as stream:
         stream.write(content)
-
-
-def _page(sections: Sequence[Section], seconds: float) -> str:
-    links = "".join(
-        f'<a href="#{section.name}">{html.escape(section.title)}</a>' for section in sections
-    )
-    body = "\n".join(_section(section) for section in sections)
-    used = ", ".join(
-        f"{name} {version}"
-        for name, version in versions("exudyn", "numpy", "scipy", "matplotlib").items()
-    )
-    made = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime())
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>The tippedisk</title><style>{_STYLE}</style></head><body>"
-        "<h1>The tippedisk: multibody engine against closed equations</h1>"
-        f"<nav>{links}</nav>{body}"
-        f"<footer><p>Made on {made} in {seconds:.0f} s with {html.escape(used)}, on "
-        f"{html.escape(machine())}. Source: S. Sailer and R. I. Leine, Model reduction of the "
-        "tippedisk: a path to the full analysis, Nonlinear Dynamics 105 (2021).</p></footer>"
-        "</body></html>"
-    )
-
-
-def _section(section: Section) -> str:
-    parts = [f'<h2 id="{section.name}">{html.escape(section.title)}</h2>']
-    parts += [f"<p>{html.escape(paragraph)}</p>" for paragraph in section.paragraphs]
-    parts += [animation.fragment for animation in section.animations]
-    for picture in section.pictures:
-        data = base64.b64encode(picture.png).decode()
-        parts.append(
-            f'<figure><img src="data:image/png;base64,{data}" alt="{html.escape(picture.title)}">'
-            f"<figcaption><b>{html.escape(picture.title)}.</b> {html.escape(picture.caption)}"
-            "</figcaption></figure>"
-        )
-    parts += [table.to_html() for table in section.tables if not table.file_only]
-    return "\n".join(parts)

@@ -14,7 +14,7 @@ from validation.parser.groups import (
     add_scenario,
     add_source,
 )
-from validation.parser.nonlinear import add_cycles, add_heteroclinic
+from validation.parser.nonlinear import add_cycles, add_heteroclinic, add_passage
 from validation.parser.paths import PICTURES, existing, writable
 from validation.parser.sweeps import add_map, add_sweep
 
@@ -26,6 +26,12 @@ class Parser(argparse.ArgumentParser):
         """Exit with code 2 and one line."""
         self.exit(2, f"{self.prog}: error: {message}\n")
 
+
+SECTIONS = (
+    "modelled", "inversion", "claims", "crosscheck", "stability", "rest",
+    "work-precision", "robustness", "lean", "numbers",
+)  # fmt: skip
+"""Sections of the report."""
 
 INVERSION = (
     "The disk is inverted from the first time at which its centre of gravity has risen to 90% of "
@@ -39,9 +45,19 @@ def _report(commands: "argparse._SubParsersAction[Parser]") -> None:
         "report",
         help="run all checks and write them with the paper's figures to one HTML page",
         description="Run engine and in-house equations, compare them, and write one page of HTML "
-        "with everything in it, the figures as PNG and SVG and the tables as CSV. " + INVERSION,
+        "with everything in it, the figures as PNG and SVG and the tables as CSV. What has been "
+        "computed is kept in the folder: another call takes it as it is while the code behind it, "
+        "the versions and the machine stay the same. " + INVERSION,
     )
     report.set_defaults(module="basic")
+    report.add_argument(
+        "--only",
+        action="append",
+        default=[],
+        choices=SECTIONS,
+        metavar="SECTION",
+        help=f"make this section alone; may be given several times ({', '.join(SECTIONS)})",
+    )
     report.add_argument(
         "--out", default="report", metavar="DIR", help="folder to write to (default: %(default)s)"
     )
@@ -309,6 +325,7 @@ SUBCOMMANDS = (
     _critical,
     add_cycles,
     add_heteroclinic,
+    add_passage,
     _scene,
     _animate,
     _work_precision,

@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from validation.parser.groups import add_output, add_problem
+from validation.parser.groups import add_output, add_problem, add_scenario, add_source
 
 
 def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
@@ -39,3 +39,21 @@ def add_heteroclinic(commands: "argparse._SubParsersAction[Any]") -> None:
     heteroclinic.set_defaults(module="nonlinear")
     add_output(heteroclinic)
     add_problem(heteroclinic)
+
+
+def add_passage(commands: "argparse._SubParsersAction[Any]") -> None:
+    """Take `passage` into the commands."""
+    passage = commands.add_parser(
+        "passage",
+        help="when an inverted disk is lost as its spin decays",
+        description="Run a scenario, by default Model 1 from the paper's start, and tell when its "
+        "falling spin passes the Hopf point of inverted spinning, when the inversion is lost, and "
+        "when it should be by the eigenvalues alone.",
+    )
+    passage.set_defaults(module="nonlinear")
+    add_source(passage, "in-house")
+    add = passage.add_argument
+    add("--end", type=float, default=22.0, help="longest time in s (22)")
+    add("--rest", action="store_true", help="start from the defaults of `tippedisk rest`")
+    add_output(passage)
+    add_scenario(passage)

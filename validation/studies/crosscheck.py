@@ -180,6 +180,8 @@ def overview(
             for key, checks in checked.items()
         ],
         note=note,
+        # Motions are what a reader asks for first; sets of constraints are not run.
+        worst=next((each for each in limits if each.startswith("β")), limits[0]),
     )
 
 

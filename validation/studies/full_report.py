@@ -4,16 +4,20 @@ A study offers `jobs`, the calls behind it, and `section`, which makes a section
 their results by key; those with a long form are asked for their quick one.
 """
 
+import os
 import time
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from validation.kit.report import Job, Section, run_jobs, write
+from validation.kit.clock import Clock, model_1_seconds
+from validation.kit.parts import FOLDER, Job, Store, identity
+from validation.kit.report import PAGE, Section, contents, foreign, run_parts, say, write
 from validation.kit.tables import Table
-from validation.studies import crosscheck, inversion, lean, paper_numbers
+from validation.studies import crosscheck, inversion, lean, modelled, paper_numbers, summary
 from validation.studies.claims import section as claims
 from validation.studies.rest import section as rest
 from validation.studies.robustness import section as robustness
@@ -21,62 +25,105 @@ from validation.studies.stability import section as stability
 from validation.studies.work_precision import study as work_precision
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Study:
     """What a study offers to the report.
 
     Parameters
     ----------
+    name : str
+        That of its section.
     jobs : callable
         Returns the jobs.
     section : callable
         From the results of all jobs by key to the section.
+    work : float
+        Processor time that the jobs take, in in-house runs of Model 1. It is what the announced
+        time is reckoned from, and nothing else.
     timed : bool
         Whether the jobs measure run times, and have to run beside their like.
     """
 
+    name: str
     jobs: Callable[[], Sequence[Job]]
     section: Callable[[dict[Any, Any]], Section]
+    work: float = 0.0
     timed: bool = False
 
 
-def _quick(study: Any) -> Study:
-    return Study(partial(study.jobs, quick=True), partial(study.section, quick=True), timed=True)
+def _claims_jobs() -> list[Job]:
+    # The statements are also judged by the runs of the paper's figures.
+    return [*inversion.jobs(), *claims.jobs()]
 
 
 STUDIES = (
-    Study(inversion.jobs, inversion.section),
-    Study(claims.jobs, claims.section),
-    Study(crosscheck.jobs, crosscheck.section),
-    Study(stability.jobs, stability.section),
-    Study(rest.jobs, rest.section),
-    _quick(work_precision),
-    _quick(robustness),
-    Study(partial(lean.jobs, quick=True), lean.section, timed=True),
-    Study(list, paper_numbers.section),
+    Study(name="modelled", jobs=list, section=modelled.section),
+    Study(name="inversion", jobs=inversion.jobs, section=inversion.section, work=35.0),
+    Study(name="claims", jobs=_claims_jobs, section=claims.section, work=110.0),
+    Study(name="crosscheck", jobs=crosscheck.jobs, section=crosscheck.section, work=220.0),
+    Study(name="stability", jobs=stability.jobs, section=stability.section, work=75.0),
+    Study(name="rest", jobs=rest.jobs, section=rest.section, work=650.0),
+    Study(
+        name="work-precision",
+        jobs=partial(work_precision.jobs, quick=True),
+        section=partial(work_precision.section, quick=True),
+        work=95.0,
+        timed=True,
+    ),
+    Study(
+        name="robustness",
+        jobs=partial(robustness.jobs, quick=True),
+        section=partial(robustness.section, quick=True),
+        work=85.0,
+        timed=True,
+    ),
+    Study(
+        name="lean",
+        jobs=partial(lean.jobs, quick=True),
+        section=lean.section,
+        work=110.0,
+        timed=True,
+    ),
+    Study(name="numbers", jobs=list, section=paper_numbers.section),
 )
-"""In the order of their sections."""
+"""In the order of their sections, behind the box that sums them up."""
 
 
-def make(folder: Path) -> tuple[Path, list[Table]]:
-    """Run everything and write the report.
+def make(folder: Path, *, only: Collection[str] = ()) -> tuple[Path, list[Table]]:
+    """Run everything and write the report; what an earlier call has left finished is kept.
 
     Parameters
     ----------
     folder : Path
-        Where the page, figures and tables go.
+        Where the page, figures and tables go; the finished parts lie in its `parts.FOLDER`.
+    only : collection of str
+        Names of the sections to make, by default all of them, which the box then sums up.
 
     Returns
     -------
     page : Path
     tables : list of Table
         The tables a terminal should show: the first of each section, and all with verdicts.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
     """
-    begin = time.perf_counter()
-    ordered = sorted(STUDIES, key=lambda study: not study.timed)
-    results = run_jobs((job for study in ordered for job in study.jobs()), title="report")
-    sections = [study.section(results) for study in STUDIES]
-    page = write(sections, folder, seconds=time.perf_counter() - begin)
+    clock = Clock()
+    studies = [study for study in STUDIES if not only or study.name in only]
+    store = Store(folder / FOLDER)
+    kept, drawings = _compute(studies, store, folder)
+    sections, kept_drawing = _draw(drawings, store)
+    if not only:
+        jobs = [job for study in STUDIES for job in study.jobs()]
+        store.forget_all_but([*jobs, *drawings])
+    box = partial_box(studies) if only else summary.section(sections)
+    made = clock.sentence(kept + kept_drawing)
+    page = write([box, *sections], folder, made=made, whole=not only)
+    if others := foreign(folder):
+        named = ", ".join(others[:3]) + (", …" if len(others) > 3 else "")
+        say(f"report: {len(others)} files in {folder} are not of this report: {named}")
     shown = [
         table
         for section in sections
@@ -84,3 +131,145 @@ def make(folder: Path) -> tuple[Path, list[Table]]:
         if table is section.tables[0] or any(isinstance(c, bool) for r in table.rows for c in r)
     ]
     return page, shown
+
+
+def partial_box(studies: Sequence[Study]) -> Section:
+    """What stands in front of some sections alone."""
+    return Section(
+        name="summary",
+        title="A part of the report",
+        paragraphs=[
+            (
+                f"{len(studies)} of {len(STUDIES)} sections: "
+                f"{', '.join(study.name for study in studies)}. `tippedisk report` makes all and "
+                "sums them up in front; it takes what these have computed as it is."
+            )
+        ],
+    )
+
+
+def _compute(studies: Sequence[Study], store: Store, folder: Path) -> tuple[float, list[Job]]:
+    """See to it that the parts of all jobs lie in the store.
+
+    Returns
+    -------
+    seconds : float
+        Processor time in s of those that did before.
+    drawings : list of Job
+        For each study the call that makes its section, told apart by the parts it is made of.
+    """
+    ordered = sorted(studies, key=lambda study: not study.timed)
+    found = {study.name: list(study.jobs()) for study in studies}
+    owner = {job.key: study for study in reversed(ordered) for job in found[study.name]}
+    jobs = {job.key: job for study in ordered for job in found[study.name]}
+    kept = {key: part.seconds for key, job in jobs.items() if (part := store.find(job))}
+    left = [job for key, job in jobs.items() if key not in kept]
+    pace = _Pace(left, owner)
+    _announce(folder, store, len(kept), len(jobs), pace)
+    run_parts(left, title="report", store=store, tell=pace.tell)
+    return sum(kept.values()), [
+        Job(("section", study.name), study.section, (_identities(found[study.name]),))
+        for study in studies
+    ]
+
+
+def _identities(jobs: Iterable[Job]) -> tuple[tuple[Any, str], ...]:
+    return tuple((job.key, identity(job)) for job in jobs)
+
+
+def _draw(drawings: Sequence[Job], store: Store) -> tuple[list[Section], float]:
+    """Sections from the store, those that are not there made in worker processes and kept.
+
+    The second result is the processor time in s of those that were there.
+    """
+    kept = {job.key: part for job in drawings if (part := store.find(job)) is not None}
+    left = {job.key: job for job in drawings if job.key not in kept}
+    if left:
+        say(f"report: drawing {', '.join(name for _, name in left)}")
+    calls = [
+        Job(key, make_section, (store.folder, job.function, *job.arguments))
+        for key, job in left.items()
+    ]
+    made = run_parts(calls, title="draw")
+    for key, part in made.items():
+        store.keep(left[key], part)
+    sections = [{**kept, **made}[job.key].result for job in drawings]
+    return sections, sum(part.seconds for part in kept.values())
+
+
+def make_section(
+    folder: Path,
+    function: Callable[[dict[Any, Any]], Section],
+    parts: Iterable[tuple[Any, str]],
+) -> Section:
+    """Section from parts in a store.
+
+    Parameters
+    ----------
+    folder : Path
+        That of the store.
+    function : callable
+        From results by key to the section.
+    parts : iterable of (key, identity)
+
+    Raises
+    ------
+    KeyError
+        If a part is not there.
+    """
+    store = Store(folder)
+    return function({key: store.read(name).result for key, name in parts})
+
+
+def _announce(folder: Path, store: Store, kept: int, number: int, pace: "_Pace") -> None:
+    if (folder / PAGE).exists() and PAGE not in contents(folder):
+        say(f"report: {folder} holds a report of an older version, whose page is replaced")
+    elif kept and not (folder / PAGE).exists():
+        say(f"report: going on with the unfinished report in {folder}")
+    if store.unreadable:
+        say(f"report: {store.unreadable} kept parts cannot be read and are made anew")
+    say(f"report: {number} parts, {kept} of them kept from before; {pace.forecast()}")
+
+
+class _Pace:
+    """How far the jobs are, and how long they will take.
+
+    Parameters
+    ----------
+    jobs : sequence of Job
+        Those to be run.
+    owner : mapping
+        Study of each key.
+    """
+
+    def __init__(self, jobs: Sequence[Job], owner: Mapping[Any, Study]) -> None:
+        self._begin = time.perf_counter()
+        self._owner = owner
+        all_of = Counter(study.name for study in owner.values())
+        self._work = {job.key: owner[job.key].work / all_of[owner[job.key].name] for job in jobs}
+        self._left = Counter(owner[job.key].name for job in jobs)
+        self._total = sum(self._work.values())
+        self._done = 0.0
+
+    def forecast(self) -> str:
+        """What is ahead, before anything is run."""
+        if not self._work:
+            return "nothing is to be computed"
+        cores = os.cpu_count() or 1
+        seconds = self._total * model_1_seconds() / cores
+        return f"the others take some {_duration(seconds)} on {cores} idle cores"
+
+    def tell(self, job: Job) -> None:
+        """Note a finished job; say so where it is the last one of a section."""
+        name = self._owner[job.key].name
+        self._done += self._work[job.key]
+        self._left[name] -= 1
+        if not self._left[name]:
+            passed = time.perf_counter() - self._begin
+            ahead = passed * (self._total / self._done - 1.0) if self._done else 0.0
+            more = f", some {_duration(ahead)} to go" if any(self._left.values()) else ""
+            say(f"report: {name} computed after {_duration(passed)}{more}")
+
+
+def _duration(seconds: float) -> str:
+    return f"{max(seconds, 1.0):.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.1f} min"

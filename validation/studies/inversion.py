@@ -71,8 +71,9 @@ def _figure_7(loads: Mapping[Load, tuple[Trajectory, Trajectory]]) -> Picture:
     change = np.max(np.abs(weight.coordinates - contact.coordinates)[:, 4:6])
     return figures.render(
         figure,
-        name="figure-7",
-        title="Figure 7: Model 1 turns itself upside down",
+        name="paper-fig-7",
+        paper="Fig. 7",
+        title="Model 1 turns itself upside down",
         caption=_LOOK + "γ passes from below the centre (−π/2) to above it (π/2); after 0.5 s it "
         f"is {short:.2f} rad short of π/2 and then goes {motion.overshoot(contact):.2f} rad "
         f"beyond. The normal force stays within {100 * force:.0f} % of the weight; taking the "
@@ -88,8 +89,9 @@ def _figure_8(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory]) -> Pi
     inverted = ["–" if time is None else f"{time:.2f}" for time in times]
     return figures.render(
         figure,
-        name="figure-8",
-        title="Figure 8: Models 1 to 4",
+        name="paper-fig-8",
+        paper="Fig. 8",
+        title="Models 1 to 4",
         caption=_LOOK + f"The models are inverted after {', '.join(inverted)} s. Turning points "
         f"of β from 0.5 s to {engine[0].times[-1]:g} s: "
         f"{', '.join(str(motion.turning_points(run)) for run in engine)}; overshoot of γ: "
@@ -103,8 +105,9 @@ def _figure_9(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory]) -> Pi
     shares = [100 * motion.potential_share(run) for run in engine[:3]]
     return figures.render(
         figure,
-        name="figure-9",
-        title="Figure 9: the spinning velocity falls while the centre of gravity rises",
+        name="paper-fig-9",
+        paper="Fig. 9",
+        title="The spinning velocity falls while the centre of gravity rises",
         caption=_LOOK + "Model 4 holds it constant. Of the kinetic energy lost within 2 s, "
         f"{listed(shares, '.0f')} % went into height in Models 1 to 3, the rest into friction.",
     )
@@ -116,6 +119,7 @@ def agreement(levels: Sequence[tuple[Trajectory, Trajectory]]) -> Table:
         [
             engine.scenario.name,
             str(engine.method["formulation"]),
+            engine.inversion_time,
             float(np.max(np.abs(engine.coordinates - inhouse.coordinates)[:, 4:6])),
             float(np.max(np.abs(engine.rate("alpha") - inhouse.rate("alpha")))),
             float(np.max(np.abs(engine.normal_force - inhouse.normal_force))),
@@ -125,10 +129,11 @@ def agreement(levels: Sequence[tuple[Trajectory, Trajectory]]) -> Table:
     ]
     return Table(
         name="figure-agreement",
-        title="Engine against in-house equations in the runs of Figures 8 and 9",
+        title="Engine against in-house equations in the runs of the paper's Figures 8 and 9",
         columns=(
             "model",
             "formulation",
+            "inverted after s",
             "max difference of β, γ in rad",
             "of spin in rad/s",
             "of normal force in N",

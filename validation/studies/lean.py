@@ -281,7 +281,7 @@ def jobs(*, quick: bool) -> list[Job]:
     """Jobs for `run_jobs`; the keys start with "lean"."""
     return [
         Job(("lean", "prices"), overheads, (2 if quick else 9,)),
-        Job(("lean", "start-up"), start_up, (1 if quick else 5,)),
+        Job(("lean", "start-up"), start_up, (1 if quick else 5,), on_all_code=True),
     ]
 
 

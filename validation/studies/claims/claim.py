@@ -69,4 +69,5 @@ def table(claims: Sequence[Claim]) -> Table:
             for claim in claims
         ],
         note="Each verdict is computed from the numbers beside it in every report.",
+        folded=False,
     )

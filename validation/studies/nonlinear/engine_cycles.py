@@ -18,7 +18,7 @@ SPINS = (30.2, 30.3, 30.5, 30.8)
 
 FORMULATION = "floating"
 
-AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0, 1.3)
+AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0)
 """Amplitudes in rad of the cycles of Models 1 and 2."""
 
 REPEATED = 0.4

@@ -1,15 +1,18 @@
 """Pictures of cycles: in-house as lines, the engine as markers. Functions draw into given axes."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from analysis import Scenario
 from analysis.data.checks import Array
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import CycleFamily
 from analysis.nonlinear.heteroclinic import Fall
 from validation.kit import figures
+from validation.studies.nonlinear.passage import LOST, DelayLaw, Passage
+from validation.studies.nonlinear.tables import prediction
 
 _ENGINE = {
     "linestyle": "none",
@@ -90,7 +93,7 @@ def bifurcation_diagram(
     axes.plot([hopf, high], [0.0, 0.0], color=figures.COLOURS[1])
     axes.plot([low, hopf], [0.0, 0.0], "--", color=figures.COLOURS[2])
     axes.plot([low, high], [np.pi, np.pi], "--", color=figures.COLOURS[2])
-    axes.annotate("inverted spinning", (low, 0.0), (low + room, 0.12))
+    axes.annotate("inverted spinning", (low, 0.0), (low + 2.0 * room, 0.12))
     axes.annotate("noninverted spinning", (high, np.pi), (high - room, np.pi - 0.25), ha="right")
     axes.plot(hopf, 0.0, "D", color="black", label="Hopf point", zorder=5)
     if slow:
@@ -170,5 +173,90 @@ def connection_portrait(ways: Sequence[Fall], names: Sequence[str], axes: Any = 
     for place in (-np.pi / 2, 3 * np.pi / 2):
         axes.plot(place, np.pi / 2, "s", color="black")
     axes.set(xlabel="γ in rad", ylabel="β in rad")
+    figures.legend_above(axes)
+    return axes
+
+
+def passage_diagram(named: Sequence[tuple[str, Passage]], axes: Any = None) -> Any:
+    """Mean spin and slow deviation over time, with what the eigenvalues predict.
+
+    Parameters
+    ----------
+    named : sequence of (name, Passage)
+    axes : sequence of 2 Axes, optional
+    """
+    axes = figures.new_figure(2, height=6.5)[1] if axes is None else axes
+    for index, (name, passage) in enumerate(named):
+        look = {"color": figures.COLOURS[index % 4]}
+        style = figures.STYLES[index % 4]
+        axes[0].plot(passage.times, passage.spins, style, label=name, **look)
+        axes[1].plot(passage.times, passage.deviations, style, label=name, **look)
+        axes[1].plot(passage.times, passage.linear, linewidth=0.8, **look)
+        if passage.crossing is not None:
+            axes[0].plot(passage.crossing, passage.pair.spin, "o", **look)
+        if passage.lost is not None:
+            axes[0].plot(passage.lost, passage.spins[-1], "s", **look)
+        if passage.predicted is not None:
+            axes[1].plot(passage.predicted, LOST, "D", markerfacecolor="white", **look)
+    hopf = named[0][1].pair.spin
+    axes[0].axhline(hopf, color=_GREY, linewidth=0.8, label=f"Hopf point, {hopf:.2f} rad/s")
+    axes[1].axhline(LOST, color=_GREY, linewidth=0.8)
+    axes[0].set(ylabel="mean spin in rad/s")
+    axes[1].set(ylabel="slow deviation of γ in rad", xlabel="time in s", yscale="log")
+    axes[1].plot([], [], color="black", linewidth=0.8, label="by the eigenvalues alone")
+    axes[1].plot([], [], "D", color="black", markerfacecolor="white", label="loss predicted")
+    axes[0].plot([], [], "s", color="black", label="inversion lost")
+    for each in axes:
+        figures.legend_above(each, columns=3)
+    return axes
+
+
+def delay_diagram(law: DelayLaw, axes: Any = None) -> Any:
+    """Delay of the loss of inversion over the rate of decay, with the law's root."""
+    axes = figures.new_figure()[1] if axes is None else axes
+    axes.loglog(law.rates, law.delays, label="measured", **_ENGINE)
+    root = np.sqrt(law.rates) * np.exp(np.mean(np.log(law.delays / np.sqrt(law.rates))))
+    axes.loglog(law.rates, root, color=figures.COLOURS[1], label="root of the rate")
+    axes.set(xlabel="rate of decay in rad/s²", ylabel="Hopf point less lowest spin in rad/s")
+    figures.legend_above(axes)
+    return axes
+
+
+def limit(scenario: Scenario) -> float | None:
+    """Spin of the connection for vanishing smoothing in rad/s, if friction can hold the disk."""
+    slow = prediction(scenario)
+    return None if slow is None else slow.spin
+
+
+def plane(
+    hopf: float,
+    curves: Mapping[float, Sequence[tuple[float, float]]],
+    limits: Mapping[float, float | None],
+    axes: Any = None,
+) -> Any:
+    """Hopf and heteroclinic curves in the plane of spin and smoothing.
+
+    Parameters
+    ----------
+    hopf : float
+        Spin of the Hopf point in rad/s, the same for all friction.
+    curves : mapping
+        From the friction coefficient to (smoothing in m/s, spin in rad/s) of the connection.
+    limits : mapping
+        From the friction coefficient to the spin of vanishing smoothing.
+    axes : Axes, optional
+    """
+    axes = figures.new_figure()[1] if axes is None else axes
+    highest = max(eps for curve in curves.values() for eps, _ in curve)
+    axes.plot((hopf, hopf), (0.0, highest), color=figures.COLOURS[0], label="Hopf")
+    for index, (mu, curve) in enumerate(curves.items(), 1):
+        look = {"color": figures.COLOURS[index % 4]}
+        eps, spins = zip(*curve, strict=True)
+        style = figures.STYLES[index % 4]
+        axes.plot(spins, eps, style, marker=".", label=f"heteroclinic, μ = {mu:g}", **look)
+        if limits[mu] is not None:
+            axes.plot(limits[mu], 0.0, "D", **look)
+    axes.set(xlabel="spinning speed Ω in rad/s", ylabel="smoothing speed ε in m/s")
+    axes.set_ylim(bottom=-0.002)
     figures.legend_above(axes)
     return axes

@@ -91,9 +91,12 @@ def hopf_table(normal: HopfType, growth: Growth | None) -> Table:
 
 
 def connection_table(
-    found: Connection, slow: SlowOrbit | None, growth: PeriodGrowth | None
+    found: Connection,
+    slow: SlowOrbit | None,
+    growth: PeriodGrowth | None,
+    disk: str = "",
 ) -> Table:
-    """The heteroclinic connection beside its first-order prediction."""
+    """The heteroclinic connection beside its first-order prediction; of a disk, if named."""
     rows: list[tuple[str, float]] = [
         ("spin in rad/s", found.spin),
         ("spin less lower side of the bracket in rad/s", found.spin - found.below),
@@ -117,8 +120,9 @@ def connection_table(
             ("  −2 (1/growing + 1/|slow|) in s", growth.predicted_by_amplitude),
         ]
     return Table(
-        name="heteroclinic",
-        title=f"The heteroclinic connection, where the cycles end, at {found.spin:.9f} rad/s",
+        name=f"heteroclinic_{disk}".rstrip("_").replace(" ", "_"),
+        title="The heteroclinic connection, where the cycles end, "
+        f"{f'of the disk {disk}, ' if disk else ''}at {found.spin:.9f} rad/s",
         columns=("quantity", "value"),
         rows=rows,
         note="Cycles near the connection are stable where the saddle index exceeds 1.",
@@ -155,7 +159,8 @@ def dependence_table(rows: Sequence[tuple[float, float, float | None, float | No
         ],
         note=(
             "The prediction depends on μ alone; what it lacks is of second order in ε/μ, since "
-            "the slow flow is reversible and odd orders only change the stability."
+            "the slow flow is reversible and odd orders only change the stability. With μ = 0.1, "
+            "of which the orbit takes two thirds, ε would have to be smaller still to show that."
         ),
     )
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
 from analysis import STEEL_DISK, PenaltyContact, Scenario, Trajectory
 from mbs_models import Scene
@@ -163,16 +164,16 @@ def draw(results: Mapping[Any, Any]) -> Picture:
         ylabel="deviation of β and γ in rad",
         ylim=(1e-11, 1e-2),
     )
-    axes.legend(
-        title="half thickness of the rim, stiffness", ncols=2, loc="lower left", fontsize=8
-    )
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    figures.legend_above(axes, columns=2)
     return figures.render(
         figure,
         name="rest-contact",
         title="What the compliant contact costs and what it is worth",
-        caption="Smaller steps to the right, the largest at 0.6 of the predicted stability "
-        "limit. Full lines: deviation from Model 1 with its ideal contact. Dotted: the step's "
-        "share. From this start the disk stays on the table and any of these steps is fine enough "
-        "for its angles; the rim and the compliance make the deviation. Through impacts and for "
-        "the damper's energy it is not, and a run takes a tolerance.",
+        caption="Half thickness of the rim and stiffness. Smaller steps to the right, the largest "
+        "at 0.6 of the predicted stability limit. Full lines: deviation from Model 1 with its "
+        "ideal contact. Dotted: the step's share. From this start the disk stays on the table and "
+        "any of these steps is fine enough for its angles; the rim and the compliance make the "
+        "deviation. Through impacts and for the damper's energy it is not, and a run takes a "
+        "tolerance.",
     )

@@ -29,6 +29,10 @@ _SHADES = (
 """Okabe and Ito's palette: kinetic, potential, then the causes."""
 
 
+_CROWDED = 0.05
+"""Part of the time within which the names of two phases would lie on each other."""
+
+
 def draw(motion: SpatialMotion) -> list[Picture]:
     """The whole story over time, and the path on the table."""
     figure, axes = figures.new_figure(5, height=11.0)
@@ -45,6 +49,7 @@ def draw(motion: SpatialMotion) -> list[Picture]:
         name="rest-path",
         title="Path of the contact point on the table",
         caption="Upside down, after the fall, and to the end; from the circle to the square.",
+        stacked=True,
     )
     return [story, path]
 
@@ -85,7 +90,7 @@ def draw_path(motion: SpatialMotion) -> Figure:
     late = 0.5 * (fall + (phases.flat or motion.times[-1]))
     ends = (0.0, fall, late, motion.times[-1])
     path = CubicSpline(motion.times, 1e3 * motion.contact_points[:, :2])
-    figure, axes = figures.new_figure(1, columns=3, height=3.1)
+    figure, axes = figures.new_figure(1, columns=3, width=10.5, height=3.8)
     for panel, (begin, end) in zip(axes, pairwise(ends), strict=True):
         x, y = path(np.arange(begin, end, 1e-3)).T
         panel.plot(x, y, color=figures.COLOURS[1], linewidth=0.3)
@@ -117,7 +122,7 @@ def draw_dependence(base: SpatialMotion, variants: Mapping[str, SpatialMotion]) 
         xlim=(0.0, base.times[-1]),
         ylim=(1e-10, 10.0),
     )
-    figures.legend_above(axes, columns=3)
+    figures.legend_above(axes, columns=2)
     return figures.render(
         figure,
         name="rest-dependence",
@@ -137,20 +142,24 @@ def _largest_around(values: Array, width: int) -> Array:
 def _mark_phases(motion: SpatialMotion, panels: Sequence[Any]) -> None:
     """Draw dotted lines where phases begin, named in the first of the axes."""
     phases = motion.phases
-    for field in fields(phases):
-        begin = getattr(phases, field.name)
-        if begin is not None:
-            for panel in panels:
-                panel.axvline(begin, color="#888888", linestyle=":", linewidth=1.0)
-            panels[0].text(
-                begin,
-                0.98,
-                field.name.replace("_", " "),
-                transform=panels[0].get_xaxis_transform(),
-                rotation=90,
-                va="top",
-                fontsize=7,
-            )
+    begins = {field.name: getattr(phases, field.name) for field in fields(phases)}
+    known = {name: begin for name, begin in begins.items() if begin is not None}
+    for name, begin in known.items():
+        for panel in panels:
+            panel.axvline(begin, color="#888888", linestyle=":", linewidth=1.0)
+        # A name goes to the left of its line where another one follows closely.
+        ahead = [each - begin for each in known.values() if each > begin]
+        crowded = bool(ahead) and min(ahead) < _CROWDED * motion.times[-1]
+        panels[0].text(
+            begin,
+            0.98,
+            name.replace("_", " "),
+            ha="right" if crowded else "left",
+            transform=panels[0].get_xaxis_transform(),
+            rotation=90,
+            va="top",
+            fontsize=7,
+        )
 
 
 def _described(dissipation: Dissipation) -> str:

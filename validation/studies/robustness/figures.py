@@ -34,6 +34,8 @@ _BANDS: dict[Verdict, str] = {
 }
 """Verdicts without an error, from the lowest to the highest band above them, and their names."""
 
+_HOLLOW: Verdict = "ends: contact would pull"
+
 _LOWEST = 1e-13
 
 
@@ -76,7 +78,9 @@ def _verdicts(level: Level | None, outcomes: Sequence[Outcome]) -> Picture:
         fontsize=8,
         color="#777777",
     )
-    for panel in panels[:, 0]:
+    for panel in panels.flat[: len(by_axis)]:
+        # Each panel may stand alone on a narrow screen.
+        panel.tick_params(labelleft=True)
         panel.set_ylabel("error of β, γ in rad")
     _legend(figure, panels.flat[0], {outcome.way.formulation for outcome in outcomes})
     return render(
@@ -87,6 +91,7 @@ def _verdicts(level: Level | None, outcomes: Sequence[Outcome]) -> Picture:
         "for. Hollow: accurate up to where the contact would have to pull, where the run ends. "
         "Above the line, if there are any: runs without a result. Crosses: results that are "
         "inaccurate in an angle, in the energy or in where they end.",
+        stacked=True,
     )
 
 
@@ -98,7 +103,7 @@ def _legend(figure: Figure, panel: Axes, used: set[str]) -> None:
     figure.legend(
         handles=panel.get_legend_handles_labels()[0],
         loc="outside upper center",
-        ncols=3,
+        ncols=2,
         frameon=False,
     )
 
@@ -107,19 +112,24 @@ def _panel(axes: Axes, outcomes: Sequence[Outcome], bands: Mapping[Verdict, floa
     """Errors over the cases of an axis; what gave none lies in bands above."""
     labels = list(dict.fromkeys(outcome.label for outcome in outcomes))
     ways = list(dict.fromkeys(outcome.way for outcome in outcomes))
+    # Marks that look alike are drawn together, which takes a fraction of the time.
+    looks: dict[tuple[str, str, bool, bool], list[tuple[float, float]]] = {}
     for outcome in outcomes:
-        colour, marker = LOOKS[outcome.way.formulation]
         place = (ways.index(outcome.way) + 0.5) / len(ways) - 0.5
         error = bands.get(outcome.verdict, 1.0)
         if outcome.error is not None:
             error = min(max(outcome.error, _LOWEST), 1.0)
+        crossed = outcome.verdict == "inaccurate"
+        look = (*LOOKS[outcome.way.formulation], crossed, outcome.verdict == _HOLLOW)
+        looks.setdefault(look, []).append((labels.index(outcome.label) + 0.7 * place, error))
+    for (colour, marker, crossed, hollow), points in looks.items():
         axes.plot(
-            labels.index(outcome.label) + 0.7 * place,
-            error,
-            marker="X" if outcome.verdict == "inaccurate" else marker,
-            markersize=8 if outcome.verdict == "inaccurate" else 4.5,
+            *zip(*points, strict=True),
+            linestyle="none",
+            marker="X" if crossed else marker,
+            markersize=8 if crossed else 4.5,
             color=colour,
-            fillstyle="none" if outcome.verdict == "ends: contact would pull" else "full",
+            fillstyle="none" if hollow else "full",
         )
     axes.axhline(TOLERANCE, color="#777777", linewidth=0.8, linestyle=":")
     if bands:
@@ -151,7 +161,7 @@ def steps(limits: Sequence[StepLimit], axis: Axis, axes: Axes | None = None) -> 
     """Largest steps over the smoothing or the stiffness."""
     figure = None
     if axes is None:
-        figure, axes = new_figure(height=5.0)
+        figure, axes = new_figure(height=6.5)
     assert axes is not None
     chosen = [limit for limit in limits if limit.axis == axis]
     _stable(axes, [limit for limit in chosen if limit.kind == "stable"])
@@ -160,7 +170,7 @@ def steps(limits: Sequence[StepLimit], axis: Axis, axes: Axes | None = None) -> 
     axes.set(xscale="log", yscale="log", xlabel=names[axis], ylabel="largest step in s")
     if axis == "smoothing":
         axes.invert_xaxis()
-    legend_above(axes, columns=2)
+    legend_above(axes, columns=1)
     return render(
         figure or axes.figure,  # type: ignore[arg-type]  # axes of a figure of their own
         name=f"steps-{axis}",
@@ -263,7 +273,7 @@ def drifts(found: Sequence[Drift]) -> Picture:
         axis.set_yscale("log")
     axes[0].set(ylabel="position residual\nso far in m", ylim=(1e-16, None))
     axes[1].set(ylabel="energy residual so far\n/ (weight · radius)", xlabel="time in s")
-    legend_above(axes[0], columns=1)
+    legend_above(axes[0], columns=1, size=8.5)
     return render(
         figure,
         name="drift",

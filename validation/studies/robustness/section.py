@@ -1,6 +1,5 @@
 """Numerical stability on stiff and extreme cases: the jobs, and the section they fill."""
 
-import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
@@ -8,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis import LOADS
+from validation.kit.clock import Clock
 from validation.kit.full_study import FULL_STUDY
 from validation.kit.provenance import Provenance
 from validation.kit.report import Job, Section, run_jobs, write
@@ -176,10 +176,10 @@ def make(folder: Path, *, quick: bool = False) -> tuple[Path, list[Table], int]:
         If the folder cannot be written.
     """
     # The commit may move on while the study runs.
-    begin, provenance = time.perf_counter(), Provenance.here()
+    clock, provenance = Clock(), Provenance.here()
     results = run_jobs(jobs(quick=quick), title="robustness")
     made = section(results, quick=quick)
-    page = write([made], folder, seconds=time.perf_counter() - begin)
+    page = write([made], folder, made=clock.sentence())
     if not quick:
         outcomes = tuple(cases(results, quick=False))
         full = stored.Study(provenance=provenance, outcomes=outcomes)

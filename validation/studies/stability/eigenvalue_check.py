@@ -180,6 +180,7 @@ def sets_table(checks: list[SetCheck]) -> Table:
     return Table(
         name="eigenvalues-of-sets",
         title="Inverted spinning under every possible set of constraints",
+        worst="engine against in-house",
         columns=(
             "constraints",
             "eigenvalues",
@@ -212,6 +213,7 @@ def table(checks: list[EigenvalueCheck]) -> Table:
         name="eigenvalues",
         title=f"Eigenvalues, engine against in-house, at {CHECKED_SPINS.size} spins from 0 to "
         "60 rad/s: largest difference relative to max(|λ|, 1)",
+        worst="inverted",
         columns=(
             "model",
             "formulation",

@@ -34,7 +34,9 @@ _COLOURS = ("#d55e00", "#009e73", "#0072b2", "#cc79a7")
 """Vermilion, green, blue and purple of the Okabe-Ito palette; red, green, blue as in the paper."""
 
 _LOWEST = -60.0
-"""Real part in 1/s below which an eigenvalue lies outside the pictures."""
+"""Real part in 1/s below which an eigenvalue is one of sliding friction."""
+
+_DASHED = "Dashed: the other one of a pair. Shaded: unstable, Re λ > 0. "
 
 _UNSTABLE = {"color": "#d55e00", "alpha": 0.10, "linewidth": 0}
 
@@ -58,8 +60,13 @@ def branch_lines(
         axes[1].plot(branches.spins, values.imag, **look)
 
 
-def engine_markers(axes: Sequence[Any], spins: Array, values: ComplexArray) -> None:
-    """Draw eigenvalues of the engine, shape (n, k), as markers into two axes."""
+def engine_markers(
+    axes: Sequence[Any], spins: Array, values: ComplexArray, *, lowest: float = _LOWEST
+) -> None:
+    """Draw eigenvalues of the engine, shape (n, k), as markers into two axes.
+
+    Those with a real part below `lowest`, in 1/s, are left out.
+    """
     look = {
         "linestyle": "none",
         "marker": "o",
@@ -69,7 +76,7 @@ def engine_markers(axes: Sequence[Any], spins: Array, values: ComplexArray) -> N
         "markeredgewidth": 0.8,
         "zorder": 3,
     }
-    shown = np.where(values.real > _LOWEST, values, complex(np.nan, np.nan))
+    shown = np.where(values.real > lowest, values, complex(np.nan, np.nan))
     for index in range(shown.shape[1]):
         label = "engine" if index == 0 else None
         axes[0].plot(spins, shown[:, index].real, label=label, **look)
@@ -77,7 +84,7 @@ def engine_markers(axes: Sequence[Any], spins: Array, values: ComplexArray) -> N
 
 
 def full_columns(branches: spectra.Branches) -> list[tuple[int, int, str]]:
-    """Columns of the full system in the paper's colours; lambda_7 and lambda_8 are left out.
+    """Columns of the full system in the paper's colours, without lambda_7 and lambda_8.
 
     Slow and fast pair are told apart by their frequency at the highest spin.
     """
@@ -114,37 +121,57 @@ def figure_6(engine: ComplexArray) -> Picture:
     """
     branches = spectra.branches(FULL, SPINS)
     columns = full_columns(branches)
-    figure, axes = figures.new_figure(3, height=9.5, share=False)
+    figure, axes = figures.new_figure(4, height=10.5, share=False)
     branch_lines(axes, branches, columns)
     engine_markers(axes, ENGINE_SPINS, engine)
     axes[0].set(ylim=(-12.0, 17.0))
     axes[1].set(ylim=(-55.0, 55.0))
     _label_axes(axes[:2])
-    for each in axes[:2]:
+    _friction_panel(axes[3], branches, engine)
+    for each in (axes[0], axes[1], axes[3]):
         each.set_xlim(0.0, 50.0)
+    axes[0].axhspan(0.0, 60.0, **_UNSTABLE)
     axes[2].axhspan(0.0, 1.0, **_UNSTABLE)
     branch_lines((axes[2], _Nothing()), branches, columns)
     engine_markers((axes[2], _Nothing()), ENGINE_SPINS, engine)
-    for crossing in critical_speeds(FULL, (0.0, 50.0)).hopf:
+    # Labels lie where no branch runs: below the lower crossing, above the upper one.
+    for crossing, shift in zip(
+        critical_speeds(FULL, (0.0, 50.0)).hopf, ((4, -14), (10, 6)), strict=True
+    ):
         axes[2].plot(crossing.spin, 0.0, "D", color="black", markersize=5, zorder=4)
         axes[2].annotate(
             f"{crossing.spin:.2f} rad/s",
             (crossing.spin, 0.0),
-            xytext=(8, 8),
+            xytext=shift,
             textcoords="offset points",
         )
-    axes[2].set(ylim=(-0.35, 0.6), ylabel="Re λ in 1/s, magnified")
+    axes[2].set(ylim=(-0.35, 0.6), ylabel="Re λ in 1/s,\nmagnified")
     axes[2].set(xlabel="spinning speed Ω in rad/s", xlim=(22.0, 38.0))
-    axes[2].annotate("unstable", (22.2, 0.52))
     figures.legend_above(axes[0])
     return figures.render(
         figure,
-        name="figure-6",
-        title="Figure 6: eigenvalues of inverted spinning, full system",
-        caption="Lines: Eq. (55); markers: the engine's Model 1. λ₃,₄ are ±iΩ exactly: a place on "
-        "the table, seen from the turning frame. λ₇ and λ₈ (about −94 and −156 1/s) lie below the "
-        "picture. At every spin from 0 to 50 rad/s a pair has a positive real part.",
+        name="paper-fig-6",
+        paper="Fig. 6",
+        title="Eigenvalues of inverted spinning, full system",
+        caption="Lines: Eq. (55); markers: the engine's Model 1. "
+        + _DASHED
+        + "Diamonds: crossings. λ₃,₄ are ±iΩ exactly: a place on the table, seen from the turning "
+        "frame. λ₇ and λ₈, which belong to sliding friction, are real and have a panel of their "
+        "own. At every spin from 0 to 50 rad/s a pair has a positive real part.",
     )
+
+
+def _friction_panel(axes: Any, branches: spectra.Branches, engine: ComplexArray) -> None:
+    """Draw the real and fast lambda_7 and lambda_8."""
+    fast = [
+        column
+        for column in range(branches.values.shape[1])
+        if branches.values[0, column].real < _LOWEST
+    ]
+    branch_lines((axes, _Nothing()), branches, [(column, 3, "$λ_{7,8}$") for column in fast])
+    values = np.where(engine.real < _LOWEST, engine, complex(np.nan, np.nan))
+    engine_markers((axes, _Nothing()), ENGINE_SPINS, values, lowest=-np.inf)
+    axes.set(ylabel="Re $λ_{7,8}$ in 1/s", xlabel="spinning speed Ω in rad/s")
 
 
 class _Nothing:
@@ -167,8 +194,7 @@ def figure_10(engine: ComplexArray) -> Picture:
     columns = [(int(pair[0]), 0, "$λ_{1,2}$"), (int(pair[1]), 0, "")]
     critical = linear_reduced.critical_speed(REDUCED).spin
     figure, axes = figures.new_figure(2, height=6.5)
-    for each in axes:
-        each.axvspan(0.0, critical, **_UNSTABLE)
+    axes[0].axhspan(0.0, 60.0, **_UNSTABLE)
     branch_lines(axes, branches, columns)
     closed = linear_reduced.closed_form(REDUCED, SPINS).eigenvalues
     for index in range(2):
@@ -181,17 +207,19 @@ def figure_10(engine: ComplexArray) -> Picture:
     axes[0].annotate(
         f"{critical:.2f} rad/s", (critical, 0.0), xytext=(6, 6), textcoords="offset points"
     )
-    axes[0].annotate("unstable", (0.5, -4.0))
     axes[0].set(ylim=(-5.0, 8.0))
     axes[1].set(xlim=(0.0, 50.0), ylim=(-13.0, 13.0))
     _label_axes(axes)
     figures.legend_above(axes[0])
     return figures.render(
         figure,
-        name="figure-10",
-        title="Figure 10: eigenvalues of inverted spinning, reduced system",
+        name="paper-fig-10",
+        paper="Fig. 10",
+        title="Eigenvalues of inverted spinning, reduced system",
         caption="Lines: Eq. (111); dotted: the closed form (119)-(123) for small smoothing; "
-        "markers: the engine's Model 4. λ₃ (about −129 1/s) lies below the picture.",
+        "markers: the engine's Model 4. "
+        + _DASHED
+        + "λ₃ (about −129 1/s) lies below the picture.",
     )
 
 
@@ -221,15 +249,16 @@ def figure_11(engine: ComplexArray) -> Picture:
     engine_markers(axes, ENGINE_SPINS, engine)
     axes[0].set(ylim=(-20.0, 22.0))
     axes[1].set(xlim=(0.0, 50.0), ylim=(-55.0, 55.0))
-    axes[0].annotate("unstable", (0.5, 19.0))
     _label_axes(axes)
     figures.legend_above(axes[0])
     return figures.render(
         figure,
-        name="figure-11",
-        title="Figure 11: eigenvalues of noninverted spinning, full system",
-        caption="Lines: Eq. (55) with the eccentricity reversed; markers: the engine's Model 1. A "
-        "real eigenvalue is positive at every spin: noninverted spinning is unstable.",
+        name="paper-fig-11",
+        paper="Fig. 11",
+        title="Eigenvalues of noninverted spinning, full system",
+        caption="Lines: Eq. (55) with the eccentricity reversed; markers: the engine's Model 1. "
+        + _DASHED
+        + "A real eigenvalue is positive at every spin: noninverted spinning is unstable.",
     )
 
 
@@ -260,7 +289,7 @@ def chart(grid: StabilityChart, curves: Sequence[HopfCurve], corners: Sequence[C
     for corner in corners:
         axes.plot(corner.spin, corner.gradient, "o", color="black", markersize=5)
     axes.axhline(3.0, color="#999999", linewidth=0.8)
-    axes.annotate("the paper: μ/ε = 3 s/m", (1.0, 3.0), va="bottom", fontsize=9)
+    axes.annotate("the paper: 3 s/m", (1.0, 3.0), va="bottom", fontsize=9)
     inside = max(corners, key=lambda corner: corner.gradient, default=None)
     if inside is not None:
         axes.annotate(

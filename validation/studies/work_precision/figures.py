@@ -72,7 +72,7 @@ def fronts(study: Study, here: Study | None = None) -> Picture:
     if here is not None:
         handles.append(_key("#444444", "x", "measured on the spot"))
         handles[-1].set_linestyle("")
-    figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False)
+    figure.legend(handles=handles, loc="outside upper center", ncols=2, frameon=False)
     spot_text = " Crosses: the quick selection, measured on the spot." if here else ""
     return render(
         figure,
@@ -82,6 +82,7 @@ def fronts(study: Study, here: Study | None = None) -> Picture:
         "no other run of it beats in both time and error, with any integrator, extrapolated or "
         "not. Dotted: the goals of the tables. Shaded: where the references no longer agree; "
         f"better runs are drawn on its edge.{spot_text}",
+        stacked=True,
     )
 
 
@@ -134,6 +135,7 @@ def orders(study: Study) -> Picture:
         caption="The same on every machine. Evaluations of the right-hand side, one per Newton "
         "iteration. Contact tree: RK44, RK67 and DOPRI5; other formulations: trapezoidal rule; "
         "in-house: DOP853 and Radau. In the corners: observed orders, where four rungs tell one.",
+        stacked=True,
     )
 
 
@@ -273,10 +275,9 @@ def _energy_panel(axes: Axes, study: Study) -> None:
 
 
 def _labels(panels: Iterable[Axes], horizontal: str) -> None:
-    for number, panel in enumerate(panels):
-        panel.set_xlabel(horizontal)
-        if number % 3 == 0:
-            panel.set_ylabel("largest error in rad")
+    # All of them, since each panel stands alone on a narrow screen.
+    for panel in panels:
+        panel.set(xlabel=horizontal, ylabel="largest error in rad")
 
 
 def _handles(looks: dict[str, tuple[str, str]]) -> list[Line2D]:

@@ -7,7 +7,6 @@ reference that two different methods agree on.
 
 import hashlib
 import json
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any
 
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
+from validation.kit.clock import Clock
 from validation.kit.full_study import FULL_STUDY
 from validation.kit.provenance import Provenance, machine
 from validation.kit.report import Job, Section, run_jobs, write
@@ -128,7 +128,7 @@ def jobs(*, quick: bool, store: Path | None = None) -> list[Job]:
         Existing folder in which finished results are kept, and looked up under the same
         conditions.
     """
-    conditions = measuring_conditions(quick)
+    conditions = {"quick": quick} if store is None else measuring_conditions(quick)
     first: list[Job] = []
     curves: list[Job] = []
     for problem in PROBLEMS.values():
@@ -201,7 +201,7 @@ def make(folder: Path, *, quick: bool = False, fresh: bool = False) -> tuple[Pat
     ValueError
         If a kept file cannot be read.
     """
-    begin = time.perf_counter()
+    clock = Clock()
     store = folder / STORE
     store.mkdir(parents=True, exist_ok=True)
     if fresh:
@@ -214,5 +214,5 @@ def make(folder: Path, *, quick: bool = False, fresh: bool = False) -> tuple[Pat
     if not quick:
         FILE.write(study, folder / FULL_STUDY)
     made = make_section(study)
-    page = write([made], folder, seconds=time.perf_counter() - begin)
+    page = write([made], folder, made=clock.sentence())
     return page, [table for table in made.tables if not table.file_only]

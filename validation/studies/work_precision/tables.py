@@ -45,6 +45,7 @@ def ways(study: Study) -> Table:
     return Table(
         name="work-precision-ways",
         title="Fastest way to an error of 1e-3, 1e-6 and 1e-9",
+        folded=False,
         columns=(
             "problem",
             "error at most",
@@ -177,6 +178,7 @@ def tolerances(study: Study) -> Table:
     return Table(
         name="work-precision-tolerances",
         title="Runs to a tolerance, for which the library chooses the steps",
+        worst="error of β and γ over tolerance, largest",
         columns=(
             "method",
             "runs",
@@ -309,6 +311,7 @@ def failures(study: Study) -> Table:
     return Table(
         name="work-precision-failures",
         title="Runs that did not reach their end",
+        worst="runs",
         columns=("problem", "method", "runs", "finest step or tolerance", "reason of that one"),
         rows=cells,
     )

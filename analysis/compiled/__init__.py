@@ -1,0 +1,1 @@
+"""Compiled runs with Taylor's method, by heyoka (extra `fast`), of the equations in `models`."""

@@ -1,0 +1,35 @@
+"""The one place that loads heyoka."""
+
+from functools import cache
+from importlib.util import find_spec
+from typing import Any
+
+from analysis.data import elementary
+
+
+class CannotCompileError(ValueError):
+    """What is asked for cannot be compiled; another method may do it."""
+
+
+def is_installed() -> bool:
+    """Whether there is a heyoka to load."""
+    return find_spec("heyoka") is not None
+
+
+@cache
+def heyoka() -> Any:
+    """The module heyoka; elementary functions take its symbols from then on.
+
+    Raises
+    ------
+    CannotCompileError
+        If it is not installed.
+    """
+    try:
+        import heyoka as library  # noqa: PLC0415 - an extra, loaded when it is asked for
+    except ImportError:
+        raise CannotCompileError(
+            "method 'taylor' needs heyoka, which is not installed: pip install 'tippedisk[fast]'"
+        ) from None
+    elementary.register(library.expression, library)
+    return library

@@ -1,0 +1,369 @@
+"""Compiled runs: the equations of the pure path, its accuracy, its endings, and its refusals."""
+
+import math
+import sys
+from dataclasses import dataclass, replace
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import (
+    MODELS,
+    ConstraintSet,
+    Form,
+    FrictionLaw,
+    Load,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    State,
+    Stribeck,
+    TanhCoulomb,
+    Trajectory,
+    ViscousFriction,
+    simulate,
+    simulate_many,
+)
+from analysis.compiled import code, library, systems
+from analysis.compiled.systems import SIGN, Structure
+from analysis.data.checks import Array
+from analysis.data.friction import LOADS
+from analysis.models import index1, reduced
+from tests.helpers import all_sets, assert_close, model, random_disk, random_table
+
+heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+
+TIMES = np.linspace(0.0, 0.6, 121)
+TURNING = Start(beta=1.2, gamma=-0.8, spin=30.0, beta_rate=2.0)
+"""Its slip soon changes sign in Model 4."""
+
+
+@pytest.fixture(autouse=True)
+def _compiled_in_a_quarter_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(code, "COMPACT", True)
+
+
+def values(symbols: list[Any], variables: list[Any], scenario: Scenario, states: Array) -> Array:
+    """Values of symbols at states, shape (n, k)."""
+    function = heyoka.cfunc(symbols, variables, opt_level=0)
+    numbers = np.array(systems.parameters(scenario))[: function.nparams, None]
+    columns = np.ascontiguousarray(states.T)
+    return np.asarray(function(columns, pars=numbers * np.ones(len(states)))).T
+
+
+def signed(symbols: list[Any], system: systems.System, scenario: Scenario, states: Array) -> Array:
+    """The same for symbols that hold the sign of slip."""
+    if system.slip is None:
+        return values(symbols, system.variables, scenario, states)
+    function = heyoka.cfunc([system.slip, *symbols], system.variables, opt_level=0)
+    numbers = np.array(systems.parameters(scenario))[: function.nparams, None]
+    numbers = numbers * np.ones(len(states))
+    columns = np.ascontiguousarray(states.T)
+    numbers[SIGN] = np.sign(function(columns, pars=numbers)[0])
+    return np.asarray(function(columns, pars=numbers)[1:]).T
+
+
+def assert_rows_close(actual: Array, expected: Any, relative: float) -> None:
+    """No entry differs by more than `relative` times the largest of its row."""
+    expected = np.array(expected)
+    apart = np.max(np.abs(actual - expected), axis=1)
+    assert np.all(apart <= relative * np.max(np.abs(expected), axis=1))
+
+
+def difference(first: Trajectory, second: Trajectory) -> float:
+    """Largest difference in beta and gamma in rad."""
+    return float(np.max(np.abs(first.coordinates - second.coordinates)[:, 4:]))
+
+
+@all_sets
+@pytest.mark.parametrize("load", LOADS)
+def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(
+    constraints: ConstraintSet, load: Load
+) -> None:
+    random = np.random.default_rng(12)
+    scenario = Scenario(
+        constraints=constraints,
+        disk=random_disk(random),
+        table=random_table(random),
+        friction=SmoothCoulomb(load=load, coefficient=0.2, smoothing=0.5),
+    )
+    structure = Structure.of(scenario, "index-1", {}, allow_pulling=False)
+    system = systems.build(structure)
+    variables, forces = systems.multipliers(structure)
+    states = random.normal(size=(1000, 12))
+    states[:, 4] = random.uniform(0.3, pi - 0.3, size=1000)
+    found = signed(system.derivatives, system, scenario, states)
+    held = values(forces, variables, scenario, states)
+    rows, accelerations, pure = [], [], []
+    for row, state in enumerate(states.tolist()):
+        try:
+            acceleration, force = index1.accelerations(scenario, state[:6], state[6:])
+        except ArithmeticError:
+            continue
+        # A contact that pulls has no load for the pure system; a compiled run ends before.
+        if load == "weight" or force[0] > 0.0:
+            rows.append(row)
+            accelerations.append(acceleration)
+            pure.append(force)
+    assert len(rows) == 1000 if load == "weight" else len(rows) > 100
+    np.testing.assert_array_equal(found[:, :6], states[:, 6:])
+    assert_rows_close(found[rows, 6:], accelerations, relative=1e-10)
+    assert_rows_close(held[rows], pure, relative=1e-10)
+
+
+def test_compiled_and_pure_reduced_systems_are_the_same_at_1000_states() -> None:
+    random = np.random.default_rng(13)
+    scenario = model(4, disk=random_disk(random), start=Start(spin=3.0, beta=1.2))
+    structure = Structure.of(scenario, "reduced", {}, allow_pulling=False)
+    system = systems.build(structure)
+    symbols = [*system.derivatives, system.endings["contact would pull"]]
+    states = random.normal(size=(1000, 3))
+    pure = [
+        (*reduced.right_hand_side(scenario, 3.0, x), reduced.normal_force(scenario, 3.0, x))
+        for x in states.tolist()
+    ]
+    assert_rows_close(signed(symbols, system, scenario, states), pure, relative=1e-12)
+
+
+@pytest.mark.parametrize("law", [Stribeck(), TanhCoulomb(), ViscousFriction()], ids=str)
+def test_compiled_and_pure_friction_laws_are_the_same(law: FrictionLaw) -> None:
+    scenario = model(1, friction=law)
+    structure = Structure.of(scenario, "index-1", {}, allow_pulling=False)
+    variables, forces = systems.multipliers(structure)
+    # From much slip to hardly any.
+    states = np.random.default_rng(14).normal(size=(100, 12))
+    states *= 10.0 ** -np.linspace(0.0, 8.0, 100)[:, None]
+    states[:, 4] = 1.0
+    pure = [index1.accelerations(scenario, x[:6], x[6:])[1] for x in states.tolist()]
+    assert_rows_close(values(forces, variables, scenario, states), pure, relative=1e-12)
+
+
+CASES: list[tuple[Scenario, Form]] = [
+    (model(4, start=TURNING), "reduced"),
+    (model(1), "index-1"),
+]
+
+
+@pytest.mark.parametrize(("scenario", "form"), CASES)
+def test_compiled_run_is_that_of_the_pure_path_within_its_estimate(
+    scenario: Scenario, form: Form
+) -> None:
+    run = simulate(scenario, TIMES + 2.0, form=form, method="taylor", tolerance=1e-8)
+    pure = simulate(scenario, TIMES + 2.0, form=form, local_tolerance=1e-13)
+    assert run.error_estimate is not None
+    assert difference(run, pure) <= run.error_estimate <= 1e-8
+    assert_close(run.rates, pure.rates, relative=1e-9)
+    assert_close(run.multipliers, pure.multipliers, relative=1e-9)
+    assert "heyoka" in run.versions
+    assert run.method["method"] == "taylor"
+
+
+def test_slip_that_changes_its_sign_costs_no_accuracy() -> None:
+    scenario = model(4, start=TURNING, friction=SmoothCoulomb(smoothing=0.02))
+    slips = simulate(scenario, TIMES, form="reduced", local_tolerance=1e-13)
+    run = simulate(scenario, TIMES, form="reduced", method="taylor", local_tolerance=1e-12)
+    rim = scenario.disk.radius + scenario.disk.eccentricity * np.sin(slips.coordinate("gamma"))
+    sb = np.sin(slips.coordinate("beta"))
+    slip = rim * slips.rate("beta") * sb
+    slip -= scenario.disk.eccentricity * 30.0 * sb**2 * np.cos(slips.coordinate("gamma"))
+    assert np.sum(np.diff(np.sign(slip)) != 0.0) >= 2
+    assert difference(run, slips) < 1e-11
+
+
+def test_compiled_run_ends_where_the_pure_one_does() -> None:
+    pulling = model(1, start=Start(spin=200.0))
+    for scenario, form, stop_when, reason in (
+        (pulling, None, (), "contact would pull"),
+        (model(4), "reduced", "inverted", "inverted"),
+        (model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)), "reduced", (), "flat"),
+    ):
+        how: dict[str, Any] = {"form": form, "stop_when": stop_when}
+        times = np.linspace(0.0, 2.0, 201)
+        pure = simulate(scenario, times, **how, local_tolerance=1e-12)
+        run = simulate(scenario, times, **how, method="taylor", local_tolerance=1e-12)
+        assert pure.ending is not None
+        assert run.ending is not None
+        assert run.ending.reason == pure.ending.reason == reason
+        assert run.ending.time == pytest.approx(pure.ending.time, abs=1e-10)
+        assert run.times[-1] == run.ending.time
+        assert abs(run.ending.value) < 1e-8
+        assert run.times.size == pure.times.size
+
+
+def test_pulling_is_told_as_by_the_pure_path() -> None:
+    scenario = model(4, start=Start(spin=60.0, beta_rate=25.0))
+    times = np.linspace(0.0, 0.5, 51)
+    how: dict[str, Any] = {"form": "reduced", "allow_pulling": True, "local_tolerance": 1e-12}
+    run = simulate(scenario, times, **how, method="taylor")
+    pure = simulate(scenario, times, **how)
+    assert len(pure.pulling) >= 1
+    np.testing.assert_allclose(run.pulling, pure.pulling, rtol=0.0, atol=1e-9)
+    assert run.times.size == times.size
+
+
+def turned(state: State) -> float:
+    return -1.0 - state.coordinates[5]
+
+
+def test_condition_of_ones_own_ends_a_compiled_run() -> None:
+    how: dict[str, Any] = {"form": "reduced", "stop_when": turned, "local_tolerance": 1e-12}
+    run, pure = (simulate(model(4), TIMES, method=each, **how) for each in ("taylor", "DOP853"))
+    assert run.ending is not None
+    assert pure.ending is not None
+    assert run.ending.reason == "turned"
+    assert run.ending.time == pytest.approx(pure.ending.time, abs=1e-9)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Branching(FrictionLaw):
+    """Law that asks how large a number is, which a symbol cannot tell."""
+
+    def per_speed(self, speed: float) -> float:
+        return 0.3 / (max(speed, 0.01) + 0.1)
+
+    @property
+    def finest_speed(self) -> float:
+        return 0.01
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rooted(FrictionLaw):
+    """Law that takes a root with `math`, which knows no symbols."""
+
+    def per_speed(self, speed: float) -> float:
+        return 0.3 / math.sqrt(speed * speed + 0.01)
+
+    @property
+    def finest_speed(self) -> float:
+        return 0.1
+
+
+def fast(state: State) -> float:
+    return 1.0 - math.hypot(*state.rates)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "how", "message"),
+    [
+        (model(4, friction=Branching()), {"form": "reduced"}, "cannot express .* law Branching"),
+        (model(1, friction=Rooted()), {}, "cannot express friction law Rooted"),
+        (model(4), {"form": "reduced", "stop_when": fast}, "cannot express stop_when 'fast'"),
+        (Scenario(contact=PenaltyContact(stiffness=1e5)), {}, "knows the ideal contact alone"),
+        (
+            model(1, friction=SmoothCoulomb(load="contact")),
+            {"allow_pulling": True},
+            "allow_pulling must be left out",
+        ),
+    ],
+)
+def test_what_cannot_be_compiled_is_refused_in_one_line(
+    scenario: Scenario, how: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message) as refused:
+        simulate(scenario, TIMES, method="taylor", **how)
+    assert "\n" not in str(refused.value)
+
+
+def test_without_heyoka_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    library.heyoka.cache_clear()
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    message = r"^method 'taylor' needs heyoka, .*: pip install 'tippedisk\[fast\]'$"
+    with pytest.raises(ValueError, match=message):
+        simulate(model(4), TIMES, method="taylor")
+
+
+def test_scenarios_alike_in_structure_share_what_is_compiled() -> None:
+    first = Structure.of(model(4), "reduced", {}, allow_pulling=False)
+    other = replace(model(4), friction=SmoothCoulomb(coefficient=0.1), start=Start(spin=20.0))
+    assert Structure.of(other, "reduced", {}, allow_pulling=False) == first
+    harder = replace(model(4), friction=SmoothCoulomb(load="contact"))
+    assert Structure.of(harder, "reduced", {}, allow_pulling=False) != first
+
+
+def test_time_limit_ends_a_compiled_run() -> None:
+    told: list[float] = []
+
+    def tell(reached: float, _: float) -> None:
+        told.append(reached)
+
+    run = simulate(
+        model(4),
+        TIMES,
+        form="reduced",
+        method="taylor",
+        local_tolerance=1e-12,
+        time_limit=1e-9,
+        progress=tell,
+    )
+    assert run.ending is not None
+    assert run.ending.reason == "time limit"
+    assert run.times[-1] == pytest.approx(told[-1])
+    assert len(told) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_random_starts_keep_the_tolerance(level: Any) -> None:
+    random = np.random.default_rng(15)
+    for _ in range(30):
+        start = Start(
+            beta=random.uniform(0.6, 2.5),
+            gamma=random.uniform(-3.0, 3.0),
+            spin=random.uniform(5, 60),
+        )
+        scenario = Scenario(constraints=MODELS[level], start=start)
+        run = simulate(scenario, TIMES, method="taylor", tolerance=1e-8)
+        pure = simulate(scenario, TIMES, local_tolerance=1e-13)
+        common = min(run.times.size, pure.times.size) - 1
+        apart = np.abs(run.coordinates[:common, 4:] - pure.coordinates[:common, 4:])
+        assert run.times.size == pure.times.size
+        assert np.max(apart) <= 1e-8
+
+
+def test_members_of_a_batch_are_those_of_single_runs() -> None:
+    # More than one batch, and members that end: inverted, flat, or by an error of their own.
+    spins = (20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 60.0)
+    members = [model(4, start=Start(spin=spin)) for spin in spins]
+    members.append(model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)))
+    members.append(model(4, friction=SmoothCoulomb(load="contact")))
+    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted"}
+    times = np.linspace(0.0, 1.0, 51)
+    outcomes = simulate_many(members, times, **how, tolerance=1e-8)
+    reasons = set()
+    for member, outcome in zip(members[:-1], outcomes, strict=False):
+        assert isinstance(outcome, Trajectory)
+        single = simulate(member, times, **how, method="taylor", tolerance=1e-8)
+        reasons.add(outcome.ending and outcome.ending.reason)
+        assert outcome.method == single.method
+        assert outcome.error_estimate == pytest.approx(single.error_estimate, abs=1e-11)
+        assert_close(outcome.times, single.times, relative=1e-10)
+        assert_close(outcome.coordinates, single.coordinates, relative=1e-10)
+        assert_close(outcome.multipliers, single.multipliers, relative=1e-8)
+        assert (outcome.ending is None) == (single.ending is None)
+    assert reasons == {None, "inverted", "flat"}
+    assert isinstance(outcomes[-1], ValueError)
+    assert "takes the load 'weight' alone" in str(outcomes[-1])
+
+
+def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
+    members = [model(4, friction=Branching()), model(4)]
+    pure, compiled_one = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
+    assert isinstance(pure, Trajectory)
+    assert isinstance(compiled_one, Trajectory)
+    assert pure.method["method"] == "DOP853"
+    assert compiled_one.method["method"] == "taylor"
+    (refused, _) = simulate_many(members, TIMES, form="reduced", tolerance=1e-6, method="taylor")
+    assert isinstance(refused, ValueError)
+
+
+def test_member_that_fails_leaves_its_batch_alone() -> None:
+    members = [model(4), model(4, start=Start(beta_rate=30.0)), model(4)]
+    first, pulling, last = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
+    assert isinstance(pulling, ValueError)
+    assert "start needs a contact that pulls" in str(pulling)
+    assert isinstance(first, Trajectory)
+    assert isinstance(last, Trajectory)
+    np.testing.assert_array_equal(first.coordinates, last.coordinates)

@@ -1,0 +1,299 @@
+"""Finished parts of a report: kept, found again, and made anew when what they hang on changes."""
+
+import importlib
+import pickle
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import Scenario, Start, simulate
+from validation.kit import clock, parts, reach, report
+from validation.kit.parts import Job, Part, Store
+from validation.kit.report import Section
+from validation.kit.tables import Table
+from validation.studies import full_report, inversion, summary
+from validation.studies.full_report import Study
+from validation.studies.rest import section as rest
+
+TOY = '''
+"""A module."""
+from toy.inner import helper, other as unused
+from toy import inner as bare
+
+FACTOR = 2.0
+
+
+def compute(value, caption=""):
+    """Docstring."""
+    return FACTOR * helper(value)
+
+
+def lazily(value):
+    from toy.late import late
+    return late(value) + bare.constant
+
+
+def draw(value):
+    return unused(value) + compute(value)
+
+
+def hidden(draw):
+    return draw
+'''
+
+INNER = """
+constant = 1.0
+
+
+def helper(value):
+    return Scale().times * value
+
+
+class Scale:
+    times = 3.0
+
+
+def other(value):
+    return value
+"""
+
+
+@pytest.fixture
+def toy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., str]]:
+    """Fingerprint of a function of a small package, some of whose text is replaced."""
+    folder = tmp_path / "toy"
+    folder.mkdir()
+    files = {"__init__.py": "", "outer.py": TOY, "inner.py": INNER, "late.py": INNER.replace(
+        "helper", "late")}  # fmt: skip
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(reach, "PROJECT", ("toy",))
+
+    def print_of(name: str, *changes: tuple[str, str, str]) -> str:
+        for file, text in files.items():
+            for changed, old, new in changes:
+                if changed == file:
+                    assert old in text
+                    text = text.replace(old, new)  # noqa: PLW2901
+            (folder / file).write_text(text)
+        _forget()
+        importlib.invalidate_caches()
+        return reach.fingerprint([getattr(importlib.import_module("toy.outer"), name)])
+
+    yield print_of
+    for name in [name for name in sys.modules if name.partition(".")[0] == "toy"]:
+        del sys.modules[name]
+    _forget()
+
+
+def _forget() -> None:
+    for each in vars(reach).values():
+        if hasattr(each, "cache_clear"):
+            each.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("compute", ("outer.py", "FACTOR = 2.0", "FACTOR = 2.5")),
+        ("compute", ("inner.py", "times = 3.0", "times = 4.0")),
+        ("compute", ("__init__.py", "", "print()")),
+        ("lazily", ("late.py", "times = 3.0", "times = 4.0")),
+        ("lazily", ("inner.py", "constant = 1.0", "constant = 2.0")),
+        ("draw", ("inner.py", "    return value\n", "    return -value\n")),
+    ],
+)
+def test_change_of_what_a_function_reaches_changes_its_fingerprint(
+    toy: Callable[..., str], name: str, change: tuple[str, str, str]
+) -> None:
+    assert toy(name, change) != toy(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("compute", ("outer.py", '"""Docstring."""', '"""Other words."""')),
+        ("compute", ("outer.py", "FACTOR = 2.0", "FACTOR = 2.0  # a comment")),
+        ("compute", ("inner.py", "    return value\n", "    return -value\n")),
+        ("compute", ("late.py", "times = 3.0", "times = 4.0")),
+        ("hidden", ("outer.py", "FACTOR = 2.0", "FACTOR = 2.5")),
+    ],
+)
+def test_change_of_words_and_of_what_it_does_not_reach_leaves_it(
+    toy: Callable[..., str], name: str, change: tuple[str, str, str]
+) -> None:
+    assert toy(name, change) == toy(name)
+
+
+def test_runs_hang_on_mechanics_and_not_on_what_shows_them() -> None:
+    for function in (rest.run_in_house, rest.run_engine, inversion.run_pair):
+        reached = {module for module, _ in reach.reach([(function.__module__, function.__name__)])}
+        assert "analysis.data.friction" in reached
+        assert not any(module.startswith("validation.kit") for module in reached)
+        assert not any(module.endswith(("figures", "summary")) for module in reached)
+    engine = reach.reach([("validation.studies.rest.section", "run_engine")])
+    assert any(module.startswith("mbs_models.") for module, _ in engine)
+
+
+def test_parts_of_all_studies_can_be_told_apart() -> None:
+    jobs = [job for study in full_report.STUDIES for job in study.jobs()]
+    keys = {job.key for job in jobs}
+    assert len({parts.identity(job) for job in jobs}) == len(keys) > 100
+
+
+def test_identity_tells_arguments_apart() -> None:
+    one, other = (
+        Job("run", simulate, (Scenario(start=Start(spin=spin)), 1.0)) for spin in (40.0, 40.1)
+    )
+    assert parts.identity(one) == parts.identity(Job("run", simulate, one.arguments))
+    assert parts.identity(one) != parts.identity(other)
+
+
+def test_store_gives_back_what_it_was_given(tmp_path: Path) -> None:
+    store = Store(tmp_path / "parts")
+    run = simulate(Scenario(), np.linspace(0.0, 0.1, 3))
+    job = Job("run", simulate, (1.0,))
+    assert store.find(job) is None
+    store.keep(job, Part({"run": run, "set": frozenset({1j})}, 2.5))
+    found = store.find(job)
+    assert found is not None
+    assert found.seconds == 2.5
+    assert found.result["set"] == {1j}
+    np.testing.assert_array_equal(found.result["run"].coordinates, run.coordinates)
+    store.forget_all_but([Job("other", simulate)])
+    assert store.find(job) is None
+    assert store.unreadable == 0
+
+
+class Harmful:
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Path.touch, (Path("harm"),)
+
+
+@pytest.mark.parametrize("content", [b"", b"damaged", pickle.dumps((Harmful(), 1.0))])
+def test_damaged_or_foreign_part_is_made_anew_and_does_nothing(
+    content: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    store, job = Store(tmp_path / "parts"), Job("run", simulate)
+    store.keep(job, Part(1, 1.0))
+    (path,) = (tmp_path / "parts").iterdir()
+    path.write_bytes(content)
+    assert store.find(job) is None
+    assert store.unreadable == 1
+    assert not (tmp_path / "harm").exists()
+
+
+CALLS: list[int] = []
+DRAWN: list[str] = []
+
+
+def work(number: int) -> int:
+    CALLS.append(number)
+    if number == BROKEN:
+        raise ArithmeticError(f"job {number}")
+    return number
+
+
+BROKEN = -1
+
+
+@dataclass(frozen=True)
+class Toy:
+    """Makes the section of a study from the results of its jobs."""
+
+    name: str
+    numbers: tuple[int, ...]
+
+    def __call__(self, results: dict[Any, Any]) -> Section:
+        DRAWN.append(self.name)
+        rows = [[results[number], True] for number in self.numbers]
+        table = Table(name=f"{self.name}-table", title=self.name, columns=("a", "b"), rows=rows)
+        return Section(name=self.name, title=self.name, tables=[table])
+
+
+def _study(name: str, *numbers: int) -> Study:
+    jobs = [Job(number, work, (number,)) for number in numbers]
+    return Study(name=name, jobs=lambda: jobs, section=Toy(name, numbers), work=1.0)
+
+
+@pytest.fixture(name="small")
+def _small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A report of two small sections, whose jobs run one after the other in this process."""
+    monkeypatch.setattr(full_report, "STUDIES", (_study("one", 1, 2), _study("two", 2, 3)))
+    box = Section(name="summary", title="Box")
+    monkeypatch.setattr(summary, "section", lambda _: box)
+    monkeypatch.setattr(report, "process_pool", lambda _: ThreadPoolExecutor(1))
+    monkeypatch.setattr(clock, "model_1_seconds", lambda: 0.5)
+    monkeypatch.setattr(full_report, "model_1_seconds", lambda: 0.5)
+    ticks = count()
+    # Every job takes 10 s.
+    monkeypatch.setattr(report, "processor_time", lambda: 10.0 * next(ticks))
+    CALLS.clear()
+    DRAWN.clear()
+
+
+@pytest.mark.usefixtures("small")
+def test_second_report_computes_only_what_the_first_has_not_finished(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setitem(globals(), "BROKEN", 3)
+    with pytest.raises(ArithmeticError, match="job 3"):
+        full_report.make(tmp_path)
+    assert CALLS == [1, 2, 3]
+    assert not (tmp_path / "report.html").exists()
+    monkeypatch.setitem(globals(), "BROKEN", -1)
+    full_report.make(tmp_path)
+    assert CALLS == [1, 2, 3, 3]
+    page = (tmp_path / "report.html").read_text()
+    full_report.make(tmp_path)
+    assert CALLS == [1, 2, 3, 3]
+    assert DRAWN == ["one", "two"]
+    assert ", 20 s of it in earlier runs whose results were kept" in page
+    said = capsys.readouterr().err
+    assert "3 parts, 0 of them kept from before; the others take some" in said
+    assert f"going on with the unfinished report in {tmp_path}" in said
+    assert "3 parts, 2 of them kept" in said
+    assert "3 parts, 3 of them kept from before; nothing is to be computed" in said
+
+
+@pytest.mark.usefixtures("small")
+def test_some_sections_alone_take_and_leave_parts(tmp_path: Path) -> None:
+    full_report.make(tmp_path, only=["two"])
+    assert CALLS == [2, 3]
+    page = (tmp_path / "report.html").read_text()
+    assert "1 of 2 sections: two" in page
+    assert 'id="one"' not in page
+    full_report.make(tmp_path)
+    assert CALLS == [2, 3, 1]
+    assert DRAWN == ["two", "one"]
+    assert 'id="one"' in (tmp_path / "report.html").read_text()
+
+
+@pytest.mark.usefixtures("small")
+def test_folder_of_an_older_report_is_named_and_made_whole(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for name in ("report.html", "figure-7.png", "notes.txt"):
+        (tmp_path / name).write_text("old")
+    full_report.make(tmp_path)
+    said = capsys.readouterr().err
+    assert f"{tmp_path} holds a report of an older version, whose page is replaced" in said
+    assert f"1 files in {tmp_path} are not of this report: figure-7.png" in said
+    # Files of one's own earlier report go when this one does not have them.
+    monkeypatch.setattr(full_report, "STUDIES", (_study("one", 1, 2), _study("three", 1)))
+    full_report.make(tmp_path)
+    left = {path.name for path in tmp_path.iterdir() if not path.name.startswith(".")}
+    assert left == {
+        "report.html", "figure-7.png", "notes.txt", "one-table.csv", "three-table.csv",
+    }  # fmt: skip

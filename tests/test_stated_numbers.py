@@ -1,0 +1,114 @@
+"""What README and docs state stands in the report or in the shipped results."""
+
+import csv
+import html
+import re
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from tests.stated import chapter, missing, numbers, rows_below, stands, values, words
+from validation.studies.robustness import stored
+from validation.studies.robustness.causes import GOOD, cause
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+RESULTS = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+
+AGREEMENT = "| compared | over | largest difference |"
+VERDICTS = "| statement | measured | verdict |"
+
+
+def check_report(folder: Path) -> None:
+    """Compare README and docs with a report's page and tables."""
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    box = _plain(page, "summary")
+    for bullet in re.split(r"\n- ", chapter(README, "What it shows"))[1:]:
+        if "for ever" in bullet:
+            # Nonlinear dynamics, which has tests of its own and no section of the report.
+            continue
+        assert not missing(bullet.partition("\n\n")[0], values(box)), bullet
+    _check_agreement(_rows(folder / "agreement.csv"))
+    claims = {row[1]: " ".join(row) for row in _rows(folder / "claims.csv")}
+    for statement, measured, _ in rows_below(RESULTS, VERDICTS):
+        assert not missing(measured, values(claims[statement])), statement
+    for title, section in (
+        ("The inversion", "inversion"),
+        ("Linear stability", "stability"),
+        ("Until the disk lies still", "rest"),
+    ):
+        said = chapter(RESULTS, title).partition("What the paper says about")[0]
+        assert numbers(said), title
+        known = values(_plain(page, section)) + values(box)
+        assert not missing(said, known), title
+
+
+def _check_agreement(found: list[list[str]]) -> None:
+    stated = [row for row in rows_below(README, AGREEMENT) if "SymPy" not in row[0]]
+    assert [list(map(words, row)) for row in stated] == [list(map(words, row)) for row in found]
+    for row, made in zip(stated, found, strict=True):
+        for cell, known in zip(row, made, strict=True):
+            assert not missing(cell, values(known)), row
+
+
+def _rows(path: Path) -> list[list[str]]:
+    with path.open(newline="", encoding="utf-8") as stream:
+        return list(csv.reader(stream))[1:]
+
+
+def _plain(page: str, section: str) -> str:
+    """Text of a section of the page, without its pictures."""
+    _, _, rest = page.partition(f'<h2 id="{section}">')
+    text = rest.partition("<h2 id=")[0]
+    part = re.sub(r"<(script|style|svg).*?</\1>", " ", text, flags=re.DOTALL)
+    return html.unescape(re.sub(r"<[^>]*>", " ", part))
+
+
+def test_stated_numbers_about_hard_cases_are_those_of_the_shipped_study() -> None:
+    study = stored.shipped()
+    assert study is not None
+    verdicts = Counter[str](outcome.verdict for outcome in study.outcomes)
+    found = Counter(map(cause, study.outcomes))
+    accurate, ends = (verdicts[each] for each in GOOD)
+    total = len(study.outcomes)
+    flat = found["falls flat, where Euler angles end"] + found["singular system matrix"]
+    newton = found["Newton's iteration does not converge"]
+    stated = {
+        f"Of {total} cases asked for 1e-6 rad, {accurate} are accurate and {ends} end,": RESULTS,
+        f"{found['too many steps']} would take too many steps": RESULTS,
+        f"in {newton} Newton's iteration does not converge": RESULTS,
+        f"{flat} fall flat or become singular": RESULTS,
+        f"{found['angles accurate, energy or constraint not']} miss their energy": RESULTS,
+        f"for {found['no reference is good enough']} no reference is good enough": RESULTS,
+        f"Of {total} stiff and extreme cases": README,
+        f"{total - accurate - ends} of the {total} extreme cases": README,
+    }
+    for words_said, text in stated.items():
+        assert words_said in " ".join(text.split()), words_said
+
+
+@pytest.mark.parametrize(
+    ("stated", "found", "expected"),
+    [
+        ("0.9", 0.8812, True),
+        ("0.88", 0.8912, False),
+        ("26", 25.99, True),
+        ("8e-5", 8.3e-5, True),
+        ("8e-5", 8.6e-5, False),
+        ("−3", -3.0, True),
+        ("5e-9", 3.2e-9, True),
+        ("5e-9", 8.0e-9, False),
+        ("5e-9", 5.0e-10, False),
+    ],
+)
+def test_number_stands_to_the_digits_it_is_stated_with(
+    stated: str, found: float, *, expected: bool
+) -> None:
+    assert stands(stated, [found]) is expected
+
+
+def test_numbers_are_told_from_names() -> None:
+    text = "Model 1, λ₃ at 30.92 rad/s to 1e-7, index-1, v2.0, −0.5 and 3."
+    assert numbers(text) == ["30.92", "1e-7", "−0.5", "3"]
+    assert words("of 25 scenes") == "of # scenes"

@@ -1,0 +1,368 @@
+"""Passage through the critical speed: when and why an inverted disk falls as its spin decays.
+
+The slow pair of inverted spinning gains its instability where the falling spin passes its Hopf
+point, but the disk stays up until the deviation has grown: a delayed loss of stability. With the
+growth rate sigma of the pair, the deviation goes as the exponential of the integral of
+sigma(spin) over time. It shrinks on the way in as it grows on the way out, and the disk is lost
+where both together have brought it to pi/2. Near the crossing sigma goes with the spin; a disk
+whose spin falls at a rate r from the Hopf point on is lost at
+(spin_crit - spin)² = (2 r / |dsigma/dspin|) ln((pi/2) / deviation at the crossing).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
+from analysis.data.checks import Array
+from analysis.data.trajectory import Source
+from analysis.stability.critical import critical_speeds
+from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.spectra import matrices_over_spin
+from validation.kit.tables import Table
+from validation.run import run, run_to_rest
+
+LOST = np.pi / 2
+"""Deviation of gamma in rad at which an upright disk has its centre of gravity sideways."""
+
+SETTLING = 0.55
+"""Half a slow period in s: left out after the inversion, and then measured over as long."""
+
+SPACING = 2e-3
+"""Of the samples in s."""
+
+_DAMPED = -20.0
+"""Real part in 1/s below which an eigenvalue belongs to the slip and not to an oscillation."""
+
+RANGE = (5.0, 60.0)
+"""Spins in rad/s in which the crossing is looked for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlowPair:
+    """The slow pair of inverted spinning about its Hopf point.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With the ideal contact.
+    spin, frequency : float
+        Of the Hopf point in rad/s.
+    """
+
+    scenario: Scenario
+    spin: float
+    frequency: float
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> "SlowPair":
+        """That of a scenario; a compliant contact and dissipation are left out.
+
+        Raises
+        ------
+        ValueError
+            If the scenario has no such pair, or no linear system.
+        """
+        ideal = replace(scenario, contact=None, dissipation=Dissipation(), start=Start())
+        found = [
+            each for each in critical_speeds(ideal, RANGE).hopf if each.stable_side == "above"
+        ]
+        if not found:
+            raise ValueError(
+                f"scenario must have a Hopf point above which inverted spinning gains stability, "
+                f"and {scenario.name} has none from {RANGE[0]:g} to {RANGE[1]:g} rad/s"
+            )
+        return cls(scenario=ideal, spin=found[-1].spin, frequency=found[-1].frequency)
+
+    def growth(self, spins: Array) -> Array:
+        """Growth rate in 1/s at spins in rad/s, shape (n,); interpolated between 200 of them."""
+        grid, values = self._values(spins)
+        # A pair that has become two real eigenvalues grows as its faster one.
+        away = np.where(values.imag < 0.0, np.inf, np.abs(values.imag - self.frequency))
+        away = np.where(values.real < _DAMPED, np.inf, away)
+        nearest = np.argmin(away, axis=1)
+        rates = np.take_along_axis(values.real, nearest[:, None], axis=1)[:, 0]
+        return np.asarray(np.interp(spins, grid, rates), dtype=float)
+
+    def fast(self, spins: Array) -> Array | None:
+        """Frequency of the fast pair in rad/s at spins, shape (n,), if there is one at all."""
+        grid, values = self._values(spins)
+        highest = np.max(np.where(values.real < _DAMPED, 0.0, values.imag), axis=1)
+        if np.any(highest < 2.0 * self.frequency):
+            return None
+        return np.asarray(np.interp(spins, grid, highest), dtype=float)
+
+    def _values(self, spins: Array) -> tuple[Array, ComplexArray]:
+        grid = np.linspace(np.min(spins) - 0.01, np.max(spins) + 0.01, 200)
+        return grid, np.linalg.eigvals(
+            matrices_over_spin(self.scenario, None, "inverted")(grid)
+        ).astype(complex)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Passage:
+    """How a motion passes the critical speed.
+
+    Parameters
+    ----------
+    source : {"engine", "in-house"}
+    pair : SlowPair
+    times, spins, deviations : ndarray, shape (n,)
+        Samples from the inversion to the loss: mean spin in rad/s and slow deviation of gamma in
+        rad, freed of the fast oscillation.
+    linear : ndarray, shape (n,)
+        Deviation in rad by the growth rate alone, fitted soon after the inversion.
+    crossing : float or None
+        From when on the mean spin is below that of the Hopf point in s.
+    lost : float or None
+        When the centre of gravity comes below the geometric centre in s.
+    predicted : float or None
+        When `linear` has come to pi/2 in s.
+    """
+
+    source: str
+    pair: SlowPair
+    times: Array
+    spins: Array
+    deviations: Array
+    linear: Array
+    crossing: float | None
+    lost: float | None
+    predicted: float | None
+
+    @property
+    def lowest_spin(self) -> float:
+        """Lowest mean spin in rad/s; in falling the disk spins up again."""
+        return float(np.min(self.spins))
+
+    @property
+    def rate(self) -> float | None:
+        """Mean rate in rad/s² at which the spin falls from the crossing to its lowest value."""
+        last = self.times[np.argmin(self.spins)]
+        if self.crossing is None or last <= self.crossing:
+            return None
+        return float((self.pair.spin - self.lowest_spin) / (last - self.crossing))
+
+
+def measure(motion: Trajectory | SpatialMotion) -> Passage:
+    """Follow spin and slow deviation of a motion from its inversion on.
+
+    Raises
+    ------
+    ValueError
+        If the disk is never inverted for a second, or the scenario has no slow pair.
+    """
+    pair = SlowPair.of(motion.scenario)
+    inversion = motion.inversion
+    if inversion.time is None:
+        raise ValueError(
+            f"motion must be one that inverts the disk, and it is {inversion.outcome}"
+        )
+    end = motion.times[-1] if inversion.lost is None else inversion.lost
+    # A little more, for the means about the last samples.
+    beyond = end + 2.0 * SETTLING
+    path = motion if isinstance(motion, Trajectory) else motion.to_trajectory(beyond)
+    near = path.times <= beyond
+    times, gamma = path.times[near], path.coordinate("gamma")[near]
+    spins = _mean(times, path.rate("alpha")[near], 2.0 * np.pi / pair.frequency)
+    kept = (times >= inversion.time) & (times <= end)
+    turns = np.round((np.median(gamma[kept]) - np.pi / 2) / (2.0 * np.pi))
+    deviation = gamma - np.pi / 2 - 2.0 * np.pi * turns
+    fast = pair.fast(spins)
+    if fast is not None:
+        for _ in range(2):
+            deviation = _mean(times, deviation, 2.0 * np.pi / fast)
+    amplitude = np.hypot(deviation, np.gradient(deviation, times) / pair.frequency)[kept]
+    times, spins = times[kept], spins[kept]
+    below = np.flatnonzero(spins < pair.spin)
+    linear, predicted = _predicted(pair, times, spins, amplitude)
+    return Passage(
+        source=motion.source,
+        pair=pair,
+        times=times,
+        spins=spins,
+        deviations=amplitude,
+        linear=linear,
+        crossing=float(times[below[0]]) if below.size else None,
+        lost=inversion.lost,
+        predicted=predicted,
+    )
+
+
+def follow(scenario: Scenario, end: float, source: Source) -> Passage:
+    """Run a scenario up to a time in s, on an ideal or a compliant contact, and measure it.
+
+    Raises
+    ------
+    ValueError
+        See `measure`.
+    ArithmeticError
+        If the run fails.
+    """
+    if scenario.contact is None:
+        times = np.linspace(0.0, end, round(end / SPACING) + 1)
+        if source == "engine":
+            return measure(run(scenario, times, source=source, tolerance=1e-6))
+        return measure(run(scenario, times, source=source, local_tolerance=1e-9))
+    if source == "engine":
+        return measure(run_to_rest(scenario, end, source=source, spacing=SPACING, step=2e-4))
+    return measure(
+        run_to_rest(scenario, end, source=source, spacing=SPACING, local_tolerance=1e-8)
+    )
+
+
+def _predicted(
+    pair: SlowPair, times: Array, spins: Array, amplitude: Array
+) -> tuple[Array, float | None]:
+    """Deviation by the linear growth, and when it comes to pi/2 after it has been smaller."""
+    rates = pair.growth(spins)
+    grown = np.append(0.0, np.cumsum((rates[1:] + rates[:-1]) / 2.0 * np.diff(times)))
+    since = times - times[0]
+    early = (since >= SETTLING) & (since <= 2.0 * SETTLING)
+    size = grown + np.mean(np.log(amplitude[early]) - grown[early])
+    reached = np.flatnonzero((size > np.log(LOST)) & (since > 2.0 * SETTLING))
+    if reached.size:
+        return np.exp(size), float(times[reached[0]])
+    if rates[-1] <= 0.0:
+        return np.exp(size), None
+    # The disk was lost earlier: the growth goes on at its last rate.
+    return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])
+
+
+def _mean(times: Array, values: Array, window: float | Array) -> Array:
+    """Mean over a window about each sample, shorter at the ends."""
+    total = np.append(0.0, np.cumsum((values[1:] + values[:-1]) / 2.0 * np.diff(times)))
+    left = np.clip(times - window / 2.0, times[0], times[-1])
+    right = np.clip(times + window / 2.0, times[0], times[-1])
+    sums = np.interp(right, times, total) - np.interp(left, times, total)
+    return np.asarray(sums / (right - left), dtype=float)
+
+
+LEVERS = (1e-5, 2e-5, 4e-5, 8e-5)
+"""Levers in m of the pivoting friction that slows the disk at different rates."""
+
+SMALL = 0.02
+"""Deviation in rad from which the disk starts in these runs."""
+
+
+def slowed(lever: float, source: Source) -> Passage:
+    """Passage of a disk that starts inverted at the Hopf point and is slowed by pivoting friction.
+
+    Parameters
+    ----------
+    lever : float
+        In m.
+    source : {"engine", "in-house"}
+    """
+    spin = SlowPair.of(Scenario()).spin
+    start = Start(beta=np.pi / 2, gamma=np.pi / 2 + SMALL, spin=spin)
+    scenario = Scenario.rest(dissipation=Dissipation(pivoting=lever), start=start)
+    # What the slowest takes, and less for the others: the slower the spin falls, the later.
+    return follow(scenario, 20.0 * float(np.sqrt(1e-5 / lever)), source)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DelayLaw:
+    """How far below the Hopf point a disk is lost over the rate at which its spin falls.
+
+    Parameters
+    ----------
+    rates, delays : ndarray, shape (n,)
+        Rates in rad/s² and Hopf point less lowest spin in rad/s.
+    exponent, error : float
+        Power of the rate, fitted, and its standard error; the law says 1/2.
+    growth : float
+        Logarithm of the growth from the crossing to the loss by the law, from the fit of the
+        square of the delay.
+    """
+
+    rates: Array
+    delays: Array
+    exponent: float
+    error: float
+    growth: float
+
+
+def delay_law(passages: Sequence[Passage]) -> DelayLaw:
+    """Fit the delay of passages that start alike.
+
+    Raises
+    ------
+    ValueError
+        If there are less than three, or one has no rate.
+    """
+    given = [passage.rate for passage in passages]
+    rates = np.array([rate for rate in given if rate is not None])
+    if rates.size < 3 or rates.size < len(given):
+        raise ValueError("passages must be 3 or more that fall through the Hopf point")
+    pair = passages[0].pair
+    delays = np.array([pair.spin - passage.lowest_spin for passage in passages])
+    x, y = np.log(rates), np.log(delays)
+    slope, constant = np.polyfit(x, y, 1)
+    rest = y - slope * x - constant
+    error = np.sqrt(np.sum(rest**2) / (x.size - 2) / np.sum((x - np.mean(x)) ** 2))
+    ends = pair.growth(pair.spin + np.array((-0.5, 0.5)))
+    growths = delays**2 * (ends[0] - ends[1]) / (2.0 * rates)
+    return DelayLaw(
+        rates=rates,
+        delays=delays,
+        exponent=float(slope),
+        error=float(error),
+        growth=float(np.mean(growths)),
+    )
+
+
+def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
+    """When and at which spin the inversion is lost."""
+    return Table(
+        name="passage",
+        title="Passage through the critical speed",
+        columns=(
+            "motion",
+            "source",
+            "Hopf point in rad/s",
+            "crossed at s",
+            "lost at s",
+            "predicted at s",
+            "lowest spin in rad/s",
+            "rate of decay in rad/s²",
+        ),
+        rows=[
+            (
+                name,
+                each.source,
+                each.pair.spin,
+                each.crossing,
+                each.lost,
+                each.predicted,
+                each.lowest_spin,
+                each.rate,
+            )
+            for name, each in named
+        ],
+        note=(
+            "Predicted is from the deviation half a second to a second after the inversion and "
+            "the eigenvalues alone, which know nothing of what happens at large deviations."
+        ),
+    )
+
+
+def law_table(found: DelayLaw) -> Table:
+    """The delay of slowed disks over the rate of decay."""
+    expected = float(np.log(LOST / SMALL))
+    return Table(
+        name="delay",
+        title="Delay of the loss of inversion over the rate of decay",
+        columns=("rate of decay in rad/s²", "Hopf point less lowest spin in rad/s", "over √rate"),
+        rows=[
+            (rate, delay, delay / rate**0.5)
+            for rate, delay in zip(found.rates.tolist(), found.delays.tolist(), strict=True)
+        ],
+        note=(
+            f"Fitted power of the rate: {found.exponent:.3f} ± {found.error:.3f}; the law of the "
+            f"slow passage says 1/2. Logarithm of the growth by the law: {found.growth:.2f}; from "
+            f"{SMALL:g} rad to π/2 it is {expected:.2f}, but the spin is lowest before, at the "
+            "deviation where the disk begins to spin up as it falls."
+        ),
+    )
