@@ -418,3 +418,16 @@ def test_identity_of_a_sweep_is_plain_text() -> None:
     wanted = sweep(*SPINS, scenario=Scenario(friction=Wayward()), witnesses=1)
     assert Sweep.from_values(json.loads(wanted.to_text())) == wanted
     assert os.linesep not in wanted.to_text()
+
+
+def test_batches_give_the_rows_of_single_runs() -> None:
+    pytest.importorskip("heyoka")
+    how: Any = {"tolerance": 1e-6, "end": 2.0}
+    wanted = sweep("spin=25,35,45", "mu=0.3,-0.1", method="taylor", **how)
+    single = [run_case(sweep("spin=25,35,45", "mu=0.3,-0.1", **how), n, None) for n in range(6)]
+    batch = runner.run_chunk(wanted.to_text(), range(6), 60.0, 60.0)
+    for one, other in zip(single, batch, strict=True):
+        for name in ("number", "start.spin", "status", "reason", "inversion", "ending"):
+            assert one.get(name) == other.get(name)
+        for name in ("energy_end", "end", "cog_direction_end"):
+            assert one.get(name) == pytest.approx(other.get(name), abs=1e-4)

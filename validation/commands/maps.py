@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from analysis.compiled.library import is_installed
 from analysis.data.checks import positive
 from analysis.data.files import whole_file
 from validation.commands.options import chosen_end, output_folder
@@ -33,8 +34,11 @@ def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's na
         raise ValueError(f"--pairs must be a number of starts, got {options.pairs}")
     scenario, end = chosen_scenario(options), chosen_end(options)
     size = {"cells": options.cells, "levels": options.levels, "witnesses": options.witnesses}
-    wanted = panels(problem, scenario, end=end, **size)
-    pairs = shifted_sweeps(problem, scenario, number=options.pairs, end=end)
+    if options.compiled and not is_installed():
+        raise ValueError("--compiled needs heyoka: pip install 'tippedisk[fast]'")
+    how = {"end": end, "compiled": options.compiled}
+    wanted = panels(problem, scenario, **size, **how)
+    pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)
     done, fineness = _run(options, wanted, pairs, output_folder("--out", options.out))
     for panel in done:
         _tell(panel)

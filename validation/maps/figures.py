@@ -59,16 +59,16 @@ _WIDTH = 3.4
 """Of a panel in inches."""
 
 
-def draw(problem: Problem, panels: Sequence[Panel], *, points: bool = True) -> Figure:
+def draw(problem: Problem, panels: Sequence[Panel]) -> Figure:
     """Figure of a map.
 
     Parameters
     ----------
     problem : Problem
     panels : sequence of Panel
-    points : bool
-        Whether the cases that were run are marked.
     """
+    # Which cases were run is marked unless all were.
+    points = any(len(panel.classes) < np.prod(panel.shape) for panel in panels)
     width = 7.5 if len(panels) == 1 else _WIDTH * len(panels) + 1.0
     figure, axes = new_figure(columns=len(panels), width=width, height=5.2, share=False)
     axes = np.atleast_1d(axes)

@@ -84,7 +84,14 @@ class Panel:
 
 
 def panels(
-    problem: Problem, scenario: Scenario, *, cells: int, levels: int, end: float, witnesses: int
+    problem: Problem,
+    scenario: Scenario,
+    *,
+    cells: int,
+    levels: int,
+    end: float,
+    witnesses: int,
+    compiled: bool = False,
 ) -> list[Sweep]:
     """Sweeps over the finest grids of a map.
 
@@ -101,6 +108,8 @@ def panels(
     witnesses : int
         Cases of the coarse grid that the other side runs as well, evenly spread, and as large a
         part of the others.
+    compiled : bool
+        Whether runs are compiled; see `quickest_plan`.
 
     Raises
     ------
@@ -113,9 +122,10 @@ def panels(
     count = cells * 2**levels + 1
     witnesses = min(round(witnesses * count**2 / (cells + 1) ** 2), count**2)
     scenarios = models_beside(scenario) if problem.basins else [scenario]
+    plans = [quickest_plan(each, end, witnesses, compiled=compiled) for each in scenarios]
     return [
-        sweep_of(problem, each, count=count, plan=quickest_plan(each, end, witnesses))
-        for each in scenarios
+        sweep_of(problem, each, count=count, plan=plan)
+        for each, plan in zip(scenarios, plans, strict=True)
     ]
 
 

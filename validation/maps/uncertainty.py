@@ -48,7 +48,7 @@ class Uncertainty:
 
 
 def shifted_sweeps(
-    problem: Problem, scenario: Scenario, *, number: int, end: float
+    problem: Problem, scenario: Scenario, *, number: int, end: float, compiled: bool = False
 ) -> list[Sweep]:
     """Sweeps over random starts of a map, and over the same ones at each of `DISTANCES`.
 
@@ -60,9 +60,11 @@ def shifted_sweeps(
         Of starts; for 0 there are no sweeps.
     end : float
         Of each motion in s.
+    compiled : bool
+        See `quickest_plan`.
     """
     (field, first, last), other = problem.axes
-    plan = quickest_plan(scenario, end, 0)
+    plan = quickest_plan(scenario, end, 0, compiled=compiled)
     sweeps = []
     for distance in (0.0, *DISTANCES) if number else ():
         # The same random numbers between shifted ends are the same starts, shifted.

@@ -66,7 +66,11 @@ def _add_plan(sweep: argparse.ArgumentParser) -> None:
         help="cases, evenly spread, that the other side runs as well, with the difference (0)",
         )  # fmt: skip
     add("--formulation", choices=(*FORMULATIONS, *FORMS), help="as in `tippedisk simulate`")
-    add("--method", metavar="NAME", help="in-house only: solver (DOP853; to rest LSODA)")
+    add(
+        "--method",
+        metavar="NAME",
+        help="in-house only: solver (DOP853; to rest LSODA); taylor runs in compiled batches",
+    )
     accuracy = sweep.add_mutually_exclusive_group()
     accuracy.add_argument(
         "--tolerance", type=float, help="largest error of beta and gamma in rad (1e-6)"
@@ -131,6 +135,11 @@ def add_map(commands: "argparse._SubParsersAction[Parser]") -> None:
         default=8,
         metavar="N",
         help="on the coarse grid, and as large a part of the other cases (8)",
+    )
+    add(
+        "--compiled",
+        action="store_true",
+        help="run compiled, in batches, to 1e-6 rad; needs tippedisk[fast]",
     )
     add(
         "--pairs",

@@ -16,7 +16,7 @@ from typing import Any
 from validation.sweeps.outcomes import DONE, Row, failure
 from validation.sweeps.pools import Pool, Processes, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
-from validation.sweeps.sweep import Sweep, run_case, sweep_from_text
+from validation.sweeps.sweep import Sweep, run_batch, run_case, sweep_from_text
 
 CHUNK_TIME = 1.0
 """Time in s that a chunk of cases should take: handing one out takes 1 ms here, 18 ms on Dask."""
@@ -253,6 +253,10 @@ def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: flo
         loop of a friction law of one's own, ends the process.
     """
     sweep = sweep_from_text(text)
+    if len(numbers) > 1 and sweep.plan.runs_in_batches:
+        # A case of a chunk that takes too long is found when its suspects run alone.
+        with _ended_after(hanging):
+            return run_batch(sweep, numbers)
     rows = []
     for number in numbers:
         with _ended_after(hanging):
