@@ -29,7 +29,6 @@ from analysis import (
     Trajectory,
     ViscousFriction,
     simulate,
-    simulate_many,
 )
 from analysis.compiled import code, library, systems
 from analysis.compiled.systems import SIGN, Structure
@@ -37,7 +36,6 @@ from analysis.data.checks import Array
 from analysis.data.friction import LOADS
 from analysis.models import index1, reduced
 from tests.helpers import assert_close, model, mostly_slow, random_disk, random_table
-from validation.studies import compiled_speed
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
@@ -346,60 +344,3 @@ def test_random_starts_keep_the_tolerance(level: Any) -> None:
         apart = np.abs(run.coordinates[:common, 4:] - pure.coordinates[:common, 4:])
         assert run.times.size == pure.times.size
         assert np.max(apart) <= 1e-8
-
-
-def test_members_of_a_batch_are_those_of_single_runs() -> None:
-    # More than one batch, and members that end: inverted, flat, or by an error of their own.
-    spins = (20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 60.0)
-    members = [model(4, start=Start(spin=spin)) for spin in spins]
-    members.append(model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)))
-    members.append(model(4, friction=SmoothCoulomb(load="contact")))
-    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted"}
-    times = np.linspace(0.0, 1.0, 51)
-    outcomes = simulate_many(members, times, **how, tolerance=1e-8)
-    reasons = set()
-    for member, outcome in zip(members[:-1], outcomes, strict=False):
-        assert isinstance(outcome, Trajectory)
-        single = simulate(member, times, **how, method="taylor", tolerance=1e-8)
-        reasons.add(outcome.ending and outcome.ending.reason)
-        assert outcome.method == single.method
-        assert outcome.error_estimate == pytest.approx(single.error_estimate, abs=1e-11)
-        assert_close(outcome.times, single.times, relative=1e-10)
-        assert_close(outcome.coordinates, single.coordinates, relative=1e-10)
-        assert_close(outcome.multipliers, single.multipliers, relative=1e-8)
-        assert (outcome.ending is None) == (single.ending is None)
-    assert reasons == {None, "inverted", "flat"}
-    assert isinstance(outcomes[-1], ValueError)
-    assert "takes the load 'weight' alone" in str(outcomes[-1])
-
-
-def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
-    members = [model(4, friction=Branching()), model(4)]
-    pure, compiled_one = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
-    assert isinstance(pure, Trajectory)
-    assert isinstance(compiled_one, Trajectory)
-    assert pure.method["method"] == "DOP853"
-    assert compiled_one.method["method"] == "taylor"
-    (refused, _) = simulate_many(members, TIMES, form="reduced", tolerance=1e-6, method="taylor")
-    assert isinstance(refused, ValueError)
-
-
-def test_member_that_fails_leaves_its_batch_alone() -> None:
-    members = [model(4), model(4, start=Start(beta_rate=30.0)), model(4)]
-    first, pulling, last = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
-    assert isinstance(pulling, ValueError)
-    assert "start needs a contact that pulls" in str(pulling)
-    assert isinstance(first, Trajectory)
-    assert isinstance(last, Trajectory)
-    np.testing.assert_array_equal(first.coordinates, last.coordinates)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("case", compiled_speed.CASES, ids=lambda case: case.form)
-def test_heyoka_driven_by_hand_samples_the_same_motion(case: Any) -> None:
-    run = case.simulate("taylor", 1e-9)
-    alone = compiled_speed.by_hand(case.scenario, case.form, 1e-9)()[-1]
-    many = compiled_speed.batches_by_hand([case.scenario] * 8, case.form, 1e-9)()[0][:, :, 0]
-    columns = slice(0, 2) if case.form == "reduced" else slice(4, 6)
-    for sampled in (alone, many):
-        np.testing.assert_allclose(sampled[:, columns], run.coordinates[:, 4:], atol=1e-7)
