@@ -153,6 +153,6 @@ def _plot(found: Branches, path: Path) -> None:
     axes[0].axhline(0.0, color="#999999", linewidth=0.8, zorder=0)
     axes[0].set(ylabel="Re λ in 1/s")
     axes[1].set(ylabel="Im λ in 1/s", xlabel="spinning speed Ω in rad/s")
-    figures.legend_above(axes[0], columns=8)
+    figures.legend_above(axes[0], columns=4)
     with whole_file(path) as stream:
         figure.savefig(stream, format=path.suffix[1:], dpi=150)

@@ -207,7 +207,7 @@ def passage_diagram(named: Sequence[tuple[str, Passage]], axes: Any = None) -> A
     axes[1].plot([], [], "D", color="black", markerfacecolor="white", label="loss predicted")
     axes[0].plot([], [], "s", color="black", label="inversion lost")
     for each in axes:
-        figures.legend_above(each, columns=3)
+        figures.legend_above(each, columns=2)
     return axes
 
 
