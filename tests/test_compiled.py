@@ -1,9 +1,12 @@
 """Compiled runs: the equations of the pure path, its accuracy, its endings, and its refusals."""
 
 import math
+import os
+import subprocess
 import sys
 from dataclasses import dataclass, replace
 from math import pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +14,7 @@ import pytest
 
 from analysis import (
     MODELS,
+    POSSIBLE_SETS,
     ConstraintSet,
     Form,
     FrictionLaw,
@@ -32,7 +36,8 @@ from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
 from analysis.data.friction import LOADS
 from analysis.models import index1, reduced
-from tests.helpers import all_sets, assert_close, model, random_disk, random_table
+from tests.helpers import assert_close, model, mostly_slow, random_disk, random_table
+from validation.studies import compiled_speed
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
@@ -78,7 +83,9 @@ def difference(first: Trajectory, second: Trajectory) -> float:
     return float(np.max(np.abs(first.coordinates - second.coordinates)[:, 4:]))
 
 
-@all_sets
+@pytest.mark.parametrize(
+    "constraints", mostly_slow(POSSIBLE_SETS, [MODELS[1], MODELS[3]]), ids="+".join
+)
 @pytest.mark.parametrize("load", LOADS)
 def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(
     constraints: ConstraintSet, load: Load
@@ -275,6 +282,24 @@ def test_without_heyoka_one_line_says_what_to_install(monkeypatch: pytest.Monkey
         simulate(model(4), TIMES, method="taylor")
 
 
+def test_home_that_cannot_be_written_says_nothing() -> None:
+    code = (
+        "from analysis import *\n"
+        "run = simulate(Scenario(constraints=MODELS[4]), [0.0, 0.1], form='reduced',"
+        " method='taylor', local_tolerance=1e-4)\n"
+        "assert run.counts['steps'] > 0\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"HOME": "/proc/none", "XDG_CACHE_HOME": "/proc/none"},
+        cwd=Path(__file__).parent.parent,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout + done.stderr == ""
+
+
 def test_scenarios_alike_in_structure_share_what_is_compiled() -> None:
     first = Structure.of(model(4), "reduced", {}, allow_pulling=False)
     other = replace(model(4), friction=SmoothCoulomb(coefficient=0.1), start=Start(spin=20.0))
@@ -367,3 +392,14 @@ def test_member_that_fails_leaves_its_batch_alone() -> None:
     assert isinstance(first, Trajectory)
     assert isinstance(last, Trajectory)
     np.testing.assert_array_equal(first.coordinates, last.coordinates)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", compiled_speed.CASES, ids=lambda case: case.form)
+def test_heyoka_driven_by_hand_samples_the_same_motion(case: Any) -> None:
+    run = case.simulate("taylor", 1e-9)
+    alone = compiled_speed.by_hand(case.scenario, case.form, 1e-9)()[-1]
+    many = compiled_speed.batches_by_hand([case.scenario] * 8, case.form, 1e-9)()[0][:, :, 0]
+    columns = slice(0, 2) if case.form == "reduced" else slice(4, 6)
+    for sampled in (alone, many):
+        np.testing.assert_allclose(sampled[:, columns], run.coordinates[:, 4:], atol=1e-7)

@@ -90,6 +90,7 @@ def test_choices_of_the_command_are_the_maps() -> None:
             "pulls",
         ),
         ({"status": "crashed"}, "failed"),
+        ({"status": "refused"}, "refused"),
     ],
 )
 def test_outcomes_are_told_apart(row: dict[str, str | float | None], expected: str) -> None:

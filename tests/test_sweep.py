@@ -9,6 +9,7 @@ import sys
 import time
 import tracemalloc
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -257,6 +258,24 @@ def test_memory_of_a_sweep_does_not_grow_with_its_cases(
         tracemalloc.stop()
     # Whatever is kept of a case takes some 30 bytes or more.
     assert many - few < 16 * 7000
+
+
+@pytest.mark.parametrize(("workers", "size"), [(2, 10), (500, 50)])
+def test_chunks_take_a_second_and_longer_with_many_workers(workers: int, size: int) -> None:
+    class Idle(Direct):
+        """A pool that never begins."""
+
+        def submit(self, _function: Any, *arguments: Any) -> "Future[Any]":
+            sizes.append(len(arguments[1]))
+            return Future()
+
+    sizes: list[int] = []
+    pool = Idle()
+    pool.workers = workers
+    work = runner._Work(sweep("spin=0:60:100000"), pool, 1.0)
+    work._seconds = 0.1
+    work.fill(iter(range(100_000)))
+    assert sizes == [size] * (2 * workers)
 
 
 @pytest.mark.slow

@@ -70,7 +70,7 @@ PROBLEMS = {
     ),
     "tilting": Problem(
         title="Inversion over tilt and tilting rate at the start",
-        axes=(("start.beta_rate", -20.0, 20.0), _TILT),
+        axes=(("start.beta_rate", -15.0, 15.0), _TILT),
         labels=("rate of β at the start in rad/s", "β at the start in rad"),
     ),
     "basins": Problem(
@@ -133,6 +133,8 @@ def models_beside(scenario: Scenario) -> list[Scenario]:
 
 def inversion_class(_: Scenario, row: Row) -> str:
     """What became of the inversion in a case."""
+    if row["status"] == "refused":
+        return "refused"
     if row["status"] != DONE:
         return "failed"
     if row["inversion"] in ("inverted", "lost", "not decided"):

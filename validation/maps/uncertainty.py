@@ -15,11 +15,14 @@ from validation.maps.problems import Problem, quickest_plan
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.sweep import Sweep
 
-DISTANCES = (0.1, 0.1 / 8, 0.1 / 64, 0.1 / 512)
+DISTANCES = (0.04, 0.04 / 4, 0.04 / 16, 0.04 / 64)
 """Between the two starts of a pair, as parts of the width of a map."""
 
-RESAMPLINGS = 500
+RESAMPLINGS = 200
 """Of the pairs, for the error of the exponent."""
+
+_NEWTON = 20
+"""Steps of Newton's method, which is there after some five."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,26 +90,32 @@ def uncertainty(distances: Array, differs: npt.NDArray[np.bool_]) -> Uncertainty
     Uncertainty or None
         None if fewer than two distances have pairs that differ.
     """
-    random = np.random.default_rng(0)
-    parts = differs.mean(axis=1)
-    if np.count_nonzero(parts) < 2:
+    counts = differs.sum(axis=1)
+    if np.count_nonzero(counts) < 2:
         return None
-    count = differs.shape[1]
-    slopes = [
-        _slope(distances, differs[:, random.integers(count, size=count)].mean(axis=1), count)
-        for _ in range(RESAMPLINGS)
-    ]
+    random = np.random.default_rng(0)
+    pairs = differs.shape[1]
+    resampled = (
+        differs[:, random.integers(pairs, size=pairs)].sum(axis=1) for _ in range(RESAMPLINGS)
+    )
+    slopes = [_slope(distances, each) for each in resampled if np.count_nonzero(each) > 1]
     return Uncertainty(
         distances=distances,
-        parts=parts,
-        exponent=_slope(distances, parts, count),
+        parts=counts / pairs,
+        exponent=_slope(distances, counts),
         error=float(np.std(slopes)),
     )
 
 
-def _slope(distances: Array, parts: Array, count: int) -> float:
-    """Slope of log(part) over log(distance), weighted by the binomial error of the parts."""
-    # Half a pair in place of none and of all, which have no logarithm or no error.
-    kept = np.clip(parts, 0.5 / count, 1.0 - 0.5 / count)
-    weights = np.sqrt(count * kept / (1.0 - kept))
-    return float(np.polyfit(np.log(distances), np.log(kept), 1, w=weights)[0])
+def _slope(distances: Array, counts: npt.NDArray[np.int_]) -> float:
+    """Slope of log(count) over log(distance) of greatest likelihood, for Poisson's distribution.
+
+    A line through the logarithms could make nothing of a count of 0.
+    """
+    logs = np.column_stack((np.log(distances), np.ones(distances.size)))
+    line = np.linalg.lstsq(logs, np.log(counts + 0.5), rcond=None)[0]
+    for _ in range(_NEWTON):
+        expected = np.exp(logs @ line)
+        information = logs.T @ (expected[:, None] * logs)
+        line = line + np.linalg.solve(information, logs.T @ (counts - expected))
+    return float(line[0])

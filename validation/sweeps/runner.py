@@ -21,6 +21,9 @@ from validation.sweeps.sweep import Sweep, run_case, sweep_from_text
 CHUNK_TIME = 1.0
 """Time in s that a chunk of cases should take: handing one out takes 1 ms here, 18 ms on Dask."""
 
+MOST_CHUNKS = 100
+"""Chunks that may come in per second; with more workers they are larger. Dask needs 4 ms each."""
+
 LARGEST_CHUNK = 1000
 """Cases in a chunk."""
 
@@ -152,11 +155,12 @@ class _Work:
         self._quarantine: Processes | None = None
         self._trial: _Trial | None = None
         self._seconds = CHUNK_TIME
+        self._chunk_time = max(CHUNK_TIME, pool.workers / MOST_CHUNKS)
 
     def fill(self, todo: Iterator[int]) -> bool:
         """Hand out what the workers can take; whether anything is running then."""
         while len(self._running) < 2 * self._pool.workers:
-            size = max(1, min(int(CHUNK_TIME / self._seconds), LARGEST_CHUNK))
+            size = max(1, min(int(self._chunk_time / self._seconds), LARGEST_CHUNK))
             chunk = list(islice(todo, size))
             if not chunk:
                 break
