@@ -1,9 +1,12 @@
 """Compiled runs: the equations of the pure path, its accuracy, its endings, and its refusals."""
 
 import math
+import os
+import subprocess
 import sys
 from dataclasses import dataclass, replace
 from math import pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +14,7 @@ import pytest
 
 from analysis import (
     MODELS,
+    POSSIBLE_SETS,
     ConstraintSet,
     Form,
     FrictionLaw,
@@ -25,14 +29,13 @@ from analysis import (
     Trajectory,
     ViscousFriction,
     simulate,
-    simulate_many,
 )
 from analysis.compiled import code, library, systems
 from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
 from analysis.data.friction import LOADS
 from analysis.models import index1, reduced
-from tests.helpers import all_sets, assert_close, model, random_disk, random_table
+from tests.helpers import assert_close, model, mostly_slow, random_disk, random_table
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
@@ -78,7 +81,9 @@ def difference(first: Trajectory, second: Trajectory) -> float:
     return float(np.max(np.abs(first.coordinates - second.coordinates)[:, 4:]))
 
 
-@all_sets
+@pytest.mark.parametrize(
+    "constraints", mostly_slow(POSSIBLE_SETS, [MODELS[1], MODELS[3]]), ids="+".join
+)
 @pytest.mark.parametrize("load", LOADS)
 def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(
     constraints: ConstraintSet, load: Load
@@ -275,6 +280,24 @@ def test_without_heyoka_one_line_says_what_to_install(monkeypatch: pytest.Monkey
         simulate(model(4), TIMES, method="taylor")
 
 
+def test_home_that_cannot_be_written_says_nothing() -> None:
+    code = (
+        "from analysis import *\n"
+        "run = simulate(Scenario(constraints=MODELS[4]), [0.0, 0.1], form='reduced',"
+        " method='taylor', local_tolerance=1e-4)\n"
+        "assert run.counts['steps'] > 0\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"HOME": "/proc/none", "XDG_CACHE_HOME": "/proc/none"},
+        cwd=Path(__file__).parent.parent,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout + done.stderr == ""
+
+
 def test_scenarios_alike_in_structure_share_what_is_compiled() -> None:
     first = Structure.of(model(4), "reduced", {}, allow_pulling=False)
     other = replace(model(4), friction=SmoothCoulomb(coefficient=0.1), start=Start(spin=20.0))
@@ -321,49 +344,3 @@ def test_random_starts_keep_the_tolerance(level: Any) -> None:
         apart = np.abs(run.coordinates[:common, 4:] - pure.coordinates[:common, 4:])
         assert run.times.size == pure.times.size
         assert np.max(apart) <= 1e-8
-
-
-def test_members_of_a_batch_are_those_of_single_runs() -> None:
-    # More than one batch, and members that end: inverted, flat, or by an error of their own.
-    spins = (20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 60.0)
-    members = [model(4, start=Start(spin=spin)) for spin in spins]
-    members.append(model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)))
-    members.append(model(4, friction=SmoothCoulomb(load="contact")))
-    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted"}
-    times = np.linspace(0.0, 1.0, 51)
-    outcomes = simulate_many(members, times, **how, tolerance=1e-8)
-    reasons = set()
-    for member, outcome in zip(members[:-1], outcomes, strict=False):
-        assert isinstance(outcome, Trajectory)
-        single = simulate(member, times, **how, method="taylor", tolerance=1e-8)
-        reasons.add(outcome.ending and outcome.ending.reason)
-        assert outcome.method == single.method
-        assert outcome.error_estimate == pytest.approx(single.error_estimate, abs=1e-11)
-        assert_close(outcome.times, single.times, relative=1e-10)
-        assert_close(outcome.coordinates, single.coordinates, relative=1e-10)
-        assert_close(outcome.multipliers, single.multipliers, relative=1e-8)
-        assert (outcome.ending is None) == (single.ending is None)
-    assert reasons == {None, "inverted", "flat"}
-    assert isinstance(outcomes[-1], ValueError)
-    assert "takes the load 'weight' alone" in str(outcomes[-1])
-
-
-def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
-    members = [model(4, friction=Branching()), model(4)]
-    pure, compiled_one = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
-    assert isinstance(pure, Trajectory)
-    assert isinstance(compiled_one, Trajectory)
-    assert pure.method["method"] == "DOP853"
-    assert compiled_one.method["method"] == "taylor"
-    (refused, _) = simulate_many(members, TIMES, form="reduced", tolerance=1e-6, method="taylor")
-    assert isinstance(refused, ValueError)
-
-
-def test_member_that_fails_leaves_its_batch_alone() -> None:
-    members = [model(4), model(4, start=Start(beta_rate=30.0)), model(4)]
-    first, pulling, last = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
-    assert isinstance(pulling, ValueError)
-    assert "start needs a contact that pulls" in str(pulling)
-    assert isinstance(first, Trajectory)
-    assert isinstance(last, Trajectory)
-    np.testing.assert_array_equal(first.coordinates, last.coordinates)

@@ -69,12 +69,6 @@ def test_models_with_more_freedom_lose_stability_hard(name: str) -> None:
     assert np.all(np.array([small.residual, fold.residual, large.residual]) < 1e-6)
 
 
-@pytest.mark.slow
-def test_the_engine_has_the_cycle_of_model_2_at_held_spin() -> None:
-    pair = engine_cycles.repeated("Model 2 at held spin")
-    assert engine_cycles.repeated_table([("Model 2", pair)]).rows[0][-1] is True
-
-
 def test_shooting_from_far_off_is_refused() -> None:
     start = {"spin": 20.0, "amplitude": 0.5, "period": 0.2, "start": np.array((3.0,))}
     with pytest.raises(NoHeldCycleError, match="no cycle of Model 4 found near"):

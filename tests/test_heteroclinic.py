@@ -60,6 +60,7 @@ def test_cycles_end_in_the_connection() -> None:
     assert family.cycles[-1].multiplier < 1e-3
 
 
+@pytest.mark.slow
 def test_the_full_equations_fall_to_the_same_sides() -> None:
     for side, over in ((-0.01, True), (0.01, False)):
         spin = 30.120961805 + side

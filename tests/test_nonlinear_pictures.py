@@ -46,6 +46,7 @@ def test_the_diagram_holds_engine_connection_and_hopf_point(family: CycleFamily)
     assert len(panels) == 3
 
 
+@pytest.mark.slow
 def test_above_the_hopf_point_the_unstable_manifold_leads_to_inverted_spinning() -> None:
     found = portraits.portrait(PAPER, 33.0)
     assert found.cycle is None

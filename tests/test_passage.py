@@ -65,8 +65,14 @@ def test_a_delay_with_the_root_of_the_rate_is_recognised(pair: SlowPair) -> None
     assert other.exponent == pytest.approx(0.8, abs=1e-12)
 
 
-def test_a_quickly_slowed_disk_is_lost_far_below_the_critical_speed() -> None:
-    found = slowed(16e-5, "in-house")
+@pytest.fixture(scope="module")
+def quick() -> Passage:
+    return slowed(16e-5, "in-house")
+
+
+@pytest.mark.slow
+def test_a_quickly_slowed_disk_is_lost_far_below_the_critical_speed(quick: Passage) -> None:
+    found = quick
     assert found.crossing == pytest.approx(0.0, abs=0.01)
     assert found.lost == pytest.approx(3.788, abs=0.01)
     assert found.lowest_spin < found.pair.spin - 8.0
@@ -77,19 +83,25 @@ def test_a_quickly_slowed_disk_is_lost_far_below_the_critical_speed() -> None:
 
 @pytest.mark.slow
 def test_the_delay_goes_with_the_root_of_the_rate_of_decay() -> None:
-    found = delay_law([slowed(lever, "in-house") for lever in (2e-5, 4e-5, 8e-5)])
+    found = delay_law([slowed(lever, "in-house") for lever in (4e-5, 8e-5, 12e-5)])
     assert found.exponent == pytest.approx(0.5, abs=0.03)
     assert found.growth < np.log(LOST / 0.02)
     assert len(law_table(found).rows) == 3
 
 
 @pytest.mark.slow
-def test_both_sides_lose_the_inversion_at_the_same_time_and_spin() -> None:
-    inhouse, engine = (follow(README, 11.5, source) for source in ("in-house", "engine"))
-    assert inhouse.lost == pytest.approx(10.664, abs=0.005)
-    assert engine.lost == inhouse.lost
-    assert engine.lowest_spin == pytest.approx(inhouse.lowest_spin, abs=1e-5)
-    assert len(passage_table([("to rest", inhouse), ("to rest", engine)]).rows) == 2
+def test_both_sides_lose_the_inversion_at_the_same_time_and_spin(quick: Passage) -> None:
+    engine = slowed(16e-5, "engine")
+    assert quick.lost is not None
+    assert engine.lost == pytest.approx(quick.lost, abs=2.5e-3)
+    # It is still falling when the disk is lost, at 2.5 rad/s².
+    assert engine.lowest_spin == pytest.approx(quick.lowest_spin, abs=5e-3)
+    assert len(passage_table([("slowed", quick), ("slowed", engine)]).rows) == 2
+
+
+@pytest.mark.slow
+def test_the_way_to_rest_loses_the_inversion_when_it_is_said_to() -> None:
+    assert follow(README, 11.5, "in-house").lost == pytest.approx(10.664, abs=0.005)
 
 
 @pytest.mark.slow

@@ -30,6 +30,7 @@ from analysis import (
     SmoothCoulomb,
     Trajectory,
 )
+from analysis.compiled.library import is_installed
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Integrator, Scene
@@ -38,6 +39,7 @@ from mbs_models.rest_run import largest_step
 from validation.kit.provenance import machine
 from validation.kit.tables import Cell, Table
 from validation.run import run
+from validation.studies import compiled_speed
 from validation.studies.robustness.reference import deviation
 from validation.studies.stability.eigenvalue_check import engine_matrices
 
@@ -269,6 +271,14 @@ def start_up() -> Table:
     return Table(name="start-up", title="Start-up", columns=("call", "time in ms"), rows=cells)
 
 
+def compiled(repeats: int) -> list[Table]:
+    """Compiled runs, if heyoka is installed."""
+    if not is_installed():
+        return []
+    milliseconds = partial(median_milliseconds, repeats=repeats)
+    return [compiled_speed.single_runs(milliseconds), compiled_speed.ensembles(milliseconds)]
+
+
 def main() -> None:
     """Print all tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -280,6 +290,7 @@ def main() -> None:
         to_rest(),
         load_laws(repeats),
         start_up(),
+        *compiled(repeats),
     ):
         print(f"{table.title}\n{table.to_text()}\n")
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

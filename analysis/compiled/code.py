@@ -54,7 +54,7 @@ class Code:
             lets = reason == CONTACT_WOULD_PULL and self._structure.allow_pulling
             events.append(library.t_event(symbol, direction=either if lets else falling))
         if system.slip is not None:
-            events.append(library.t_event(system.slip, callback=_flip))
+            events.append(library.t_event(system.slip, callback=flip))
         return library.taylor_adaptive(
             list(zip(system.variables, system.derivatives, strict=True)),
             [0.0] * len(system.variables),
@@ -71,7 +71,7 @@ class Code:
             for number, symbol in enumerate(system.endings.values())
         ]
         if system.slip is not None:
-            events.append(library.t_event_batch(system.slip, callback=_flip))
+            events.append(library.t_event_batch(system.slip, callback=flip))
         derivatives = [alive * derivative for derivative in system.derivatives]
         return library.taylor_adaptive_batch(
             list(zip(system.variables, derivatives, strict=True)),
@@ -128,7 +128,7 @@ def values(function: Any, states: Array, numbers: Array) -> Array:
     return np.ascontiguousarray(found.T)
 
 
-def _flip(solver: Any, direction: int, *lane: int) -> bool:
+def flip(solver: Any, direction: int, *lane: int) -> bool:
     """Give the slip the sign it has from now on; the run goes on."""
     if direction != 0:
         solver.pars[(SIGN, *lane)] = direction

@@ -31,5 +31,7 @@ def heyoka() -> Any:
         raise CannotCompileError(
             "method 'taylor' needs heyoka, which is not installed: pip install 'tippedisk[fast]'"
         ) from None
+    # Where its cache on disk cannot be written it compiles anew, and would say so on every call.
+    library.set_logger_level_error()
     elementary.register(library.expression, library)
     return library

@@ -90,9 +90,11 @@ def real_array(name: str, values: npt.ArrayLike) -> Array:
     if given.dtype.kind not in "fiu":
         raise ValueError(f"{name} must be an array of real numbers, got {given.dtype} values")
     result = np.array(given, dtype=float)
-    if not np.all(np.isfinite(result)):
+    # Its size is not finite if one of its numbers is not: one pass, for the shortest runs.
+    largest = np.abs(result).max(initial=0.0)
+    if not isfinite(largest):
         raise ValueError(f"{name} must be finite")
-    if result.size and np.max(np.abs(result)) > LARGEST_VALUE:
+    if largest > LARGEST_VALUE:
         raise ValueError(f"{name} must not exceed {LARGEST_VALUE:g} in size")
     return result
 
@@ -130,8 +132,8 @@ def increasing_times(times: npt.ArrayLike) -> Array:
         raise ValueError(
             f"times must be one-dimensional with at least 2 entries, got shape {result.shape}"
         )
-    steps = np.diff(result)
-    if np.any(steps <= 0.0):
+    steps = result[1:] - result[:-1]
+    if not (steps > 0.0).all():
         worst = int(np.argmax(steps <= 0.0))
         raise ValueError(
             f"times must increase strictly, got {result[worst]:g} before {result[worst + 1]:g}"

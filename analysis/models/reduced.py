@@ -122,8 +122,11 @@ def expand(disk: Disk, spin: float, alpha: Array, x: Array) -> tuple[Array, Arra
     -------
     coordinates, rates : ndarray, shape (n, 6)
     """
-    coordinates, rates = expanded(disk, spin, alpha, x.T)
-    return np.column_stack(coordinates), np.column_stack(np.broadcast_arrays(*rates))
+    result = np.empty((2, len(x), 6))
+    for level, values in enumerate(expanded(disk, spin, alpha, x.T)):
+        for column, value in enumerate(values):
+            result[level, :, column] = value
+    return result[0], result[1]
 
 
 def expanded(

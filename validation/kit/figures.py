@@ -13,6 +13,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 from PIL import Image
@@ -109,9 +110,10 @@ def render(
     png, svg = io.BytesIO(), io.StringIO()
     with mpl.rc_context(_RC):
         figure.savefig(png, format="png", dpi=_DPI)
-        # What the layout has found takes as long again to be found again.
+        # Not `savefig`, which would draw once more to lay out what is laid out.
         figure.set_layout_engine("none")
-        figure.savefig(svg, format="svg", metadata={"Date": None})
+        canvas: Any = FigureCanvasSVG(figure)
+        canvas.print_svg(svg, metadata={"Date": None})
     with Image.open(png) as drawn:
         picture = drawn.convert("RGB")
     return Picture(
@@ -129,7 +131,7 @@ def _compressed(picture: Image.Image) -> bytes:
     """PNG of a drawing, which needs few colours."""
     stream = io.BytesIO()
     palette = picture.quantize(_PALETTE, dither=Image.Dither.NONE)
-    palette.save(stream, format="png", optimize=True)
+    palette.save(stream, format="png")
     return stream.getvalue()
 
 

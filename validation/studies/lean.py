@@ -29,7 +29,7 @@ START_UPS: dict[str, str] = {
     "report": "validation.studies.full_report",
     "simulate --source engine": "validation.commands.basic, mbs_models",
     "simulate --source in-house": "validation.commands.basic",
-    "show": "validation.commands.basic, validation.kit.figures",
+    "show": "validation.commands.show, validation.kit.figures",
     "scenario": "validation.commands.scenario",
     "check": "validation.commands.scenario, validation.studies.crosscheck",
     "eigenvalues --source engine": (
@@ -37,6 +37,11 @@ START_UPS: dict[str, str] = {
     ),
     "eigenvalues --source in-house": "validation.commands.stability",
     "critical": "validation.commands.stability, validation.studies.stability.tables",
+    "cycles": "validation.commands.nonlinear",
+    "heteroclinic": "validation.commands.nonlinear",
+    "passage": "validation.commands.nonlinear",
+    "sweep": "validation.commands.sweep",
+    "map": "validation.commands.maps",
     "scene": "validation.commands.scene",
     "work-precision": (
         "validation.commands.work_precision, validation.studies.work_precision.study"

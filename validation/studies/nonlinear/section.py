@@ -14,12 +14,14 @@ from analysis.nonlinear.heteroclinic import (
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.slow_manifold import distances, slow_cycle
+from analysis.nonlinear.stationary import StationaryMotion, stationary_motions
 from analysis.stability.linear_reduced import critical_speed
 from validation.kit import figures as kit
 from validation.kit.figures import Picture
 from validation.kit.report import Job, Section
 from validation.kit.tables import Table
 from validation.studies.nonlinear import engine_cycles, figures, passage, portraits, tables
+from validation.studies.nonlinear.held_spin import HELD as HELD_SETS
 
 PAPER = Scenario(constraints=MODELS[4])
 
@@ -31,6 +33,9 @@ MANIFOLD = (0.1, 0.05, 0.025, 0.0125)
 
 SPINS = engine_cycles.SPINS
 HELD = ("Model 1 at held spin", "Model 2 at held spin")
+
+STATIONARY = [(name, spin) for name in HELD for spin in (28.0, 60.0)]
+"""Models and spins in rad/s at which stationary motions are looked for."""
 
 PASSAGES = {
     "Model 1": (Scenario(), 20.0),
@@ -55,6 +60,11 @@ def connection(mu: float, eps: float) -> Connection | None:
         return None
 
 
+def stationary(name: str, spin: float) -> tuple[StationaryMotion, ...]:
+    """Stationary motions of a model at held spin."""
+    return stationary_motions(Scenario(constraints=HELD_SETS[name]), spin)
+
+
 def disk_connection(disk: str) -> Connection:
     """Connection of a disk by name."""
     return heteroclinic_connection(Scenario(constraints=MODELS[4], disk=DISKS[disk]))
@@ -73,6 +83,7 @@ def jobs() -> list[Job]:
             for name, each in PASSAGES.items()
         ),
         *(Job(("slowed", each), passage.slowed, (each, "in-house")) for each in passage.LEVERS),
+        *(Job(("stationary", *each), stationary, each) for each in STATIONARY),
         *(Job(("connection", *each), connection, each) for each in FRICTION),
         *(Job(("connection of a disk", name), disk_connection, (name,)) for name in DISKS),
         *(Job(("portrait", spin), portraits.portrait, (PAPER, spin)) for spin in portraits.SPINS),
@@ -202,6 +213,9 @@ def section(results: dict[Any, Any]) -> Section:
                     [*passages, (REPEATED, results["passage", REPEATED, "engine"])]
                 ),
                 passage.law_table(law),
+                tables.stationary_table(
+                    [(name, results["stationary", name, spin]) for name, spin in STATIONARY]
+                ),
             ],
         ],
     )

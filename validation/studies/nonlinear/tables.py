@@ -10,6 +10,7 @@ from analysis.nonlinear.family import Bifurcation, CycleFamily
 from analysis.nonlinear.heteroclinic import Connection, PeriodGrowth
 from analysis.nonlinear.hopf import Growth, HopfType
 from analysis.nonlinear.slow_manifold import Distances, SlowOrbit, slow_connection, time_scales
+from analysis.nonlinear.stationary import STARTS, StationaryMotion
 from validation.kit.tables import Table
 
 _SMALL = 1.05
@@ -201,6 +202,32 @@ def time_scale_table(scenario: Scenario, spins: Sequence[float]) -> Table:
             (spin, found.fast, found.limit, found.slow, found.growth, found.separation)
             for spin, found in ((spin, time_scales(scenario, spin)) for spin in spins)
         ],
+    )
+
+
+def stationary_table(found: Sequence[tuple[str, Sequence[StationaryMotion]]]) -> Table:
+    """Stationary motions that searches have found, with their stability.
+
+    Parameters
+    ----------
+    found : sequence of (name, motions)
+    """
+    names = {1: "inverted spinning", -1: "noninverted spinning"}
+    return Table(
+        name="stationary_motions",
+        title="Stationary motions of an eccentric disk",
+        columns=("model", "spin in rad/s", "motion", "largest growth in 1/s"),
+        rows=[
+            (
+                name,
+                each.spin,
+                "tilted" if each.is_tilted else names[1 if each.gamma > 0.0 else -1],
+                each.growth,
+            )
+            for name, motions in found
+            for each in motions
+        ],
+        note=f"All that is found from {STARTS} random attitudes and places in each case.",
     )
 
 

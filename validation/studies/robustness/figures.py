@@ -148,7 +148,7 @@ def _panel(axes: Axes, outcomes: Sequence[Outcome], bands: Mapping[Verdict, floa
     axes.set_xticks(
         range(len(labels)),
         [each.replace(", ", ",\n") for each in labels],
-        rotation=35,
+        rotation=50,
         ha="right",
         rotation_mode="anchor",
         fontsize=8,

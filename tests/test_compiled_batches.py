@@ -1,0 +1,98 @@
+"""Compiled batches: members are those of single runs, and each on its own."""
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import (
+    FrictionLaw,
+    SmoothCoulomb,
+    Start,
+    Trajectory,
+    simulate,
+    simulate_many,
+)
+from analysis.compiled import code
+from tests.helpers import assert_close, model
+from validation.studies import compiled_speed
+
+pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+
+TIMES = np.linspace(0.0, 0.6, 121)
+
+
+@pytest.fixture(autouse=True)
+def _compiled_in_a_quarter_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(code, "COMPACT", True)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Capped(FrictionLaw):
+    """Law that asks how large a number is, which a symbol cannot tell."""
+
+    def per_speed(self, speed: float) -> float:
+        return 0.3 / (max(speed, 0.01) + 0.1)
+
+    @property
+    def finest_speed(self) -> float:
+        return 0.01
+
+
+def test_members_of_a_batch_are_those_of_single_runs() -> None:
+    # More than one batch, and members that end: inverted, flat, or by an error of their own.
+    spins = (20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 60.0)
+    members = [model(4, start=Start(spin=spin)) for spin in spins]
+    members.append(model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)))
+    members.append(model(4, friction=SmoothCoulomb(load="contact")))
+    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted"}
+    times = np.linspace(0.0, 1.0, 51)
+    outcomes = simulate_many(members, times, **how, tolerance=1e-8)
+    reasons = set()
+    for member, outcome in zip(members[:-1], outcomes, strict=False):
+        assert isinstance(outcome, Trajectory)
+        single = simulate(member, times, **how, method="taylor", tolerance=1e-8)
+        reasons.add(outcome.ending and outcome.ending.reason)
+        assert outcome.method == single.method
+        assert outcome.error_estimate == pytest.approx(single.error_estimate, abs=1e-11)
+        assert_close(outcome.times, single.times, relative=1e-10)
+        assert_close(outcome.coordinates, single.coordinates, relative=1e-10)
+        assert_close(outcome.multipliers, single.multipliers, relative=1e-8)
+        assert (outcome.ending is None) == (single.ending is None)
+    assert reasons == {None, "inverted", "flat"}
+    assert isinstance(outcomes[-1], ValueError)
+    assert "takes the load 'weight' alone" in str(outcomes[-1])
+
+
+def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
+    members = [model(4, friction=Capped()), model(4)]
+    pure, compiled_one = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
+    assert isinstance(pure, Trajectory)
+    assert isinstance(compiled_one, Trajectory)
+    assert pure.method["method"] == "DOP853"
+    assert compiled_one.method["method"] == "taylor"
+    (refused, _) = simulate_many(members, TIMES, form="reduced", tolerance=1e-6, method="taylor")
+    assert isinstance(refused, ValueError)
+
+
+def test_member_that_fails_leaves_its_batch_alone() -> None:
+    members = [model(4), model(4, start=Start(beta_rate=30.0)), model(4)]
+    first, pulling, last = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
+    assert isinstance(pulling, ValueError)
+    assert "start needs a contact that pulls" in str(pulling)
+    assert isinstance(first, Trajectory)
+    assert isinstance(last, Trajectory)
+    np.testing.assert_array_equal(first.coordinates, last.coordinates)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", compiled_speed.CASES, ids=lambda case: case.form)
+def test_heyoka_driven_by_hand_samples_the_same_motion(case: Any) -> None:
+    run = case.simulate("taylor", 1e-9)
+    alone = compiled_speed.by_hand(case.scenario, case.form, 1e-9)()[-1]
+    many = compiled_speed.batches_by_hand([case.scenario] * 8, case.form, 1e-9)()[0][:, :, 0]
+    columns = slice(0, 2) if case.form == "reduced" else slice(4, 6)
+    for sampled in (alone, many):
+        np.testing.assert_allclose(sampled[:, columns], run.coordinates[:, 4:], atol=1e-7)

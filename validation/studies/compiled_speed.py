@@ -1,0 +1,207 @@
+"""Compiled runs beside pure ones and beside heyoka driven by hand, in one run.
+
+Driven by hand means: the same symbols, sampled at the same times, with no ending looked out for,
+no constraint forces, no check of the accuracy and nothing in between.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from analysis import MODELS, Form, Method, Scenario, Start, simulate, simulate_many
+from analysis.compiled import systems
+from analysis.compiled.code import code_of, flip
+from analysis.compiled.library import heyoka
+from analysis.compiled.systems import SIGN, Structure
+from analysis.data.checks import Array
+from analysis.models.simulation import COMPILED_TOLERANCES
+from validation.kit.tables import Cell, Table
+from validation.studies.robustness.reference import deviation
+
+TIMES = np.linspace(0.0, 2.0, 201)
+ERRORS = (1e-6, 1e-9, 1e-12)
+
+Milliseconds = Callable[[Callable[[], object]], float]
+"""Median time of a call in ms."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Case:
+    """What is run, from Table 3."""
+
+    label: str
+    scenario: Scenario
+    form: Form
+    members: int
+
+    def simulate(self, method: Method, local_tolerance: float) -> Any:
+        """Run it once to a local tolerance."""
+        return simulate(
+            self.scenario, TIMES, form=self.form, method=method, local_tolerance=local_tolerance
+        )
+
+    @property
+    def spins(self) -> list[Scenario]:
+        """Members of an ensemble: spins at which the disk is inverted."""
+        start = Start(beta=1.5)
+        return [
+            replace(self.scenario, start=replace(start, spin=float(spin)))
+            for spin in np.linspace(34.0, 50.0, self.members)
+        ]
+
+
+CASES = (
+    _Case(label="Model 1, index 1", scenario=Scenario(), form="index-1", members=64),
+    _Case(
+        label="Model 4, reduced",
+        scenario=Scenario(constraints=MODELS[4]),
+        form="reduced",
+        members=512,
+    ),
+)
+
+
+def single_runs(milliseconds: Milliseconds) -> Table:
+    """Time of single runs to an error: pure, compiled, and by hand."""
+    cells: list[list[Cell]] = []
+    for case in CASES:
+        truth = case.simulate("DOP853", 3e-14)
+        for error in ERRORS:
+            taken: list[Cell] = []
+            ladders: dict[Method, Sequence[float]] = {
+                "DOP853": [10.0**-power for power in range(6, 14)],
+                "taylor": COMPILED_TOLERANCES,
+            }
+            for method, ladder in ladders.items():
+                local = _first(case, method, ladder, error, truth)
+                if local is None:
+                    taken.append(None)
+                    continue
+                taken.append(milliseconds(partial(case.simulate, method, local)))
+                if method == "taylor":
+                    taken.append(milliseconds(by_hand(case.scenario, case.form, local)))
+            pure, compiled, hand = [*taken, None, None][:3]
+            ratios = [
+                above / below if isinstance(above, float) and isinstance(below, float) else None
+                for above, below in ((pure, compiled), (compiled, hand))
+            ]
+            cells.append([case.label, error, pure, compiled, hand, *ratios])
+    return Table(
+        name="compiled-runs",
+        title="Single runs of 2 s to an error: pure, compiled, heyoka driven by hand",
+        columns=(
+            "system",
+            "error in rad",
+            "pure in ms",
+            "compiled in ms",
+            "by hand in ms",
+            "pure / compiled",
+            "compiled / by hand",
+        ),
+        rows=cells,
+        note="One run of each, without the second one that a tolerance takes. Truth: DOP853 with "
+        "a local tolerance of 3e-14. Compiled code is warm.",
+    )
+
+
+def ensembles(milliseconds: Milliseconds) -> Table:
+    """Runs per second on one core: pure, compiled in batches, and batches by hand."""
+    cells: list[list[Cell]] = []
+    for case in CASES:
+        run = partial(simulate_many, times=TIMES, form=case.form, workers=1)
+        calls: list[tuple[Callable[[], object], int]] = [
+            (partial(run, case.spins[:4], method="DOP853", tolerance=1e-6), 4),
+            (partial(run, case.spins, method="taylor", tolerance=1e-6), case.members),
+            (partial(run, case.spins, method="taylor", local_tolerance=1e-9), case.members),
+            (batches_by_hand(case.spins, case.form, 1e-9), case.members),
+        ]
+        rates = [1e3 * members / milliseconds(call) for call, members in calls]
+        cells.append([case.label, *(round(rate) for rate in rates), rates[3] / rates[2]])
+    return Table(
+        name="compiled-ensembles",
+        title="Ensembles of runs of 2 s on one core, in runs per second",
+        columns=(
+            "system",
+            "pure to 1e-6 rad",
+            "compiled to 1e-6 rad",
+            "compiled, one run each",
+            "by hand, one run each",
+            "by hand / compiled",
+        ),
+        rows=cells,
+        note="To 1e-6 rad: with the second run that checks it. One run each: local tolerance "
+        "1e-9. By hand, nothing is made of the sampled states.",
+    )
+
+
+def _first(
+    case: _Case, method: Method, ladder: Sequence[float], error: float, truth: Any
+) -> float | None:
+    """The loosest local tolerance of a ladder with which the error is kept."""
+    for local in ladder:
+        if local <= 10.0 * error and deviation(case.simulate(method, local), truth) <= error:
+            return local
+    return None
+
+
+def by_hand(scenario: Scenario, form: Form, local_tolerance: float) -> Callable[[], Any]:
+    """Sampling of one run with an integrator of heyoka."""
+    system, numbers, start = _pieces([scenario], form)
+    library = heyoka()
+    kink = [] if system.slip is None else [library.t_event(system.slip, callback=flip)]
+    solver = library.taylor_adaptive(
+        list(zip(system.variables, system.derivatives, strict=True)),
+        start[0],
+        tol=local_tolerance,
+        t_events=kink,
+    )
+
+    def call() -> Any:
+        solver.time = 0.0
+        solver.state[:] = start[0]
+        solver.pars[:] = numbers[0, : len(solver.pars)]
+        return solver.propagate_grid(TIMES)
+
+    return call
+
+
+def batches_by_hand(
+    members: Sequence[Scenario], form: Form, local_tolerance: float
+) -> Callable[[], Any]:
+    """Sampling of many runs with a batch integrator of heyoka."""
+    system, numbers, starts = _pieces(members, form)
+    library = heyoka()
+    width = library.recommended_simd_size()
+    kink = [] if system.slip is None else [library.t_event_batch(system.slip, callback=flip)]
+    solver = library.taylor_adaptive_batch(
+        list(zip(system.variables, system.derivatives, strict=True)),
+        np.zeros((starts.shape[1], width)),
+        tol=local_tolerance,
+        t_events=kink,
+    )
+    grid = np.ascontiguousarray(np.broadcast_to(TIMES[:, None], (TIMES.size, width)))
+
+    def call() -> Any:
+        samples = []
+        for first in range(0, len(members), width):
+            solver.set_time(0.0)
+            solver.state[:] = starts[first : first + width].T
+            solver.pars[:] = numbers[first : first + width, : len(solver.pars)].T
+            samples.append(solver.propagate_grid(grid)[1])
+        return samples
+
+    return call
+
+
+def _pieces(members: Sequence[Scenario], form: Form) -> tuple[systems.System, Array, Array]:
+    """Symbols, parameters and starts of members alike in structure."""
+    structure = Structure.of(members[0], form, {}, allow_pulling=False)
+    numbers = np.array([systems.parameters(member) for member in members])
+    starts = np.array([member.initial_state.vector for member in members])
+    if form == "reduced":
+        starts = starts[:, [4, 5, 10]]
+    numbers[:, SIGN] = code_of(structure).signs(starts, numbers)
+    return systems.build(structure), numbers, starts
