@@ -247,13 +247,13 @@ def test_memory_of_a_sweep_does_not_grow_with_its_cases(
     monkeypatch.setattr(runner, "run_case", quick)
     monkeypatch.setattr(runner, "LARGEST_CHUNK", 50)
     monkeypatch.setattr(runner, "_LOOK", 200)
-    wanted = sweep("spin=0:60:8000")
+    wanted = sweep("spin=0:60:4000")
     with Store(tmp_path / "many.db", wanted) as kept:
         tracemalloc.start()
         run_cases(wanted, kept, Direct(), numbers=range(1000))
         few = tracemalloc.get_traced_memory()[1]
         tracemalloc.reset_peak()
-        run_cases(wanted, kept, Direct(), numbers=range(8000))
+        run_cases(wanted, kept, Direct(), numbers=range(4000))
         many = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
     # Whatever is kept of a case takes some 30 bytes or more.
@@ -346,8 +346,7 @@ def check_whole(path: Path, promised: int) -> None:
 
 def test_killed_writer_leaves_all_that_it_has_committed(tmp_path: Path) -> None:
     path = tmp_path / "a.db"
-    for lines in (1, 3):
-        check_whole(path, killed_writer(path, lines))
+    check_whole(path, killed_writer(path, 3))
 
 
 @pytest.mark.slow
@@ -420,6 +419,7 @@ def test_identity_of_a_sweep_is_plain_text() -> None:
     assert os.linesep not in wanted.to_text()
 
 
+@pytest.mark.slow
 def test_batches_give_the_rows_of_single_runs() -> None:
     pytest.importorskip("heyoka")
     how: Any = {"tolerance": 1e-6, "end": 2.0}

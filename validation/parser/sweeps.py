@@ -53,6 +53,8 @@ def add_sweep(commands: "argparse._SubParsersAction[Parser]") -> None:
         help="store, .db; made if there is none",
     )
     add("--csv", type=writable(".csv"), metavar="FILE", help="write all rows to a .csv at the end")
+    add("--retry", action="store_true", help="run cases again that failed")
+    add("--most", type=int, default=MOST, metavar="N", help=f"cases to allow ({MOST})")
     _add_plan(sweep)
     add_workers(sweep)
     add_scenario(sweep)
@@ -94,8 +96,6 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
     add("--executor", choices=EXECUTORS, default="processes", help="(default: %(default)s)")
     add("--scheduler", metavar="ADDRESS", help="of Dask; by default a cluster of this machine")
     add("--time-limit", type=float, default=60.0, help="of each run, processor time in s (60)")
-    add("--retry", action="store_true", help="run cases again that failed")
-    add("--most", type=int, default=MOST, metavar="N", help=f"cases to allow ({MOST})")
 
 
 _MAP = """\
