@@ -114,6 +114,7 @@ def test_rest_answers_in_one_line(
     answer(["rest", "--source", source, *given_options], capsys)
 
 
+@pytest.mark.slow
 @QUICK
 @given(with_values(*PROBLEM))
 @example(["--radius=1", "--hole-radius=0.1", "--hole-distance=1", "--thickness=1", "--density=1"])
@@ -131,6 +132,7 @@ def test_scenario_answers_in_one_line_or_prints_what_can_be_read(
         assert capsys.readouterr().out == text
 
 
+@pytest.mark.slow
 @QUICK
 @given(st.binary(max_size=60) | st.text(max_size=60).map(str.encode))
 def test_any_file_is_a_scenario_or_refused_in_one_line(
@@ -140,6 +142,7 @@ def test_any_file_is_a_scenario_or_refused_in_one_line(
     answer(["scenario", str(tmp_path / "my.toml")], capsys)
 
 
+@pytest.mark.slow
 @QUICK
 @given(st.lists(st.tuples(st.integers(0), st.integers(0)), max_size=4), st.integers(0))
 def test_any_mutilated_scenario_is_answered_in_one_line(
