@@ -131,7 +131,7 @@ def _compressed(picture: Image.Image) -> bytes:
     """PNG of a drawing, which needs few colours."""
     stream = io.BytesIO()
     palette = picture.quantize(_PALETTE, dither=Image.Dither.NONE)
-    palette.save(stream, format="png")
+    palette.save(stream, format="png", optimize=True)
     return stream.getvalue()
 
 

@@ -28,8 +28,8 @@ class Parser(argparse.ArgumentParser):
 
 
 SECTIONS = (
-    "modelled", "inversion", "claims", "crosscheck", "stability", "rest",
-    "work-precision", "robustness", "lean", "numbers",
+    "modelled", "inversion", "claims", "crosscheck", "stability", "nonlinear",
+    "rest", "work-precision", "robustness", "lean", "numbers",
 )  # fmt: skip
 """Sections of the report."""
 
