@@ -2,11 +2,7 @@
 
 import json
 import os
-import signal
 import sqlite3
-import subprocess
-import sys
-import time
 import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -299,118 +295,6 @@ def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None
     ahead = look_ahead(sweep("mu=-1,0.2,0.3"))
     assert (ahead.looked_at, ahead.refused) == (3, 1)
     assert ahead.reason == "coefficient must not be negative, got -1"
-
-
-WRITER = """
-import sys
-from tests.sweeps import sweep
-from validation.sweeps.store import Store
-wanted = sweep("spin=0:60:1000000")
-with Store(sys.argv[1], wanted) as kept:
-    number = kept.count()
-    while True:
-        new = range(number, number + 7)
-        kept.add({"number": n, "status": "done", "end": float(n)} for n in new)
-        kept.commit()
-        number += 7
-        print(number, flush=True)
-"""
-
-
-def killed_writer(path: Path, lines: int) -> int:
-    """Kill a process in the midst of writing; returns the last number that it said was safe."""
-    writer = subprocess.Popen(
-        [sys.executable, "-c", WRITER, str(path)],
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    assert writer.stdout is not None
-    said = [int(writer.stdout.readline()) for _ in range(lines)]
-    writer.send_signal(signal.SIGKILL)
-    writer.wait()
-    said += [int(line) for line in writer.stdout.read().splitlines()]
-    writer.stdout.close()
-    return said[-1]
-
-
-def check_whole(path: Path, promised: int) -> None:
-    with sqlite3.connect(path) as file:
-        assert file.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-        ends = [end for (end,) in file.execute('SELECT "end" FROM cases ORDER BY number')]
-    file.close()
-    assert ends == [float(n) for n in range(len(ends))]
-    # Of the commit that was going on, all or nothing.
-    assert len(ends) - promised in (0, 7)
-
-
-def test_killed_writer_leaves_all_that_it_has_committed(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    check_whole(path, killed_writer(path, 3))
-
-
-@pytest.mark.slow
-def test_store_outlives_many_kills(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    for lines in range(1, 6):
-        check_whole(path, killed_writer(path, lines))
-
-
-def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    path.touch()
-    assert run_all(sweep(*SPINS), path, numbers=[2])["number"].tolist() == [2]
-
-
-def children(process: int) -> list[int]:
-    found = Path(f"/proc/{process}/task/{process}/children").read_text()
-    return [int(word) for word in found.split()]
-
-
-def is_running(process: int) -> bool:
-    try:
-        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return state != "Z"
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
-def test_interrupted_and_killed_sweeps_leave_no_process_and_go_on(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    call = [sys.executable, "-m", "validation", "sweep", "spin=30:40:30", "mu=0.2,0.3"]
-    call += ["--model", "4", "--formulation", "reduced", "--end", "1", "--workers", "2"]
-    call += ["--out", str(path)]
-    count = 0
-    for sent, code in ((signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)):
-        process = subprocess.Popen(call, cwd=ROOT, stderr=subprocess.PIPE, text=True)
-        while not path.exists() or rows(path) <= count:
-            assert process.poll() is None
-            time.sleep(0.05)
-        workers = children(process.pid)
-        process.send_signal(sent)
-        said = process.communicate(timeout=60.0)[1]
-        assert process.returncode == code
-        if sent == signal.SIGINT:
-            assert "the same command goes on" in said
-            assert said.count("\n") == 2
-        limit = time.monotonic() + 60.0
-        while any(map(is_running, workers)):
-            assert time.monotonic() < limit
-            time.sleep(0.05)
-        count = rows(path)
-        assert 0 < count < 60
-    done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=True)
-    assert done.stdout == f"{path}: 60 cases\n"
-
-
-def rows(path: Path) -> int:
-    with sqlite3.connect(path, timeout=10.0) as file:
-        tables = file.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
-        count = file.execute("SELECT count(*) FROM cases").fetchone()[0] if tables else 0
-    file.close()
-    return int(count)
 
 
 def test_identity_of_a_sweep_is_plain_text() -> None:
