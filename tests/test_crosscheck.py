@@ -89,8 +89,8 @@ def test_other_tables_laws_and_contacts_agree(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=" + ".join)
-def test_every_possible_set_agrees_over_two_seconds(constraints: ConstraintSet) -> None:
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS[2::4], ids=" + ".join)
+def test_other_sets_than_the_paper_agree_over_two_seconds(constraints: ConstraintSet) -> None:
     scenario = Scenario(constraints=constraints)
     assert failed(crosscheck.check_scenario(scenario, states=300)) == []
 

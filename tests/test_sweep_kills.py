@@ -98,7 +98,9 @@ def is_running(process: int) -> bool:
 def test_interrupted_and_killed_sweeps_leave_no_process_and_go_on(tmp_path: Path) -> None:
     path = tmp_path / "a.db"
     # More cases than any machine runs between two commits.
-    call = [sys.executable, "-m", "validation", "sweep", "spin=30:40:1000000", "--model", "4"]
+    # What runs in the background of a script is born deaf to Ctrl-C.
+    call = ["env", "--default-signal=INT", sys.executable]
+    call += ["-m", "validation", "sweep", "spin=30:40:1000000", "--model", "4"]
     call += ["--formulation", "reduced", "--end", "0.05", "--workers", "2", "--out", str(path)]
     count = 0
     for sent in (signal.SIGINT, signal.SIGKILL, signal.SIGINT):

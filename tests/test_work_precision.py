@@ -17,7 +17,7 @@ from mbs_models import Integrator, Scene
 from validation.commands import work_precision as commands_work_precision
 from validation.kit.report import Job
 from validation.kit.tables import Table
-from validation.studies.work_precision import measure, study
+from validation.studies.work_precision import measure, prices, study
 from validation.studies.work_precision.measure import ladder_end
 from validation.studies.work_precision.methods import EngineMethod, InHouseMethod, label, methods
 from validation.studies.work_precision.problems import (
@@ -137,8 +137,8 @@ def test_reference_of_a_motion_whose_contact_pulls_is_refused(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", PROBLEMS)
-def test_all_references_agree_two_digits_beyond_the_finest_goal(name: Any) -> None:
+@pytest.mark.parametrize("name", ["model-2", "contact-load", "fast"])
+def test_other_references_agree_two_digits_beyond_the_finest_goal(name: Any) -> None:
     assert agreement(name).floor <= 1e-9
 
 
@@ -368,7 +368,12 @@ def test_command_prints_the_tables_and_the_page(
 
 
 @pytest.mark.slow
-def test_quick_study_writes_its_page_and_resumes(tmp_path: Path) -> None:
+def test_quick_study_writes_its_page_and_resumes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # The report's test runs the whole selection.
+    monkeypatch.setattr(study, "PROBLEMS", {"stiff": PROBLEMS["stiff"]})
+    monkeypatch.setattr(prices, "cases", lambda _quick: [])
     page, tables = study.make(tmp_path, quick=True)
     assert page.exists()
     assert (tmp_path / "work-precision-all-runs.csv").exists()
