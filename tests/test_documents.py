@@ -14,7 +14,10 @@ from validation.parser.top import parser
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")])
-LONG = ("report", "work-precision", "robustness", "rest", "cycles", "heteroclinic", "map")
+LONG = (
+    *("report", "work-precision", "robustness", "rest", "map"),
+    *("cycles", "heteroclinic", "passage"),
+)
 """Subcommands of more than some seconds, which other tests run."""
 
 

@@ -17,7 +17,7 @@ from mbs_models import Integrator, Scene
 from validation.commands import work_precision as commands_work_precision
 from validation.kit.report import Job
 from validation.kit.tables import Table
-from validation.studies.work_precision import measure, prices, study
+from validation.studies.work_precision import measure, study
 from validation.studies.work_precision.measure import ladder_end
 from validation.studies.work_precision.methods import EngineMethod, InHouseMethod, label, methods
 from validation.studies.work_precision.problems import (
@@ -365,18 +365,3 @@ def test_command_prints_the_tables_and_the_page(
     printed = capsys.readouterr().out
     assert "Fastest way" in printed
     assert printed.rstrip().endswith(f"Open {tmp_path / 'report.html'}")
-
-
-@pytest.mark.slow
-def test_quick_study_writes_its_page_and_resumes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # The report's test runs the whole selection.
-    monkeypatch.setattr(study, "PROBLEMS", {"stiff": PROBLEMS["stiff"]})
-    monkeypatch.setattr(prices, "cases", lambda _quick: [])
-    page, tables = study.make(tmp_path, quick=True)
-    assert page.exists()
-    assert (tmp_path / "work-precision-all-runs.csv").exists()
-    again, same = study.make(tmp_path, quick=True)
-    assert again == page
-    assert same[0].rows == tables[0].rows

@@ -31,7 +31,8 @@ FRICTION = [(mu, eps) for mu in (0.1, 0.3) for eps in (0.003, 0.01, 0.03, 0.1)]
 MANIFOLD = (0.1, 0.05, 0.025, 0.0125)
 """Smoothing speeds in m/s at which the distance from the slow manifold is measured."""
 
-SPINS = engine_cycles.SPINS
+SPINS = engine_cycles.SPINS[1::2]
+"""Spins in rad/s at which the engine finds its own cycles."""
 HELD = ("Model 1 at held spin", "Model 2 at held spin")
 
 STATIONARY = [(name, spin) for name in HELD for spin in (28.0, 60.0)]
