@@ -95,7 +95,7 @@ def test_jobs_of_all_studies_can_be_sent_to_workers() -> None:
             assert pickle.dumps(job)
 
 
-@pytest.mark.slow
+@pytest.mark.whole
 def test_report_holds_every_check_and_shows_every_figure_and_statement(tmp_path: Path) -> None:
     code = "from validation.cli import main; raise SystemExit(main())"
     done = subprocess.run(

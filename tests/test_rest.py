@@ -375,14 +375,14 @@ def test_creeping_loss_is_that_of_the_viscous_slip_and_vanishes_with_it(
 ) -> None:
     start = slid.to_trajectory().state(-1)
     losses = []
-    for coefficient, smoothing in ((0.3, 0.1), (0.6, 0.2), (0.6, 0.0125)):
+    for coefficient, smoothing in ((0.3, 0.1), (0.6, 0.2), (0.6, 0.05), (0.6, 0.0125)):
         friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing, load="contact")
         scenario = Scenario.rest(start=start, friction=friction)
         motion = simulate_to_rest(scenario, 12.0, local_tolerance=1e-10)
         losses.append(mean_loss(motion, 6.0, 12.0)[1])
     # At such small slip the law is viscous: only smoothing / coefficient matters.
     assert losses[1] == pytest.approx(losses[0], rel=0.03)
-    assert losses[2] < 0.25 * losses[1]
+    assert losses[3] < 0.5 * losses[2]
 
 
 def test_disk_slides_down_a_slope_until_friction_carries_it() -> None:
