@@ -15,8 +15,9 @@ from typing import Any
 
 from analysis.data.files import whole_file
 from validation.kit import reach
+from validation.kit.full_study import rounded
 from validation.kit.parts import Job, Part
-from validation.kit.plain import pack, unpack
+from validation.kit.plain import DIGITS, pack, unpack
 from validation.kit.provenance import Provenance
 
 FOLDER = Path(__file__).parents[1] / "studies" / "shipped"
@@ -85,7 +86,9 @@ class Shipment:
 def call(job: Job) -> str:
     """Key, function and arguments of a job as text, the same in every process."""
     name = f"{job.function.__module__}.{job.function.__qualname__}"
-    text = json.dumps([pack(job.key), name, pack(job.arguments)], ensure_ascii=False)
+    # Another machine's mathematical library may differ in the last digit of an argument.
+    known = rounded([pack(job.key), name, pack(job.arguments)], DIGITS)
+    text = json.dumps(known, ensure_ascii=False)
     digest = hashlib.sha256(text.encode()).hexdigest()[:12]
     return f"{job.key!r} {digest}"
 

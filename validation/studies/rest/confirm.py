@@ -10,7 +10,7 @@ from validation.kit.samples import Sample
 from validation.studies.rest import contact, creep
 from validation.studies.rest.runs import SHOWN, STEP, Course, move_in_house, run_engine
 
-COARSER = 8
+COARSER = 6
 """Step of the engine's whole run on the spot, in those of the shipped one."""
 
 BEGIN = 1.0

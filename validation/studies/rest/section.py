@@ -102,6 +102,12 @@ def _paragraphs(results: Mapping[Any, Any]) -> list[str]:
     law: rest_creep.Creep = results["rest creep", rest_creep.SMOOTHINGS[0]]
     return [
         (
+            "The runs below take minutes and come with the package. Run on the spot, whole, is "
+            f"the in-house way to rest with {SHOWN}, which the pictures and the animation show, "
+            "and the engine's with a longer step; the first table says what else is repeated, "
+            "and what is only shipped. The textbook's disks and the final stage are run here."
+        ),
+        (
             "The disk is a thin spheroid on a stiff, damped, unilateral contact, so that its "
             "lowest point is defined in every attitude. Sliding friction acts on the actual "
             "contact force. Rolling resistance, pivoting friction and air drag are off unless a "
