@@ -27,6 +27,7 @@ from validation.maps.refinement import refine
 from validation.maps.run import panels, run_pairs, run_panel
 from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import sweeps as parser
+from validation.sweeps.outcomes import Row
 from validation.sweeps.results import Results
 from validation.sweeps.sweep import Plan, Sweep
 
@@ -94,7 +95,7 @@ def test_choices_of_the_command_are_the_maps() -> None:
         ({"status": "refused"}, "refused"),
     ],
 )
-def test_outcomes_are_told_apart(row: dict[str, str | float | None], expected: str) -> None:
+def test_outcomes_are_told_apart(row: Row, expected: str) -> None:
     assert inversion_class(Scenario(), row) == expected
 
 
@@ -105,7 +106,7 @@ def test_face_is_decided_once_the_energy_cannot_lift_the_disk_on_its_rim() -> No
     barrier = disk.mass * 9.81 * (disk.radius - disk.eccentricity)
 
     def face(energy: float, up: float) -> str:
-        row: dict[str, str | float | None] = {"status": "done", "ending": None}
+        row: Row = {"status": "done", "ending": None}
         return face_class(scenario, row | {"energy_end": energy, "face_end": up})
 
     assert face(1.001 * barrier, 0.9) == "not decided"

@@ -74,7 +74,7 @@ def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = 
     if width is None:
         width = 7.5 if len(panels) == 1 else _WIDTH * len(panels) + 1.0
     figure, axes = new_figure(columns=len(panels), width=width, height=5.2, share=False)
-    axes = np.atleast_1d(axes)
+    axes = np.atleast_1d(axes).tolist()
     times = [_times(panel) for panel in panels]
     found = np.concatenate([each[np.isfinite(each)] for each in times])
     norm = mpl.colors.Normalize(*(np.percentile(found, [0, 98]) if found.size else (0.0, 1.0)))
@@ -85,7 +85,7 @@ def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = 
     _name(panels, axes)
     if found.size:
         image = mpl.cm.ScalarMappable(norm, "viridis")
-        figure.colorbar(image, ax=list(axes), label="time to inversion in s", extend="max")
+        figure.colorbar(image, ax=axes, label="time to inversion in s", extend="max")
     figure.legend(handles=_legend(panels, theory, points=points), loc="outside upper left",
                   ncols=3 if len(panels) == 1 else 6, fontsize=9)  # fmt: skip
     return figure

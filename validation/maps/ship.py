@@ -40,10 +40,12 @@ def run(folder: Path, pool: Pool) -> Study:
     done = {}
     for name, levels in LEVELS.items():
         problem = PROBLEMS[name]
-        size = {"cells": CELLS, "levels": levels, "witnesses": WITNESSES}
+        wanted = panels(
+            problem, Scenario(), cells=CELLS, levels=levels, end=problem.end, witnesses=WITNESSES
+        )
         done[name] = tuple(
             run_panel(problem, sweep, folder / f"{name}-{index}.db", levels=levels, pool=pool)
-            for index, sweep in enumerate(panels(problem, Scenario(), end=problem.end, **size), 1)
+            for index, sweep in enumerate(wanted, 1)
         )
         sys.stdout.write(f"{name}: {sum(len(each.classes) for each in done[name])} runs\n")
         sys.stdout.flush()

@@ -79,7 +79,7 @@ def _unpack(stored: dict[str, Any]) -> Study:
     panels: dict[str, tuple[Panel, ...]] = {}
     for each in stored["panels"]:
         panels[each["map"]] = (*panels.get(each["map"], ()), _unpack_panel(each))
-    fineness = {
+    fineness: dict[str, Any] = {
         name: np.array(value) if isinstance(value, list) else value
         for name, value in stored["fineness"].items()
     }
