@@ -267,7 +267,7 @@ def _take(
     found.last[rows] = solver.state.T[:count]
     found.steps[rows] = [each[3] for each in results[:count]]
     alive = solver.pars[ALIVE, :count]
-    if alive.all():
+    if np.count_nonzero(alive) == count:
         return []
     ended = np.flatnonzero(alive == 0.0)
     found.ends[first + ended] = solver.pars[WHEN, ended]

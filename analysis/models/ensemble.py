@@ -112,7 +112,7 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     >>> runs.inversions.outcomes.tolist()
     ['not inverted', 'inverted']
     >>> runs.coordinates.shape, runs[1].inversion_time
-    ((2, 401, 6), 0.495)
+    ((2, 401, 6), 0.49)
     """
     members = scenarios if isinstance(scenarios, Ensemble) else list(scenarios)
     times = increasing_times(times)
