@@ -28,8 +28,9 @@ from validation.maps.run import panels, run_pairs, run_panel
 from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import sweeps as parser
 from validation.sweeps.outcomes import Row
+from validation.sweeps.plan import Plan
 from validation.sweeps.results import Results
-from validation.sweeps.sweep import Plan, Sweep
+from validation.sweeps.sweep import Sweep
 
 REDUCED = Scenario(constraints=MODELS[4])
 

@@ -17,11 +17,12 @@ from validation.commands.options import PATIENCE, chosen_end
 from validation.commands.scenarios import chosen_scenario
 from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
 from validation.sweeps.outcomes import DONE
+from validation.sweeps.plan import Plan
 from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.results import write_csv
 from validation.sweeps.runner import Told, run_cases
 from validation.sweeps.store import Store, expected_size
-from validation.sweeps.sweep import LookAhead, Plan, Sweep, look_ahead
+from validation.sweeps.sweep import LookAhead, Sweep, look_ahead
 
 _FILE = ("axes", "layout", "number", "seed")
 

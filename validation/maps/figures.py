@@ -1,6 +1,7 @@
 """Pictures of maps: time to inversion in perceptually even colours, other outcomes in greys."""
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -38,8 +39,8 @@ _MEANING = {
     "lost": "inverted, and lost again",
     "not decided": "not decided",
     "failed": "run failed",
-    "upper face": "the one at β < π/2",
-    "lower face": "the one at β > π/2",
+    "upper face": "face up at rest: that at β < π/2",
+    "lower face": "face up at rest: that at β > π/2",
 }
 
 _BARE: Any = {"linestyle": "none"}
@@ -55,8 +56,11 @@ _ALIKE = _BARE | {
 _OTHER = _BARE | {"marker": "x", "markersize": 7, "markeredgecolor": "#d55e00"}
 _RIM: Any = {"markeredgecolor": "white", "markeredgewidth": 2.0}
 
-_WIDTH = 3.4
+_WIDTH, _HEIGHT = 3.4, 4.4
 """Of a panel in inches."""
+
+_LINE = 34
+"""Letters of a title beside others in a line."""
 
 
 def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = True) -> Figure:
@@ -73,7 +77,7 @@ def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = 
     points = points and any(len(panel.classes) < np.prod(panel.shape) for panel in panels)
     if width is None:
         width = 7.5 if len(panels) == 1 else _WIDTH * len(panels) + 1.0
-    figure, axes = new_figure(columns=len(panels), width=width, height=5.2, share=False)
+    figure, axes = new_figure(columns=len(panels), width=width, height=_HEIGHT, share=False)
     axes = np.atleast_1d(axes).tolist()
     times = [_times(panel) for panel in panels]
     found = np.concatenate([each[np.isfinite(each)] for each in times])
@@ -87,7 +91,7 @@ def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = 
         image = mpl.cm.ScalarMappable(norm, "viridis")
         figure.colorbar(image, ax=axes, label="time to inversion in s", extend="max")
     figure.legend(handles=_legend(panels, theory, points=points), loc="outside upper left",
-                  ncols=3 if len(panels) == 1 else 6, fontsize=9)  # fmt: skip
+                  ncols=3 if len(panels) == 1 else 6, fontsize=9, frameon=False)  # fmt: skip
     return figure
 
 
@@ -103,7 +107,7 @@ def _name(panels: Sequence[Panel], axes: Sequence[Axes]) -> None:
             each.set(ylabel=label)
         if len(panels) > 1:
             title = panel.sweep.scenario.name if of_models else problem.title
-            each.set_title(title, fontsize=10, loc="left")
+            each.set_title(fill(title, _LINE), fontsize=10, loc="left")
 
 
 def _times(panel: Panel) -> Array:

@@ -13,7 +13,8 @@ from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.fields import changed
 from validation.sweeps.outcomes import DONE, Row
-from validation.sweeps.sweep import Plan, Sweep
+from validation.sweeps.plan import Plan
+from validation.sweeps.sweep import Sweep
 
 THEORY_SAMPLES = 31
 """Places along the vertical axis at which critical speeds are worked out."""

@@ -81,7 +81,8 @@ def _add_plan(sweep: argparse.ArgumentParser) -> None:
     accuracy.add_argument(
         "--local-tolerance",
         type=float,
-        help="in-house only: of a single run in place of two that agree; no error is estimated",
+        help="of a single run whose solver controls its steps, in place of several that agree; no "
+        "error is estimated; engine: DOPRI5, without constraints (Model 1)",
     )
     add("--end", type=float, default=4.0, help="end of each motion in s (4)")
     add("--spacing", type=float, default=5e-3, help="between samples in s (0.005)")
