@@ -20,7 +20,7 @@ from validation.kit.report import Section
 from validation.kit.tables import Table
 from validation.studies import full_report, inversion, summary
 from validation.studies.full_report import Study
-from validation.studies.rest import section as rest
+from validation.studies.rest import runs as rest
 
 TOY = '''
 """A module."""
@@ -137,7 +137,7 @@ def test_runs_hang_on_mechanics_and_not_on_what_shows_them() -> None:
         assert "analysis.data.friction" in reached
         assert not any(module.startswith("validation.kit") for module in reached)
         assert not any(module.endswith(("figures", "summary")) for module in reached)
-    engine = reach.reach([("validation.studies.rest.section", "run_engine")])
+    engine = reach.reach([("validation.studies.rest.runs", "run_engine")])
     assert any(module.startswith("mbs_models.") for module, _ in engine)
 
 

@@ -71,6 +71,22 @@ def fingerprint(seeds: Iterable[Callable[..., Any]]) -> str:
     return digest.hexdigest()
 
 
+def by_module(seeds: Iterable[Callable[..., Any]]) -> dict[str, str]:
+    """Short hash of what functions and classes can reach in each module, by its name.
+
+    Parameters
+    ----------
+    seeds : iterable of callable
+        As in `fingerprint`; data beside a module do not count here.
+    """
+    names = {(seed.__module__, seed.__qualname__.partition(".")[0]) for seed in seeds}
+    digests: dict[str, Any] = {}
+    for module, name in sorted(reach(names)):
+        digest = digests.setdefault(module, hashlib.sha256())
+        digest.update(f"{name}={_text(module, name)};".encode())
+    return {module: digest.hexdigest()[:8] for module, digest in digests.items()}
+
+
 def reach(seeds: Iterable[Name]) -> set[Name]:
     """All definitions that can be reached from some, each as module and name."""
     found: set[Name] = set()

@@ -3,7 +3,7 @@
 from validation.kit.tables import Cell, Table, Tables, at_most
 from validation.studies.comparisons import ANGLE_LIMIT
 from validation.studies.crosscheck import END
-from validation.studies.rest import section as rest
+from validation.studies.rest import runs as rest
 from validation.studies.stability.eigenvalue_check import CHECKED_SPINS, FEW_SPINS
 
 

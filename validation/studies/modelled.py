@@ -18,7 +18,7 @@ from analysis.data.disk import STEEL_RING
 from validation.kit.page import Section
 from validation.kit.tables import Cell, Table
 from validation.studies.coordinates import sketch
-from validation.studies.rest.section import CASES
+from validation.studies.rest.runs import CASES
 
 
 def models() -> Table:

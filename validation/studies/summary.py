@@ -14,7 +14,7 @@ from validation.kit.page import Section, Verdict
 from validation.kit.tables import Cell, Tables, at_most
 from validation.studies import agreement
 from validation.studies.claims.claim import VERDICTS
-from validation.studies.rest import section as rest
+from validation.studies.rest import runs as rest
 from validation.studies.robustness import stored as robustness
 from validation.studies.robustness.cases import TOLERANCE
 from validation.studies.robustness.causes import GOOD

@@ -5,7 +5,7 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,9 +20,9 @@ from analysis import (
     simulate_many,
 )
 from analysis.data.checks import TimeLimitError
+from analysis.data.fields import changed, check_field
 from analysis.data.trajectory import versions
 from validation.sweeps.axes import Design
-from validation.sweeps.fields import changed, check_field
 from validation.sweeps.outcomes import (
     DONE,
     Row,
@@ -70,14 +70,10 @@ class Sweep:
                     f"keep must name what {self.scenario.name} has, got {min(missing)}"
                 )
 
-    @cached_property
-    def _base(self) -> dict[str, Any]:
-        return self.scenario.values()
-
     def scenario_of(self, index: int) -> Scenario:
         """Scenario of a case; `ValueError` if its values do not fit."""
         names = [axis.field for axis in self.design.axes]
-        return changed(self._base, dict(zip(names, self.design.case(index), strict=True)))
+        return changed(self.scenario, dict(zip(names, self.design.case(index), strict=True)))
 
     def has_witness(self, index: int) -> bool:
         """Whether the other side runs this case as well: evenly spread, in no step with a grid."""

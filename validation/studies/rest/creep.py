@@ -12,7 +12,7 @@ With an energy of 3/2 m g r sin(beta),
 Friction that drags the centre of gravity along makes k smaller, but keeps the law.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sin, sqrt
 from typing import Any
@@ -49,6 +49,29 @@ WINDOWS = ((24.0, 30.0), (45.0, 55.0), (70.0, 80.0))
 """Times in s of the run from Table 3 over which its loss is averaged."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Loss:
+    """What a creeping disk loses over a time.
+
+    Parameters
+    ----------
+    begin, end : float
+        In s.
+    leaning, slip : float
+        Mean leaning in rad and slip speed in m/s.
+    energy, loss, viscous : float
+        Mean energy in J, its mean loss in W, and that by a viscous friction law in W.
+    """
+
+    begin: float
+    end: float
+    leaning: float
+    slip: float
+    energy: float
+    loss: float
+    viscous: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Creep:
     """A creeping disk and the law fitted to it.
@@ -78,7 +101,12 @@ class Creep:
 
 
 def run_creep(smoothing: float) -> Creep:
-    """Run the disk as Euler's would roll, on friction of this smoothing, and fit the law."""
+    """Let the disk creep on friction of this smoothing, and fit the law."""
+    return fit(creep(smoothing, TIMES[-1]))
+
+
+def creep(smoothing: float, end: float) -> SpatialMotion:
+    """Run the disk as Euler's would roll, on friction of this smoothing, up to a time in s."""
     scenario = Scenario.rest(friction=SmoothCoulomb(smoothing=smoothing, load="contact"))
     precession = sqrt(
         scenario.weight * scenario.disk.radius / (_across(scenario.disk) * sin(START))
@@ -93,31 +121,35 @@ def run_creep(smoothing: float) -> Creep:
         x_rate=held.rates[0],
         y_rate=held.rates[1],
     )
-    motion = run_to_rest(
+    return run_to_rest(
         replace(scenario, start=start),
-        TIMES[-1],
+        end,
         source="in-house",
         spacing=1e-2,
         local_tolerance=1e-9,
     )
-    return fit(motion)
 
 
-def fit(motion: SpatialMotion) -> Creep:
-    """Fit the law to the second part of a motion and check it with the third."""
+def means(motion: SpatialMotion) -> tuple[Array, Array]:
+    """`times` and `tilts` of a `Creep` from its motion."""
     block = round(MEAN_TIME / (motion.times[1] - motion.times[0]))
     count = motion.times.size // block * block
     times = motion.times[:count].reshape(-1, block).mean(axis=1)
     energy = motion.energies.sum(axis=1)[:count].reshape(-1, block).mean(axis=1)
     scenario = motion.scenario
-    tilts = np.arcsin(energy / (1.5 * scenario.weight * scenario.disk.radius))
+    return times, np.arcsin(energy / (1.5 * scenario.weight * scenario.disk.radius))
+
+
+def fit(motion: SpatialMotion) -> Creep:
+    """Fit the law to the second part of a motion and check it with the third."""
+    times, tilts = means(motion)
     settled, end, _ = TIMES
     fitted = (times >= settled) & (times < end)
     rate, offset = np.polyfit(times[fitted], tilts[fitted] ** -2, 1)
     checked = times >= end
     law = (offset + rate * times[checked]) ** -0.5
     return Creep(
-        scenario=scenario,
+        scenario=motion.scenario,
         times=times,
         tilts=tilts,
         offset=float(offset),
@@ -209,33 +241,32 @@ def draw(results: Mapping[Any, Any]) -> Picture:
     )
 
 
-def creep_of(motion: SpatialMotion, begin: float, end: float) -> tuple[float, float]:
-    """Mean energy in J and its mean loss in W between two times."""
+def losses(motion: SpatialMotion) -> tuple[Loss, ...]:
+    """Losses over those of `WINDOWS` that a motion has passed."""
+    return tuple(
+        _loss(motion, begin, end) for begin, end in WINDOWS if motion.times[-1] > end - 1e-9
+    )
+
+
+def _loss(motion: SpatialMotion, begin: float, end: float) -> Loss:
     energy, times = motion.energies.sum(axis=1), motion.times
     first, last = np.searchsorted(times, (begin, end))
-    loss = (energy[first] - energy[last]) / (times[last] - times[first])
-    return float(np.mean(energy[first : last + 1])), float(loss)
+    part = slice(first, last + 1)
+    slip, force = motion.slip_speeds[part], motion.normal_force[part]
+    viscous = motion.scenario.friction.gradient * force * slip**2
+    return Loss(
+        begin=begin,
+        end=end,
+        leaning=float(np.mean(motion.leaning[part])),
+        slip=float(np.mean(slip)),
+        energy=float(np.mean(energy[part])),
+        loss=float((energy[first] - energy[last]) / (times[last] - times[first])),
+        viscous=float(np.mean(viscous)),
+    )
 
 
-def loss_table(motion: SpatialMotion) -> Table:
+def loss_table(found: Sequence[Loss]) -> Table:
     """How slowly the disk loses energy by sliding alone."""
-    viscosity = motion.scenario.friction.gradient
-    rows = []
-    for begin, end in WINDOWS:
-        part = (motion.times >= begin) & (motion.times <= end)
-        slip, force = motion.slip_speeds[part], motion.normal_force[part]
-        energy, loss = creep_of(motion, begin, end)
-        rows.append(
-            (
-                f"{begin:g} to {end:g}",
-                float(np.mean(motion.leaning[part])),
-                float(np.mean(slip)),
-                energy,
-                loss,
-                float(np.mean(viscosity * force * slip**2)),
-                energy / loss,
-            )
-        )
     return Table(
         name="rest-creep",
         title="With sliding friction alone the disk creeps",
@@ -248,7 +279,18 @@ def loss_table(motion: SpatialMotion) -> Table:
             "loss by μ λ_N s² / ε in W",
             "energy over loss in s",
         ),
-        rows=rows,
+        rows=[
+            (
+                f"{each.begin:g} to {each.end:g}",
+                each.leaning,
+                each.slip,
+                each.energy,
+                each.loss,
+                each.viscous,
+                each.energy / each.loss,
+            )
+            for each in found
+        ],
         note="In-house run from Table 3, which goes on creeping. The slip is far below ε, so that "
         "the friction law is viscous with μ/ε and its loss grows with the square of the slip.",
     )

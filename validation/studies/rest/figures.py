@@ -13,6 +13,7 @@ from analysis import CAUSES, Dissipation, SpatialMotion
 from analysis.data.checks import Array
 from validation.kit import figures
 from validation.kit.figures import Picture
+from validation.studies.rest.runs import Course
 
 CAUSE_NAMES = {
     "damping": "contact's damper",
@@ -29,20 +30,35 @@ _SHADES = (
 """Okabe and Ito's palette: kinetic, potential, then the causes."""
 
 
+WINDOW = 0.2
+"""Time in s within which the largest change is drawn."""
+
+_DOT = 20
+"""Every so many samples of the other run's tilt are drawn."""
+
 _CROWDED = 0.05
 """Part of the time within which the names of two phases would lie on each other."""
 
 
-def draw(motion: SpatialMotion) -> list[Picture]:
-    """The whole story over time, and the path on the table."""
+def draw(motion: SpatialMotion, other: Course) -> list[Picture]:
+    """The whole story over time, with the tilt of another run, and the path on the table."""
     figure, axes = figures.new_figure(5, height=11.0)
     draw_story(motion, axes)
+    axes[0].plot(
+        other.times[::_DOT],
+        np.degrees(other.tilt[::_DOT]),
+        ".",
+        color="black",
+        markersize=3,
+        label=other.source,
+    )
+    axes[0].legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), fontsize=8, frameon=False)
     story = figures.render(
         figure,
         name="rest-story",
         title="From Table 3 to rest",
-        caption=f"With {_described(motion.scenario.dissipation)}. Dotted: beginnings of the "
-        "phases.",
+        caption=f"With {_described(motion.scenario.dissipation)}. Lines: {motion.source}, on the "
+        f"spot; black dots: {other.source}, shipped. Dotted: beginnings of the phases.",
     )
     path = figures.render(
         draw_path(motion),
@@ -102,15 +118,14 @@ def draw_path(motion: SpatialMotion) -> Figure:
     return figure
 
 
-def draw_dependence(base: SpatialMotion, variants: Mapping[str, SpatialMotion]) -> Picture:
+def draw_dependence(base: Course, variants: Mapping[str, Course]) -> Picture:
     """How far the tilt of variants departs from that of a motion over time."""
     figure, axes = figures.new_figure(height=4.6)
-    for index, (name, motion) in enumerate(variants.items()):
-        count = min(base.times.size, motion.times.size)
-        change = np.abs(motion.tilt[:count] - base.tilt[:count])
+    for index, (name, course) in enumerate(variants.items()):
+        change = course.apart(base)
         axes.semilogy(
-            base.times[:count],
-            _largest_around(change, 41),
+            base.times[: change.size],
+            _largest_around(change, 1 + round(WINDOW / base.spacing)),
             label=name,
             color=_SHADES[(2, 0, 3, 7, 6)[index]],
             linestyle=("-", "--", "-", "-", "-.")[index],
@@ -127,7 +142,7 @@ def draw_dependence(base: SpatialMotion, variants: Mapping[str, SpatialMotion]) 
         figure,
         name="rest-dependence",
         title="What the way to rest depends on",
-        caption="Largest change of β within a fifth of a second against the in-house run. Dotted: "
+        caption=f"Largest change of β within {WINDOW:g} s against the in-house run. Dotted: "
         "beginnings of its phases.",
     )
 
@@ -139,7 +154,7 @@ def _largest_around(values: Array, width: int) -> Array:
     return result
 
 
-def _mark_phases(motion: SpatialMotion, panels: Sequence[Any]) -> None:
+def _mark_phases(motion: SpatialMotion | Course, panels: Sequence[Any]) -> None:
     """Draw dotted lines where phases begin, named in the first of the axes."""
     phases = motion.phases
     begins = {field.name: getattr(phases, field.name) for field in fields(phases)}

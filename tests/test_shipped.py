@@ -1,0 +1,171 @@
+"""Results that come with the package: stored as plain data, taken, confirmed and known by age."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import Scenario, Start
+from validation.kit import reach, shipped
+from validation.kit.parts import Job, Part
+from validation.kit.plain import pack, unpack
+from validation.kit.samples import Sample, table
+from validation.studies import full_report, ship
+from validation.studies.rest.creep import Loss
+
+SCENARIO = Scenario(start=Start(spin=31.0))
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        (1, 0.1, True, None, "text", (2.0, [3])),
+        {("a", 1): {"b": 1.5}},
+        2.0 - 1.0j,
+        np.array(((0.1, np.nan), (2.0, -3.0))),
+        np.array((1.0 + 2.0j, 3.0j)),
+        np.array((True, False)),
+        [SCENARIO],
+    ],
+)
+def test_plain_data_make_the_same_result_again(value: Any) -> None:
+    again = unpack(pack(value))
+    assert type(again) is type(value)
+    np.testing.assert_equal(again, value)
+
+
+@pytest.mark.parametrize("value", [Path("x"), {1.0}, np.array(("a",)), Loss])
+def test_what_is_no_result_is_refused(value: Any) -> None:
+    with pytest.raises(ValueError, match="value must be"):
+        pack(value)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["os:system", "analysis.data.checks:number", "analysis.data.scenario:asdict", ":"],
+)
+def test_file_can_name_nothing_but_dataclasses_of_the_project(name: str) -> None:
+    with pytest.raises(ValueError, match="stored must name a dataclass of this project"):
+        unpack({name: {}})
+
+
+def spin_of(scenario: Scenario, factor: float) -> tuple[str, float]:
+    """What a job computes."""
+    state = scenario.initial_state
+    return "here", factor * float(state.rates[3])
+
+
+def jobs(*factors: float) -> list[Job]:
+    return [Job(("spin", factor), spin_of, (SCENARIO, factor)) for factor in factors]
+
+
+@pytest.fixture(name="section")
+def _section(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """A section for which the results of two jobs are shipped."""
+    monkeypatch.setattr(shipped, "FOLDER", tmp_path)
+    monkeypatch.setattr(reach, "PROJECT", (*reach.PROJECT, "tests"))
+    made = jobs(1.0, 2.0)
+    parts = {job.key: Part(("shipped", job.arguments[1]), 1.5) for job in made}
+    shipped.of.cache_clear()
+    shipped.gather(made, parts).write(shipped.path_of("toy"))
+    yield "toy"
+    shipped.of.cache_clear()
+
+
+def results(section: str, wanted: list[Job]) -> list[Any]:
+    return [job.function(*job.arguments) for job in shipped.taken(section, wanted)]
+
+
+def test_shipped_results_are_taken_and_others_computed(section: str) -> None:
+    assert results(section, jobs(2.0, 3.0)) == [("shipped", 2.0), ("here", 93.0)]
+    assert results("other", jobs(2.0)) == [("here", 62.0)]
+
+
+def test_result_of_another_call_is_not_taken(section: str) -> None:
+    (job,) = jobs(2.0)
+    other = replace(job, arguments=(replace(SCENARIO, start=Start(spin=32.0)), 2.0))
+    assert results(section, [other]) == [("here", 64.0)]
+
+
+def test_report_says_what_is_confirmed_what_is_only_shipped_and_how_old_it_is(
+    section: str,
+) -> None:
+    samples = [
+        Sample(what="good", how="again", quantity="x", difference=1e-6, limit=1e-5),
+        Sample(what="bad", how="again", quantity="x", difference=2e-5, limit=1e-5),
+        Sample(what="long"),
+    ]
+    shown = table(section, jobs(1.0, 2.0, 3.0), samples)
+    assert [row[-1] for row in shown.rows] == [True, False, None]
+    assert shown.rows[2][1] == "no, only shipped"
+    assert "2 results are shipped, which took 3 s of processor time" in shown.note
+    assert "1 others were computed for this page" in shown.note
+    assert "has not changed since" in shown.note
+    found = shipped.of(section)
+    assert found is not None
+    changed = replace(found, code=found.code | {"analysis.data.start": "0"})
+    assert changed.changed(jobs(1.0)) == ["analysis.data.start"]
+    python = {**found.provenance.packages, "python": "3.99.1"}
+    elsewhere = replace(found, provenance=replace(found.provenance, packages=python))
+    assert elsewhere.changed(jobs(1.0)) is None
+    assert table("other", jobs(1.0), samples).note.startswith("Nothing is shipped")
+
+
+def test_damaged_file_is_said_to_be_one(section: str) -> None:
+    path = shipped.path_of(section)
+    path.write_text(path.read_text()[:-9])
+    shipped.of.cache_clear()
+    with pytest.raises(ValueError, match=r"toy.json does not hold shipped results"):
+        shipped.of(section)
+
+
+SHIPPING = [each for each in full_report.STUDIES if each.shipped()]
+
+
+@pytest.mark.parametrize("study", SHIPPING, ids=lambda each: each.name)
+def test_shipped_results_can_be_read_and_are_small(study: full_report.Study) -> None:
+    path = shipped.path_of(study.name)
+    assert path.stat().st_size < 400_000
+    found = shipped.read(path)
+    assert found.provenance.commit
+    for result, _ in found.parts.values():
+        unpack(result)
+
+
+@pytest.mark.whole
+@pytest.mark.parametrize("study", SHIPPING, ids=lambda each: each.name)
+def test_shipped_results_are_those_of_all_calls_that_the_report_would_make(
+    study: full_report.Study,
+) -> None:
+    found = shipped.read(shipped.path_of(study.name))
+    assert {shipped.call(job) for job in study.shipped()} == set(found.parts), (
+        f"run python -m validation.studies.ship DIR {study.name}"
+    )
+
+
+def test_shipping_computes_what_is_left_and_puts_it_into_the_package(
+    section: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    toy = replace(full_report.STUDIES[0], name=section, shipped=lambda: jobs(3.0))
+    monkeypatch.setattr(ship, "STUDIES", (toy,))
+    calls: list[Any] = []
+
+    def run(left: list[Job], **_: Any) -> dict[Any, Part]:
+        calls.extend(left)
+        return {job.key: Part(job.function(*job.arguments), 2.0) for job in left}
+
+    monkeypatch.setattr(ship, "run_parts", run)
+    assert ship.main([str(tmp_path), section]) == 0
+    assert len(calls) == 1
+    assert "toy: 1 results, 2 s of processor time" in capsys.readouterr().out
+    shipped.of.cache_clear()
+    assert results(section, jobs(3.0)) == [("here", 93.0)]
+    with pytest.raises(SystemExit):
+        ship.main([str(tmp_path), "nothing"])
+    assert "SECTION must be one of toy, got 'nothing'" in capsys.readouterr().err

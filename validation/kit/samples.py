@@ -1,0 +1,98 @@
+"""How shipped results are confirmed on the spot, as a table."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from validation.kit import shipped
+from validation.kit.parts import Job
+from validation.kit.tables import Table
+
+COMMAND = "python -m validation.studies.ship"
+"""What makes the shipped results anew."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """A shipped result, and what confirms it.
+
+    Parameters
+    ----------
+    what : str
+        The result.
+    how : str
+        What has been computed on the spot; empty for a result that is only shipped.
+    quantity : str
+        What is compared.
+    difference, limit : float, optional
+        Largest difference, and what it may be at most.
+    """
+
+    what: str
+    how: str = ""
+    quantity: str = ""
+    difference: float | None = None
+    limit: float | None = None
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether it is confirmed; None for a result that is only shipped."""
+        if self.difference is None or self.limit is None:
+            return None
+        return self.difference <= self.limit
+
+
+def table(section: str, jobs: Sequence[Job], samples: Sequence[Sample]) -> Table:
+    """What is shipped for a section, and what of it is confirmed on the spot.
+
+    Parameters
+    ----------
+    section : str
+        Name of the section.
+    jobs : sequence of Job
+        Those whose results are shipped.
+    samples : sequence of Sample
+    """
+    return Table(
+        name=f"{section}-confirmed",
+        title="What comes with the package, and what is confirmed on the spot",
+        columns=(
+            "shipped result",
+            "confirmed here by",
+            "compared",
+            "largest difference",
+            "at most",
+            "agrees",
+        ),
+        rows=[
+            (
+                each.what,
+                each.how or "no, only shipped",
+                each.quantity or None,
+                each.difference,
+                each.limit,
+                each.agrees,
+            )
+            for each in samples
+        ],
+        note=_origin(section, jobs),
+        folded=False,
+    )
+
+
+def _origin(section: str, jobs: Sequence[Job]) -> str:
+    found = shipped.of(section)
+    here = [job for job in jobs if found is None or shipped.call(job) not in found.parts]
+    if found is None or len(here) == len(jobs):
+        return "Nothing is shipped: all of it was computed for this page."
+    changed = found.changed(jobs)
+    since = {
+        None: "cannot be compared on another version of Python",
+        True: "has not changed since",
+        False: f"has changed since in {', '.join(changed or ())}",
+    }[None if changed is None else not changed]
+    others = f"{len(here)} others were computed for this page. " if here else ""
+    return (
+        f"{len(jobs) - len(here)} results are shipped, which took {found.seconds:.0f} s of "
+        f"processor time, from {found.provenance.text()}. {others}The code that they come from "
+        f"{since}. `{COMMAND}` computes them again."
+    )

@@ -1,0 +1,171 @@
+"""Results of jobs that come with the package: stored by one command, taken by the report.
+
+A file holds the results of a section's long jobs, with machine, versions, date and commit, and a
+hash of every module that they come from. A job whose call is in the file is not run again; any
+other one is, so that a new job needs nothing but time until it is shipped.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from analysis.data.files import whole_file
+from validation.kit import reach
+from validation.kit.full_study import rounded
+from validation.kit.parts import Job, Part
+from validation.kit.plain import DIGITS, pack, unpack
+from validation.kit.provenance import Provenance
+
+FOLDER = Path(__file__).parents[1] / "studies" / "shipped"
+"""Where the files lie, one for each section."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shipment:
+    """The shipped results of a section.
+
+    Parameters
+    ----------
+    provenance : Provenance
+    code : dict
+        Hash of what the jobs reach in each module.
+    parts : dict
+        From `call` of each job to its result as plain data and its processor time in s.
+    """
+
+    provenance: Provenance
+    code: dict[str, str]
+    parts: dict[str, tuple[Any, float]]
+
+    @property
+    def seconds(self) -> float:
+        """Processor time in s that all results took."""
+        return sum(seconds for _, seconds in self.parts.values())
+
+    def changed(self, jobs: Iterable[Job]) -> list[str] | None:
+        """Modules in which something that the jobs reach is not as it was for the results.
+
+        None on another version of Python, which reads sources into other trees.
+        """
+        here, there = (
+            each.packages["python"].rpartition(".")[0]
+            for each in (Provenance.here(), self.provenance)
+        )
+        if here != there:
+            return None
+        now = reach.by_module(_functions(jobs))
+        return sorted(name for name, _ in set(self.code.items()) ^ set(now.items()))
+
+    def write(self, path: Path) -> None:
+        """Write it, one result a line.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        head = {"provenance": self.provenance.to_dict(), "code": self.code}
+        lines = [json.dumps(head, ensure_ascii=False)]
+        lines += [
+            json.dumps(
+                [name, seconds, result],
+                ensure_ascii=False,
+                separators=(",", ":"),
+                allow_nan=False,
+            )
+            for name, (result, seconds) in self.parts.items()
+        ]
+        with whole_file(path) as stream:
+            stream.write("".join(f"{line}\n" for line in lines).encode())
+
+
+def call(job: Job) -> str:
+    """Key, function and arguments of a job as text, the same in every process."""
+    name = f"{job.function.__module__}.{job.function.__qualname__}"
+    # Another machine's mathematical library may differ in the last digit of an argument.
+    known = rounded([pack(job.key), name, pack(job.arguments)], DIGITS)
+    text = json.dumps(known, ensure_ascii=False)
+    digest = hashlib.sha256(text.encode()).hexdigest()[:12]
+    return f"{job.key!r} {digest}"
+
+
+def gather(jobs: Sequence[Job], parts: dict[Any, Part]) -> Shipment:
+    """Shipment of the results of jobs.
+
+    Parameters
+    ----------
+    jobs : sequence of Job
+    parts : dict
+        By the key of each job.
+    """
+    return Shipment(
+        provenance=Provenance.here(),
+        code=reach.by_module(_functions(jobs)),
+        parts={
+            call(job): (pack(parts[job.key].result), round(parts[job.key].seconds, 2))
+            for job in jobs
+        },
+    )
+
+
+def _functions(jobs: Iterable[Job]) -> set[Callable[..., Any]]:
+    return {job.function for job in jobs}
+
+
+def path_of(section: str) -> Path:
+    """File of a section, whether it is there or not."""
+    return FOLDER / f"{section}.json"
+
+
+def read(path: Path) -> Shipment:
+    """Shipment from a file of `Shipment.write`.
+
+    Raises
+    ------
+    ValueError
+        If the file is none.
+    OSError
+        If it cannot be read.
+    """
+    try:
+        head, *rows = (json.loads(line) for line in path.read_text("utf-8").splitlines())
+        return Shipment(
+            provenance=Provenance(**head["provenance"]),
+            code=head["code"],
+            parts={name: (result, seconds) for name, seconds, result in rows},
+        )
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"{path} does not hold shipped results: {error!r}") from error
+
+
+@cache
+def of(section: str) -> Shipment | None:
+    """What is shipped for a section, None if nothing is."""
+    path = path_of(section)
+    return read(path) if path.is_file() else None
+
+
+def taken(section: str, jobs: Sequence[Job]) -> list[Job]:
+    """The same jobs, those whose results are shipped replaced by the reading of these."""
+    shipment = of(section)
+    if shipment is None:
+        return list(jobs)
+    digest = hashlib.sha256(path_of(section).read_bytes()).hexdigest()
+    return [
+        Job(job.key, result_of, (section, name, digest))
+        if (name := call(job)) in shipment.parts
+        else job
+        for job in jobs
+    ]
+
+
+def result_of(section: str, name: str, _digest: str) -> Any:
+    """A shipped result by the `call` of its job; the digest of the file tells versions apart."""
+    shipment = of(section)
+    if shipment is None:
+        raise KeyError(f"nothing is shipped for {section}")
+    return unpack(shipment.parts[name][0])

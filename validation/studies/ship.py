@@ -1,0 +1,64 @@
+"""Compute the long results that come with the package, and put them into it.
+
+    python -m validation.studies.ship DIR [SECTION...]
+
+Finished results are kept in DIR, so that it goes on there after an interruption.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from validation.kit import shipped
+from validation.kit.parts import FOLDER, Store
+from validation.kit.report import run_parts
+from validation.studies.full_report import STUDIES
+
+
+def ship(section: str, folder: Path) -> shipped.Shipment:
+    """Compute what is shipped for a section, and put it into the package.
+
+    Parameters
+    ----------
+    section : str
+        Name of one of `full_report.STUDIES`.
+    folder : Path
+        Gets what is finished.
+    """
+    (study,) = (study for study in STUDIES if study.name == section)
+    jobs = list(study.shipped())
+    store = Store(folder / FOLDER)
+    parts = {job.key: part for job in jobs if (part := store.find(job)) is not None}
+    left = [job for job in jobs if job.key not in parts]
+    parts |= run_parts(left, title=section, store=store)
+    made = shipped.gather(jobs, parts)
+    made.write(shipped.path_of(section))
+    return made
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Ship the results of some sections; exit code."""
+    names = [study.name for study in STUDIES if study.shipped()]
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.studies.ship", description=(__doc__ or "").split("\n")[0]
+    )
+    parser.add_argument("folder", metavar="DIR", type=Path, help="for what is finished")
+    parser.add_argument(
+        "sections", metavar="SECTION", nargs="*", help=f"{', '.join(names)}; all by default"
+    )
+    options = parser.parse_args(arguments)
+    if unknown := set(options.sections) - set(names):
+        parser.error(f"SECTION must be one of {', '.join(names)}, got {min(unknown)!r}")
+    for name in options.sections or names:
+        made = ship(name, options.folder)
+        size = shipped.path_of(name).stat().st_size
+        sys.stdout.write(
+            f"{name}: {len(made.parts)} results, {made.seconds:.0f} s of processor time, "
+            f"{size / 1000:.0f} kB; {made.provenance.text()}\n"
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

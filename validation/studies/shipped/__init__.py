@@ -1,0 +1,1 @@
+"""Results that come with the package, one file for each section; see `validation.kit.shipped`."""
