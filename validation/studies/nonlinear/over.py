@@ -43,8 +43,7 @@ def scenarios_over(scenario: Scenario, axis: Axis) -> tuple[list[float], list[Sc
         raise ValueError(f"axis {field} needs a count: first:last:count")
     values = [axis.at(index) for index in range(axis.size)]
     check_field(scenario, field, {field: values[0]})
-    base = scenario.values()
-    made = [changed(base, {field: value}) for value in values]
+    made = [changed(scenario, {field: value}) for value in values]
     return [float(value) for value in values], made
 
 
