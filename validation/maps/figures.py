@@ -39,13 +39,13 @@ _MEANING = {
     "lost": "inverted, and lost again",
     "not decided": "not decided",
     "failed": "run failed",
-    "upper face": "face up at rest: that at β < π/2",
-    "lower face": "face up at rest: that at β > π/2",
+    "upper face": "face that is up at β < π/2",
+    "lower face": "face that is up at β > π/2",
 }
 
 _BARE: Any = {"linestyle": "none"}
 _DOT = _BARE | {"marker": ".", "markersize": 1.2, "color": "black"}
-_THEORY = _BARE | {"marker": ".", "markersize": 4, "color": "#d55e00"}
+_THEORY = _BARE | {"marker": ".", "markersize": 4, "color": "black"}
 _ALIKE = _BARE | {
     "marker": "o",
     "markersize": 5,
@@ -91,7 +91,7 @@ def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = 
         image = mpl.cm.ScalarMappable(norm, "viridis")
         figure.colorbar(image, ax=axes, label="time to inversion in s", extend="max")
     figure.legend(handles=_legend(panels, theory, points=points), loc="outside upper left",
-                  ncols=3 if len(panels) == 1 else 6, fontsize=9, frameon=False)  # fmt: skip
+                  ncols=1 + len(panels), fontsize=9, frameon=False)  # fmt: skip
     return figure
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from math import pi
 from typing import Any
 
@@ -170,6 +171,7 @@ def classify(problem: Problem) -> Classify:
     return face_class if problem.to_rest else inversion_class
 
 
+@cache
 def critical_points(problem: Problem, scenario: Scenario) -> Array:
     """Critical spins of inverted spinning along the vertical axis, shape (n, 2).
 
