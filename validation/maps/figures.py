@@ -63,7 +63,13 @@ _LINE = 34
 """Letters of a title beside others in a line."""
 
 
-def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = True) -> Figure:
+def draw(
+    panels: Sequence[Panel],
+    *,
+    width: float | None = None,
+    points: bool = True,
+    theory: bool = True,
+) -> Figure:
     """Figure of maps beside each other.
 
     Parameters
@@ -73,6 +79,8 @@ def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = 
         In inches.
     points : bool
         Whether the cases that were run are marked, unless all were.
+    theory : bool
+        Whether critical speeds are drawn in, where a map has any.
     """
     points = points and any(len(panel.classes) < np.prod(panel.shape) for panel in panels)
     if width is None:
@@ -82,15 +90,18 @@ def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = 
     times = [_times(panel) for panel in panels]
     found = np.concatenate([each[np.isfinite(each)] for each in times])
     norm = mpl.colors.Normalize(*(np.percentile(found, [0, 98]) if found.size else (0.0, 1.0)))
-    theory = [critical_points(panel.problem, panel.sweep.scenario) for panel in panels]
-    for panel, inverted, lines, each in zip(panels, times, theory, axes, strict=True):
+    critical = [
+        critical_points(panel.problem, panel.sweep.scenario) if theory else np.empty((0, 2))
+        for panel in panels
+    ]
+    for panel, inverted, lines, each in zip(panels, times, critical, axes, strict=True):
         _fill(panel, inverted, norm, each)
         _mark(panel, lines, each, points=points)
     _name(panels, axes)
     if found.size:
         image = mpl.cm.ScalarMappable(norm, "viridis")
         figure.colorbar(image, ax=axes, label="time to inversion in s", extend="max")
-    figure.legend(handles=_legend(panels, theory, points=points), loc="outside upper left",
+    figure.legend(handles=_legend(panels, critical, points=points), loc="outside upper left",
                   ncols=1 + len(panels), fontsize=9, frameon=False)  # fmt: skip
     return figure
 
