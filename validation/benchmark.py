@@ -335,7 +335,12 @@ def compiled(repeats: int) -> list[Table]:
     if not is_installed():
         return []
     milliseconds = partial(median_milliseconds, repeats=repeats)
-    return [compiled_speed.single_runs(milliseconds), compiled_speed.ensembles(milliseconds)]
+    few = partial(median_milliseconds, repeats=min(repeats, 3))
+    return [
+        compiled_speed.single_runs(milliseconds),
+        compiled_speed.ensembles(milliseconds),
+        compiled_speed.basin(few),
+    ]
 
 
 def main() -> None:
