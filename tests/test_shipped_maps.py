@@ -126,14 +126,14 @@ def test_section_shows_what_is_shipped_and_repeated_and_stays_small(study: Study
     results |= {job.key: job.function(*job.arguments) for job in jobs[::5]}
     section = maps.section(results)
     verdicts, models, _, repeated = section.tables
-    said, results = (
+    said, summed_up = (
         " ".join(page.read_text(encoding="utf-8").split())
         for page in (DOCS, DOCS.with_name("results.md"))
     )
     for row in verdicts.rows[:2]:
         assert str(row[3]).removesuffix(" more") in said
     far = [f"{row[-1]:.0f}" for row in models.rows]
-    for text in (said, results):
+    for text in (said, summed_up):
         assert f"{far[0]} and {far[1]} % of the starts, and Model 4 for {far[2]} %" in text
     assert {row[-1] for row in verdicts.rows} <= {*VERDICTS}
     assert len(repeated.rows) == len(jobs)
