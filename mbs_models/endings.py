@@ -1,7 +1,4 @@
-"""Where a run ends: found among samples, then located by short runs.
-
-A sample is a row of co-rotating coordinates (6), their rates (6) and the constraint forces.
-"""
+"""Where a run ends: found among samples, then located by short runs."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import pi
@@ -14,6 +11,7 @@ from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.data.limits import LEAST_TILT
 from analysis.data.state import State
+from mbs_models import columns
 from mbs_models.runs import EngineError
 
 Says = Callable[[Array], float]
@@ -34,24 +32,27 @@ def says_of(conditions: Mapping[str, Condition], *, may_pull: bool) -> dict[str,
     def of_state(condition: Condition) -> Says:
         return lambda row: condition(state_of(row))
 
-    found: dict[str, Says] = {FLAT: lambda row: leaning(row) - LEAST_TILT}
+    found: dict[str, Says] = {FLAT: lambda row: float(leaning(row)) - LEAST_TILT}
     if not may_pull:
-        found[CONTACT_WOULD_PULL] = lambda row: float(row[12])
+        found[CONTACT_WOULD_PULL] = lambda row: float(row[columns.NORMAL_FORCE])
     return found | {reason: of_state(condition) for reason, condition in conditions.items()}
 
 
-def leaning(row: Array) -> float:
-    """Angle in rad between disk and table in a sample.
+def leaning(rows: Array) -> Array:
+    """Angle in rad between disk and table in samples.
 
     It is negative where beta lies outside (0, pi), by whole turns if a run has failed.
     """
-    return float(min(row[4], pi - row[4]))
+    tilts = rows[..., columns.BETA]
+    result: Array = np.minimum(tilts, pi - tilts)
+    return result
 
 
 def state_of(row: Array) -> State:
     """State of a sample."""
     values = row.tolist()
-    return State(coordinates=tuple(values[:6]), rates=tuple(values[6:12]))
+    coordinates, rates = values[columns.COORDINATES], values[columns.RATES]
+    return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
 
 def touch_down(after: Callable[[float], Array], row: Array, width: float) -> float | None:
@@ -69,10 +70,11 @@ def touch_down(after: Callable[[float], Array], row: Array, width: float) -> flo
     """
     moment, here = 0.0, row
     for _ in range(40):
-        gap = leaning(here) - LEAST_TILT
+        gap = float(leaning(here)) - LEAST_TILT
         if moment and gap < 1e-3 * LEAST_TILT:
             return moment
-        rate = here[10] if here[4] > 0.5 * pi else -here[10]
+        rising = float(here[columns.BETA_RATE])
+        rate = rising if here[columns.BETA] > 0.5 * pi else -rising
         if rate <= 0.0:
             return None
         moment += (0.9 if gap > 10.0 * LEAST_TILT else 1.0) * gap / rate
@@ -212,9 +214,7 @@ class Search:
             Time in s after the last sample at which it was.
         """
         found: list[Found] = []
-        # Read at once, as every run has it; see `leaning`.
-        tilt = self._values[:, 4]
-        lying = np.flatnonzero(np.minimum(tilt, pi - tilt) < LEAST_TILT)
+        lying = np.flatnonzero(leaning(self._values) < LEAST_TILT)
         upright = int(lying[0]) if lying.size else len(self._values)
         flat = self._flat(upright)
         if flat is not None:
@@ -239,7 +239,7 @@ class Search:
     def _series(reason: str, says: Says, values: Array) -> Array:
         """What a condition says at samples; for those that every run has, read at once."""
         if reason == CONTACT_WOULD_PULL:
-            return values[:, 12]
+            return values[:, columns.NORMAL_FORCE]
         return np.array([says(row) for row in values])
 
     def _located(self, reason: str, says: Says, place: Dip, begin: float) -> Found | None:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from analysis.data.checks import Array
+from mbs_models.columns import apart
 from mbs_models.formulations import CLASSES
 from mbs_models.integrators import RULES, IntegratorName
 from mbs_models.model import Formulation
@@ -35,7 +36,7 @@ class Ladder:
     best : ndarray, shape (n, k)
         Best extrapolated samples so far.
     estimate : float
-        Estimated error of beta and gamma (columns 4 and 5) of the last addition in rad.
+        Estimated error of beta and gamma of the last addition in rad.
     best_estimate : float
         Smallest estimate so far.
     """
@@ -77,7 +78,7 @@ class Ladder:
         for exponent, coarse in zip(self._exponents, self._row, strict=False):
             row.append(row[-1] + (row[-1] - coarse) / (2.0**exponent - 1.0))
         differences = [
-            max(float(np.max(np.abs(fine - coarse)[:, 4:6])), ROUNDING)
+            max(apart(fine, coarse), ROUNDING)
             for coarse, fine in zip(self._row, row, strict=False)
         ]
         self.estimate = np.inf

@@ -13,6 +13,7 @@ from analysis.data.endings import (
 )
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
+from mbs_models import columns
 from mbs_models.advice import advice
 from mbs_models.effort import simulation_effort
 from mbs_models.extrapolation import FINEST
@@ -158,14 +159,15 @@ def trajectory(
     ending = None
     if result.ended is not None:
         seconds = (watch or Watch()).seconds
-        pulls = result.ended == CONTACT_WOULD_PULL
-        value = seconds if result.ended == TIME_LIMIT else pulls * float(result.values[-1, 12])
+        force = float(result.values[-1, columns.NORMAL_FORCE])
+        values = {TIME_LIMIT: seconds, CONTACT_WOULD_PULL: force}
+        value = values.get(result.ended, 0.0)
         ending = Ending(reason=result.ended, time=float(result.times[-1]), value=value)
     return Trajectory(
         times=result.times,
-        coordinates=result.values[:, :6],
-        rates=result.values[:, 6:12],
-        multipliers=result.values[:, 12:],
+        coordinates=result.values[:, columns.COORDINATES],
+        rates=result.values[:, columns.RATES],
+        multipliers=result.values[:, columns.FORCES],
         scenario=scene.scenario,
         source="engine",
         method={

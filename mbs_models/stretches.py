@@ -13,6 +13,7 @@ from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Conditio
 from analysis.data.limits import LEAST_TILT
 from analysis.data.state import COORDINATES, FlatError, State, check_upright
 from analysis.data.watch import Watch
+from mbs_models import columns
 from mbs_models.build import build
 from mbs_models.endings import Says, Search, leaning, says_of, state_of
 from mbs_models.integrators import Integrator
@@ -54,7 +55,7 @@ class _Stop:
             if reason not in {FLAT, CONTACT_WOULD_PULL}
         }
         self._armed: set[str] = set()
-        self._angles = np.array(model.start.coordinates)[[3, 5]]
+        self._angles = np.array(model.start.coordinates)[columns.TURNING]
         self.reason: str | None = None
 
     @property
@@ -73,8 +74,8 @@ class _Stop:
     def _first(self) -> str | None:
         """A condition of the user's that has turned negative."""
         row = np.hstack(self._model.decode(self._model.record()[None]))[0]
-        row[[3, 5]] += _whole_turns(self._angles - row[[3, 5]])
-        self._angles = row[[3, 5]]
+        row[columns.TURNING] += _whole_turns(self._angles - row[columns.TURNING])
+        self._angles = row[columns.TURNING]
         if leaning(row) < LEAST_TILT:
             return FLAT
         for reason, says in self._says.items():
@@ -141,8 +142,7 @@ class Runner:
         values = _values(model, samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
         if not model.has_euler_angles:
-            leans = np.minimum(values[:, 4], np.pi - values[:, 4]) >= LEAST_TILT
-            upright = int(np.argmin(np.append(leans, False)))
+            upright = int(np.argmin(np.append(leaning(values) >= LEAST_TILT, False)))
             _unwrap(values[:upright], moments[:upright], model.start)
         beyond = (samples.stopped or 0.0) - period * (len(values) - 1) if stop.reason else 0.0
         search = Search(self._after(scene, substeps), values, period, bool(failure))
@@ -152,9 +152,9 @@ class Runner:
             values = np.vstack((values[: found.row + 1], found.values))
         elif failure is not None:
             raise _failed(failure, begin, moments, values) from failure
-        check_upright(moments, values[:, :6])
+        check_upright(moments, values[:, columns.COORDINATES])
         self.moments += moments.tolist()
-        self.forces += values[:, 12].tolist()
+        self.forces += values[:, columns.NORMAL_FORCE].tolist()
         kept = np.arange(0, len(values), finer)
         if found is not None and kept[-1] != len(values) - 1:
             kept = np.append(kept, len(values) - 1)
@@ -228,7 +228,7 @@ def _failed(
 ) -> EngineError | FlatError:
     """What to say of a run that broke off."""
     place = f"stretch from t = {begin:.6g} s"
-    tilt = float(values[-1, 4])
+    tilt = float(values[-1, columns.BETA])
     if sin(tilt) < NEARLY_FLAT:
         return FlatError(
             f"{failure} ({place}); the disk lies nearly flat, at beta = {tilt:.3g} rad",
@@ -254,7 +254,7 @@ def _unwrap(values: Array, moments: Array, start: State) -> None:
     Their mean rates predict each sample, so that coarse sampling of a fast spin does not lose
     turns. A sample half a turn off its prediction cannot be told from the next.
     """
-    for column in (3, 5):
+    for column in columns.TURNING:
         angle, rate = values[:, column], values[:, 6 + column]
         angle += _whole_turns(start.coordinates[column] - angle[:1])
         predicted = 0.5 * np.diff(moments) * (rate[1:] + rate[:-1])

@@ -9,6 +9,7 @@ import numpy as np
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.state import FlatError
+from mbs_models.columns import apart
 from mbs_models.effort import HALVINGS
 from mbs_models.extrapolation import CAUTION, ROUNDING, Ladder
 from mbs_models.integrators import Integrator
@@ -133,21 +134,13 @@ def _by_step_control(
             coarse.ended,
             coarse.times.size,
         ):
-            apart = float(np.max(np.abs(fine.values - coarse.values)[:, 4:6]))
-            if CAUTION * apart <= tolerance:
-                return integrator, replace(fine, counts=counts), CAUTION * max(apart, ROUNDING)
+            estimate = CAUTION * max(apart(fine.values, coarse.values), ROUNDING)
+            if estimate <= tolerance:
+                return integrator, replace(fine, counts=counts), estimate
         if local < LEAST_LOCAL:
             return None
         coarse, local = fine, 0.1 * local
     return None
-
-
-def _difference(coarse: Pass, fine: Pass) -> float:
-    """Estimated error of beta and gamma in rad, infinite if the two do not end alike."""
-    if (coarse.ended, coarse.times.size) != (fine.ended, fine.times.size):
-        return np.inf
-    apart = float(np.max(np.abs(fine.values - coarse.values)[:, 4:6]))
-    return CAUTION * max(apart, ROUNDING)
 
 
 def _time_is_over(result: Pass, what: str, tolerance: float, best: float) -> TimeLimitError:
