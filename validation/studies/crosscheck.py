@@ -218,8 +218,8 @@ def check_set(constraints: ConstraintSet) -> list[Check]:
 
 
 REPEATED = (
-    ("Model 1, load contact", "contact-tree"),
-    ("Model 2, load weight", "floating"),
+    ("Model 1, load weight", "contact-tree"),
+    ("Model 2, load contact", "floating"),
     ("Model 3, load contact", "euler-tree"),
     ("Model 4, load weight", "floating-lie"),
 )
