@@ -1,6 +1,7 @@
 """Maps: refinement, classes, critical speeds and the uncertainty exponent."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from math import log
 from pathlib import Path
 
@@ -23,9 +24,10 @@ from validation.maps.problems import (
     sweep_of,
 )
 from validation.maps.refinement import refine
-from validation.maps.run import Panel, panels, run_pairs, run_panel
+from validation.maps.run import panels, run_pairs, run_panel
 from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import sweeps as parser
+from validation.sweeps.outcomes import Row
 from validation.sweeps.results import Results
 from validation.sweeps.sweep import Plan, Sweep
 
@@ -93,7 +95,7 @@ def test_choices_of_the_command_are_the_maps() -> None:
         ({"status": "refused"}, "refused"),
     ],
 )
-def test_outcomes_are_told_apart(row: dict[str, str | float | None], expected: str) -> None:
+def test_outcomes_are_told_apart(row: Row, expected: str) -> None:
     assert inversion_class(Scenario(), row) == expected
 
 
@@ -104,7 +106,7 @@ def test_face_is_decided_once_the_energy_cannot_lift_the_disk_on_its_rim() -> No
     barrier = disk.mass * 9.81 * (disk.radius - disk.eccentricity)
 
     def face(energy: float, up: float) -> str:
-        row: dict[str, str | float | None] = {"status": "done", "ending": None}
+        row: Row = {"status": "done", "ending": None}
         return face_class(scenario, row | {"energy_end": energy, "face_end": up})
 
     assert face(1.001 * barrier, 0.9) == "not decided"
@@ -130,11 +132,8 @@ def test_gaps_take_the_class_of_the_nearest_run(tmp_path: Path) -> None:
     problem = PROBLEMS["spin-friction"]
     sweep = sweep_of(problem, REDUCED, count=5, plan=Plan(end=0.05, formulation="reduced"))
     panel = run_panel(problem, sweep, tmp_path / "a.db", levels=2, pool=Direct())
-    assert panel.results.columns["number"].tolist() == [0, 4, 20, 24]
-    made = Panel(
-        problem=problem, sweep=sweep, classes={0: "a", 4: "b", 20: "a", 24: "a"},
-        results=panel.results,
-    )  # fmt: skip
+    assert sorted(panel.classes) == [0, 4, 20, 24]
+    made = replace(panel, classes={0: "a", 4: "b", 20: "a", 24: "a"})
     assert made.filled[1].tolist() == ["a", "a", made.filled[1][2], "b", "b"]
     assert set(made.filled[4]) == {"a"}
 
@@ -151,7 +150,7 @@ def test_store_of_a_map_is_refined_where_classes_differ(
     )
     path = tmp_path / "a.db"
     panel = run_panel(problem, sweep, path, levels=1, pool=Direct())
-    spins = panel.results.columns["start.spin"]
+    spins = panel.values()[1][panel.places(list(panel.classes))[:, 1]]
     # Left of 40 rad/s the coarse grid alone, on the right every value.
     assert sorted(set(spins)) == [20.0, 40.0, 50.0, 60.0]
     again = run_panel(problem, sweep, path, levels=1, pool=Direct())

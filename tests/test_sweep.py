@@ -150,6 +150,7 @@ OTHERS: dict[str, Callable[[Sweep], Sweep]] = {
     ),
     "plan.end": lambda wanted: replace(wanted, plan=replace(wanted.plan, end=0.06)),
     "design.axes.0.last": lambda _: sweep("spin=30:41:3", "mu=0.2,0.3"),
+    "plan.keep.0": lambda _: sweep(*SPINS, keep=("beta",)),
     "plan.tolerance": lambda _: sweep(*SPINS, tolerance=1e-5),
 }
 

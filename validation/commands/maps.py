@@ -73,7 +73,7 @@ def _draw(options: argparse.Namespace, done: Sequence[Panel]) -> Path:
     """Write the figure; returns its path."""
     from validation.maps import figures
 
-    figure = figures.draw(PROBLEMS[options.name], done)
+    figure = figures.draw(done)
     for suffix in PICTURES[:2]:
         path = Path(options.out) / f"{options.name}{suffix}"
         with whole_file(path) as stream:
@@ -92,17 +92,17 @@ def _tell_fineness(found: Uncertainty) -> None:
 
 def _tell(panel: Panel) -> None:
     """Print what a panel holds."""
-    whole, columns = panel.filled, panel.results.columns
+    whole = panel.filled
     parts = Counter(whole.ravel().tolist())
     shares = ", ".join(f"{name} {100 * n / whole.size:.0f} %" for name, n in parts.most_common())
-    count = columns["number"].size
     print(
-        f"{panel.sweep.scenario.name}: {shares}; {count} runs in place of {whole.size}, "
-        f"{columns['seconds'].sum():.0f} s"
+        f"{panel.sweep.scenario.name}: {shares}; {len(panel.classes)} runs in place of "
+        f"{whole.size}, {panel.seconds:.0f} s"
     )
-    if np.any(panel.seen):
-        apart = columns["difference"][panel.seen]
+    if panel.witnesses:
+        apart = [each.difference for each in panel.witnesses.values()]
+        alike = sum(each.alike for each in panel.witnesses.values())
         print(
-            f"  other side: {np.sum(panel.alike)} of {apart.size} alike, difference "
+            f"  other side: {alike} of {len(apart)} alike, difference "
             f"{np.median(apart):.1e} rad in the median, {np.max(apart):.1e} at most"
         )

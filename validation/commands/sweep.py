@@ -127,6 +127,7 @@ def _plan(options: argparse.Namespace) -> Plan:
         stop_when=options.stop_when,
         to_rest=options.rest,
         witnesses=options.witnesses,
+        keep=tuple(name.strip() for name in options.keep.split(",") if name.strip()),
     )
 
 

@@ -14,7 +14,7 @@ from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
 from analysis.data.checks import Array
 from validation.kit.figures import new_figure
-from validation.maps.problems import Problem, critical_points
+from validation.maps.problems import critical_points
 from validation.maps.run import Panel
 
 GREYS = {
@@ -59,46 +59,58 @@ _WIDTH = 3.4
 """Of a panel in inches."""
 
 
-def draw(problem: Problem, panels: Sequence[Panel]) -> Figure:
-    """Figure of a map.
+def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = True) -> Figure:
+    """Figure of maps beside each other.
 
     Parameters
     ----------
-    problem : Problem
     panels : sequence of Panel
+    width : float, optional
+        In inches.
+    points : bool
+        Whether the cases that were run are marked, unless all were.
     """
-    # Which cases were run is marked unless all were.
-    points = any(len(panel.classes) < np.prod(panel.shape) for panel in panels)
-    width = 7.5 if len(panels) == 1 else _WIDTH * len(panels) + 1.0
+    points = points and any(len(panel.classes) < np.prod(panel.shape) for panel in panels)
+    if width is None:
+        width = 7.5 if len(panels) == 1 else _WIDTH * len(panels) + 1.0
     figure, axes = new_figure(columns=len(panels), width=width, height=5.2, share=False)
-    axes = np.atleast_1d(axes)
+    axes = np.atleast_1d(axes).tolist()
     times = [_times(panel) for panel in panels]
     found = np.concatenate([each[np.isfinite(each)] for each in times])
     norm = mpl.colors.Normalize(*(np.percentile(found, [0, 98]) if found.size else (0.0, 1.0)))
-    image: Any = None
-    theory = [critical_points(problem, panel.sweep.scenario) for panel in panels]
+    theory = [critical_points(panel.problem, panel.sweep.scenario) for panel in panels]
     for panel, inverted, lines, each in zip(panels, times, theory, axes, strict=True):
-        image = _fill(problem, panel, inverted, norm, each)
+        _fill(panel, inverted, norm, each)
         _mark(panel, lines, each, points=points)
-        each.set(xlabel=problem.labels[0])
-        if len(panels) > 1:
-            each.set_title(panel.sweep.scenario.name, fontsize=10, loc="left")
-    axes[0].set(ylabel=problem.labels[1])
-    if not problem.to_rest:
-        figure.colorbar(image, ax=list(axes), label="time to inversion in s", extend="max")
+    _name(panels, axes)
+    if found.size:
+        image = mpl.cm.ScalarMappable(norm, "viridis")
+        figure.colorbar(image, ax=axes, label="time to inversion in s", extend="max")
     figure.legend(handles=_legend(panels, theory, points=points), loc="outside upper left",
                   ncols=3 if len(panels) == 1 else 6, fontsize=9)  # fmt: skip
     return figure
 
 
+def _name(panels: Sequence[Panel], axes: Sequence[Axes]) -> None:
+    """Titles and labels, the latter once where neighbours share them."""
+    of_models = len({panel.problem.title for panel in panels}) == 1
+    label = ""
+    for panel, each in zip(panels, axes, strict=True):
+        problem = panel.problem
+        each.set(xlabel=problem.labels[0])
+        if problem.labels[1] != label:
+            label = problem.labels[1]
+            each.set(ylabel=label)
+        if len(panels) > 1:
+            title = panel.sweep.scenario.name if of_models else problem.title
+            each.set_title(title, fontsize=10, loc="left")
+
+
 def _times(panel: Panel) -> Array:
     """Time to inversion over the finest grid in s, nan where there is none."""
-    columns = panel.results.columns
-    is_inverted = columns["inversion"] == "inverted"
-    if not np.any(is_inverted):
+    if not panel.times:
         return np.full(panel.shape, np.nan)
-    places = panel.places(columns["number"][is_inverted])
-    values = columns["inverted_at"][is_inverted]
+    places, values = panel.places(list(panel.times)), np.array(list(panel.times.values()))
     whole = np.indices(panel.shape)
     result = NearestNDInterpolator(places, values)(*whole)
     if all(np.unique(place).size > 1 for place in places.T):
@@ -107,37 +119,38 @@ def _times(panel: Panel) -> Array:
     return np.where(panel.filled == "inverted", result, np.nan)
 
 
-def _fill(problem: Problem, panel: Panel, times: Array, norm: Any, axes: Axes) -> Any:
-    y, x = (np.linspace(axis.first or 0.0, axis.last or 0.0, size)
-            for axis, size in zip(panel.sweep.design.axes, panel.shape, strict=True))  # fmt: skip
+def _fill(panel: Panel, times: Array, norm: Any, axes: Axes) -> None:
+    y, x = panel.values()
     names, classes = list(GREYS), panel.filled
     codes = np.full(panel.shape, np.nan)
     for code, name in enumerate(names):
         codes[classes == name] = code
-    axes.pcolormesh(
-        x, y, codes, cmap=ListedColormap([GREYS[name] for name in names]),
-        vmin=-0.5, vmax=len(names) - 0.5, shading="nearest", rasterized=True,
-    )  # fmt: skip
-    if problem.to_rest:
-        return None
-    return axes.pcolormesh(
-        x, y, times, cmap="viridis", norm=norm, shading="nearest", rasterized=True
-    )
+    look: Any = {"shading": "nearest", "rasterized": True}
+    colours = ListedColormap([GREYS[name] for name in names])
+    axes.pcolormesh(x, y, codes, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5, **look)
+    if panel.times:
+        axes.pcolormesh(x, y, times, cmap="viridis", norm=norm, **look)
+    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
 
 
 def _mark(panel: Panel, theory: Array, axes: Axes, *, points: bool) -> None:
     """Cases that were run, those that the other side has seen, and critical speeds."""
-    y, x = (panel.results.columns[name] for name in panel.results.axes)
+    y, x = panel.values()
+
+    def plot(numbers: Sequence[int], look: Any, **more: Any) -> None:
+        rows, columns = panel.places(numbers).T
+        axes.plot(x[columns], y[rows], **(look | more))
+
     if points:
-        axes.plot(x, y, **_DOT, alpha=0.5)
-    for agree, look in ((panel.alike, _ALIKE), (panel.seen & ~panel.alike, _OTHER)):
+        plot(list(panel.classes), _DOT, alpha=0.5)
+    for agree, look in ((True, _ALIKE), (False, _OTHER)):
+        seen = [number for number, each in panel.witnesses.items() if each.alike is agree]
         # A white rim keeps them apart from every colour.
-        axes.plot(x[agree], y[agree], **(look | _RIM))
-        axes.plot(x[agree], y[agree], **look)
+        plot(seen, look, **_RIM)
+        plot(seen, look)
     if theory.size:
         axes.plot(*theory.T, **(_THEORY | {"color": "white", "markersize": 7}))
         axes.plot(*theory.T, **_THEORY)
-    axes.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
     axes.grid(visible=False)
 
 
@@ -148,9 +161,10 @@ def _legend(panels: Sequence[Panel], theory: Sequence[Array], *, points: bool) -
         for name in GREYS
         if name in present
     ]
+    agrees = {each.alike for panel in panels for each in panel.witnesses.values()}
     looks = (
-        (any(np.any(panel.alike) for panel in panels), _ALIKE, "the other side agrees"),
-        (any(np.any(panel.seen & ~panel.alike) for panel in panels), _OTHER, "it does not"),
+        (True in agrees, _ALIKE, "the other side agrees"),
+        (False in agrees, _OTHER, "it does not"),
         (any(each.size for each in theory), _THEORY, "critical speeds of inverted spinning"),
         (points, _DOT, "runs"),
     )

@@ -1,6 +1,6 @@
 """Running a map: one store for each of its panels, refined where outcomes change."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import NearestNDInterpolator
 
 from analysis import Scenario
+from analysis.data.checks import Array
 from analysis.data.files import AnyArray
 from validation.maps.problems import (
     Problem,
@@ -26,6 +27,22 @@ from validation.sweeps.sweep import Sweep
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Witness:
+    """What the other side found in a case.
+
+    Parameters
+    ----------
+    alike : bool
+        Whether it is the same inversion, or the same face up.
+    difference : float
+        Largest of beta and gamma over the motion in rad.
+    """
+
+    alike: bool
+    difference: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Panel:
     """A panel of a map that has been run.
 
@@ -36,13 +53,47 @@ class Panel:
         Over the finest grid, of which some cases have been run.
     classes : mapping
         Classes of those cases by their numbers.
-    results : Results
+    times : mapping
+        Times to inversion in s by the numbers of the cases that are inverted.
+    witnesses : mapping
+        By the numbers of the cases that the other side has run as well.
+    seconds : float
+        Processor time of the runs.
     """
 
     problem: Problem
     sweep: Sweep
     classes: Classes
-    results: Results
+    times: Mapping[int, float]
+    witnesses: Mapping[int, Witness]
+    seconds: float
+
+    @classmethod
+    def of(cls, problem: Problem, classes: Classes, results: Results) -> "Panel":
+        """Panel from the rows of its store and their classes."""
+        columns = results.columns
+        numbers = columns["number"].tolist()
+        if problem.to_rest:
+            alike = columns["face_end"] * columns["other_face_end"] > 0.0
+        else:
+            alike = columns["inversion"] == columns["other_inversion"]
+        seen = np.isfinite(columns["difference"])
+        return cls(
+            problem=problem,
+            sweep=results.sweep,
+            classes=classes,
+            times={
+                number: time
+                for number, time in zip(numbers, columns["inverted_at"].tolist(), strict=True)
+                if classes[number] == "inverted"
+            },
+            witnesses={
+                number: Witness(alike=bool(alike[row]), difference=columns["difference"][row])
+                for row, number in enumerate(numbers)
+                if seen[row]
+            },
+            seconds=float(np.nansum(columns["seconds"])),
+        )
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -53,34 +104,25 @@ class Panel:
     @property
     def filled(self) -> AnyArray:
         """Class of every case of the finest grid: that of the nearest one that was run."""
-        numbers = np.array(sorted(self.classes))
+        numbers = sorted(self.classes)
         names = sorted(set(self.classes.values()))
-        codes = np.array([names.index(self.classes[number]) for number in numbers.tolist()])
+        codes = [names.index(self.classes[number]) for number in numbers]
         nearest = NearestNDInterpolator(self.places(numbers), codes)
         whole = nearest(*np.indices(self.shape)).astype(int)
         found: AnyArray = np.array(names, dtype=object)[whole]
         return found
 
-    def places(self, numbers: AnyArray) -> AnyArray:
+    def places(self, numbers: Sequence[int]) -> AnyArray:
         """Row and column on the finest grid by the numbers of cases, shape (n, 2)."""
-        return np.column_stack(np.divmod(numbers, self.shape[1]))
+        return np.column_stack(np.divmod(np.array(numbers, dtype=int), self.shape[1]))
 
-    @property
-    def seen(self) -> AnyArray:
-        """Which rows the other side has run as well, shape (n,)."""
-        found: AnyArray = np.isfinite(self.results.columns["difference"])
-        return found
-
-    @property
-    def alike(self) -> AnyArray:
-        """Which rows of `seen` have the same inversion, or the same face up, on both sides."""
-        columns = self.results.columns
-        if self.problem.to_rest:
-            same = columns["face_end"] * columns["other_face_end"] > 0.0
-        else:
-            same = columns["inversion"] == columns["other_inversion"]
-        found: AnyArray = self.seen & same
-        return found
+    def values(self) -> tuple[Array, Array]:
+        """Values along the vertical and the horizontal axis."""
+        first, second = (
+            np.array([axis.at(index) for index in range(axis.size or 0)], dtype=float)
+            for axis in self.sweep.design.axes
+        )
+        return first, second
 
 
 def panels(
@@ -165,7 +207,7 @@ def run_panel(
 
         first, second = sweep.design.axes
         classes = refine((first.size or 0, second.size or 0), levels, run)
-    return Panel(problem=problem, sweep=sweep, classes=classes, results=Results.load(path))
+    return Panel.of(problem, classes, Results.load(path))
 
 
 def run_pairs(

@@ -86,6 +86,12 @@ def _add_plan(sweep: argparse.ArgumentParser) -> None:
     add("--end", type=float, default=4.0, help="end of each motion in s (4)")
     add("--spacing", type=float, default=5e-3, help="between samples in s (0.005)")
     add("--stop-when", choices=CONDITIONS, help="end each run there")
+    add(
+        "--keep",
+        default="",
+        metavar="NAMES",
+        help="series to keep of each run at its samples, such as beta,gamma,normal_force",
+    )
     add("--rest", action="store_true", help="run until the disk lies still, as `tippedisk rest`")
 
 

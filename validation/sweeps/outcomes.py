@@ -1,16 +1,24 @@
-"""What is kept of a motion: a row of numbers and words."""
+"""What is kept of a motion: a row of numbers and words, and series where they are asked for."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from scipy.integrate import simpson
 
-from analysis import CAUSES, SpatialMotion, Trajectory, energies
-from analysis.data.checks import Array
+from analysis import (
+    CAUSES,
+    CONSTRAINTS,
+    SpatialMotion,
+    Trajectory,
+    energies,
+    multiplier_names,
+)
+from analysis.data.checks import Array, choice
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.inversion import STAYING
+from analysis.data.state import COORDINATES
 
-Cell = float | str | None
+Cell = float | str | bytes | None
 Row = dict[str, Cell]
 
 DONE = "done"
@@ -74,6 +82,62 @@ other_...
     Of the run of the other side, where there is one ("failed" if it gave none); `difference` is
     the largest of beta and gamma in rad over the samples of both, or `SpatialMotion.deviation`.
 """
+
+TIME = "time"
+"""The series that goes with all others: times of the samples in s."""
+
+SERIES: tuple[str, ...] = (
+    *COORDINATES,
+    *(f"{name}_rate" for name in COORDINATES),
+    *multiplier_names(CONSTRAINTS),
+    "cog_height",
+    *(f"contact_{axis}" for axis in "xyz"),
+)
+"""What can be kept of a trajectory; what a scenario does not have, such as a torque, is empty."""
+
+REST_SERIES: tuple[str, ...] = (
+    *(f"position_{axis}" for axis in "xyz"),
+    *(f"quaternion_{part}" for part in "wxyz"),
+    *(f"velocity_{axis}" for axis in "xyz"),
+    *(f"angular_velocity_{axis}" for axis in "xyz"),
+    *(f"contact_{axis}" for axis in "xyz"),
+    *(f"taken_by_{cause}" for cause in CAUSES),
+    *(f"{kind}_energy" for kind in ("kinetic", "potential", "elastic")),
+    *("slip_speed", "contour_speed", "normal_force", "tilt", "cog_height"),
+)
+"""What can be kept of a motion to rest."""
+
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "coordinates": COORDINATES,
+    "rates": tuple(f"{name}_rate" for name in COORDINATES),
+}
+"""Names for several series of a trajectory."""
+
+NUMBERS = "<f8"
+"""Of a series in a store, as `numpy.frombuffer` takes it: 8 bytes each, the lowest one first."""
+
+
+def series_named(names: Iterable[str], *, to_rest: bool) -> tuple[str, ...]:
+    """Series by their names or those of `GROUPS`, each once.
+
+    Raises
+    ------
+    ValueError
+        If there is no such series.
+    """
+    groups = {} if to_rest else GROUPS
+    found = [each for name in names for each in groups.get(name, (name,))]
+    known = REST_SERIES if to_rest else SERIES
+    return tuple(dict.fromkeys(choice("keep", name, (*groups, *known)) for name in found))
+
+
+def series(motion: Trajectory | SpatialMotion, names: Sequence[str]) -> Row:
+    """Bytes of some series of a motion and of its times; nothing if there are no names."""
+    if not names:
+        return {}
+    held = motion.columns()
+    wanted = [TIME, *(name for name in names if name in held)]
+    return {name: held[name][0].astype(NUMBERS).tobytes() for name in wanted}
 
 
 def failure(status: str, error: BaseException | str) -> Row:

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from analysis.data.checks import Array
 from analysis.data.files import whole_file
-from validation.sweeps.outcomes import COLUMNS
+from analysis.data.limits import check_storage
+from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
 from validation.sweeps.store import read_about, told
 from validation.sweeps.sweep import Sweep
 
@@ -30,10 +32,13 @@ class Results:
     columns : dict
         Arrays of shape (n,) by name: "number", the dotted names of the axes, and `COLUMNS`. An
         empty cell is nan in numbers and None in words.
+    path : Path
+        Of the store, from which `series` reads.
     """
 
     sweep: Sweep
     columns: dict[str, Column]
+    path: Path
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Results":
@@ -55,7 +60,7 @@ class Results:
             words = COLUMNS.get(name) == "TEXT" or any(isinstance(each, str) for each in cells)
             kind: Any = int if name == "number" else object if words else float
             columns[name] = np.array(cells, dtype=kind)
-        return cls(sweep=sweep, columns=columns)
+        return cls(sweep=sweep, columns=columns, path=Path(path))
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -79,6 +84,48 @@ class Results:
         values[self.columns["number"]] = column
         return values.reshape([axis.size or 0 for axis in design.axes])
 
+    def series(self, case: int) -> dict[str, Array]:
+        """What `Plan.keep` names of a case, and the "time" of its samples.
+
+        Parameters
+        ----------
+        case : int
+            Its number.
+
+        Returns
+        -------
+        dict
+            Arrays of shape (n,) by name, in the units of `Trajectory.columns` or
+            `SpatialMotion.columns`; a force that the case does not have is left out.
+
+        Raises
+        ------
+        ValueError
+            If the store holds none of that case.
+        """
+        for _, found in self._series(case, case):
+            return found
+        raise ValueError(f"{self.path} holds no series of case {case}")
+
+    def _series(self, first: int, last: int) -> Iterator[tuple[int, dict[str, Array]]]:
+        """Numbers of cases, from the first to the last one, and their series."""
+        if not self.sweep.plan.keep:
+            raise ValueError(f"{self.path} holds no series: its sweep was told to keep none")
+        file, _ = read_about(self.path)
+        with closing(file), told(self.path):
+            found = file.execute("SELECT * FROM series WHERE number BETWEEN ? AND ?",
+                                 (first, last))  # fmt: skip
+            names = [column[0] for column in found.description][1:]
+            for number, *blobs in found:
+                yield (
+                    number,
+                    {
+                        name: np.frombuffer(blob, NUMBERS).astype(float)
+                        for name, blob in zip(names, blobs, strict=True)
+                        if blob is not None
+                    },
+                )
+
     def to_dataframe(self) -> Any:
         """A `pandas.DataFrame` with the case's number as its index.
 
@@ -98,10 +145,13 @@ class Results:
     def to_xarray(self) -> Any:
         """An `xarray.Dataset` over the axes of a grid, or over "number" where cases are drawn.
 
+        Series have "sample" as a further dimension, with nan behind the end of a case, and are
+        all read at once.
+
         Raises
         ------
         ValueError
-            If xarray is not installed.
+            If xarray is not installed, or the series take more than `LARGEST_STORAGE`.
         """
         try:
             import xarray as xr
@@ -109,13 +159,33 @@ class Results:
             raise ValueError("to_xarray needs xarray: pip install 'tippedisk[export]'") from None
         design = self.sweep.design
         if design.layout != "grid":
+            held: dict[str, Any]
             held = {name: ("number", column) for name, column in self.columns.items()}
+            for name, values in self._all_series(self.columns["number"]).items():
+                held[name] = (("number", "sample"), values)
             return xr.Dataset(held).set_coords(["number", *self.axes])
         coordinates = {
             axis.field: [axis.at(index) for index in range(axis.size or 0)] for axis in design.axes
         }
         data = {name: (self.axes, self.on_grid(name)) for name in COLUMNS}
+        shape = [len(each) for each in coordinates.values()]
+        for name, values in self._all_series(np.arange(design.size)).items():
+            data[name] = ((*self.axes, "sample"), values.reshape(*shape, -1))
         return xr.Dataset(data, coords=coordinates)
+
+    def _all_series(self, cases: Column) -> dict[str, Array]:
+        """Series of some cases by name, shape (cases, samples) each."""
+        plan = self.sweep.plan
+        if not plan.keep:
+            return {}
+        shape = (cases.size, plan.times.size)
+        check_storage("to_xarray", cases.size * plan.times.size, 1 + len(plan.keep))
+        values = {name: np.full(shape, np.nan) for name in (TIME, *plan.keep)}
+        rows = {int(number): row for row, number in enumerate(cases)}
+        for number, found in self._series(0, self.sweep.design.size):
+            for name, series in found.items():
+                values[name][rows[number], : series.size] = series
+        return values
 
 
 def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> int:

@@ -30,6 +30,9 @@ LARGEST_CHUNK = 1000
 GRACE = 10.0
 """Processor time in s beyond three time limits after which a case that does not look is ended."""
 
+LARGEST_SERIES = 16_000_000
+"""Bytes of series that a chunk may come back with."""
+
 _IDLE = 20
 """Times as much may pass on the clock, on a machine that has other things to do."""
 
@@ -146,6 +149,8 @@ class _Work:
 
     def __init__(self, sweep: Sweep, pool: Pool, time_limit: float) -> None:
         self._text = sweep.to_text()
+        held = LARGEST_SERIES // max(1, sweep.plan.series_bytes)
+        self._largest = max(1, min(LARGEST_CHUNK, held))
         self._pool = pool
         self._limit = time_limit
         # A case is two runs if it has a witness.
@@ -160,7 +165,7 @@ class _Work:
     def fill(self, todo: Iterator[int]) -> bool:
         """Hand out what the workers can take; whether anything is running then."""
         while len(self._running) < 2 * self._pool.workers:
-            size = max(1, min(int(self._chunk_time / self._seconds), LARGEST_CHUNK))
+            size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
             chunk = list(islice(todo, size))
             if not chunk:
                 break

@@ -9,12 +9,12 @@ import json
 import os
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from validation.sweeps.outcomes import COLUMNS, DONE, Row
+from validation.sweeps.outcomes import COLUMNS, DONE, TIME, Row
 from validation.sweeps.sweep import Sweep
 
 FORMAT = 1
@@ -31,6 +31,9 @@ _PATIENCE = 30.0
 
 _BYTES = 350
 """Size of a row in a file, generously."""
+
+_PAGE = 4096
+"""Size of a page of a file."""
 
 
 class Store:
@@ -55,6 +58,7 @@ class Store:
         self.path = Path(path)
         self._sweep = sweep
         self._names = ["number", *(axis.field for axis in sweep.design.axes), *COLUMNS]
+        self._series = ["number", TIME, *sweep.plan.keep] if sweep.plan.keep else []
         with self._told():
             self._file = sqlite3.connect(path, timeout=0.2, isolation_level=None)
             try:
@@ -82,6 +86,9 @@ class Store:
         columns = ", ".join(f'"{name}" {kind}' for name, kind in zip(self._names, kinds,
                                                                      strict=True))  # fmt: skip
         self._file.execute(f"CREATE TABLE cases ({columns})")
+        if self._series:
+            blobs = ", ".join(f'"{name}" BLOB' for name in self._series[1:])
+            self._file.execute(f"CREATE TABLE series (number INTEGER PRIMARY KEY, {blobs})")
         self._file.execute("CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT)")
         about = {
             "format": str(FORMAT),
@@ -150,12 +157,18 @@ class Store:
 
     def add(self, rows: Iterable[Row]) -> None:
         """Add rows; they are on the disk at the next commit."""
-        marks = ", ".join("?" * len(self._names))
+        rows = list(rows)
         with self._told():
-            self._file.executemany(
-                f"INSERT OR REPLACE INTO cases VALUES ({marks})",
-                ([row.get(name) for name in self._names] for row in rows),
-            )
+            self._insert("cases", self._names, rows)
+            if self._series:
+                self._insert("series", self._series, [row for row in rows if TIME in row])
+
+    def _insert(self, table: str, names: Sequence[str], rows: Iterable[Row]) -> None:
+        marks = ", ".join("?" * len(names))
+        self._file.executemany(
+            f"INSERT OR REPLACE INTO {table} VALUES ({marks})",
+            ([row.get(name) for name in names] for row in rows),
+        )
 
     def commit_if_due(self) -> None:
         """Commit if the last time is `COMMIT_EVERY` ago."""
@@ -214,7 +227,10 @@ def read_about(path: str | os.PathLike[str]) -> tuple[sqlite3.Connection, Sweep]
 
 def expected_size(sweep: Sweep) -> int:
     """Bytes that a store of the whole sweep takes, generously."""
-    return sweep.design.size * (_BYTES + 8 * len(sweep.design.axes))
+    row = _BYTES + 8 * len(sweep.design.axes)
+    # What is longer than a page of the file takes whole pages.
+    series = sweep.plan.series_bytes + _PAGE if sweep.plan.keep else 0
+    return sweep.design.size * (row + series)
 
 
 def _about(file: sqlite3.Connection, path: Path) -> dict[str, str]:

@@ -13,7 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, Trajectory, simulate_many
+from analysis import (
+    CONSTRAINTS,
+    METHODS,
+    REST_METHODS,
+    Scenario,
+    SpatialMotion,
+    Trajectory,
+    multiplier_names,
+    simulate_many,
+)
 from analysis.data.checks import TimeLimitError, choice, positive, within
 from analysis.data.endings import CONDITIONS
 from analysis.data.limits import LONGEST_MOTION, Effort, check_storage
@@ -23,7 +32,15 @@ from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
 from validation.run import rest_effort, run, run_effort, run_to_rest
 from validation.sweeps.axes import Design
 from validation.sweeps.fields import changed, check_field
-from validation.sweeps.outcomes import DONE, Row, difference, failure, outcome
+from validation.sweeps.outcomes import (
+    DONE,
+    Row,
+    difference,
+    failure,
+    outcome,
+    series,
+    series_named,
+)
 
 _LOOKED_AT = 50
 
@@ -51,6 +68,9 @@ class Plan:
         Run until the disk lies still, or until `end`.
     witnesses : int
         Number of cases, spread over the sweep, that the other side runs as well.
+    keep : tuple of str
+        Series that are kept of each motion, at its samples: of `SERIES` or, to rest, of
+        `REST_SERIES`; names of `GROUPS` stand for several.
 
     Raises
     ------
@@ -69,6 +89,7 @@ class Plan:
     stop_when: str | None = None
     to_rest: bool = False
     witnesses: int = 0
+    keep: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         choice("source", self.source, SOURCES)
@@ -81,6 +102,7 @@ class Plan:
             choice("stop_when", self.stop_when, CONDITIONS)
         if self.to_rest and (self.stop_when or self.formulation):
             raise ValueError("stop_when and formulation do not go together with a run to rest")
+        object.__setattr__(self, "keep", series_named(self.keep, to_rest=self.to_rest))
         self._check_accuracy()
         if type(self.witnesses) is not int or self.witnesses < 0:
             raise ValueError(f"witnesses must be a number of cases, got {self.witnesses!r}")
@@ -104,6 +126,11 @@ class Plan:
     def runs_in_batches(self) -> bool:
         """Whether cases run faster together."""
         return self.method == "taylor" and not self.to_rest
+
+    @property
+    def series_bytes(self) -> int:
+        """Largest size of the series of a case."""
+        return 8 * self.times.size * (1 + len(self.keep)) if self.keep else 0
 
     @property
     def times(self) -> Any:
@@ -165,7 +192,7 @@ class Sweep:
     Raises
     ------
     ValueError
-        If the scenario does not have a field that varies.
+        If the scenario does not have a field that varies, or a force that is to be kept.
     """
 
     scenario: Scenario
@@ -177,6 +204,13 @@ class Sweep:
         firsts = dict(zip(names, self.design.case(0), strict=True))
         for name in names:
             check_field(self.scenario, name, firsts)
+        if not {"model", "constraints"} & firsts.keys():
+            missing = {*multiplier_names(CONSTRAINTS)} & {*self.plan.keep}
+            missing -= {*multiplier_names(self.scenario.constraints)}
+            if missing:
+                raise ValueError(
+                    f"keep must name what {self.scenario.name} has, got {min(missing)}"
+                )
 
     @cached_property
     def _base(self) -> dict[str, Any]:
@@ -290,7 +324,7 @@ def _row(
     elif isinstance(found, Exception):
         row |= failure("failed", found)
     else:
-        row |= outcome(found)
+        row |= outcome(found) | series(found, sweep.plan.keep)
     row["seconds"] = time.process_time() - begin
     if not isinstance(found, Exception) and row["status"] == DONE and sweep.has_witness(index):
         row |= _witnessed(sweep.plan, found.scenario, found, time_limit)

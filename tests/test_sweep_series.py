@@ -1,0 +1,94 @@
+"""Series that a sweep keeps of each motion."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import MODELS, Scenario, Start, Trajectory, simulate_to_rest
+from tests.sweeps import Direct, sweep
+from validation.run import run
+from validation.sweeps import runner
+from validation.sweeps.outcomes import COLUMNS, REST_SERIES, SERIES, TIME, series, series_named
+from validation.sweeps.results import Results
+from validation.sweeps.runner import run_cases
+from validation.sweeps.store import Store, expected_size
+
+REDUCED = Scenario(constraints=MODELS[4])
+AXES = ("spin=30:40:2", "mu=0.3,-0.1")
+KEEP = ("beta", "normal_force")
+
+
+def motion(scenario: Scenario, **how: Any) -> Trajectory:
+    times = np.linspace(0.0, 0.05, 11)
+    given: dict[str, Any] = {"source": "in-house", "formulation": "reduced", "tolerance": 1e-4}
+    return run(scenario, times, **(given | how))
+
+
+def test_what_can_be_kept_is_all_that_a_motion_holds() -> None:
+    made = motion(REDUCED)
+    rest = simulate_to_rest(Scenario.rest(start=Start(spin=5.0)), 0.02, local_tolerance=1e-3)
+    assert (TIME, *REST_SERIES) == tuple(rest.columns())
+    # The one constraint that Model 4 does not have has this force.
+    assert {TIME, *SERIES} - made.columns().keys() == {"lateral_force"}
+    assert made.columns().keys() <= {TIME, *SERIES}
+    # They share the row on its way to the store.
+    assert not {"number", *COLUMNS} & {TIME, *SERIES, *REST_SERIES}
+
+
+def test_kept_series_are_those_of_the_run_itself_also_in_a_sweep_that_goes_on(
+    tmp_path: Path,
+) -> None:
+    wanted, path = sweep(*AXES, keep=KEEP), tmp_path / "a.db"
+    for numbers in ([0, 1], None):
+        with Store(path, wanted) as kept:
+            run_cases(wanted, kept, Direct(), numbers=numbers)
+    found = Results.load(path).series(2)
+    made = motion(replace(REDUCED, start=Start(spin=40.0)))
+    assert tuple(found) == (TIME, *KEEP)
+    np.testing.assert_array_equal(found["time"], made.times)
+    np.testing.assert_array_equal(found["beta"], made.coordinate("beta"))
+    np.testing.assert_array_equal(found["normal_force"], made.normal_force)
+
+
+def test_case_without_a_motion_has_no_series(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
+    wanted, path = sweep(*AXES, keep=KEEP), tmp_path / "a.db"
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, Direct())
+    results = Results.load(path)
+    with pytest.raises(ValueError, match="holds no series of case 1"):
+        results.series(1)
+    beta = results.to_xarray()["beta"]
+    assert beta.dims == ("start.spin", "friction.coefficient", "sample")
+    assert beta.shape == (2, 2, 11)
+    np.testing.assert_array_equal(beta[1, 0], results.series(2)["beta"])
+    assert np.all(np.isnan(beta[:, 1]))
+
+
+def test_store_without_series_says_so(tmp_path: Path) -> None:
+    wanted, path = sweep(*AXES), tmp_path / "a.db"
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, Direct(), numbers=[0])
+    with pytest.raises(ValueError, match="holds no series: its sweep was told to keep none"):
+        Results.load(path).series(0)
+
+
+def test_force_that_a_case_does_not_have_is_left_out() -> None:
+    pushed = motion(Scenario(), formulation="index-1")
+    assert set(series(pushed, ("beta", "spin_torque"))) == {TIME, "beta"}
+
+
+def test_groups_stand_for_their_series_each_once() -> None:
+    named = series_named(("gamma", "coordinates", "alpha_rate"), to_rest=False)
+    assert named == ("gamma", "x", "y", "z", "alpha", "beta", "alpha_rate")
+
+
+def test_series_count_in_the_size_of_a_store_and_of_a_chunk() -> None:
+    plain, kept = sweep("spin=0:60:1000", end=2.0), sweep("spin=0:60:1000", end=2.0, keep=KEEP)
+    bytes_of_a_case = 3 * 401 * 8
+    assert expected_size(kept) - expected_size(plain) >= 1000 * bytes_of_a_case
+    work = runner._Work(kept, Direct(), 1.0)
+    assert work._largest * bytes_of_a_case <= runner.LARGEST_SERIES
