@@ -105,5 +105,5 @@ def _origin(section: str, jobs: Sequence[Job]) -> str:
     return (
         f"{len(jobs) - len(here)} results are shipped, which took {found.seconds:.0f} s of "
         f"processor time, from {found.provenance.text()}. {others}The code that they come from "
-        f"{since}. `{COMMAND}` computes them again."
+        f"{since}. Made anew by: {COMMAND} DIR {section}."
     )
