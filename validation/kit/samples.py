@@ -99,7 +99,7 @@ def _origin(section: str, jobs: Sequence[Job]) -> str:
     since = {
         None: "cannot be compared on another version of Python",
         True: "has not changed since",
-        False: f"has changed since in {', '.join(changed or ())}",
+        False: f"has changed since in {_some(changed or [])}",
     }[None if changed is None else not changed]
     others = f"{len(here)} others were computed for this page. " if here else ""
     return (
@@ -107,3 +107,7 @@ def _origin(section: str, jobs: Sequence[Job]) -> str:
         f"processor time, from {found.provenance.text()}. {others}The code that they come from "
         f"{since}. Made anew by: {COMMAND} DIR {section}."
     )
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more modules" if names[3:] else "")

@@ -58,7 +58,7 @@ class Shipment:
         if here != there:
             return None
         now = reach.by_module(_functions(jobs))
-        return sorted(name for name, _ in set(self.code.items()) ^ set(now.items()))
+        return sorted({name for name, _ in self.code.items() ^ now.items()})
 
     def write(self, path: Path) -> None:
         """Write it, one result a line.
