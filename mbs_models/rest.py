@@ -5,7 +5,7 @@ from math import hypot
 import numpy as np
 
 from analysis.data import frames
-from analysis.data.agreement import until_agreement
+from analysis.data.agreement import located, until_agreement
 from analysis.data.checks import Array, positive
 from analysis.data.dissipation import RestCriterion
 from analysis.data.endings import AT_REST, Ending, StopWhen, named_conditions
@@ -56,8 +56,8 @@ def simulate_to_rest(
         Time between samples in s.
     criterion : RestCriterion, optional
     stop_when : str, callable or sequence of them
-        What else ends the run, at the first sample where it holds: "inverted", or functions of a
-        `State` that turn negative. They are not asked where the disk lies flat.
+        What else ends the run: "inverted", or functions of a `State` that turn negative there.
+        They are asked at the samples, but not where the disk lies flat; see `located`.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.
@@ -112,9 +112,10 @@ def simulate_to_rest(
 
     if step is not None:
         _check_step(scene, positive("step", step))
-        return run(None)
+        return located(run(None), conditions)
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    return until_agreement(run, LOCAL_PART * tolerance, tolerance)
+    agreed = until_agreement(run, LOCAL_PART * tolerance, tolerance)
+    return located(agreed, conditions, tolerance)
 
 
 def _check_step(scene: Scene, step: float) -> None:

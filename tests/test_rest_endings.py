@@ -22,26 +22,32 @@ def tilted(state: State) -> float:
 
 
 @pytest.mark.parametrize("source", SOURCES)
-def test_run_to_rest_ends_at_the_first_sample_that_meets_a_condition(source: Source) -> None:
+def test_run_to_rest_ends_where_a_condition_turns_negative(source: Source) -> None:
     whole = run_to_rest(SCENARIO, 0.3, source=source, tolerance=1e-3)
     ended = run_to_rest(SCENARIO, 0.3, source=source, tolerance=1e-3, stop_when=tilted)
     first = int(np.argmax(whole.tilt > LIMIT))
     assert 0 < first < whole.times.size - 1
     assert ended.times.size == first + 1
-    np.testing.assert_allclose(ended.tilt, whole.tilt[: first + 1], atol=1e-6)
+    np.testing.assert_allclose(ended.tilt[:-1], whole.tilt[:first], atol=1e-6)
+    assert whole.times[first - 1] < ended.times[-1] < whole.times[first]
+    assert ended.tilt[-1] == pytest.approx(LIMIT, abs=1e-9)
     assert ended.ending is not None
     assert ended.ending.reason == "tilted"
     assert ended.ending.time == ended.times[-1]
-    assert ended.ending.value == pytest.approx(LIMIT - ended.tilt[-1])
+    assert ended.ending.value == pytest.approx(0.0, abs=1e-9)
     assert ended.rest_time is None
     assert ended.error_estimate is not None
 
 
 def test_sides_end_together() -> None:
+    cases: list[tuple[Source, float]] = [("engine", 2e-3), ("in-house", 2e-3), ("in-house", 5e-4)]
     ends = [
-        run_to_rest(SCENARIO, 0.3, source=source, stop_when=tilted).times[-1] for source in SOURCES
+        run_to_rest(
+            SCENARIO, 0.3, source=source, tolerance=1e-5, spacing=spacing, stop_when=tilted
+        ).times[-1]
+        for source, spacing in cases
     ]
-    assert ends[0] == pytest.approx(ends[1], abs=1e-12)
+    assert np.ptp(ends) < 1e-7
 
 
 def test_condition_that_holds_at_the_start_ends_nothing() -> None:
@@ -79,4 +85,12 @@ def test_command_ends_where_the_disk_is_up(
     assert cli.main([*call, "--out", out]) == 0
     assert "the centre of gravity is up, at 90% of its largest height" in capsys.readouterr().out
     motion = load_run(out, SpatialMotion)
-    assert motion.cog_direction[-1] >= 0.9 > motion.cog_direction[-2]
+    assert motion.cog_direction[-1] == pytest.approx(0.9, abs=1e-6)
+    assert motion.cog_direction[-2] < 0.9
+
+
+def test_ending_stays_at_the_sample_where_samples_tell_too_little() -> None:
+    motion = simulate_to_rest(SCENARIO, 0.3, local_tolerance=1e-8, spacing=0.05, stop_when=tilted)
+    assert motion.ending is not None
+    assert motion.ending.time / 0.05 == pytest.approx(round(motion.ending.time / 0.05))
+    assert motion.tilt[-1] > LIMIT

@@ -1,11 +1,15 @@
 """Accuracy of motions by agreement of runs; what makes the runs does not matter."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+import numpy as np
+from scipy.optimize import brentq
+
 from analysis.data.checks import ToleranceError
-from analysis.data.endings import TIME_LIMIT
+from analysis.data.endings import TIME_LIMIT, Condition, Ending
 from analysis.data.spatial_motion import SpatialMotion
+from analysis.data.state import FlatError
 
 RUNS = 5
 """Runs after which a tolerance counts as out of reach."""
@@ -63,3 +67,42 @@ def until_agreement(
 
 def _cut_short(motion: SpatialMotion) -> bool:
     return motion.ending is not None and motion.ending.reason == TIME_LIMIT
+
+
+def located(
+    motion: SpatialMotion, conditions: Mapping[str, Condition], tolerance: float | None = None
+) -> SpatialMotion:
+    """The same motion up to where a condition turns negative before its last sample.
+
+    Parameters
+    ----------
+    motion : SpatialMotion
+        Ended at the first sample that meets one of the conditions, or for another reason.
+    conditions : mapping
+        By name, as `named_conditions` makes it.
+    tolerance : float, optional
+        Largest error that interpolation may add, as in `SpatialMotion.at`.
+
+    Returns
+    -------
+    SpatialMotion
+        With its last sample moved to that time; as it was where the samples do not determine the
+        motion between them to the tolerance, as after an impact.
+    """
+    if motion.ending is None or motion.ending.reason not in conditions:
+        return motion
+    reason = motion.ending.reason
+    begin, end = motion.times[-2:].tolist()
+
+    def says(time: float) -> float:
+        return float(conditions[reason](motion.at(time, tolerance=tolerance)))
+
+    try:
+        if says(begin) < 0.0:
+            return motion
+        time = float(brentq(says, begin, end, xtol=1e-12, rtol=1e-12))
+        value = says(time)
+        ended = motion.resampled(np.append(motion.times[:-1], time), tolerance=tolerance)
+    except (ToleranceError, FlatError):
+        return motion
+    return replace(ended, ending=Ending(reason=reason, time=time, value=value))

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from analysis.data import frames
-from analysis.data.agreement import TIGHTEST, until_agreement
+from analysis.data.agreement import TIGHTEST, located, until_agreement
 from analysis.data.checks import Array, TimeLimitError, choice, positive
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
@@ -79,8 +79,8 @@ def simulate_to_rest(
     local_tolerance : float, optional
         Relative tolerance of a single step; the absolute one is a hundredth of the number.
     stop_when : str, callable or sequence of them
-        What else ends the run, at the first sample where it holds: "inverted", or functions of a
-        `State` that turn negative. They are not asked where the disk lies flat.
+        What else ends the run: "inverted", or functions of a `State` that turn negative there.
+        They are asked at the samples, but not where the disk lies flat; see `located`.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.
@@ -141,9 +141,10 @@ def simulate_to_rest(
             raise ValueError(
                 f"local_tolerance must not be below {TIGHTEST:g}, got {local_tolerance:g}"
             )
-        return task.run(local_tolerance)
+        return located(task.run(local_tolerance), task.conditions)
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    return until_agreement(task.run, LOCAL_PART * tolerance, tolerance)
+    agreed = until_agreement(task.run, LOCAL_PART * tolerance, tolerance)
+    return located(agreed, task.conditions, tolerance)
 
 
 def start_vector(disk: Disk, start: State) -> Array:
