@@ -21,6 +21,7 @@ from analysis.data.contact import PenaltyContact
 from analysis.data.disk import CENTRED_DISK, DISKS, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.data.endings import CONDITIONS, Condition, Ending, StopWhen
+from analysis.data.ensemble import Ensemble
 from analysis.data.friction import (
     LAWS,
     LOADS,
@@ -31,7 +32,7 @@ from analysis.data.friction import (
     TanhCoulomb,
     ViscousFriction,
 )
-from analysis.data.inversion import Inversion
+from analysis.data.inversion import Inversion, Inversions
 from analysis.data.phases import Phases
 from analysis.data.scenario import Scenario
 from analysis.data.scenario_file import load_scenario, scenario_text
@@ -40,6 +41,7 @@ from analysis.data.start import MOTIONS, Motion, Start
 from analysis.data.state import COORDINATES, FlatError, State
 from analysis.data.stored_runs import StoredRun, load_run
 from analysis.data.table import GRAVITY, Table
+from analysis.data.trajectories import Trajectories
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress
 from analysis.models.balance import (
@@ -81,10 +83,12 @@ __all__ = [
     "Disk",
     "Dissipation",
     "Ending",
+    "Ensemble",
     "FlatError",
     "Form",
     "FrictionLaw",
     "Inversion",
+    "Inversions",
     "Level",
     "Load",
     "Method",
@@ -107,6 +111,7 @@ __all__ = [
     "TanhCoulomb",
     "TimeLimitError",
     "ToleranceError",
+    "Trajectories",
     "Trajectory",
     "ViscousFriction",
     "constraint_drift",

@@ -26,6 +26,29 @@ def test_a_table_and_a_picture_hold_the_cycles(tmp_path: Path) -> None:
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_cycle_is_followed_over_a_parameter(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert run("cycles --over hole-distance=0.02,0.021 --amplitude 0.3 --json") == 0
+    first, second = json.loads(capsys.readouterr().out)["cycles"]
+    assert (first["disk.hole_distance"], second["disk.hole_distance"]) == (0.02, 0.021)
+    # The Hopf point goes up with the eccentricity; the hole's distance changes the inertia, too.
+    assert 0.2 < second["spin"] - first["spin"] < 0.3
+    picture = tmp_path / "over.svg"
+    assert run(f"cycles --over eps=0.1,0.11 --amplitude 0.3 --plot {picture}") == 0
+    assert "<svg" in picture.read_text()
+
+
+@pytest.mark.slow
+def test_the_connection_is_followed_over_a_parameter(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("heteroclinic --over mu=0.1,0.3 --json") == 0
+    ends = json.loads(capsys.readouterr().out)["ends"]
+    assert [end["friction.coefficient"] for end in ends] == [0.1, 0.3]
+    assert ends[0]["hopf"] == ends[1]["hopf"]
+    assert ends[1]["connection"]["spin"] == pytest.approx(30.120961805, abs=1e-8)
+    assert ends[1]["prediction"] == pytest.approx(30.197778035, abs=1e-8)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -34,7 +57,13 @@ def test_a_table_and_a_picture_hold_the_cycles(tmp_path: Path) -> None:
         ("cycles --mu 0", "friction must have a positive gradient"),
         ("cycles --eccentricity 0", "eccentricity must be positive"),
         ("cycles --plot cycles.txt", "--plot: must end in"),
-        ("heteroclinic --eps 0.4", "no saddle with one growing"),
+        ("cycles --mu 1e9", "gradient of at most 10000 s/m"),
+        ("cycles --amplitude 1", "--amplitude belongs to --over"),
+        ("cycles --over mu=0.1:1:3", "--over needs what is held"),
+        ("cycles --over mu=0.1:1 --spin 30", "needs a count"),
+        ("cycles --over start.spin=1,2 --amplitude 1", "a number of disk, friction or table"),
+        ("heteroclinic --over mu=0,1", "friction must have a positive gradient"),
+        ("heteroclinic --mu 1e9", "gradient of at most 100000 s/m"),
         ("heteroclinic --load contact", "load must be 'weight'"),
     ],
 )

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from analysis import CENTRED_DISK, Scenario, SmoothCoulomb, TanhCoulomb
+from analysis import CENTRED_DISK, Disk, Scenario, SmoothCoulomb, TanhCoulomb
 from analysis.data.checks import Array
+from analysis.data.disk import STEEL_RING
 from analysis.models import reduced
 from analysis.nonlinear import family as families
 from analysis.nonlinear.collocation import Mesh, NoCycleError
@@ -20,6 +21,7 @@ from analysis.nonlinear.family import (
     cycle_family,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from analysis.nonlinear.over import cycles_over
 from analysis.nonlinear.shooting import shoot
 from tests.helpers import model
 
@@ -171,6 +173,33 @@ def test_a_fold_is_where_the_spin_is_extreme(changes: tuple[Bifurcation, ...]) -
     assert before > 1e-6
 
 
+def test_a_cycle_followed_over_a_parameter_is_that_from_the_hopf_point() -> None:
+    softer = replace(PAPER, friction=SmoothCoulomb(smoothing=0.13))
+    alone = cycle_family(softer, [0.4]).cycles[0]
+    followed = cycles_over([PAPER, softer], amplitude=0.4).cycles[1]
+    assert followed.spin == pytest.approx(alone.spin, abs=1e-10)
+    assert followed.half_multiplier == pytest.approx(alone.half_multiplier, abs=1e-8)
+    held = cycles_over([PAPER, softer], spin=alone.spin).cycles[1]
+    assert held.amplitude == pytest.approx(0.4, abs=1e-8)
+
+
+def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(families, "AMPLITUDES", np.array((0.2, 0.4)))
+    # With the centre of gravity nearer to the middle the Hopf point falls below the held spin.
+    nearer = replace(PAPER, disk=Disk.ring(**STEEL_RING | {"hole_distance": 0.0199}))
+    found = cycles_over([PAPER, nearer], spin=30.91)
+    assert len(found.cycles) == 1
+    assert found.reason is not None
+    assert found.reason.endswith(" at a spin of 30.91 rad/s")
+    assert "the last good one is cycle 1 of 2" in found.reason
+    with pytest.raises(ValueError, match="amplitude or spin must be given"):
+        cycles_over([PAPER], spin=30.0, amplitude=1.0)
+    with pytest.raises(ValueError, match="scenarios must be 1 or more"):
+        cycles_over([], spin=30.0)
+
+
 def test_the_cycle_at_a_spin_has_that_spin() -> None:
     cycle = cycle_at(PAPER, 30.85)
     assert cycle.spin == pytest.approx(30.85, rel=1e-12)
@@ -183,14 +212,15 @@ def test_cycles_are_refused_where_there_can_be_none() -> None:
         (replace(PAPER, disk=CENTRED_DISK), "eccentricity"),
         (replace(PAPER, friction=SmoothCoulomb(coefficient=0.0)), "friction must have a positive"),
         (replace(PAPER, friction=SmoothCoulomb(load="contact")), "load must be 'weight'"),
+        (replace(PAPER, friction=SmoothCoulomb(smoothing=1e-5)), "gradient of at most 10000 s/m"),
     ):
         with pytest.raises(ValueError, match=message):
             cycle_family(scenario)
-    for amplitudes in ((), (0.0, 1.0), (1.0, 0.5), (1.0, 3.2)):
+    for amplitudes in ((), (0.0, 1.0), (1.0, 0.5), (1.0, 4.8)):
         with pytest.raises(ValueError, match="amplitudes must rise"):
             cycle_family(PAPER, amplitudes)
-    for amplitude in (0.0, 3.2):
-        with pytest.raises(ValueError, match="amplitude must lie between 0 and pi"):
+    for amplitude in (0.0, 4.8):
+        with pytest.raises(ValueError, match=r"amplitude must lie between 0 and 4\.71239"):
             shoot(PAPER, amplitude, (30.0, 1.0, 1.0))
     with pytest.raises(ValueError, match="spins and amplitudes must be 5 or more"):
         fitted_growth([30.0], [1.0], 31.0)

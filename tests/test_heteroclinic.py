@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from analysis import DISKS, MODELS, Scenario, SmoothCoulomb, Start, ViscousFriction, simulate
+from analysis.nonlinear import heteroclinic
 from analysis.nonlinear.family import cycle_family
 from analysis.nonlinear.heteroclinic import (
     Connection,
     NoConnectionError,
     fall,
     heteroclinic_connection,
+    last_amplitude,
     period_growth,
     saddle,
 )
@@ -58,6 +60,32 @@ def test_cycles_end_in_the_connection() -> None:
     assert growth.by_amplitude == pytest.approx(growth.predicted_by_amplitude, rel=1e-4)
     assert found.saddle_index > 1.0
     assert family.cycles[-1].multiplier < 1e-3
+
+
+def test_motions_wind_about_a_saddle_focus_and_fall_to_different_sides() -> None:
+    scenario = with_smoothing(1.0)
+    assert saddle(scenario, 29.5)[0][1].imag != 0.0
+    falls = [fall(scenario, 29.528215473 + side) for side in (-1e-6, 1e-6)]
+    assert [way.miss for way in falls] == [1.0, -1.0]
+    # Back where it came from, or a turn further, and beyond the saddle before it turns back.
+    assert [way.states[-1, 1] for way in falls] == pytest.approx([2.5 * np.pi, 0.5 * np.pi])
+    assert np.max(falls[1].states[:, 1]) == pytest.approx(1.5 * np.pi + 0.12917, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_cycles_swing_beyond_a_saddle_focus_and_end_in_its_connection() -> None:
+    scenario = with_smoothing(1.0)
+    last = last_amplitude(scenario)
+    assert last > np.pi + 0.1
+    family = cycle_family(
+        scenario, np.append((0.7, 1.4, 2.0, 2.5, 2.9, np.pi), last - np.geomspace(0.05, 1e-6, 5))
+    )
+    assert family.reason is None
+    cycle, found = family.cycles[-1], heteroclinic_connection(scenario)
+    assert found.winding > found.growing
+    assert cycle.spin == pytest.approx(found.spin, abs=1e-6)
+    assert cycle.stable
+    assert found.saddle_index > 1.0
 
 
 @pytest.mark.slow
@@ -146,9 +174,13 @@ def test_time_scales_lie_an_order_apart() -> None:
     assert found.separation == pytest.approx(18.19, abs=0.01)
 
 
-def test_a_connection_is_refused_where_there_is_none() -> None:
-    with pytest.raises(NoConnectionError, match="no saddle with one growing and two decaying"):
-        heteroclinic_connection(with_smoothing(0.4))
+def test_a_connection_is_refused_where_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patched:
+        patched.setattr(heteroclinic, "reduced_matrices", lambda *_: -np.eye(3)[None])
+        with pytest.raises(NoConnectionError, match="no saddle with one growing and two decaying"):
+            fall(PAPER, 30.0)
+    with pytest.raises(ValueError, match=r"gradient of at most 100000 s/m .* got 300000"):
+        heteroclinic_connection(with_smoothing(1e-6))
     with pytest.raises(NoManifoldError, match="cannot give"):
         slow_connection(replace(PAPER, friction=SmoothCoulomb(coefficient=0.02)))
     with pytest.raises(ValueError, match="accuracy must be at least"):

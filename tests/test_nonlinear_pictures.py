@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from analysis import SmoothCoulomb
+from analysis import Scenario, SmoothCoulomb
 from analysis.nonlinear.family import CycleFamily, cycle_family
+from analysis.nonlinear.heteroclinic import Connection, NoConnectionError
 from tests.helpers import model
 from validation.kit.figures import new_figure
 from validation.studies.nonlinear import figures, portraits, section
@@ -94,6 +95,10 @@ def test_jobs_of_the_section_have_names_of_their_own() -> None:
     assert len(keys) == len(set(keys))
 
 
-def test_friction_without_a_connection_is_left_out() -> None:
+def test_friction_without_a_connection_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(scenario: Scenario) -> Connection:
+        raise NoConnectionError(f"none of {scenario.name}")
+
+    monkeypatch.setattr(section, "heteroclinic_connection", none)
     assert section.connection(0.1, 0.4) is None
     assert figures.limit(model(4, friction=SmoothCoulomb(coefficient=0.02))) is None

@@ -21,8 +21,8 @@ from analysis import (
     Stribeck,
 )
 from analysis.data.disk import STEEL_RING
+from analysis.data.fields import changed, check_field, full_name
 from validation.sweeps.axes import LAYOUTS, Axis, Design, axis_from, axis_from_text
-from validation.sweeps.fields import changed, check_field, full_name
 
 PAPER = Scenario()
 
@@ -138,7 +138,7 @@ def test_fields_go_by_their_keys(name: str, field: str) -> None:
     ],
 )
 def test_case_is_the_scenario_with_its_fields_changed(changes: Any, expected: Scenario) -> None:
-    assert changed(PAPER.values(), changes) == expected
+    assert changed(PAPER, changes) == expected
 
 
 @pytest.mark.parametrize(

@@ -78,8 +78,7 @@ class Code:
             np.zeros((len(system.variables), library.recommended_simd_size())),
             tol=local_tolerance,
             t_events=events,
-            # A batch of index-1 systems loses but a third by it, and saves five seconds a time.
-            compact_mode=self._compact or self._structure.form == "index-1",
+            compact_mode=self._compact,
         )
 
     @cached_property

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from analysis.compiled import systems
-from analysis.compiled.code import code_of, values
+from analysis.compiled.code import Code, code_of, values
 from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.compiled.systems import SIGN, SINGULAR, Structure
 from analysis.data.checks import Array
@@ -21,6 +21,26 @@ from analysis.models.integration import (
     intervals,
     pulls_at_start,
 )
+
+
+def code_for(
+    scenario: Scenario, form: str, conditions: Mapping[str, Condition], *, allow_pulling: bool
+) -> Code:
+    """Code of the runs of a scenario, or of members that are alike in structure.
+
+    Parameters and errors are those of `CompiledScenario`.
+    """
+    heyoka()
+    if form == "free-body":
+        raise CannotCompileError(
+            "method 'taylor' knows the ideal contact alone, no form 'free-body'"
+        )
+    if allow_pulling and scenario.rubs and scenario.friction.load == "contact":
+        raise CannotCompileError(
+            "allow_pulling must be left out with method 'taylor' where friction has the load "
+            "'contact', which then comes and goes"
+        )
+    return code_of(Structure.of(scenario, form, conditions, allow_pulling=allow_pulling))
 
 
 class CompiledScenario:
@@ -50,18 +70,7 @@ class CompiledScenario:
         *,
         allow_pulling: bool,
     ) -> None:
-        heyoka()
-        if form == "free-body":
-            raise CannotCompileError(
-                "method 'taylor' knows the ideal contact alone, no form 'free-body'"
-            )
-        if allow_pulling and scenario.rubs and scenario.friction.load == "contact":
-            raise CannotCompileError(
-                "allow_pulling must be left out with method 'taylor' where friction has the load "
-                "'contact', which then comes and goes"
-            )
-        structure = Structure.of(scenario, form, conditions, allow_pulling=allow_pulling)
-        self.code = code_of(structure)
+        self.code = code_for(scenario, form, conditions, allow_pulling=allow_pulling)
         self._allow_pulling = allow_pulling
         self.numbers = np.array(systems.parameters(scenario))
 

@@ -13,9 +13,11 @@ from typing import Any, cast
 
 from analysis.compiled.elimination import Symbols, solve
 from analysis.compiled.library import CannotCompileError, heyoka
+from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet, multiplier_names
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.data.friction import FrictionLaw, Load
+from analysis.data.members import Members
 from analysis.data.scenario import Scenario
 from analysis.models import index1, reduced
 from analysis.models.integration import NEARLY_FLAT
@@ -33,6 +35,9 @@ _DIRECT = {"normal_force": 2, "cog_force_x": 0, "cog_force_y": 1, "spin_torque":
 """Coordinate that a constraint tells directly, with a factor of 1, by its multiplier."""
 
 _DISK = ("mass", "radius", "eccentricity", "inertia_x", "inertia_y", "inertia_z")
+
+
+_NUMBERS = (float, Members)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,7 +81,7 @@ class Structure:
         *,
         allow_pulling: bool,
     ) -> "Structure":
-        """Structure of the runs of a scenario."""
+        """Structure of the runs of a scenario, or of members that are alike in it."""
         law = scenario.friction
         values = ((field.name, getattr(law, field.name)) for field in fields(law))
         return cls(
@@ -84,10 +89,10 @@ class Structure:
             constraints=scenario.constraints,
             law=type(law),
             load=law.load,
-            options=tuple(pair for pair in values if not isinstance(pair[1], float)),
-            rubs=scenario.rubs,
-            kinked=_has_kink(law),
-            horizontal=scenario.table.is_horizontal,
+            options=tuple(pair for pair in values if not isinstance(pair[1], _NUMBERS)),
+            rubs=bool(scenario.rubs),
+            kinked=bool(_has_kink(law)),
+            horizontal=bool(scenario.table.is_horizontal),
             allow_pulling=allow_pulling,
             conditions=tuple(conditions.items()),
         )
@@ -118,8 +123,13 @@ def parameters(scenario: Scenario) -> list[float]:
         *(getattr(scenario.disk, name) for name in _DISK),
         table.pressing,
         *table.vector[:2],
-        *(value for value in values if isinstance(value, float)),
+        *(value for value in values if isinstance(value, _NUMBERS)),
     ]
+
+
+def disk_numbers(numbers: Array) -> dict[str, Array]:
+    """Numbers of the disk by name among those of `parameters`, shape (..., p); each (...)."""
+    return {name: numbers[..., 5 + place] for place, name in enumerate(_DISK)}
 
 
 SIGN, ALIVE, REASON, WHEN = range(4)

@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Mapping
 from math import isfinite, isnan
 from numbers import Real
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.limits import LARGEST_VALUE
+from analysis.data.members import Members
 
 Array = npt.NDArray[np.float64]
 T = TypeVar("T")
@@ -23,7 +24,7 @@ class TimeLimitError(ArithmeticError):
 
 
 def number(name: str, value: Any) -> float:
-    """Return `value` as a finite float.
+    """Return `value` as a finite float; numbers of `Members`, one for each, as they are.
 
     Raises
     ------
@@ -31,6 +32,8 @@ def number(name: str, value: Any) -> float:
         If it is not a real number (text is none), or not finite.
     """
     if not isinstance(value, Real) or isinstance(value, bool):
+        if isinstance(value, Members):
+            return _finite(name, value)
         raise ValueError(f"{name} must be a finite number, got {value!r}")
     try:
         result = float(value)
@@ -39,6 +42,12 @@ def number(name: str, value: Any) -> float:
     if not isfinite(result):
         raise ValueError(f"{name} must be a finite number, got {result}")
     return result
+
+
+def _finite(name: str, members: Members) -> float:
+    if not np.isfinite(members):
+        raise ValueError(f"{name} must be a finite number, got {members:g}")
+    return cast("float", members)
 
 
 def positive(name: str, value: Any) -> float:

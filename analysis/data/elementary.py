@@ -11,10 +11,17 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from analysis.data.members import Members
+
 T = TypeVar("T")
 
 _MATH: Any = math
-_LIBRARIES: dict[type, Any] = {complex: cmath, np.complex128: cmath, np.ndarray: np}
+_LIBRARIES: dict[type, Any] = {
+    complex: cmath,
+    np.complex128: cmath,
+    np.ndarray: np,
+    Members: np,
+}
 
 
 def register(kind: type, library: Any) -> None:
@@ -55,6 +62,13 @@ def tanh(x: T) -> T:
 def sqrt(x: T) -> T:
     """Square root."""
     result: T = _MATH.sqrt(x) if type(x) is float else _library(x).sqrt(x)
+    return result
+
+
+def hypot(x: T, y: T) -> T:
+    """Hypotenuse."""
+    library = _library(x) if isinstance(x, np.ndarray) else _library(y)
+    result: T = library.hypot(x, y)
     return result
 
 

@@ -1,9 +1,10 @@
 """Whether, and when, the disk turns itself upside down and stays so."""
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
+import numpy.typing as npt
 
 from analysis.data.checks import Array, increasing_times
 from analysis.data.endings import REACHED
@@ -61,14 +62,55 @@ class Inversion:
             If the times do not increase.
         """
         times = increasing_times(times)
-        high = times[cog_direction >= REACHED]
-        falls = np.append(times[cog_direction < 0.0], np.inf)
-        next_fall = falls[np.searchsorted(falls, high)]
-        stays = np.minimum(next_fall, times[-1]) - high >= STAYING
-        if np.any(stays):
-            first = int(np.argmax(stays))
-            lost = None if np.isinf(next_fall[first]) else float(next_fall[first])
-            outcome: Outcome = "inverted" if lost is None else "lost"
-            return cls(outcome=outcome, time=float(high[first]), lost=lost)
-        undecided = high.size > 0 and np.isinf(next_fall[-1])
-        return cls(outcome="not decided" if undecided else "not inverted")
+        found = inversions(times[None], np.asarray(cog_direction)[None], times[-1:])
+        time, lost = found.times[0], found.lost[0]
+        return cls(
+            outcome=found.outcomes[0],
+            time=None if np.isnan(time) else float(time),
+            lost=None if np.isnan(lost) else float(lost),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Inversions:
+    """What became of the inversion in many motions; see `Inversion`.
+
+    Parameters
+    ----------
+    outcomes : ndarray of str, shape (m,)
+    times, lost : ndarray, shape (m,)
+        In s; nan where there is none.
+    """
+
+    outcomes: npt.NDArray[Any]
+    times: Array
+    lost: Array
+
+
+def inversions(times: Array, cog_directions: Array, ends: Array) -> Inversions:
+    """Judge many motions as `Inversion.of_direction` does one.
+
+    Parameters
+    ----------
+    times, cog_directions : ndarray, shape (m, n) or one that broadcasts
+        See `Inversion.of_direction`; a direction is nan where a motion has ended.
+    ends : ndarray, shape (m,)
+        Time of the last sample of each in s.
+    """
+    times = np.broadcast_to(times, cog_directions.shape)
+    high = cog_directions >= REACHED
+    falls = np.where(cog_directions < 0.0, times, np.inf)
+    next_fall = np.minimum.accumulate(falls[:, ::-1], axis=1)[:, ::-1]
+    stays = high & (np.minimum(next_fall, ends[:, None]) - times >= STAYING)
+    is_inverted = stays.any(axis=1)
+    rows, first = np.arange(len(ends)), np.argmax(stays, axis=1)
+    lost = np.where(is_inverted, next_fall[rows, first], np.inf)
+    last_high = high.shape[1] - 1 - np.argmax(high[:, ::-1], axis=1)
+    is_open = high.any(axis=1) & np.isinf(next_fall[rows, last_high])
+    outcomes = np.where(is_open, "not decided", "not inverted")
+    outcomes = np.where(is_inverted, np.where(np.isinf(lost), "inverted", "lost"), outcomes)
+    return Inversions(
+        outcomes=outcomes.astype(object),
+        times=np.where(is_inverted, times[rows, first], np.nan),
+        lost=np.where(np.isinf(lost), np.nan, lost),
+    )

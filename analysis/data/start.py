@@ -1,12 +1,13 @@
 """Starts, told by what a user would choose; the rest follows from the constraints."""
 
 from dataclasses import dataclass
-from math import cos, hypot, isclose, pi, sin
+from math import pi
 from typing import Literal, get_args
 
 from analysis.data.checks import choice, not_negative, number, within
 from analysis.data.constraint_set import ConstraintSet, set_name
 from analysis.data.disk import Disk
+from analysis.data.elementary import cos, hypot, sin
 from analysis.data.limits import FASTEST_TURN, LARGEST_ANGLE, LEAST_TILT
 from analysis.data.state import State, check_tilt
 
@@ -131,7 +132,7 @@ class Start:
         def settled(field: str, value: float, why: str) -> float:
             """What the constraints demand of a field, which must not ask for anything else."""
             given = getattr(self, field)
-            if given is not None and not isclose(given, value, rel_tol=1e-12, abs_tol=1e-12):
+            if given is not None and not abs(given - value) <= 1e-12 * max(1.0, abs(value)):
                 raise ValueError(f"{field} must be {value:g} in {name} ({why}), got {given:g}")
             return value
 
@@ -142,7 +143,7 @@ class Start:
             gamma_rate = settled("gamma_rate", gamma_rate, "no tangential slip: -spin * cos(beta)")
         elif self.gamma_rate is not None:
             gamma_rate = self.gamma_rate
-        beta_rate = self.beta_rate or 0.0
+        beta_rate = _or_zero(self.beta_rate)
         if held and across:
             turn = e * cg * (cb * gamma_rate + self.spin) / (sb * (r + e * sg))
             beta_rate = settled("beta_rate", turn, "no lateral slip")
@@ -152,8 +153,8 @@ class Start:
             x_rate = settled("x_rate", e * sg * gamma_rate, why)
             y_rate = settled("y_rate", e * (sb * sg * beta_rate - cb * cg * gamma_rate), why)
         else:
-            x, y = self.x or 0.0, self.y or 0.0
-            x_rate, y_rate = self.x_rate or 0.0, self.y_rate or 0.0
+            x, y = _or_zero(self.x), _or_zero(self.y)
+            x_rate, y_rate = _or_zero(self.x_rate), _or_zero(self.y_rate)
             if along:
                 rolling = -(r * cb - y) * self.spin - r * gamma_rate
                 x_rate = settled("x_rate", rolling, "no tangential slip")
@@ -165,3 +166,7 @@ class Start:
             coordinates=(x, y, z, self.alpha, self.beta, self.gamma),
             rates=(x_rate, y_rate, r * cb * beta_rate, self.spin, beta_rate, gamma_rate),
         )
+
+
+def _or_zero(value: float | None) -> float:
+    return 0.0 if value is None else value

@@ -1,9 +1,10 @@
 """The table: how it leans, and how strongly gravity pulls."""
 
 from dataclasses import dataclass
-from math import cos, pi, sin
+from math import pi
 
 from analysis.data.checks import not_negative, positive, within
+from analysis.data.elementary import cos, sin
 from analysis.data.limits import LARGEST_ANGLE, STRONGEST_GRAVITY
 
 GRAVITY = 9.81

@@ -41,6 +41,11 @@ def rows(constraints: ConstraintSet) -> list[int]:
 
 def positions(constraints: ConstraintSet, disk: Disk, z: Vector) -> Array:
     """Position-level residuals of Eqs. (66) and (83) in m, shape (1,) or (3,)."""
+    return np.array(position_rows(constraints, disk, z))
+
+
+def position_rows(constraints: ConstraintSet, disk: Disk, z: Vector) -> list[float]:
+    """The rows of `positions`, of numbers of any kind."""
     r, e = disk.radius, disk.eccentricity
     x, y, height, _, beta, gamma = z
     every = (
@@ -48,7 +53,7 @@ def positions(constraints: ConstraintSet, disk: Disk, z: Vector) -> Array:
         x + e * cos(gamma),
         y + e * cos(beta) * sin(gamma),
     )
-    return np.array([every[row] for row in rows(constraints) if row < _POSITIONAL])
+    return [every[row] for row in rows(constraints) if row < _POSITIONAL]
 
 
 def directions(constraints: ConstraintSet, disk: Disk, z: Vector) -> Array:
@@ -56,6 +61,11 @@ def directions(constraints: ConstraintSet, disk: Disk, z: Vector) -> Array:
 
     Velocity-level residuals are W^T u, less the prescribed spin in the row of a constant spin.
     """
+    return np.array(direction_rows(constraints, disk, z))
+
+
+def direction_rows(constraints: ConstraintSet, disk: Disk, z: Vector) -> list[tuple[float, ...]]:
+    """The rows of `directions`, of numbers of any kind."""
     r, e = disk.radius, disk.eccentricity
     x, y, beta, gamma = z[0], z[1], z[4], z[5]
     sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
@@ -67,7 +77,7 @@ def directions(constraints: ConstraintSet, disk: Disk, z: Vector) -> Array:
         (0.0, 1.0, 0.0, x, r * sb, 0.0),
         (0.0, 0.0, 0.0, 1.0, 0.0, 0.0),
     )
-    return np.array([every[row] for row in rows(constraints)])
+    return [every[row] for row in rows(constraints)]
 
 
 def acceleration_terms(constraints: ConstraintSet, disk: Disk, z: Vector, u: Vector) -> Array:
@@ -107,9 +117,12 @@ def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) 
     """
     constraints, disk = scenario.constraints, scenario.disk
     names = multiplier_names(constraints)
-    velocities = directions(constraints, disk, state.coordinates) @ np.array(state.rates)
+    velocities = [
+        sum(part * rate for part, rate in zip(row, state.rates, strict=True))
+        for row in direction_rows(constraints, disk, state.coordinates)
+    ]
     checks = (
-        ("position", "m", positions(constraints, disk, state.coordinates), tolerance),
+        ("position", "m", position_rows(constraints, disk, state.coordinates), tolerance),
         ("velocity", "m/s", velocities, tolerance * max(1.0, abs(state.rates[3]))),
     )
     for kind, unit, residuals, allowed in checks:

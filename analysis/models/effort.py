@@ -5,11 +5,12 @@ the disk, as finely as the tolerance asks; friction at no slip, for explicit met
 Euler angles, which turn the faster the flatter the disk leans.
 """
 
-from math import inf, sin, sqrt
+from math import inf
 from typing import NamedTuple
 
 from analysis.data.checks import Array, positive
 from analysis.data.disk import Disk
+from analysis.data.elementary import sin, sqrt
 from analysis.data.limits import Effort
 from analysis.data.scenario import Scenario
 from analysis.models.integration import Method
@@ -89,24 +90,27 @@ def simulation_effort(
     spin = abs(start.rates[3])
     turning = sum(abs(rate) for rate in start.rates[3:])
     sharpness = wanted ** (-1.0 / (used.order))
-    rates = {
-        "times": 1.0 / longest_step(scenario),
-        f"{name} {wanted:g}": 0.4 * spin * sharpness,
-        f"friction gradient {gradient:g} s/m": (
-            gradient * scenario.weight * _mobility(scenario.disk) / used.stable
+    # What asks for steps: how to call it, its value, and how many it asks for in a second.
+    rates = [
+        ("times", 0.0, 1.0 / longest_step(scenario)),
+        (name + " {:g}", wanted, 0.4 * spin * sharpness),
+        (
+            "friction gradient {:g} s/m",
+            gradient,
+            gradient * scenario.weight * _mobility(scenario.disk) / used.stable,
         ),
-        f"beta {start.coordinates[4]:g} rad": turning / abs(sin(start.coordinates[4])),
-    }
+        ("beta {:g} rad", start.coordinates[4], turning / abs(sin(start.coordinates[4]))),
+    ]
     if scenario.contact is not None:
         stiffness = scenario.contact.stiffness
         swinging = sqrt(stiffness * _mobility(scenario.disk)) / min(used.stable, 3.0)
-        rates[f"stiffness {stiffness:g} N/m"] = swinging
-    cause, fastest = max(rates.items(), key=lambda item: item[1])
+        rates.append(("stiffness {:g} N/m", stiffness, swinging))
+    cause, value, fastest = max(rates, key=lambda each: each[2])
     steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
     return Effort(
         steps=steps,
         seconds=steps * used.evaluations * _SECONDS,
-        cause=f"{cause} up to t = {times[-1]:g} s",
+        cause=f"{cause.format(value)} up to t = {times[-1]:g} s",
     )
 
 

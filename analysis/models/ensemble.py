@@ -3,37 +3,54 @@
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 from contextlib import ExitStack
+from dataclasses import dataclass
 from functools import partial
 from os import cpu_count
-from typing import Any
+from typing import Any, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.compiled.batches import Outcome, simulate_batches
 from analysis.compiled.library import CannotCompileError, is_installed
+from analysis.compiled.parts import Request, simulate_ensemble
 from analysis.data.checks import Array, increasing_times
 from analysis.data.endings import StopWhen, named_conditions
+from analysis.data.ensemble import Ensemble
+from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
+from analysis.data.state import COORDINATES
+from analysis.data.trajectories import Listed, Part, Trajectories, joined
+from analysis.data.trajectory import Trajectory
 from analysis.data.workers import process_pool
 from analysis.models.forms import Form
 from analysis.models.integration import Method
 from analysis.models.simulation import simulate
 
+S = TypeVar("S")
+T = TypeVar("T")
+Tolerances = list[float | None]
+
 LARGEST_CHUNK = 32
 """Members that a worker gets at once; some ten seconds of them, and handing over costs 1 ms."""
 
-COMPILED_CHUNK = 1024
-"""The same if they are compiled: a worker takes a second to start."""
+COMPILED_CHUNK = 4096
+"""The same if they are compiled: a worker takes a second or two to start."""
 
 
+@overload
+def simulate_many(scenarios: Ensemble, times: npt.ArrayLike, **how: Any) -> Trajectories: ...
+@overload
 def simulate_many(
-    scenarios: Iterable[Scenario],
+    scenarios: Iterable[Scenario], times: npt.ArrayLike, **how: Any
+) -> list[Outcome]: ...
+def simulate_many(  # type: ignore[misc] # what comes out hangs on the members alone
+    scenarios: Ensemble | Iterable[Scenario],
     times: npt.ArrayLike,
     *,
     form: Form | None = None,
     method: Method | None = None,
-    tolerance: float | Sequence[float] | None = None,
+    tolerance: float | Sequence[float] | Array | None = None,
     local_tolerance: float | None = None,
     stop_when: StopWhen = (),
     allow_pulling: bool = False,
@@ -41,7 +58,7 @@ def simulate_many(
     workers: int | None = None,
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> list[Outcome]:
+) -> Trajectories | list[Outcome]:
     """Simulate many scenarios; a member that fails does not end the others.
 
     Where heyoka is installed, members alike in structure are compiled together and run in
@@ -51,8 +68,9 @@ def simulate_many(
 
     Parameters
     ----------
-    scenarios : iterable of Scenario
-        The members.
+    scenarios : Ensemble or iterable of Scenario
+        The members. An ensemble is told by arrays and gives arrays; nothing is then done for
+        each member in Python that is not asked for.
     times : array_like, shape (n,)
         Times in s, the same for all; see `simulate`.
     form, local_tolerance, stop_when, allow_pulling, time_limit
@@ -71,9 +89,9 @@ def simulate_many(
 
     Returns
     -------
-    list of Trajectory or Exception
-        The outcome of each member, in order. An error is what `simulate` raises, or
-        `BrokenExecutor` if a worker process died.
+    Trajectories, or list of Trajectory or Exception
+        For an ensemble, its motions as arrays. For scenarios the outcome of each, in order. An
+        error is what `simulate` raises, or `BrokenExecutor` if a worker process died.
 
     Raises
     ------
@@ -83,55 +101,110 @@ def simulate_many(
     Examples
     --------
     >>> import numpy as np
-    >>> from analysis import Scenario, Start, simulate_many
+    >>> from analysis import Ensemble, Scenario, Start, simulate_many
+    >>> times = np.linspace(0.0, 2.0, 401)
     >>> starts = [Scenario(start=Start(spin=spin)) for spin in (10.0, 40.0)]
-    >>> runs = simulate_many(starts, np.linspace(0.0, 2.0, 401), workers=1)
+    >>> runs = simulate_many(starts, times, workers=1)
     >>> [run.inversion_time is not None for run in runs]
     [False, True]
+    >>> ensemble = Ensemble(scenario=Scenario(), fields={"spin": np.array([10.0, 40.0])})
+    >>> runs = simulate_many(ensemble, times, workers=1)
+    >>> runs.inversions.outcomes.tolist()
+    ['not inverted', 'inverted']
+    >>> runs.coordinates.shape, runs[1].inversion_time
+    ((2, 401, 6), 0.49)
     """
-    members = list(scenarios)
+    members = scenarios if isinstance(scenarios, Ensemble) else list(scenarios)
     times = increasing_times(times)
+    check_storage("times", len(members) * times.size, 2 * len(COORDINATES))
     named_conditions(stop_when)
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be at least 1, got {workers}")
     tolerances = _each(tolerance, len(members))
-    call = partial(
-        _outcomes,
-        times=times,
-        form=form,
-        method=method,
-        local_tolerance=local_tolerance,
-        stop_when=stop_when,
-        allow_pulling=allow_pulling,
-        time_limit=time_limit,
-    )
-    tasks = list(zip(members, tolerances, strict=True))
+    how = _How(form, method, local_tolerance, stop_when, allow_pulling, time_limit)
     workers = workers or cpu_count() or 1
-    if method == "taylor" or (method is None and is_installed()):
+    if how.first == "taylor":
         chunk = COMPILED_CHUNK
     else:
-        chunk = max(1, min(LARGEST_CHUNK, len(tasks) // (4 * workers)))
-    chunks = [tasks[first : first + chunk] for first in range(0, len(tasks), chunk)]
+        chunk = max(1, min(LARGEST_CHUNK, len(members) // (4 * workers)))
+    rows = [slice(first, first + chunk) for first in range(0, len(members), chunk)]
     tell = progress or (lambda _done, _all: None)
+    if isinstance(members, Ensemble):
+        pieces = [(members.part(some), tolerances[some]) for some in rows]
+        found = _called(partial(_motions, times=times, how=how), pieces, executor, workers, tell)
+        return joined(
+            members,
+            [
+                _lost(piece, times, each) if isinstance(each, Exception) else each
+                for each, (piece, _) in zip(found, pieces, strict=True)
+            ],
+        )
+    lists = [(members[some], tolerances[some]) for some in rows]
+    listed = _called(partial(_outcomes, times=times, how=how), lists, executor, workers, tell)
     outcomes: list[Outcome] = []
-    if executor is None and (workers == 1 or len(chunks) == 1):
-        for some in chunks:
-            outcomes += call(some)
-            tell(len(outcomes), len(tasks))
-        return outcomes
-    with ExitStack() as stack:
-        pool = executor or stack.enter_context(process_pool(min(workers, len(chunks))))
-        futures = {pool.submit(call, some): len(some) for some in chunks}
-        done = 0
-        for future in as_completed(futures):
-            done += futures[future]
-            tell(done, len(tasks))
-    for future, size in futures.items():
-        outcomes += _result(future, size)
+    for each, (some, _) in zip(listed, lists, strict=True):
+        outcomes += [each] * len(some) if isinstance(each, Exception) else each
     return outcomes
 
 
-def _each(tolerance: float | Sequence[float] | None, count: int) -> list[float | None]:
+@dataclass(frozen=True, slots=True)
+class _How:
+    """What is asked of every member, as in `simulate`."""
+
+    form: Form | None
+    method: Method | None
+    local_tolerance: float | None
+    stop_when: StopWhen
+    allow_pulling: bool
+    time_limit: float | None
+
+    @property
+    def first(self) -> Method:
+        """Method that is tried first."""
+        return self.method or ("taylor" if is_installed() else "DOP853")
+
+    @property
+    def runs_in_batches(self) -> bool:
+        """Whether members are run together."""
+        return self.first == "taylor" and not self.allow_pulling and self.time_limit is None
+
+
+def _called(
+    call: Callable[[S, Tolerances], T],
+    pieces: Sequence[tuple[S, Tolerances]],
+    executor: Executor | None,
+    workers: int,
+    tell: Callable[[int, int], None],
+) -> list[T | Exception]:
+    """What a function makes of pieces of an ensemble, here or elsewhere, in order."""
+    size = sum(len(tolerances) for _, tolerances in pieces)
+    done = 0
+    if executor is None and (workers == 1 or len(pieces) == 1):
+        results: list[T | Exception] = []
+        for piece in pieces:
+            results.append(call(*piece))
+            done += len(piece[1])
+            tell(done, size)
+        return results
+    with ExitStack() as stack:
+        pool = executor or stack.enter_context(process_pool(min(workers, len(pieces))))
+        futures: dict[Future[T], int] = {
+            pool.submit(call, *piece): len(piece[1]) for piece in pieces
+        }
+        for future in as_completed(futures):
+            done += futures[future]
+            tell(done, size)
+    return [_result(future) for future in futures]
+
+
+def _result(future: Future[Any]) -> Any:
+    try:
+        return future.result()
+    except BrokenExecutor as error:
+        return error
+
+
+def _each(tolerance: float | Sequence[float] | Array | None, count: int) -> Tolerances:
     if not isinstance(tolerance, Sequence | np.ndarray):
         return [tolerance] * count
     given: list[float | None] = list(tolerance)
@@ -140,47 +213,74 @@ def _each(tolerance: float | Sequence[float] | None, count: int) -> list[float |
     return given
 
 
-def _result(future: Future[list[Outcome]], size: int) -> list[Outcome]:
-    try:
-        return future.result()
-    except BrokenExecutor as error:
-        return [error] * size
+def _lost(piece: Ensemble, times: Array, error: Exception) -> Trajectories:
+    """Motions of members whose worker has died."""
+    failures = dict.fromkeys(range(len(piece)), error)
+    return Trajectories(ensemble=piece, times=times, parts=(), failures=failures)
+
+
+def _motions(
+    ensemble: Ensemble, tolerances: Tolerances, *, times: Array, how: _How
+) -> Trajectories:
+    """Motions of some members of an ensemble, in this process."""
+    parts: list[Part] = []
+    failures: dict[int, Exception] = {}
+    others = list(range(len(ensemble)))
+    if how.runs_in_batches:
+        request = Request(
+            times=times,
+            form=how.form,
+            local_tolerance=how.local_tolerance,
+            conditions=named_conditions(how.stop_when),
+        )
+        parts, failures, others = simulate_ensemble(ensemble, tolerances, request)
+    scenarios = [ensemble[member] for member in others]
+    asked = [tolerances[member] for member in others]
+    motions: dict[int, Trajectory] = {}
+    outcomes = _outcomes(scenarios, asked, times=times, how=how)
+    for member, outcome in zip(others, outcomes, strict=True):
+        if isinstance(outcome, Trajectory):
+            motions[member] = outcome
+        else:
+            failures[member] = outcome
+    if motions:
+        parts.append(Listed(np.array(list(motions)), list(motions.values()), times.size))
+    return Trajectories(ensemble=ensemble, times=times, parts=parts, failures=failures)
 
 
 def _outcomes(
-    tasks: list[tuple[Scenario, float | None]],
-    *,
-    times: Array,
-    method: Method | None,
-    stop_when: StopWhen,
-    allow_pulling: bool,
-    time_limit: float | None,
-    **how: Any,
+    scenarios: Sequence[Scenario], tolerances: Tolerances, *, times: Array, how: _How
 ) -> list[Outcome]:
     """Outcomes of some members, with their tolerances, in this process."""
+    tasks = list(zip(scenarios, tolerances, strict=True))
 
     def alone(task: tuple[Scenario, float | None], method: Method) -> Outcome:
         try:
             return simulate(
                 task[0],
                 times,
+                form=how.form,
                 method=method,
                 tolerance=task[1],
-                stop_when=stop_when,
-                allow_pulling=allow_pulling,
-                time_limit=time_limit,
-                **how,
+                local_tolerance=how.local_tolerance,
+                stop_when=how.stop_when,
+                allow_pulling=how.allow_pulling,
+                time_limit=how.time_limit,
             )
         except (ArithmeticError, ValueError) as error:
             return error
 
-    first: Method = method or "taylor"
-    if first == "taylor" and not allow_pulling and time_limit is None:
-        conditions = named_conditions(stop_when)
-        outcomes = simulate_batches(tasks, times, conditions=conditions, **how)
+    if how.runs_in_batches:
+        outcomes = simulate_batches(
+            tasks,
+            times,
+            form=how.form,
+            local_tolerance=how.local_tolerance,
+            conditions=named_conditions(how.stop_when),
+        )
     else:
-        outcomes = [alone(task, first) for task in tasks]
-    if method is None:
+        outcomes = [alone(task, how.first) for task in tasks]
+    if how.method is None:
         for number, outcome in enumerate(outcomes):
             if isinstance(outcome, CannotCompileError):
                 outcomes[number] = alone(tasks[number], "DOP853")

@@ -76,14 +76,7 @@ def pose(
     ValueError
         If the form does not know what is in the scenario, or the start breaks a constraint.
     """
-    choice("form", form, FORMS)
-    if (form == "free-body") != (scenario.contact is not None):
-        raise ValueError(
-            f"form {form!r} {'needs' if form == 'free-body' else 'knows no'} penalty contact, got "
-            f"contact {scenario.contact!r}"
-        )
-    if form != "free-body":
-        check_admissible(scenario, scenario.initial_state)
+    check_form(scenario, form)
     makers = {"index-1": _index1, "reduced": _reduced, "free-body": _free_body}
     posed = makers[form](scenario, multipliers or partial(_multipliers, scenario))
     if not conditions:
@@ -94,6 +87,48 @@ def pose(
 
     named = {reason: in_states(condition) for reason, condition in conditions.items()}
     return replace(posed, problem=replace(posed.problem, conditions=named))
+
+
+def check_form(scenario: Scenario, form: str) -> None:
+    """Raise `ValueError` unless a form knows what is in a scenario, whose start is admissible.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Or that of `Members`.
+    form : str
+    """
+    choice("form", form, FORMS)
+    if (form == "free-body") != (scenario.contact is not None):
+        raise ValueError(
+            f"form {form!r} {'needs' if form == 'free-body' else 'knows no'} penalty contact, got "
+            f"contact {scenario.contact!r}"
+        )
+    if form != "free-body":
+        check_admissible(scenario, scenario.initial_state)
+    if form == "reduced":
+        if scenario.model != 4:
+            raise ValueError(f"form 'reduced' exists for Model 4 alone, got {scenario.name}")
+        if scenario.friction.load != "weight":
+            raise ValueError(
+                f"form 'reduced' takes the load 'weight' alone, got {scenario.friction.load!r}"
+            )
+        scenario.require_horizontal_table("form 'reduced'")
+
+
+def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
+    """State of the index-1 or of the reduced system at the start.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Or that of `Members`.
+    form : str
+    """
+    start = scenario.initial_state
+    if form == "reduced":
+        return *start.coordinates[4:6], start.rates[4]
+    return start.coordinates + start.rates
 
 
 def _index1(scenario: Scenario, multipliers: Callable[[Array], Array]) -> PosedForm:
@@ -112,7 +147,7 @@ def _index1(scenario: Scenario, multipliers: Callable[[Array], Array]) -> PosedF
     return PosedForm(
         InitialValueProblem(
             derivative,
-            scenario.initial_state.vector,
+            np.array(start_values(scenario, "index-1")),
             lambda state: sin(state[4]),
             normal_force,
             longest_step(scenario),
@@ -124,13 +159,6 @@ def _index1(scenario: Scenario, multipliers: Callable[[Array], Array]) -> PosedF
 
 
 def _reduced(scenario: Scenario, multipliers: Callable[[Array], Array]) -> PosedForm:
-    if scenario.model != 4:
-        raise ValueError(f"form 'reduced' exists for Model 4 alone, got {scenario.name}")
-    if scenario.friction.load != "weight":
-        raise ValueError(
-            f"form 'reduced' takes the load 'weight' alone, got {scenario.friction.load!r}"
-        )
-    scenario.require_horizontal_table("form 'reduced'")
     start = scenario.initial_state
     spin, alpha = start.rates[3], start.coordinates[3]
 
@@ -148,7 +176,7 @@ def _reduced(scenario: Scenario, multipliers: Callable[[Array], Array]) -> Posed
     return PosedForm(
         InitialValueProblem(
             derivative,
-            np.array((*start.coordinates[4:6], start.rates[4])),
+            np.array(start_values(scenario, "reduced")),
             lambda state: sin(state[0]),
             lambda state: reduced.normal_force(scenario, spin, state.tolist()),
             longest_step(scenario),

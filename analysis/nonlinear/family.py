@@ -15,12 +15,22 @@ from analysis.data.watch import Progress
 from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import Mesh, NoCycleError, hopf_mesh, solve
 from analysis.nonlinear.cycle import Cycle
+from analysis.nonlinear.heteroclinic import NoConnectionError, last_amplitude
 from analysis.stability.linear_reduced import CriticalSpeed, critical_speed
 
 AMPLITUDES: Array = np.concatenate(
     (np.linspace(0.1, 3.0, 30), np.pi - np.geomspace(0.1, 1e-6, 16))
 )
-"""Amplitudes in rad from near the Hopf point to near the end of the family at pi."""
+"""Amplitudes in rad from near the Hopf point to near the end of the family at pi.
+
+About a saddle-focus it ends beyond pi; see `_amplitudes`.
+"""
+
+_STEEPEST = 1e4
+"""Gradient of friction in s/m beyond which the collocation runs out of nodes."""
+
+_SAME_END = 1e-6
+"""Distance in rad from the connection at which a family ends."""
 
 _HALVINGS = 5
 """How often a step in amplitude that fails is halved before the family ends there."""
@@ -86,7 +96,8 @@ def cycle_family(
     scenario : Scenario
         Of Model 4 with friction that knows the weight, and an eccentricity.
     amplitudes : array_like, shape (n,), optional
-        Amplitudes of gamma about pi/2 in rad, rising, between 0 and pi; `AMPLITUDES` by default.
+        Amplitudes of gamma about pi/2 in rad, rising, between 0 and 3 pi/2; by default up to
+        the heteroclinic connection, which lies at pi or, about a saddle-focus, beyond.
     progress : callable, optional
         Called after each cycle with its amplitude and the last one wanted, in rad.
 
@@ -97,7 +108,8 @@ def cycle_family(
     NoCycleError
         If not even the first cycle is found.
     """
-    wanted = AMPLITUDES if amplitudes is None else amplitudes
+    _require(scenario)
+    wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
     cycles: list[Cycle] = []
     reason = None
     try:
@@ -113,13 +125,30 @@ def cycle_family(
     return CycleFamily(scenario=scenario, hopf=hopf, cycles=tuple(cycles), reason=reason)
 
 
+def _require(scenario: Scenario) -> None:
+    flow.require_cycles(scenario)
+    flow.require_steepness(scenario, _STEEPEST)
+
+
+def _amplitudes(scenario: Scenario) -> Array:
+    """`AMPLITUDES`, but beyond 3 rad closing in on that of the connection."""
+    try:
+        last = last_amplitude(scenario)
+    except NoConnectionError:
+        return np.array(AMPLITUDES)
+    beyond = last - np.pi
+    if beyond < _SAME_END:
+        return np.array(AMPLITUDES)
+    near = last - np.geomspace(0.1 + beyond, _SAME_END, 16)
+    return np.concatenate((AMPLITUDES[near[0] - 0.05 > AMPLITUDES], near))
+
+
 def _followed(scenario: Scenario, amplitudes: npt.ArrayLike) -> Iterator[Cycle]:
     """Cycles one by one; `NoCycleError` names the last good one."""
-    flow.require_cycles(scenario)
     wanted = real_array("amplitudes", amplitudes)
     proper = wanted.ndim == 1 and wanted.size and np.all(np.diff(wanted, prepend=0.0) > 0.0)
-    if not proper or wanted[-1] >= np.pi:
-        raise ValueError(f"amplitudes must rise strictly between 0 and pi, got {amplitudes!r}")
+    if not proper or wanted[-1] >= 1.5 * np.pi:
+        raise ValueError(f"amplitudes must rise strictly between 0 and 3 pi/2, got {amplitudes!r}")
     last: Cycle | None = None
     for amplitude in wanted.tolist():
         try:
@@ -162,11 +191,11 @@ def cycle_at(scenario: Scenario, spin: float) -> Cycle:
     NoCycleError
         If the iteration fails.
     """
-    flow.require_cycles(scenario)
+    _require(scenario)
     spin, hopf = number("spin", spin), critical_speed(scenario).spin
     spins = [hopf]
     before: Cycle | None = None
-    for last in _followed(scenario, AMPLITUDES):
+    for last in _followed(scenario, _amplitudes(scenario)):
         if (last.spin - spin) * (spins[-1] - spin) <= 0.0 and spin != hopf:
             return _between(scenario, spin, before, last)
         spins.append(last.spin)

@@ -41,6 +41,15 @@ def require_cycles(scenario: Scenario) -> None:
         raise ValueError("eccentricity must be positive for periodic motions, got 0")
 
 
+def require_steepness(scenario: Scenario, steepest: float) -> None:
+    """Raise `ValueError` if friction is steeper, in s/m, than what a method can follow."""
+    if scenario.friction.gradient > steepest:
+        raise ValueError(
+            f"friction must have a gradient of at most {steepest:g} s/m to be followed here, got "
+            f"{scenario.friction.gradient:g}; steeper, motions are those of the slow manifold"
+        )
+
+
 def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:
     """Time derivative of deviations from inverted spinning.
 

@@ -3,10 +3,12 @@
 Noninverted spinning is a saddle with one growing direction. The motion that leaves it there with
 growing gamma either turns back before gamma has made a whole turn, or goes on over it; in between
 there is a spin at which it ends in the saddle again. Neither cycles nor boundary values are needed
-to find it.
+to find it. Where friction is weak or smooth, the decaying directions are a complex pair (a
+saddle-focus), about which the motion winds: whether it has turned back or gone over shows only
+where it passes inverted spinning again.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,13 +20,21 @@ from analysis.data.scenario import Scenario
 from analysis.models import reduced
 from analysis.nonlinear import flow
 from analysis.nonlinear.cycle import Cycle
-from analysis.stability.linear_reduced import critical_speed, reduced_matrices
+from analysis.stability.linear_reduced import ComplexArray, critical_speed, reduced_matrices
+
+Ending = Callable[[float, Array], float]
 
 _DEPARTURE = 1e-6
 """Deviation of gamma in rad at which a motion leaves the saddle along its growing direction."""
 
 _LONGEST = 60.0
 """End of a run in time constants of the growing direction; it takes 14 to leave."""
+
+_BESIDE = 1e-9
+"""Distance in rad/s from the connection at which a motion surely falls to its side."""
+
+_STEEPEST = 1e5
+"""Gradient of friction in s/m beyond which runs lose the digits of the spin."""
 
 _STEP = 0.02
 _WIDEST = 0.5
@@ -43,7 +53,7 @@ class Fall:
         beta, gamma in rad and rate of beta in rad/s.
     miss : float
         Negative, gamma less 3 pi/2 where it turns back; or positive, beta less pi/2 (at most
-        pi/2: the disk falls flat) where gamma reaches 3 pi/2.
+        pi/2: the disk falls flat) where gamma reaches 3 pi/2. About a saddle-focus -1 or 1.
     """
 
     times: Array
@@ -62,7 +72,10 @@ class Connection:
     below, above : float
         Spins in rad/s next to it on which the motion falls to different sides.
     growing, slow, strong : float
-        Eigenvalues of the saddle in 1/s: the positive one, and the negative ones.
+        Eigenvalues of the saddle in 1/s: the positive one, and the negative ones; of a complex
+        pair, its real part twice.
+    winding : float
+        Imaginary part of the decaying pair of a saddle-focus in 1/s; 0 for two real ones.
     """
 
     spin: float
@@ -71,6 +84,7 @@ class Connection:
     growing: float
     slow: float
     strong: float
+    winding: float = 0.0
 
     @property
     def saddle_index(self) -> float:
@@ -82,8 +96,10 @@ class NoConnectionError(ArithmeticError):
     """No heteroclinic connection has been found."""
 
 
-def saddle(scenario: Scenario, spin: float) -> tuple[Array, Array]:
-    """Real eigenvalues of noninverted spinning, falling, shape (3,), and growing direction, (3,).
+def saddle(scenario: Scenario, spin: float) -> tuple[ComplexArray, Array]:
+    """Eigenvalues of noninverted spinning, falling, shape (3,), and growing direction, (3,).
+
+    The first is real; the others decay, and may be a complex pair.
 
     Raises
     ------
@@ -93,13 +109,13 @@ def saddle(scenario: Scenario, spin: float) -> tuple[Array, Array]:
     values, vectors = np.linalg.eig(reduced_matrices(scenario, [spin], "noninverted")[0])
     order = np.argsort(-values.real)
     values = values[order]
-    if np.any(values.imag) or not values[0].real > 0.0 > values[1].real:
+    if values[0].imag or not values[0].real > 0.0 > values[1].real:
         raise NoConnectionError(
             f"noninverted spinning at {spin:.9g} rad/s is no saddle with one growing and two "
             f"decaying directions: its eigenvalues are {', '.join(f'{v:.4g}' for v in values)} 1/s"
         )
     growing = vectors[:, order[0]].real
-    return values.real, growing / growing[1]
+    return values.astype(complex), growing / growing[1]
 
 
 def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
@@ -122,41 +138,55 @@ def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
         If noninverted spinning is no saddle, or the run fails.
     """
     flow.require_cycles(scenario)
+    flow.require_steepness(scenario, _STEEPEST)
     spin = positive("spin", spin)
     values, growing = saddle(scenario, spin)
 
     def rates(_: float, x: Array) -> tuple[float, float, float]:
         return reduced.right_hand_side(scenario, spin, x.tolist())
 
-    def turns_back(_: float, x: Array) -> float:
-        return float(x[0]) - np.pi / 2
-
-    def goes_over(_: float, x: Array) -> float:
-        return float(x[1]) - 1.5 * np.pi
-
-    def flat(_: float, x: Array) -> float:
-        return np.pi - float(x[0])
-
-    for event in (turns_back, goes_over, flat):
-        event.terminal = True  # type: ignore[attr-defined]
-    turns_back.direction = -1.0  # type: ignore[attr-defined]
+    winds = values[1].imag != 0.0
     run = solve_ivp(
         rates,
-        (0.0, _LONGEST / values[0]),
+        (0.0, _LONGEST / values[0].real),
         np.array((np.pi / 2, -np.pi / 2, 0.0)) + _DEPARTURE * growing,
         # The strong direction is stiff where friction is steep.
         method="LSODA",
         rtol=tolerance,
         atol=tolerance * 1e-2,
-        events=(turns_back, goes_over, flat),
+        events=_endings(winds),
     )
     if not run.success:
         raise NoConnectionError(f"the motion at {spin:.9g} rad/s fails: {run.message}")
-    beta, gamma, _ = run.y[:, -1]
+    has_turned, *has_passed = (times.size > 0 for times in run.t_events)
     # Closer than rounding to the saddle, it stays there.
-    back, over, lies = (times.size > 0 for times in run.t_events)
-    miss = gamma - 1.5 * np.pi if back else beta - np.pi / 2 if over or lies else 0.0
-    return Fall(times=run.t, states=run.y.T, miss=float(miss))
+    miss = 0.0
+    if has_turned:
+        miss = -1.0 if winds else float(run.y[1, -1]) - 1.5 * np.pi
+    elif any(has_passed):
+        miss = 1.0 if winds else float(run.y[0, -1]) - np.pi / 2
+    return Fall(times=run.t, states=run.y.T, miss=miss)
+
+
+def _endings(winds: bool) -> tuple[Ending, Ending, Ending]:
+    """Events that end a run: it turns back, it goes over, the disk falls flat."""
+    # Back at inverted spinning; or upright again, which it becomes where gamma is largest.
+    place = 1 if winds else 0
+    over_value = 2.5 * np.pi if winds else 1.5 * np.pi
+
+    def back(_: float, x: Array) -> float:
+        return float(x[place]) - np.pi / 2
+
+    def over(_: float, x: Array) -> float:
+        return float(x[1]) - over_value
+
+    def flat(_: float, x: Array) -> float:
+        return np.pi - float(x[0])
+
+    for event in (back, over, flat):
+        event.terminal = True  # type: ignore[attr-defined]
+    back.direction = -1.0  # type: ignore[attr-defined]
+    return back, over, flat
 
 
 def heteroclinic_connection(scenario: Scenario, accuracy: float = 1e-11) -> Connection:
@@ -194,8 +224,32 @@ def heteroclinic_connection(scenario: Scenario, accuracy: float = 1e-11) -> Conn
     below = max((s for s, v in signs if s <= found and v * signs[0][1] > 0.0), default=found)
     above = min((s for s, v in signs if s >= found and v * signs[-1][1] > 0.0), default=found)
     return Connection(
-        spin=found, below=below, above=above, growing=growing, slow=slow, strong=strong
+        spin=found,
+        below=below,
+        above=above,
+        growing=growing.real,
+        slow=slow.real,
+        strong=strong.real,
+        winding=abs(slow.imag),
     )
+
+
+def last_amplitude(scenario: Scenario) -> float:
+    """Amplitude in rad of the cycles next to the connection: pi, or more about a saddle-focus.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        See `heteroclinic_connection`; so are the errors.
+    """
+    flow.require_cycles(scenario)
+    if not np.any(saddle(scenario, critical_speed(scenario).spin)[0].imag):
+        return float(np.pi)
+    found = heteroclinic_connection(scenario)
+    sides = (fall(scenario, side) for side in (found.below - _BESIDE, found.above + _BESIDE))
+    # The one that turns back is nearly the cycle's own way.
+    overshoot = max(float(np.max(way.states[:, 1])) for way in sides if way.miss < 0.0)
+    return max(float(np.pi), overshoot - np.pi / 2)
 
 
 def _bracket(scenario: Scenario) -> tuple[float, float]:

@@ -32,7 +32,7 @@ def shoot(scenario: Scenario, amplitude: float, start: tuple[float, float, float
     scenario : Scenario
         Of the reduced system.
     amplitude : float
-        Largest deviation of gamma from pi/2 in rad, between 0 and pi.
+        Largest deviation of gamma from pi/2 in rad, between 0 and 3 pi/2.
     start : tuple of 3 floats
         Spin in rad/s, period in s, and rate of beta in rad/s where gamma is largest, to iterate
         from.
@@ -45,7 +45,7 @@ def shoot(scenario: Scenario, amplitude: float, start: tuple[float, float, float
         If Newton's method does not converge.
     """
     flow.require_cycles(scenario)
-    amplitude = open_amplitude(amplitude)
+    amplitude = open_amplitude(amplitude, 1.5 * np.pi)
     spin, half, rate = start[0], start[1] / 2.0, start[2]
     size = np.array((1.0, 1.0, np.pi / half)) * amplitude
     last = np.inf
@@ -82,11 +82,14 @@ def shoot(scenario: Scenario, amplitude: float, start: tuple[float, float, float
     )
 
 
-def open_amplitude(value: float) -> float:
-    """Return an amplitude; `ValueError` unless it lies between 0 and pi, both excluded."""
+def open_amplitude(value: float, largest: float = np.pi) -> float:
+    """Return an amplitude; `ValueError` unless it lies between 0 and the largest, both excluded.
+
+    Only about a saddle-focus do cycles swing beyond pi; none goes half a turn further.
+    """
     result = number("amplitude", value)
-    if not 0.0 < result < np.pi:
-        raise ValueError(f"amplitude must lie between 0 and pi, got {result:g}")
+    if not 0.0 < result < largest:
+        raise ValueError(f"amplitude must lie between 0 and {largest:.6g} rad, got {result:g}")
     return result
 
 

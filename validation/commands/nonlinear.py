@@ -29,6 +29,10 @@ def cycles(options: argparse.Namespace) -> int:
     """Print, store or plot the periodic motions."""
     spins = None if options.spins is None else parse_spins(options.spins)
     scenario = _reduced(options)
+    if options.over is not None:
+        return _cycles_over(options, scenario, None if spins is None else spins.tolist())
+    if options.amplitude is not None:
+        raise ValueError("--amplitude belongs to --over; a family goes through all amplitudes")
     if spins is not None:
         found = [families.cycle_at(scenario, spin) for spin in spins.tolist()]
         _deliver(options, [tables.cycle_table(found)], {"cycles": _values(found)})
@@ -51,6 +55,8 @@ def cycles(options: argparse.Namespace) -> int:
 def heteroclinic(options: argparse.Namespace) -> int:
     """Print, store or plot the heteroclinic connection."""
     scenario = _reduced(options)
+    if options.over is not None:
+        return _connections_over(options, scenario)
     found = heteroclinic_connection(scenario)
     slow = tables.prediction(scenario)
     values = {
@@ -65,6 +71,46 @@ def heteroclinic(options: argparse.Namespace) -> int:
         ways = [fall(scenario, found.spin + side) for side in (-_SIDE, 0.0, _SIDE)]
         names = [f"{found.spin + side:.6f} rad/s" for side in (-_SIDE, 0.0, _SIDE)]
         _save(figures.connection_portrait(ways, names).figure, options.plot)
+    return 0
+
+
+def _cycles_over(
+    options: argparse.Namespace, scenario: Scenario, spins: list[float] | None
+) -> int:
+    from analysis.nonlinear.over import cycles_over
+    from validation.studies.nonlinear import over
+    from validation.sweeps.axes import axis_from_text
+
+    axis = axis_from_text(options.over)
+    if (spins is None) == (options.amplitude is None) or (spins is not None and len(spins) > 1):
+        raise ValueError("--over needs what is held: one --spin, or --amplitude")
+    values, scenarios = over.scenarios_over(scenario, axis)
+    held = {"amplitude": options.amplitude} if spins is None else {"spin": spins[0]}
+    found = cycles_over(scenarios, **held)
+    table = over.cycles_table(axis, values, found)
+    rows = [
+        {axis.field: value, **each}
+        for value, each in zip(values, _values(found.cycles), strict=False)
+    ]
+    _deliver(options, [table], {"cycles": rows, "reason": found.reason})
+    if options.plot is not None:
+        shown = "spin in rad/s" if spins is None else "amplitude in rad"
+        _save(over.draw(table, axis.log, (shown, "multiplier")).figure, options.plot)
+    return 0
+
+
+def _connections_over(options: argparse.Namespace, scenario: Scenario) -> int:
+    from validation.studies.nonlinear import over
+    from validation.sweeps.axes import axis_from_text
+
+    axis = axis_from_text(options.over)
+    values, scenarios = over.scenarios_over(scenario, axis)
+    ends = [over.End.of(each) for each in scenarios]
+    table = over.ends_table(axis, values, ends)
+    rows = [{axis.field: value, **asdict(end)} for value, end in zip(values, ends, strict=True)]
+    _deliver(options, [table], {"ends": rows})
+    if options.plot is not None:
+        _save(over.draw(table, axis.log, table.columns[1:4]).figure, options.plot)
     return 0
 
 
@@ -118,7 +164,7 @@ def _family(scenario: Scenario, family: CycleFamily) -> tuple[list[Table], dict[
     shown = [
         tables.cycle_table(family.cycles),
         tables.hopf_table(normal, growth),
-        tables.bifurcation_table(found),
+        tables.bifurcation_table(found, family.cycles),
     ]
     return shown, values
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from analysis import MODELS, Scenario
 from analysis.data.checks import Array
+from analysis.data.fields import changed
 from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design
-from validation.sweeps.fields import changed
 from validation.sweeps.outcomes import DONE, Row
 from validation.sweeps.sweep import Plan, Sweep
 
@@ -179,7 +179,7 @@ def critical_points(problem: Problem, scenario: Scenario) -> Array:
         return np.empty((0, 2))
     points = []
     for value in np.linspace(low, high, THEORY_SAMPLES).tolist():
-        at = changed(scenario.values(), {other: value})
+        at = changed(scenario, {other: value})
         points += [
             (crossing.spin, value) for crossing in critical_speeds(at, (first, last)).crossings
         ]

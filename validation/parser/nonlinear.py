@@ -23,6 +23,10 @@ def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
         metavar="SPIN",
         help="only the cycles at these spins in rad/s: values, or first:last:number",
     )
+    _add_over(cycles)
+    cycles.add_argument(
+        "--amplitude", type=float, metavar="RAD", help="of the cycle that --over follows"
+    )
     add_output(cycles)
     add_problem(cycles)
 
@@ -37,8 +41,18 @@ def add_heteroclinic(commands: "argparse._SubParsersAction[Any]") -> None:
         "picture shows that motion on either side of the connection.",
     )
     heteroclinic.set_defaults(module="nonlinear")
+    _add_over(heteroclinic)
     add_output(heteroclinic)
     add_problem(heteroclinic)
+
+
+def _add_over(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--over",
+        metavar="AXIS",
+        help="go through a parameter, as in sweep: mu=0.1:1:10:log, eps=0.01,0.1, "
+        "hole-distance=0.01:0.025:4",
+    )
 
 
 def add_passage(commands: "argparse._SubParsersAction[Any]") -> None:

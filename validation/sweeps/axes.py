@@ -10,8 +10,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from analysis.data.checks import Array, choice, number
+from analysis.data.fields import Value, full_name, is_text, is_word, read_value
 from analysis.data.limits import LARGEST_STORAGE
-from validation.sweeps.fields import Value, full_name, is_text, read_value
 
 Layout = Literal["grid", "random", "latin-hypercube", "sobol"]
 LAYOUTS: tuple[Layout, ...] = get_args(Layout)
@@ -70,7 +70,7 @@ class Axis:
 
     def _check_range(self) -> None:
         field, count = self.field, self.count
-        if is_text(field) or field in ("model", "contact.bilateral"):
+        if is_word(field):
             raise ValueError(f"axis {field} takes a list, such as {field}=a,b, and no range")
         for name in ("first", "last"):
             object.__setattr__(self, name, read_value(field, getattr(self, name)))

@@ -5,7 +5,7 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
@@ -25,13 +25,13 @@ from analysis import (
 )
 from analysis.data.checks import TimeLimitError, choice, positive, within
 from analysis.data.endings import CONDITIONS
+from analysis.data.fields import changed, check_field
 from analysis.data.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.data.trajectory import SOURCES, Source, versions
 from analysis.models.forms import default_form, pose
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
 from validation.run import rest_effort, run, run_effort, run_to_rest
 from validation.sweeps.axes import Design
-from validation.sweeps.fields import changed, check_field
 from validation.sweeps.outcomes import (
     DONE,
     Row,
@@ -212,14 +212,10 @@ class Sweep:
                     f"keep must name what {self.scenario.name} has, got {min(missing)}"
                 )
 
-    @cached_property
-    def _base(self) -> dict[str, Any]:
-        return self.scenario.values()
-
     def scenario_of(self, index: int) -> Scenario:
         """Scenario of a case; `ValueError` if its values do not fit."""
         names = [axis.field for axis in self.design.axes]
-        return changed(self._base, dict(zip(names, self.design.case(index), strict=True)))
+        return changed(self.scenario, dict(zip(names, self.design.case(index), strict=True)))
 
     def has_witness(self, index: int) -> bool:
         """Whether the other side runs this case as well: evenly spread, in no step with a grid."""

@@ -70,7 +70,7 @@ class Portrait:
 def portrait(scenario: Scenario, spin: float) -> Portrait:
     """Compute a portrait of a scenario of Model 4 at a spin in rad/s."""
     values, growing = saddle(scenario, spin)
-    slow = np.array((values[1], spin))
+    slow = np.array((values[1].real, spin))
     slow = slow / slow[1]
     leaving = _forwards(scenario, spin, _NONINVERTED + _AWAY * growing)
     arriving = _backwards(scenario, spin, _NONINVERTED[:2] + _AWAY * slow)

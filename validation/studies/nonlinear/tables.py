@@ -27,6 +27,7 @@ def cycle_table(cycles: Sequence[Cycle]) -> Table:
             "spin in rad/s",
             "period in s",
             "multiplier",
+            "over half a period",
             "log10 of the other",
             "stable",
         ),
@@ -36,6 +37,7 @@ def cycle_table(cycles: Sequence[Cycle]) -> Table:
                 cycle.spin,
                 cycle.period,
                 cycle.multiplier,
+                cycle.half_multiplier,
                 cycle.log_strong / float(np.log(10.0)),
                 # A verdict's cell would be a check; this one is a property.
                 {True: "stable", False: "unstable", None: "undecided"}[cycle.stable],
@@ -46,14 +48,29 @@ def cycle_table(cycles: Sequence[Cycle]) -> Table:
     )
 
 
-def bifurcation_table(found: Sequence[Bifurcation]) -> Table:
-    """Where the stability of cycles changes."""
+def bifurcation_table(found: Sequence[Bifurcation], cycles: Sequence[Cycle] = ()) -> Table:
+    """Where the stability of cycles changes.
+
+    Parameters
+    ----------
+    found : sequence of Bifurcation
+    cycles : sequence of Cycle
+        The family, from which the range of the larger multiplier over half a period is told.
+    """
+    note = "" if found else "There are none: stability does not change along the family."
+    if cycles:
+        values = [cycle.half_multiplier for cycle in cycles]
+        note += (
+            f" The larger multiplier over half a period, with the mirror image, lies between "
+            f"{min(values):.4g} and {max(values):.4g}; at 1 cycles fold, at -1 they lose their "
+            "symmetry."
+        )
     return Table(
         name="bifurcations",
         title="Bifurcations along the family",
         columns=("kind", "amplitude in rad", "spin in rad/s", "period in s"),
         rows=[(b.kind, b.cycle.amplitude, b.cycle.spin, b.cycle.period) for b in found],
-        note="" if found else "There are none: stability does not change along the family.",
+        note=note.lstrip(),
     )
 
 

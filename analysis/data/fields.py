@@ -1,16 +1,18 @@
 """Fields of a scenario by their dotted names, as the keys of its file: start.spin."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields, replace
 from difflib import get_close_matches
 from typing import Any
 
-from analysis import DISKS, LEVELS, MODELS, Disk, Scenario, Start
 from analysis.data.angles import angle
 from analysis.data.checks import choice
-from analysis.data.disk import STEEL_DISK, STEEL_RING
-from analysis.data.friction import law_class
+from analysis.data.constraint_set import LEVELS, MODELS
+from analysis.data.disk import DISKS, STEEL_DISK, STEEL_RING, Disk
+from analysis.data.friction import law_class, law_from
+from analysis.data.scenario import Scenario
 from analysis.data.scenario_keys import KEYS, RING
+from analysis.data.start import Start
 
 Value = float | str | bool
 """What a field may be set to."""
@@ -22,14 +24,17 @@ _SHORT = {
 }
 """Options of the command line that are not named as the key they stand for."""
 
-_WHOLE = ("model", "constraints", "disk.name", "friction.law")
-"""Fields that stand for more than one number; they are set before the others."""
-
 _TEXT = ("constraints", "disk.name", "friction.law", "friction.load")
 
 
-def full_name(name: str) -> str:
+def full_name(name: str, axis: str = "axis") -> str:
     """Dotted name of a field from that or from its last part alone.
+
+    Parameters
+    ----------
+    name : str
+    axis : str
+        What to call it if there is no such field.
 
     Raises
     ------
@@ -53,7 +58,7 @@ def full_name(name: str) -> str:
     known = [key for keys in KEYS.values() for key in keys]
     close = ", ".join(get_close_matches(name.rpartition(".")[2], known)) or "start.spin"
     raise ValueError(
-        f"axis must be a field of a scenario, as `tippedisk scenario` lists them, such as "
+        f"{axis} must be a field of a scenario, as `tippedisk scenario` lists them, such as "
         f"{close}; got {name!r}"
     )
 
@@ -61,6 +66,11 @@ def full_name(name: str) -> str:
 def is_text(field: str) -> bool:
     """Whether a field takes words instead of numbers."""
     return field in _TEXT
+
+
+def is_word(field: str) -> bool:
+    """Whether a field takes one of a few words or marks, between which nothing lies."""
+    return is_text(field) or field in ("model", "contact.bilateral")
 
 
 def unit(field: str) -> str:
@@ -127,39 +137,41 @@ def check_field(scenario: Scenario, field: str, others: Mapping[str, Any]) -> No
         raise ValueError("constraints and model do not go together")
 
 
-def changed(base: Mapping[str, Any], changes: Mapping[str, Value]) -> Scenario:
+def changed(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
     """Scenario with some fields changed.
 
     Parameters
     ----------
-    base : mapping
-        `Scenario.values()` of the scenario to change.
+    scenario : Scenario
     changes : mapping
-        Values by the dotted names of fields.
+        Values by the dotted names of fields; a `Members` changes all members of an ensemble.
 
     Raises
     ------
     ValueError
         If a value is out of range or does not fit the rest.
     """
-    values = dict(base)
-    ordered = sorted(changes.items(), key=lambda item: item[0] not in _WHOLE)
-    ring = {}
-    for field, value in ordered:
+    parts: dict[str, Any] = {}
+    numbers: dict[str, dict[str, Any]] = {}
+    for field, value in changes.items():
         table, _, key = field.partition(".")
         if field == "model":
-            values["constraints"] = MODELS[value]  # type: ignore[index]
+            parts["constraints"] = MODELS[value]
         elif field == "constraints":
-            values["constraints"] = str(value).split("+")
+            parts["constraints"] = str(value).split("+")
         elif field == "disk.name":
-            values["disk"] = asdict(DISKS[choice("disk.name", str(value), DISKS)])
+            parts["disk"] = DISKS[choice("disk.name", str(value), DISKS)]
         elif field == "friction.law":
-            values["friction"] = {"law": value, "load": values["friction"]["load"]}
-        elif table == "disk" and key in RING[1:]:
-            ring[key] = value
+            parts["friction"] = law_from({"law": value, "load": scenario.friction.load})
         else:
-            values[table] = {**values[table], key: value}
-    if ring:
-        given = STEEL_RING | {"radius": values["disk"]["radius"]} | ring
-        values["disk"] = asdict(Disk.ring(**given))
-    return Scenario.from_values(values)
+            numbers.setdefault(table, {})[key] = value
+    for table, values in numbers.items():
+        part = parts.get(table, getattr(scenario, table))
+        is_ring = table == "disk" and any(key in RING[1:] for key in values)
+        for key in values:
+            choice(table, key, RING if is_ring else [each.name for each in fields(part)])
+        if is_ring:
+            parts[table] = Disk.ring(**(STEEL_RING | {"radius": part.radius} | values))
+        else:
+            parts[table] = replace(part, **values)
+    return replace(scenario, **parts)

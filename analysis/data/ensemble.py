@@ -1,0 +1,177 @@
+"""Many scenarios that differ in some fields, told by arrays."""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.data.checks import Array
+from analysis.data.fields import Value, changed, check_field, full_name, is_word, read_value
+from analysis.data.members import Members, Rows, alike
+from analysis.data.scenario import Scenario
+
+T = TypeVar("T")
+Values = npt.NDArray[Any]
+Words = Mapping[str, Value]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Ensemble:
+    """Scenarios that differ in some of their fields.
+
+    Everything is checked by the rules of a single scenario, for all members at once.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With whatever does not vary.
+    fields : mapping
+        From the dotted name of a field, as a scenario's file has it ("start.spin"), or its last
+        part alone where that is enough ("spin"), to its values, each shape (m,), m > 0. Fields
+        are those that a sweep may vary.
+
+    Raises
+    ------
+    ValueError
+        If the scenario has no such field, shapes differ, or a member is no scenario; that member
+        and why are named.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Ensemble, Scenario
+    >>> spins = Ensemble(scenario=Scenario(), fields={"spin": np.linspace(20.0, 60.0, 5)})
+    >>> len(spins), spins[1].start.spin
+    (5, 30.0)
+    """
+
+    scenario: Scenario
+    fields: Mapping[str, Values]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.scenario, Scenario):
+            raise ValueError(f"scenario must be a Scenario, got {self.scenario!r}")
+        if not isinstance(self.fields, Mapping) or not self.fields:
+            raise ValueError(f"fields must map names to arrays, got {self.fields!r}")
+        found: dict[str, Values] = {}
+        for given, values in self.fields.items():
+            name = full_name(given, "fields")
+            if name in found:
+                raise ValueError(f"fields must hold each field once, got {name} twice")
+            found[name] = _values(name, values)
+        shapes = {name: values.shape for name, values in found.items()}
+        first, shape = next(iter(shapes.items()))
+        for name, other in shapes.items():
+            if other != shape:
+                raise ValueError(
+                    f"fields must have one shape, got {shape} of {first} and {other} of {name}"
+                )
+        object.__setattr__(self, "fields", found)
+        firsts = self._told(0)
+        for name in found:
+            check_field(self.scenario, name, firsts)
+        self._check_members()
+
+    def _check_members(self) -> None:
+        doubtful = [rows for rows, made in self.alike(_itself) if isinstance(made, Exception)]
+        for member in sorted(np.concatenate(doubtful).tolist() if doubtful else []):
+            try:
+                _ = self[member]
+            except ValueError as error:
+                raise ValueError(f"member {member} of fields: {error}") from None
+
+    def __len__(self) -> int:
+        return len(next(iter(self.fields.values())))
+
+    def __getitem__(self, member: int) -> Scenario:
+        """Scenario of a member."""
+        return changed(self.scenario, self._told(range(len(self))[member]))
+
+    def __iter__(self) -> Iterator[Scenario]:
+        return (self[member] for member in range(len(self)))
+
+    def __repr__(self) -> str:
+        return f"Ensemble({len(self)} times {self.scenario.name}: {', '.join(self.fields)})"
+
+    def part(self, rows: Rows | slice) -> "Ensemble":
+        """Ensemble of some of the members, which need no further check."""
+        some = object.__new__(Ensemble)
+        object.__setattr__(some, "scenario", self.scenario)
+        fields = {name: values[rows] for name, values in self.fields.items()}
+        object.__setattr__(some, "fields", fields)
+        return some
+
+    def alike(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T | Exception]]:
+        """Call a function for the scenarios of members that go the same way in it.
+
+        Parameters
+        ----------
+        function : callable
+            Of a scenario whose fields that vary are `Members`.
+
+        Yields
+        ------
+        rows : ndarray of int, shape (k,)
+            Numbers of members.
+        result
+            Of the function, or the error that it ended in.
+        """
+        numbers = {name: each for name, each in self.fields.items() if each.dtype.kind == "f"}
+        for words, rows in self._by_words():
+
+            def call(some: Mapping[str, Members], words: Words = words) -> T:
+                return function(changed(self.scenario, {**words, **some}))
+
+            yield from alike(call, numbers, rows)
+
+    def numbers(self, function: Callable[[Scenario], float]) -> Array:
+        """Number of each member that a function tells of its scenario, shape (m,)."""
+        found = np.empty(len(self))
+        for rows, told in self.alike(function):
+            if isinstance(told, Exception):
+                found[rows] = [function(self[row]) for row in rows.tolist()]
+            else:
+                found[rows] = told
+        return found
+
+    def _told(self, member: int) -> dict[str, Value]:
+        return {name: values[member].item() for name, values in self.fields.items()}
+
+    def _by_words(self) -> Iterator[tuple[Words, Rows]]:
+        """Members that differ in numbers alone."""
+        words = {name: each for name, each in self.fields.items() if each.dtype.kind != "f"}
+        if not words:
+            yield {}, np.arange(len(self))
+            return
+        groups: defaultdict[tuple[Value, ...], list[int]] = defaultdict(list)
+        for member, told in enumerate(
+            zip(*(each.tolist() for each in words.values()), strict=True)
+        ):
+            groups[told].append(member)
+        for told, rows in groups.items():
+            yield dict(zip(words, told, strict=True)), np.array(rows)
+
+
+def _itself(scenario: Scenario) -> Scenario:
+    return scenario
+
+
+def _values(name: str, given: npt.ArrayLike) -> Values:
+    """Clean values of a field, shape (m,), that nobody can change."""
+    try:
+        values = np.array(given)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be an array, got {given!r}") from None
+    if values.ndim != 1 or not values.size:
+        raise ValueError(f"{name} must have shape (m,), m > 0, got {values.shape}")
+    if is_word(name):
+        values = np.array([read_value(name, value) for value in values.tolist()])
+    elif values.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be an array of real numbers, got {values.dtype} values")
+    else:
+        values = values.astype(float)
+    values.setflags(write=False)
+    return values

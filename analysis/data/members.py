@@ -1,0 +1,97 @@
+"""Numbers of the members of an ensemble, in place of one number.
+
+What is written for one number (a range, a start that follows from constraints, a choice between
+two formulas) holds for all members at once where these go the same way. Where they do not, they
+are told apart, and each group goes its own.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+T = TypeVar("T")
+Rows = npt.NDArray[np.intp]
+"""Numbers of members."""
+
+
+class DividedError(Exception):
+    """Members do not all go the same way.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (n,)
+        Those that go the one of two ways.
+    """
+
+    def __init__(self, mask: npt.NDArray[np.bool_]) -> None:
+        super().__init__("members do not all go the same way")
+        self.mask = mask
+
+
+class Members(npt.NDArray[Any]):
+    """One number for each member, shape (n,), n > 0; calculates as arrays do.
+
+    As a condition it is true or false if it is for all members, and raises `DividedError`
+    otherwise. There is no way to a single float, so that no function takes one for all.
+    """
+
+    def __bool__(self) -> bool:
+        truth = np.asarray(self) != 0
+        if truth.all():
+            return True
+        if truth.any():
+            raise DividedError(truth)
+        return False
+
+    def __float__(self) -> float:
+        raise TypeError("one number is wanted, and there is one for each member")
+
+    def __format__(self, spec: str) -> str:
+        return format(np.asarray(self)[0].item(), spec)
+
+
+def in_columns(numbers: Iterable[Any], count: int) -> npt.NDArray[np.float64]:
+    """Numbers of all members, each one number or a `Members`, as an array, shape (count, n)."""
+    given = list(numbers)
+    columns = np.empty((count, len(given)))
+    for column, values in enumerate(given):
+        columns[:, column] = values
+    return columns
+
+
+def alike(
+    function: Callable[[dict[str, Members]], T],
+    values: Mapping[str, npt.NDArray[Any]],
+    rows: Rows,
+) -> Iterator[tuple[Rows, T | Exception]]:
+    """Call a function for members that go the same way in it.
+
+    Parameters
+    ----------
+    function : callable
+        Of numbers by name.
+    values : mapping
+        Numbers by name of all members, each shape (n,).
+    rows : ndarray of int, shape (m,)
+        Members to call it for.
+
+    Yields
+    ------
+    rows : ndarray of int, shape (k,)
+        Members that go the same way.
+    result
+        Of the function, or the error that it ended in.
+    """
+    pending = [rows] if rows.size else []
+    while pending:
+        some = pending.pop()
+        try:
+            result = function({name: each[some].view(Members) for name, each in values.items()})
+        except DividedError as divided:
+            pending += [some[~divided.mask], some[divided.mask]]
+        except (ArithmeticError, TypeError, ValueError) as error:
+            yield some, error
+        else:
+            yield some, result

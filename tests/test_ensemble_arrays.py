@@ -1,0 +1,218 @@
+"""Ensembles told by arrays: checked by the rules of a scenario, run as single members are."""
+
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import (
+    LEVELS,
+    MODELS,
+    Ensemble,
+    PenaltyContact,
+    Scenario,
+    Start,
+    Stribeck,
+    Trajectories,
+    simulate,
+    simulate_many,
+)
+from analysis.compiled import code, systems
+from analysis.data.members import in_columns
+from analysis.models import ensemble as many
+from analysis.models.effort import longest_step, simulation_effort
+from analysis.models.forms import check_form, start_values
+from tests.helpers import assert_close, model
+
+TIMES = np.linspace(0.0, 1.0, 51)
+SOME = 6
+
+
+@pytest.fixture(autouse=True)
+def _compiled_in_a_quarter_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(code, "COMPACT", True)
+
+
+def spins(*values: float, **fields: Any) -> Ensemble:
+    return Ensemble(scenario=model(4), fields={"spin": np.array(values), **fields})
+
+
+def assert_same_as_alone(runs: Trajectories, relative: float, **how: Any) -> None:
+    """Every member is what `simulate` makes of it, in the arrays and by itself."""
+    for member, scenario in enumerate(runs.ensemble):
+        single = simulate(scenario, runs.times, **how)
+        found, count = runs[member], int(np.sum(runs.times <= single.times[-1]))
+        assert found.scenario == scenario
+        assert dict(found.method) == dict(single.method)
+        assert found.error_estimate == pytest.approx(single.error_estimate, abs=1e-11)
+        assert (
+            found.inversion.outcome == single.inversion.outcome == runs.inversions.outcomes[member]
+        )
+        np.testing.assert_equal(runs.inversions.times[member], found.inversion.time or np.nan)
+        assert (found.ending and found.ending.reason) == runs.endings[member]
+        assert (single.ending and single.ending.reason) == runs.endings[member]
+        assert runs.ends[member] == found.times[-1] == pytest.approx(single.times[-1], abs=1e-10)
+        for name in ("coordinates", "rates", "multipliers"):
+            assert_close(getattr(found, name), getattr(single, name), relative=100 * relative)
+        for name in ("coordinates", "rates"):
+            whole, last = getattr(runs, name)[member], getattr(runs, f"last_{name}")[member]
+            assert_close(whole[:count], getattr(single, name)[:count], relative=relative)
+            assert_close(last, getattr(single, name)[-1], relative=10 * relative)
+            assert np.isnan(whole[count:]).all()
+
+
+def test_members_of_a_compiled_ensemble_are_those_of_single_runs() -> None:
+    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+    # More than one batch, and members that end: inverted, or flat.
+    fields = {
+        "spin": np.array([20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 0.0]),
+        "beta": np.append(np.full(8, 1.5), 1.0),
+        "gamma": np.append(np.full(8, 0.1 - pi / 2), pi / 2),
+    }
+    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted", "method": "taylor"}
+    ensemble = Ensemble(scenario=model(4), fields=fields)
+    runs = simulate_many(ensemble, TIMES, tolerance=1e-8, **how)
+    assert_same_as_alone(runs, 1e-10, tolerance=1e-8, **how)
+    assert set(runs.endings) == {None, "inverted", "flat"}
+    again = pickle.loads(pickle.dumps(runs))  # noqa: S301 - as worker processes do
+    np.testing.assert_array_equal(again.coordinates, runs.coordinates)
+    np.testing.assert_array_equal(again[3].multipliers, runs[3].multipliers)
+
+
+def test_members_of_a_pure_ensemble_are_those_of_single_runs() -> None:
+    how: dict[str, Any] = {"form": "reduced", "method": "DOP853", "local_tolerance": 1e-6}
+    runs = simulate_many(spins(30.0, 40.0), TIMES, workers=1, **how, stop_when="inverted")
+    assert_same_as_alone(runs, 1e-15, **how, stop_when="inverted")
+
+
+def test_ensemble_in_pieces_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+    monkeypatch.setattr(many, "COMPILED_CHUNK", 3)
+    ensemble = spins(30.0, 40.0, 60.0, 50.0, beta_rate=np.array([0.0, 0.0, 30.0, 0.0]))
+    how: dict[str, Any] = {"form": "reduced", "tolerance": [1e-6, 1e-9, 1e-6, 1e-6]}
+    told: list[tuple[int, int]] = []
+    with ThreadPoolExecutor(1) as thread:
+        runs = simulate_many(ensemble, TIMES, executor=thread, **how,
+                             progress=lambda *counts: told.append(counts))  # fmt: skip
+    assert told == [(3, 4), (4, 4)]
+    whole = simulate_many(ensemble, TIMES, workers=1, **how)
+    np.testing.assert_allclose(runs.coordinates, whole.coordinates, rtol=0.0, atol=1e-12)
+    assert runs[1].method["tolerance"] == 1e-9
+    for each in (runs, whole):
+        assert list(each.failures) == [2]
+        assert np.isnan(each.coordinates[2]).all()
+        assert "start needs a contact that pulls" in str(each.outcome(2))
+        with pytest.raises(ValueError, match="contact that pulls"):
+            each[2]
+
+
+RANGES: dict[str, tuple[float, ...]] = {
+    "start.spin": (20.0, -3.0, 2e5),
+    "start.beta": (1.2, 0.0, 1e-9, np.nan),
+    "start.gamma": (0.1, 1e7),
+    "start.beta_rate": (0.0, 0.0, 2.0, np.inf),
+    "start.gamma_rate": (0.3,),
+    "start.x": (0.0, 0.01),
+    "start.height": (0.0, 0.01, -1.0),
+    "friction.coefficient": (0.3, 0.0, -0.1, 1e10),
+    "friction.smoothing": (0.1, 0.0, 1e-13),
+    "disk.eccentricity": (2e-3, 0.0, 0.05, -1.0),
+    "disk.mass": (0.4, 0.0, 40.0),
+    "disk.inertia_y": (2.2e-4, 1e-3, 1e-9),
+    "disk.hole_radius": (0.01, 0.03),
+    "table.inclination": (0.0, 0.1, 2.0),
+    "table.gravity": (9.81, 0.0),
+    "dissipation.pivoting": (0.0, 1e-6, 2.0),
+}
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_ensemble_refuses_what_a_scenario_refuses(level: Any) -> None:
+    random, refused = np.random.default_rng(level), 0
+    for _ in range(60):
+        names = random.choice(list(RANGES), size=2, replace=False)
+        fields = {name: random.choice(RANGES[name], size=SOME) for name in names}
+        if any(name == "disk.hole_radius" for name in names) and names[0][:4] == names[1][:4]:
+            continue
+        # As the rules of one scenario have it, member by member.
+        first = None
+        unchecked = object.__new__(Ensemble)
+        object.__setattr__(unchecked, "scenario", model(level))
+        object.__setattr__(unchecked, "fields", fields)
+        for member in range(SOME):
+            try:
+                _ = unchecked[member]
+            except ValueError as error:
+                first = f"member {member} of fields: {error}"
+                break
+        if first is None:
+            assert len(Ensemble(scenario=model(level), fields=fields)) == SOME
+            continue
+        refused += 1
+        with pytest.raises(ValueError, match=r"^member") as told:
+            Ensemble(scenario=model(level), fields=fields)
+        assert str(told.value) == first
+    assert refused > 10
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_members_start_and_are_weighed_as_single_scenarios(level: Any) -> None:
+    random = np.random.default_rng(7)
+    fields = {
+        "spin": random.choice([0.0, 1e-4, 30.0, 50.0], size=SOME),
+        "beta": random.uniform(0.5, 2.5, size=SOME),
+        "mu": random.choice([0.0, 0.3], size=SOME),
+        "hole_distance": random.uniform(0.0, 0.02, size=SOME),
+    }
+    ensemble = Ensemble(scenario=Scenario(constraints=MODELS[level]), fields=fields)
+
+    def told(scenario: Scenario) -> tuple[Any, ...]:
+        check_form(scenario, "index-1")
+        effort = simulation_effort(scenario, TIMES, method="taylor", tolerance=1e-6)
+        return (
+            *start_values(scenario, "index-1"),
+            *systems.parameters(scenario),
+            longest_step(scenario),
+            effort.steps,
+        )
+
+    seen: list[int] = []
+    for rows, found in ensemble.alike(told):
+        assert not isinstance(found, Exception)
+        alone = np.array([told(ensemble[row]) for row in rows.tolist()])
+        assert_close(in_columns(found, rows.size), alone, relative=1e-13)
+        seen += rows.tolist()
+    assert sorted(seen) == list(range(SOME))
+
+
+def test_words_vary_as_numbers_do() -> None:
+    fields = {"model": np.array([1, 4, 4]), "friction.law": np.array(["tanh", "stribeck", "tanh"])}
+    ensemble = Ensemble(scenario=Scenario(), fields={**fields, "spin": np.array([1.0, 2.0, 3.0])})
+    assert ensemble[1] == model(4, friction=Stribeck(), start=Start(spin=2.0))
+    assert [scenario.model for scenario in ensemble] == [1, 4, 4]
+
+
+@pytest.mark.parametrize(
+    ("scenario", "fields", "message"),
+    [
+        (model(1), {}, "fields must map names to arrays"),
+        (model(1), {"spim": [1.0]}, "fields must be a field of a scenario"),
+        (model(1), {"spin": [1.0], "start.spin": [2.0]}, "start.spin twice"),
+        (model(1), {"spin": [1.0, 2.0], "mu": [0.1]}, r"one shape, got \(2,\) of start.spin"),
+        (model(1), {"spin": 3.0}, r"start.spin must have shape \(m,\)"),
+        (model(1), {"spin": ["fast"]}, "start.spin must be an array of real numbers"),
+        (model(1), {"stiffness": [1e5]}, "needs a penalty contact"),
+        (model(1), {"spin": [1.0, np.nan]}, "member 1 of fields: spin must lie|finite"),
+        (
+            Scenario(contact=PenaltyContact(stiffness=1e5)),
+            {"stiffness": [1e5, 1.0]},
+            "member 1 of fields: stiffness must be at least",
+        ),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(scenario: Any, fields: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Ensemble(scenario=scenario, fields=fields)
