@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from analysis import Scenario
+from analysis.data.fields import changed, check_field, is_text, unit
 from analysis.nonlinear.heteroclinic import (
     Connection,
     NoConnectionError,
@@ -16,7 +17,6 @@ from validation.kit import figures
 from validation.kit.tables import Table
 from validation.studies.nonlinear.tables import prediction
 from validation.sweeps.axes import Axis
-from validation.sweeps.fields import changed, check_field, is_text, unit
 
 
 def scenarios_over(scenario: Scenario, axis: Axis) -> tuple[list[float], list[Scenario]]:
@@ -43,8 +43,7 @@ def scenarios_over(scenario: Scenario, axis: Axis) -> tuple[list[float], list[Sc
         raise ValueError(f"axis {field} needs a count: first:last:count")
     values = [axis.at(index) for index in range(axis.size)]
     check_field(scenario, field, {field: values[0]})
-    base = scenario.values()
-    made = [changed(base, {field: value}) for value in values]
+    made = [changed(scenario, {field: value}) for value in values]
     return [float(value) for value in values], made
 
 
