@@ -173,7 +173,7 @@ def _rest(tables: Tables) -> Verdict:
         f"{_number(row['rest']):.1f} s.",
         certainty="engine and in-house equations agree to "
         f"{at_most(_number(apart))} rad in the tilt, from shipped runs of which the in-house one "
-        "and a coarser one of the engine are made again here; the coefficients of rolling and "
+        "and a coarser half of the engine's are made again here; the coefficients of rolling and "
         "pivoting are chosen here, not the paper's.",
         section="rest",
     )
