@@ -5,9 +5,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import CENTRED_DISK, ConstraintSet, Scenario, Start, Table, simulate
-from analysis.nonlinear.stationary import StationaryMotion, stationary_branch, stationary_motions
+from analysis import (
+    CENTRED_DISK,
+    MODELS,
+    ConstraintSet,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Table,
+    simulate,
+)
+from analysis.data.checks import Array
+from analysis.data.start import Motion
+from analysis.nonlinear.stationary import (
+    Parameter,
+    StationaryMotion,
+    stationary_branch,
+    stationary_motions,
+)
 from analysis.stability import spectra
+from analysis.stability.linear_stationary import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
 from validation.studies.nonlinear.tables import stationary_table
 
@@ -23,7 +40,6 @@ def test_an_eccentric_disk_spins_upright_or_not_at_all(constraints: ConstraintSe
     for each in (inverted, noninverted):
         assert not each.is_tilted
         assert (each.x, each.y) == pytest.approx((0.0, 0.0), abs=1e-9)
-    assert noninverted.growth is not None
     assert noninverted.growth > 1.0
 
 
@@ -68,6 +84,75 @@ def test_growth_is_that_of_the_spectrum() -> None:
     assert inverted.growth == pytest.approx(np.max(values.real), rel=1e-9)
 
 
+@pytest.mark.parametrize("constraints", MODELS.values(), ids=MODELS)
+def test_eigenvalues_of_upright_motions_are_those_of_the_spectra(
+    constraints: ConstraintSet,
+) -> None:
+    scenario = Scenario(constraints=constraints)
+    motions: dict[Motion, float] = {"inverted": np.pi / 2, "noninverted": -np.pi / 2}
+    for motion, gamma in motions.items():
+        found = stationary_eigenvalues(scenario, 28.0, (0.0, 0.0, np.pi / 2, gamma))
+        matrix = matrices_over_spin(scenario, "numeric", motion)(np.array([28.0]))[0]
+        expected = np.sort_complex(np.linalg.eigvals(matrix).astype(complex))
+        np.testing.assert_allclose(np.sort_complex(found), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize(("gamma", "grows", "order"), [(2.607, False, 4), (1.8202, True, 3)])
+def test_small_deviations_of_tilted_motions_grow_as_the_eigenvalues_say(
+    gamma: float, order: int, *, grows: bool
+) -> None:
+    scenario = Scenario(constraints=("contact", "constant-spin"))
+    motions = stationary_motions(scenario, 55.0, starts=20)
+    motion = min(motions, key=lambda each: abs(each.gamma - gamma))
+    assert motion.is_tilted
+    assert (motion.growth > 0.0) is grows
+    # Exponentials of the deviation from equally spaced samples, by linear prediction.
+    step, samples = 0.01, deviation_of_gamma(scenario, motion)
+    columns = [samples[order - 1 - back : -1 - back] for back in range(order)]
+    weights = np.linalg.lstsq(np.column_stack(columns), samples[order:], rcond=None)[0]
+    measured = np.log(np.roots([1.0, *-weights]).astype(complex)) / step
+    assert np.max(measured.real) == pytest.approx(motion.growth, rel=2e-3)
+
+
+def deviation_of_gamma(scenario: Scenario, motion: StationaryMotion) -> Array:
+    """Half the difference of two runs from displaced starts, once fast parts have died out."""
+    place = {name: getattr(motion, name) for name in ("x", "y", "beta", "gamma")}
+    rates = dict.fromkeys(("x_rate", "y_rate", "beta_rate", "gamma_rate"), 0.0)
+    runs = []
+    for side in (1e-5, -1e-5):
+        start = Start(spin=motion.spin, **{**place, "gamma": motion.gamma + side}, **rates)
+        times = np.arange(0.0, 1.505, 0.01)
+        run = simulate(replace(scenario, start=start), times, local_tolerance=1e-12)
+        runs.append(run.coordinate("gamma")[60:])
+    return np.asarray((runs[0] - runs[1]) / 2.0)
+
+
+@pytest.mark.slow
+def test_tilted_motions_are_followed_over_friction() -> None:
+    scenario = Scenario(constraints=("contact", "constant-spin"))
+    tilted = stationary_motions(scenario, 60.0, starts=20)[0]
+
+    def rubbing(mu: float) -> Scenario:
+        return replace(scenario, friction=SmoothCoulomb(coefficient=mu))
+
+    friction = Parameter(change=rubbing, value=0.3, unit=0.3)
+    branch = stationary_branch(scenario, tilted, (0.28, 1.0), friction)
+    largest = max(branch, key=lambda motion: motion.value)
+    assert largest.value == pytest.approx(0.4185, abs=2e-3)
+    # At the fold a real eigenvalue passes zero.
+    assert min(branch, key=lambda motion: abs(motion.gamma - 2.4)).growth < 0.0
+    assert min(branch, key=lambda motion: abs(motion.gamma - 2.0)).growth > 2.0
+    assert all(motion.spin == 60.0 for motion in branch)
+    at = min(branch, key=lambda motion: abs(motion.value - 0.4) + abs(motion.gamma - 2.4))
+    again = stationary_motions(rubbing(at.value), 60.0, starts=20)
+    assert min(abs(each.gamma - at.gamma) for each in again) < 1e-8
+
+
+def test_eigenvalues_of_a_motion_that_is_not_stationary_are_refused() -> None:
+    with pytest.raises(ArithmeticError, match="is not stationary"):
+        stationary_eigenvalues(Scenario(), 30.0, (0.0, 0.0, 1.2, 1.0))
+
+
 def test_a_search_is_refused_where_it_means_nothing() -> None:
     for scenario, spin, message in (
         (Scenario(), 0.0, "spin must not be 0"),
@@ -84,11 +169,15 @@ def test_a_search_is_refused_where_it_means_nothing() -> None:
     with pytest.raises(ValueError, match="start must be tilted"):
         stationary_branch(Scenario(), upright, (5.0, 20.0))
     tilted = replace(upright, beta=1.2)
-    with pytest.raises(ValueError, match="interval of positive ones about 10 rad/s"):
+    with pytest.raises(ValueError, match=r"positive spins about 10, got \(20"):
         stationary_branch(Scenario(), tilted, (20.0, 30.0))
+    with pytest.raises(ValueError, match="unit must be positive"):
+        Parameter(change=lambda _: Scenario(), value=1.0, unit=0.0)
 
 
 def test_the_table_names_what_is_tilted() -> None:
-    one = StationaryMotion(spin=1.0, x=0.0, y=0.0, beta=1.2, gamma=0.3, growth=None)
+    one = StationaryMotion(
+        spin=1.0, x=0.0, y=0.0, beta=1.2, gamma=0.3, eigenvalues=np.array([-2.0 + 1j]), value=1.0
+    )
     rows = stationary_table([("Model 1", [one])]).rows
-    assert rows[0][2] == "tilted"
+    assert rows[0][2:] == ("tilted", -2.0)

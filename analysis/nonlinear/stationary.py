@@ -9,23 +9,31 @@ there are tilted ones: the disk slides on a circle, its centre of gravity betwee
 A search from many starts finds them, and a continuation follows them through folds.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from analysis.data.checks import Array, number
+from analysis.data.checks import Array, number, positive
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
 from analysis.models import index1
 from analysis.models.equations import tangential_directions
+from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.linear_stationary import stationary_eigenvalues
 from analysis.stability.scope import require_spinning, spin_scale
 from analysis.stability.spectra import matrices_over_spin
 
 STARTS = 40
 """Attitudes and places from which a search begins."""
 
+_ANYWHERE = (-1.0, -1.0, 0.1, -3.0), (1.0, 1.0, 3.0, 3.0)
+_NEARLY_UPRIGHT = (-0.02, -0.02, 1.55, -3.0), (0.02, 0.02, 1.6, 3.0)
+"""Least and largest x / r, y / r, beta and gamma of starts."""
+
 _SMALL = 1e-10
+_SLOPE_STEP = 1e-6
 _SPIN_UNIT = 20.0
 _STEP, _MOST = 0.03, 2000
 """Spins along a branch are in these rad/s; length of its steps, and how many are made at most."""
@@ -36,6 +44,29 @@ _FLAT = 0.02
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter:
+    """What a branch of stationary motions is continued in, besides the spin.
+
+    Parameters
+    ----------
+    change : callable
+        From a value to the scenario that has it.
+    value : float
+        Where the continuation starts.
+    unit : float
+        A change that counts as much as one of the attitude by 1 rad; positive.
+    """
+
+    change: Callable[[float], Scenario]
+    value: float
+    unit: float
+
+    def __post_init__(self) -> None:
+        number("value", self.value)
+        positive("unit", self.unit)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StationaryMotion:
     """A stationary motion at a spin.
 
@@ -47,9 +78,11 @@ class StationaryMotion:
         Place of the geometric centre in the turning frame in m.
     beta, gamma : float
         In rad; gamma between -pi and pi.
-    growth : float or None
-        Largest real part of its eigenvalues in 1/s, but for the neutral ones of the place on the
-        table; None for others than inverted and noninverted spinning.
+    eigenvalues : ndarray, complex, shape (k,)
+        In 1/s, by falling real part, but for the neutral ones of its neighbours; see
+        `stationary_eigenvalues`.
+    value : float
+        Of the parameter that is continued: the spin, or another one.
     """
 
     spin: float
@@ -57,7 +90,13 @@ class StationaryMotion:
     y: float
     beta: float
     gamma: float
-    growth: float | None
+    eigenvalues: ComplexArray
+    value: float
+
+    @property
+    def growth(self) -> float:
+        """Largest real part of its eigenvalues in 1/s."""
+        return float(self.eigenvalues[0].real)
 
     @property
     def is_tilted(self) -> bool:
@@ -100,8 +139,9 @@ def stationary_motions(
         raise ValueError(f"starts must be 1 or more, got {starts}")
     random = np.random.default_rng(0)
     begins = [np.array((0.0, 0.0, np.pi / 2, gamma)) for gamma in (np.pi / 2, -np.pi / 2)]
-    lowest, highest = (-1.0, -1.0, 0.1, -3.0), (1.0, 1.0, 3.0, 3.0)
-    begins.extend(random.uniform(lowest, highest, (starts, 4)))
+    begins.extend(random.uniform(*_ANYWHERE, (starts - starts // 2, 4)))
+    # Those that bifurcate from upright spinning are nearly upright, and draw few starts in.
+    begins.extend(random.uniform(*_NEARLY_UPRIGHT, (starts // 2, 4)))
     found: list[Array] = []
     for begin in begins:
         place = _solved(scenario, spin, begin)
@@ -111,7 +151,7 @@ def stationary_motions(
             mirror[3] = np.angle(np.exp(1j * mirror[3]))
             found.extend(each for each in (place, mirror) if _is_new(each, found))
     found.sort(key=lambda place: -float(place[3]))
-    return tuple(_motion(scenario, spin, place) for place in found)
+    return tuple(_motion(scenario, spin, place, spin) for place in found)
 
 
 def _is_new(place: Array, found: list[Array]) -> bool:
@@ -158,9 +198,12 @@ def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
 
 
 def stationary_branch(
-    scenario: Scenario, start: StationaryMotion, spins: tuple[float, float]
+    scenario: Scenario,
+    start: StationaryMotion,
+    interval: tuple[float, float],
+    parameter: Parameter | None = None,
 ) -> tuple[StationaryMotion, ...]:
-    """Follow stationary motions over the spin, by pseudo-arclength, both ways from one of them.
+    """Follow stationary motions by pseudo-arclength, both ways from one of them.
 
     Parameters
     ----------
@@ -168,100 +211,119 @@ def stationary_branch(
         See `stationary_motions`.
     start : StationaryMotion
         One of this scenario.
-    spins : tuple of 2 floats
-        Lowest and highest spin in rad/s, positive, at which the branch is left.
+    interval : tuple of 2 floats
+        Lowest and highest spin in rad/s, positive, or value of the parameter, at which the branch
+        is left.
+    parameter : Parameter, optional
+        What to continue in, at the spin of the start; the spin by default.
 
     Returns
     -------
     tuple of StationaryMotion
-        In order along the branch; where the spin turns back, it folds. It ends where it meets
+        In order along the branch; where the value turns back, it folds. It ends where it meets
         inverted or noninverted spinning.
 
     Raises
     ------
     ValueError
-        If the start is upright or lies outside of the spins.
+        If the start is upright or lies outside of the interval.
     ArithmeticError
         If an iteration fails; the message names the last good motion.
     """
     if not start.is_tilted:
         raise ValueError("start must be tilted: upright spinning exists at every spin")
-    if not 0.0 < spins[0] <= start.spin <= spins[1]:
-        raise ValueError(
-            f"spins must be an interval of positive ones about {start.spin:g} rad/s, got {spins}"
-        )
+    value = start.spin if parameter is None else parameter.value
+    if not interval[0] <= value <= interval[1] or (parameter is None and interval[0] <= 0.0):
+        allowed = "positive spins" if parameter is None else "values"
+        raise ValueError(f"interval must be one of {allowed} about {value:g}, got {interval}")
+    line = _Line(scenario, start.spin, parameter)
     r = scenario.disk.radius
-    point = np.array((start.x / r, start.y / r, start.beta, start.gamma, start.spin / _SPIN_UNIT))
-    ways = [_followed(scenario, point, sign, spins) for sign in (-1.0, 1.0)]
-    points = [*reversed(ways[0]), point, *ways[1]]
-    return tuple(_motion(scenario, _SPIN_UNIT * float(p[4]), p[:4]) for p in points)
+    point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / line.unit))
+    ways = [_followed(line, point, sign, interval) for sign in (-1.0, 1.0)]
+    return tuple(line.motion(p) for p in [*reversed(ways[0]), point, *ways[1]])
+
+
+@dataclass(frozen=True)
+class _Line:
+    """What is continued: points are x / r, y / r, beta, gamma and the value over its unit."""
+
+    scenario: Scenario
+    spin: float
+    parameter: Parameter | None
+
+    @property
+    def unit(self) -> float:
+        return _SPIN_UNIT if self.parameter is None else self.parameter.unit
+
+    def at(self, point: Array) -> tuple[Scenario, float]:
+        """Scenario and spin of a point."""
+        value = self.unit * float(point[4])
+        if self.parameter is None:
+            return self.scenario, value
+        return self.parameter.change(value), self.spin
+
+    def residual(self, point: Array) -> Array:
+        return _residual(*self.at(point), point[:4])
+
+    def slopes(self, point: Array) -> Array:
+        steps = _SLOPE_STEP * np.eye(5)
+        pairs = ((self.residual(point + way), self.residual(point - way)) for way in steps)
+        return np.column_stack([(a - b) / (2.0 * _SLOPE_STEP) for a, b in pairs])
+
+    def motion(self, point: Array) -> StationaryMotion:
+        return _motion(*self.at(point), point[:4], self.unit * float(point[4]))
 
 
 def _followed(
-    scenario: Scenario, point: Array, sign: float, spins: tuple[float, float]
+    line: _Line, point: Array, sign: float, interval: tuple[float, float]
 ) -> list[Array]:
     found: list[Array] = []
     along, step = np.array((0.0, 0.0, 0.0, 0.0, sign)), _STEP
     while len(found) < _MOST:
         # The direction in which nothing changes to first order, the same way on as before.
-        tangent = np.linalg.svd(_slopes(scenario, point))[2][-1]
+        tangent = np.linalg.svd(line.slopes(point))[2][-1]
         tangent = tangent * np.sign(tangent @ along) if found or tangent @ along else tangent
-        following = _corrected(scenario, point + step * tangent, tangent)
+        following = _corrected(line, point + step * tangent, tangent)
         if following is None:
             step /= 2.0
             if step < _STEP / 64:
                 raise ArithmeticError(
-                    f"the branch of stationary motions fails beyond {_SPIN_UNIT * point[4]:.9g} "
-                    f"rad/s with beta {point[2]:.6g} and gamma {point[3]:.6g} rad"
+                    f"the branch of stationary motions fails beyond {line.unit * point[4]:.9g} "
+                    f"with beta {point[2]:.6g} and gamma {point[3]:.6g} rad"
                 )
             continue
         point, along, step = following, tangent, min(_STEP, 1.5 * step)
-        if not spins[0] <= _SPIN_UNIT * point[4] <= spins[1] or _is_upright(point):
+        if not interval[0] <= line.unit * point[4] <= interval[1] or _is_upright(point):
             break
         found.append(point)
     return found
 
 
-def _corrected(scenario: Scenario, guess: Array, tangent: Array) -> Array | None:
+def _corrected(line: _Line, guess: Array, tangent: Array) -> Array | None:
     point = guess.copy()
     for _ in range(8):
-        residual = np.append(_residual(scenario, _SPIN_UNIT * point[4], point[:4]), 0.0)
-        residual[-1] = tangent @ (point - guess)
+        residual = np.append(line.residual(point), tangent @ (point - guess))
         if np.max(np.abs(residual)) < _SMALL:
             return point
-        matrix = np.vstack((_slopes(scenario, point), tangent))
+        matrix = np.vstack((line.slopes(point), tangent))
         point = point - np.linalg.lstsq(matrix, residual, rcond=None)[0]
     return None
-
-
-def _slopes(scenario: Scenario, point: Array) -> Array:
-    step = 1e-6
-    columns = []
-    for way in step * np.eye(5):
-        ahead, behind = (
-            _residual(scenario, _SPIN_UNIT * each[4], each[:4])
-            for each in (point + way, point - way)
-        )
-        columns.append((ahead - behind) / (2.0 * step))
-    return np.column_stack(columns)
 
 
 def _is_upright(place: Array) -> bool:
     return bool(abs(place[2] - np.pi / 2) < _SAME and abs(abs(place[3]) - np.pi / 2) < _SAME)
 
 
-def _motion(scenario: Scenario, spin: float, place: Array) -> StationaryMotion:
-    growth = None
-    if _is_upright(place):
-        motion: Motion = "inverted" if place[3] > 0.0 else "noninverted"
-        matrix = matrices_over_spin(scenario, None, motion)(np.array([spin]))[0]
-        growth = float(np.max(np.linalg.eigvals(matrix).real))
+def _motion(scenario: Scenario, spin: float, place: Array, value: float) -> StationaryMotion:
     r = scenario.disk.radius
+    x, y, beta, gamma = r * float(place[0]), r * float(place[1]), float(place[2]), float(place[3])
+    if _is_upright(place):
+        upright: Motion = "inverted" if gamma > 0.0 else "noninverted"
+        matrix = matrices_over_spin(scenario, None, upright)(np.array([spin]))[0]
+        found = np.linalg.eigvals(matrix).astype(complex)
+        values = found[np.lexsort((-found.imag, -found.real))]
+    else:
+        values = stationary_eigenvalues(scenario, spin, (x, y, beta, gamma))
     return StationaryMotion(
-        spin=spin,
-        x=r * float(place[0]),
-        y=r * float(place[1]),
-        beta=float(place[2]),
-        gamma=float(place[3]),
-        growth=growth,
+        spin=spin, x=x, y=y, beta=beta, gamma=gamma, eigenvalues=values, value=value
     )

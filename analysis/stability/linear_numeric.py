@@ -91,6 +91,69 @@ def has_drift(constraints: ConstraintSet) -> bool:
     return "fixed-cog" not in constraints
 
 
+class UnitlessFlow:
+    """The index-1 system of a scenario as x' = F(x), lengths in radii, times in sqrt(r / g).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        On a horizontal table, with the ideal contact and any constraints.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        require_spinning(scenario, "the numeric linearisation")
+        self.scenario = scenario
+        self.frequency = spin_scale(scenario)
+        """Unit sqrt(g / r) of the spin in rad/s."""
+        radius = scenario.disk.radius
+        self.units = np.array((radius, radius, radius, 1.0, 1.0, 1.0))
+
+    def rates(self, state: Array) -> Array:
+        """Time derivative F of a state, shape (12,), from the index-1 system."""
+        z, u = self._with_units(state)
+        acceleration = index1.accelerations(self.scenario, z.tolist(), u.tolist())[0]
+        return np.concatenate((state[6:], acceleration / (self.units * self.frequency**2)))
+
+    def residuals(self, state: Array) -> Array:
+        """Residuals of the constraints on position and on velocity level."""
+        z, u = self._with_units(state)
+        held, disk = self.scenario.constraints, self.scenario.disk
+        speeds = constraints.directions(held, disk, z) @ u
+        return np.concatenate((constraints.positions(held, disk, z), speeds / self.frequency))
+
+    def _with_units(self, state: Array) -> tuple[Array, Array]:
+        return state[:6] * self.units, state[6:] * self.units * self.frequency
+
+
+def neutral_directions(held: ConstraintSet, spins: Array, *, drift: bool) -> Array:
+    """Directions in which the states of a stationary motion are neighbours, shape (n, 12, j).
+
+    Parameters
+    ----------
+    held : tuple of str
+    spins : ndarray, shape (n,)
+        Without units.
+    drift : bool
+        Whether the place on the table is left out of them.
+    """
+    directions = [_ALPHA] if "constant-spin" in held else [_ALPHA, _ALPHA_RATE]
+    neutral = np.repeat(np.column_stack(directions)[None], spins.size, axis=0)
+    if not drift and has_drift(held):
+        # A place at rest moves in the R-frame with x' = spin y, y' = -spin x.
+        circling = np.zeros((spins.size, 12, 2))
+        circling[:, 0, 0] = circling[:, 1, 1] = 1.0
+        circling[:, 7, 0], circling[:, 6, 1] = -spins, spins
+        neutral = np.concatenate((neutral, circling), axis=2)
+    return neutral
+
+
+def complement(normals: Array, neutral: Array) -> Array:
+    """Orthonormal bases of what is normal to rows and columns, shape (n, 12, k)."""
+    every = np.concatenate((normals, np.swapaxes(neutral, 1, 2)), axis=1)
+    right = np.linalg.svd(every)[2]
+    return np.swapaxes(right[:, every.shape[1] :], 1, 2)
+
+
 class NumericSystem:
     """A scenario linearised about upright spinning at every spin.
 
@@ -103,33 +166,32 @@ class NumericSystem:
     """
 
     def __init__(self, scenario: Scenario, gamma: float) -> None:
-        require_spinning(scenario, "the numeric linearisation")
+        self._flow = UnitlessFlow(scenario)
         self._scenario = scenario
         radius = scenario.disk.radius
-        self.frequency = spin_scale(scenario)
+        self.frequency = self._flow.frequency
         """Unit sqrt(g / r) of the spin in rad/s."""
-        self._units = np.array((radius, radius, radius, 1.0, 1.0, 1.0))
-        self._place = np.array((0.0, 0.0, radius, 0.0, pi / 2, gamma)) / self._units
+        self._place = np.array((0.0, 0.0, 1.0, 0.0, pi / 2, gamma))
         if not has_drift(scenario.constraints):
             # The centre of gravity is held above the origin; see `constraints.positions`.
             self._place[:2] -= (
                 constraints.positions(
-                    scenario.constraints, scenario.disk, self._place * self._units
+                    scenario.constraints, scenario.disk, self._place * self._flow.units
                 )[1:]
                 / radius
             )
         behind, rest, ahead = (
-            self._jacobian(self._rates, spin) for spin in (-_SPIN_STEP, 0.0, _SPIN_STEP)
+            self._jacobian(self._flow.rates, spin) for spin in (-_SPIN_STEP, 0.0, _SPIN_STEP)
         )
         self._powers = (
             rest,
             (ahead - behind) / (2 * _SPIN_STEP),
             (ahead - 2 * rest + behind) / (2 * _SPIN_STEP**2),
         )
-        still = self._jacobian(self._residuals, 0.0)
+        still = self._jacobian(self._flow.residuals, 0.0)
         self._normals = (
             still,
-            (self._jacobian(self._residuals, _SPIN_STEP) - still) / _SPIN_STEP,
+            (self._jacobian(self._flow.residuals, _SPIN_STEP) - still) / _SPIN_STEP,
         )
 
     def matrices(self, spins: Array, *, drift: bool = True) -> Array:
@@ -168,40 +230,14 @@ class NumericSystem:
 
     def _complement(self, spins: Array, *, drift: bool) -> tuple[Array, Array]:
         """Some orthonormal bases of the same spaces, from spins without units."""
-        held = self._scenario.constraints
-        directions = [_ALPHA] if "constant-spin" in held else [_ALPHA, _ALPHA_RATE]
-        neutral = np.repeat(np.column_stack(directions)[None], spins.size, axis=0)
-        if not drift and has_drift(held):
-            # A place at rest moves in the R-frame with x' = spin y, y' = -spin x.
-            circling = np.zeros((spins.size, 12, 2))
-            circling[:, 0, 0] = circling[:, 1, 1] = 1.0
-            circling[:, 7, 0], circling[:, 6, 1] = -spins, spins
-            neutral = np.concatenate((neutral, circling), axis=2)
+        neutral = neutral_directions(self._scenario.constraints, spins, drift=drift)
         still, linear = self._normals
-        normals = still + spins[:, None, None] * linear
-        every = np.concatenate((normals, np.swapaxes(neutral, 1, 2)), axis=1)
-        right = np.linalg.svd(every)[2]
-        return np.swapaxes(right[:, every.shape[1] :], 1, 2), neutral
+        return complement(still + spins[:, None, None] * linear, neutral), neutral
 
     def accelerations(self, spin: float) -> Array:
         """Accelerations at the stationary motion without units, shape (6,): zero if it is one."""
-        return self._rates(np.concatenate((self._place, spin / self.frequency * _SPEED_UNITS)))[6:]
-
-    def _rates(self, state: Array) -> Array:
-        """Time derivative F of the state, from the index-1 system."""
-        z, u = self._with_units(state)
-        acceleration = index1.accelerations(self._scenario, z.tolist(), u.tolist())[0]
-        return np.concatenate((state[6:], acceleration / (self._units * self.frequency**2)))
-
-    def _residuals(self, state: Array) -> Array:
-        """Residuals of the constraints on position and on velocity level."""
-        z, u = self._with_units(state)
-        held, disk = self._scenario.constraints, self._scenario.disk
-        speeds = constraints.directions(held, disk, z) @ u
-        return np.concatenate((constraints.positions(held, disk, z), speeds / self.frequency))
-
-    def _with_units(self, state: Array) -> tuple[Array, Array]:
-        return state[:6] * self._units, state[6:] * self._units * self.frequency
+        state = np.concatenate((self._place, spin / self.frequency * _SPEED_UNITS))
+        return self._flow.rates(state)[6:]
 
     def _jacobian(self, function: Callable[[Array], Array], spin: float) -> Array:
         """Jacobian at the stationary motion with a spin without units, shape (n, 12)."""
@@ -210,7 +246,7 @@ class NumericSystem:
         for index in range(12):
             step = np.zeros(12)
             step[index] = self._first_step(1.0 if index >= 6 else abs(spin))
-            columns.append(_slope(function, place, step) / step[index])
+            columns.append(slope(function, place, step) / step[index])
         return np.column_stack(columns)
 
     def _first_step(self, speed: float) -> float:
@@ -227,7 +263,7 @@ class NumericSystem:
         return step
 
 
-def _slope(function: Callable[[Array], Array], place: Array, step: Array) -> Array:
+def slope(function: Callable[[Array], Array], place: Array, step: Array) -> Array:
     """Derivative of a function along `step`, by differences over parts of it.
 
     The friction law has a kink in its second derivative at zero slip, so central differences err
