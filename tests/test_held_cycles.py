@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import Scenario
+from analysis import Scenario, Start, simulate
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import cycle_family
 from analysis.stability.linear_reduced import critical_speed
@@ -67,6 +67,18 @@ def test_models_with_more_freedom_lose_stability_hard(name: str) -> None:
     assert largest[0] < 1.0 < largest[1] < largest[2]
     assert small.spin > fold.spin or fold.spin < large.spin
     assert np.all(np.array([small.residual, fold.residual, large.residual]) < 1e-6)
+
+
+@pytest.mark.slow
+def test_model_2_swings_for_ever_above_its_critical_speed() -> None:
+    start = Start(beta=np.pi / 2, gamma=np.pi / 2 + 2.6, spin=31.8)
+    scenario = Scenario(constraints=HELD["Model 2 at held spin"], start=start)
+    motion = simulate(scenario, np.linspace(0.0, 14.0, 2801), local_tolerance=1e-8)
+    swing = motion.coordinate("gamma") - np.pi / 2
+    before, after = swing[1601:2201], swing[2201:]
+    for each in (before, after):
+        assert np.max(each) == pytest.approx(2.6203, abs=1e-3)
+        assert np.min(each) == pytest.approx(-2.6203, abs=1e-3)
 
 
 def test_shooting_from_far_off_is_refused() -> None:

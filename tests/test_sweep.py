@@ -235,6 +235,7 @@ def test_column_on_the_grid_leaves_gaps_where_no_row_is(tmp_path: Path) -> None:
     np.testing.assert_array_equal(end, [[0.05, np.nan], [np.nan, 0.05], [np.nan, np.nan]])
 
 
+@pytest.mark.slow
 def test_memory_of_a_sweep_does_not_grow_with_its_cases(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -6,6 +6,7 @@ As a parameter the amplitude passes folds of the spin. Multipliers come from the
 equations, collocated on the same mesh.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +21,8 @@ from analysis.stability.linear_reduced import critical_speed
 
 TOLERANCE = 1e-9
 """Relative residual of the collocation polynomials."""
+
+Ends = Callable[[Array, Array, Array], Array]
 
 MOST_NODES = 40_000
 _BOUNDARY = 1e-11
@@ -110,67 +113,95 @@ def solve(
     NoCycleError
         If the iteration does not converge.
     """
-    scale = amplitude * np.array((1.0, 1.0, critical_speed(scenario).frequency))[:, None]
-
-    def rates(_: Array, y: Array, p: Array) -> Any:
-        return p[1] * flow.right_hand_side(scenario, p[0], scale * y) / scale
-
-    def slopes(_: Array, y: Array, p: Array) -> tuple[Array, Array]:
-        right, jacobian, by_spin = flow.derivatives(scenario, p[0], scale * y)
-        by_state = p[1] * jacobian.transpose(1, 2, 0) / scale[:, None] * scale[None, :]
-        return by_state, np.stack((p[1] * by_spin, right), axis=1) / scale[:, None]
+    scale = amplitude * np.array((1.0, 1.0, critical_speed(scenario).frequency))
 
     def ends(first: Array, last: Array, _: Array) -> Array:
         return np.array((first[0], first[1] - 1.0, last[0], last[1] + 1.0, last[2] + first[2]))
 
-    guess = start.thinned()
-    with np.errstate(all="ignore"):
-        found = solve_bvp(
-            rates,
-            ends,
-            guess.nodes,
-            guess.values,
-            guess.unknowns,
-            fun_jac=slopes,
-            tol=tolerance,
-            bc_tol=_BOUNDARY,
-            max_nodes=MOST_NODES,
-        )
+    found = collocated(scenario, scale, ends, start.thinned(), tolerance)
     if found.status != 0 or np.min(found.p) <= 0.0 or np.max(np.abs(found.y[1])) > 1.0 + 1e-6:
         raise NoCycleError(
             f"no periodic motion found at an amplitude of {amplitude:.9g} rad: the collocation "
             f"ended with {found.x.size} nodes and a residual of "
             f"{np.max(found.rms_residuals):.1e}"
         )
-    mesh = Mesh(amplitude=amplitude, nodes=found.x, values=found.y, unknowns=found.p)
-    return _cycle(scenario, mesh, scale * found.y, scale * found.sol(_middles(found.x)))
-
-
-def _middles(nodes: Array) -> Array:
-    middles: Array = (nodes[1:] + nodes[:-1]) / 2.0
-    return middles
-
-
-def _cycle(scenario: Scenario, mesh: Mesh, x: Array, middle: Array) -> Cycle:
-    spin, half = (float(value) for value in mesh.unknowns)
-    rates, J, _ = flow.derivatives(scenario, spin, x)
-    J *= half
-    J_middle = half * flow.derivatives(scenario, spin, middle)[1]
-    steps = np.diff(mesh.nodes)
-    traces = np.trace(J, axis1=1, axis2=2)
-    average = (traces[1:] + traces[:-1] + 4.0 * np.trace(J_middle, axis1=1, axis2=2)) / 6.0
-    larger, strong = multipliers(_transfers(steps, J, J_middle), rates.T, float(steps @ average))
+    spin, half = found.p.tolist()
+    larger, strong = floquet(scenario, scale, found, mirrored=True)
     return Cycle(
         scenario=scenario,
         spin=spin,
-        amplitude=mesh.amplitude,
+        amplitude=amplitude,
         period=2.0 * half,
-        times=half * mesh.nodes,
-        states=x.T + INVERTED,
+        times=half * found.x,
+        states=(scale[:, None] * found.y).T + INVERTED,
         half_multiplier=larger,
-        log_strong=strong,
+        log_strong=2.0 * strong,
         method="collocation",
     )
+
+
+def collocated(scenario: Scenario, scale: Array, ends: Ends, start: Mesh, tolerance: float) -> Any:
+    """Solve for a part of a periodic motion, its spin and duration; the result of `solve_bvp`.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the reduced system.
+    scale : ndarray, shape (3,)
+        Units of the deviations from inverted spinning.
+    ends : callable
+        From the first and the last values, in these units, and the unknowns to 5 residuals.
+    start : Mesh
+        Where to begin.
+    tolerance : float
+        Relative residual.
+
+    Raises
+    ------
+    NoCycleError
+        If a friction force overflows on the way.
+    """
+    unit = scale[:, None]
+
+    def rates(_: Array, y: Array, p: Array) -> Any:
+        return p[1] * flow.right_hand_side(scenario, p[0], unit * y) / unit
+
+    def slopes(_: Array, y: Array, p: Array) -> tuple[Array, Array]:
+        right, jacobian, by_spin = flow.derivatives(scenario, p[0], unit * y)
+        by_state = p[1] * jacobian.transpose(1, 2, 0) / unit[:, None] * unit[None, :]
+        return by_state, np.stack((p[1] * by_spin, right), axis=1) / unit[:, None]
+
+    with np.errstate(all="ignore"):
+        try:
+            return solve_bvp(
+                rates,
+                ends,
+                start.nodes,
+                start.values,
+                start.unknowns,
+                fun_jac=slopes,
+                tol=tolerance,
+                bc_tol=_BOUNDARY,
+                max_nodes=MOST_NODES,
+            )
+        except OverflowError as error:
+            raise NoCycleError("no periodic motion found: the collocation diverges") from error
+
+
+def floquet(
+    scenario: Scenario, scale: Array, found: Any, *, mirrored: bool
+) -> tuple[float, float]:
+    """`multipliers` of what `collocated` has found, by the collocation that has found it."""
+    spin, duration = found.p
+    middles = (found.x[1:] + found.x[:-1]) / 2.0
+    rates, J, _ = flow.derivatives(scenario, spin, scale[:, None] * found.y)
+    J *= duration
+    J_middle = duration * flow.derivatives(scenario, spin, scale[:, None] * found.sol(middles))[1]
+    steps = np.diff(found.x)
+    traces = np.trace(J, axis1=1, axis2=2)
+    average = (traces[1:] + traces[:-1] + 4.0 * np.trace(J_middle, axis1=1, axis2=2)) / 6.0
+    transfers = _transfers(steps, J, J_middle)
+    return multipliers(transfers, rates.T, float(steps @ average), mirrored=mirrored)
 
 
 def _transfers(steps: Array, J: Array, J_middle: Array) -> Array:

@@ -75,8 +75,10 @@ class Cycle:
         return times, np.concatenate((self.states, mirrored))
 
 
-def multipliers(transfers: Array, rates: Array, log_determinant: float) -> tuple[float, float]:
-    """Larger multiplier over half a period, and logarithm of the other one over a whole one.
+def multipliers(
+    transfers: Array, rates: Array, log_determinant: float, *, mirrored: bool = True
+) -> tuple[float, float]:
+    """Larger multiplier over half a period or a whole one, and logarithm of the other's size.
 
     Deviations along the motion are left out (the linear Poincaré flow), since the trivial
     multiplier they have would hide a small one behind rounding. Over half a period a deviation
@@ -85,15 +87,17 @@ def multipliers(transfers: Array, rates: Array, log_determinant: float) -> tuple
     Parameters
     ----------
     transfers : ndarray, shape (n, 3, 3)
-        Solutions of the variational equations over successive parts of half a period.
+        Solutions of the variational equations over successive parts of the time.
     rates : ndarray, shape (n + 1, 3)
         Time derivatives of the state at the ends of these parts.
     log_determinant : float
-        Integral of the trace of the Jacobian over half a period. The strong multiplier is below
+        Integral of the trace of the Jacobian over that time. The strong multiplier is below
         rounding in the matrices, but not in this number (Liouville).
+    mirrored : bool
+        Whether the time is half a period, after which the motion is its own mirror image.
     """
     frames = np.linalg.qr(rates[:, :, None], mode="complete")[0]
-    # The motion ends in the direction opposite to that in which it began.
+    # The motion ends in the direction in which it began, or in the opposite one.
     frames[-1] = frames[0]
     normal = frames[:, :, 1:]
     product, log_size = np.eye(2), 0.0
@@ -101,6 +105,6 @@ def multipliers(transfers: Array, rates: Array, log_determinant: float) -> tuple
         product = part @ product
         size = np.max(np.abs(product))
         product, log_size = product / size, log_size + np.log(size)
-    values = eigvals(-product).real
+    values = eigvals(-product if mirrored else product).real
     larger = float(values[np.argmax(np.abs(values))] * np.exp(log_size))
-    return larger, 2.0 * (log_determinant - float(np.log(abs(larger))))
+    return larger, log_determinant - float(np.log(abs(larger)))

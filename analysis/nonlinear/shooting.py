@@ -72,7 +72,7 @@ def shoot(scenario: Scenario, amplitude: float, start: tuple[float, float, float
                 times=np.linspace(0.0, half, _PARTS + 1),
                 states=x + INVERTED,
                 half_multiplier=larger,
-                log_strong=strong,
+                log_strong=2.0 * strong,
                 method="shooting",
             )
         last = relative

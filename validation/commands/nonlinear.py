@@ -31,6 +31,8 @@ def cycles(options: argparse.Namespace) -> int:
     scenario = _reduced(options)
     if options.over is not None:
         return _cycles_over(options, scenario, None if spins is None else spins.tolist())
+    if options.rotating:
+        return _rotating(options, scenario)
     if options.amplitude is not None:
         raise ValueError("--amplitude belongs to --over; a family goes through all amplitudes")
     if spins is not None:
@@ -71,6 +73,33 @@ def heteroclinic(options: argparse.Namespace) -> int:
         ways = [fall(scenario, found.spin + side) for side in (-_SIDE, 0.0, _SIDE)]
         names = [f"{found.spin + side:.6f} rad/s" for side in (-_SIDE, 0.0, _SIDE)]
         _save(figures.connection_portrait(ways, names).figure, options.plot)
+    return 0
+
+
+def _rotating(options: argparse.Namespace, scenario: Scenario) -> int:
+    from analysis.nonlinear.rotating import folds, rotating_family
+
+    if options.spins is not None:
+        raise ValueError("--spin does not go together with --rotating: a family has many spins")
+    with progress_bar("rotating motion {n:.0f} of {total:.0f}") as progress:
+        family = rotating_family(scenario, progress=progress)
+    turns = folds(family)
+    names = ("tilt", "spin", "period", "largest_tilt", "multiplier", "log_strong", "stable")
+    rotations, folded = (
+        [{name: getattr(each, name) for name in names} for each in found]
+        for found in (family.rotations, turns)
+    )
+    values = {
+        "connection": family.connection.spin,
+        "rotations": rotations,
+        "folds": folded,
+        "reason": family.reason,
+    }
+    _deliver(options, [tables.rotation_table(family, turns)], values)
+    if options.plot is not None:
+        from validation.studies.nonlinear import figures
+
+        _save(figures.rotation_diagram(family).figure, options.plot)
     return 0
 
 

@@ -23,7 +23,13 @@ def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
         metavar="SPIN",
         help="only the cycles at these spins in rad/s: values, or first:last:number",
     )
-    _add_over(cycles)
+    what = cycles.add_mutually_exclusive_group()
+    what.add_argument(
+        "--rotating",
+        action="store_true",
+        help="instead, the motions beyond the heteroclinic end, in which gamma turns round",
+    )
+    _add_over(what)
     cycles.add_argument(
         "--amplitude", type=float, metavar="RAD", help="of the cycle that --over follows"
     )
@@ -46,7 +52,7 @@ def add_heteroclinic(commands: "argparse._SubParsersAction[Any]") -> None:
     add_problem(heteroclinic)
 
 
-def _add_over(parser: argparse.ArgumentParser) -> None:
+def _add_over(parser: "argparse._ActionsContainer") -> None:
     parser.add_argument(
         "--over",
         metavar="AXIS",

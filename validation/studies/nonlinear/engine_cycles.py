@@ -21,6 +21,12 @@ FORMULATION = "floating"
 AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0)
 """Amplitudes in rad of the cycles of Models 1 and 2."""
 
+LARGE = (*AMPLITUDES, 1.3, 1.6, 1.9, 2.2, 2.5, 2.7, 2.9)
+"""Those up to where the disk of Model 1 falls flat on its way."""
+
+_STRAIGHT = 3
+"""So many cycles must be known before the next one is extrapolated."""
+
 REPEATED = 0.4
 """That of the one which the engine repeats."""
 
@@ -107,11 +113,20 @@ def held_family(name: str, amplitudes: Sequence[float] = AMPLITUDES) -> list[Hel
     start = small_cycle(scenario, hopf.spin, hopf.frequency, amplitudes[0])
     found: list[HeldCycle] = []
     for amplitude in amplitudes:
-        larger = amplitude / start["amplitude"]
-        start = {**start, "amplitude": amplitude, "start": np.array(start["start"]) * larger}
-        found.append(find(scenario, start, source="in-house", fixed="amplitude"))
-        start = as_start(found[-1])
+        guess = _further(amplitude, [as_start(each) for each in found] or [start])
+        found.append(find(scenario, guess, source="in-house", fixed="amplitude"))
     return found
+
+
+def _further(amplitude: float, known: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Where to begin at an amplitude: in proportion, or on the line through the last two."""
+    last = known[-1]
+    if len(known) < _STRAIGHT:
+        larger = amplitude / last["amplitude"]
+        return {**last, "amplitude": amplitude, "start": np.array(last["start"]) * larger}
+    before = known[-2]
+    part = (amplitude - last["amplitude"]) / (last["amplitude"] - before["amplitude"])
+    return {name: last[name] + part * (last[name] - before[name]) for name in last}
 
 
 def as_start(cycle: HeldCycle) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from analysis.data.checks import Array
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import CycleFamily
 from analysis.nonlinear.heteroclinic import Fall
+from analysis.nonlinear.rotating import RotationFamily
 from validation.kit import figures
 from validation.studies.nonlinear.passage import LOST, DelayLaw, Passage
 from validation.studies.nonlinear.tables import prediction
@@ -24,6 +25,9 @@ _ENGINE = {
 }
 
 _GREY = "#777777"
+
+_SHOWN = 1.0
+"""Range of spins of rotating motions that is shown, in rad/s."""
 
 
 def family_lines(
@@ -139,6 +143,34 @@ def period_diagram(
         axes[1].set_yscale("log")
     axes[2].set(ylabel="log10 of the smaller one", xlabel="spinning speed Ω in rad/s")
     figures.legend_above(axes[0], columns=3)
+    return axes
+
+
+def rotation_diagram(family: RotationFamily, axes: Any = None) -> Any:
+    """Largest and least tilt of rotating motions over the spin."""
+    axes = figures.new_figure(height=4.6)[1] if axes is None else axes
+    spins = family.values("spin")
+    stable = np.array([each.stable is not False for each in family.rotations])
+    for name, label in (("largest_tilt", "largest"), ("tilt", "noninverted")):
+        tilts = family.values(name)
+        for wanted, style, word in ((True, "-", "stable"), (False, "--", "unstable")):
+            shown = np.append(stable[1:] == wanted, False) | np.append(False, stable[1:] == wanted)
+            axes.plot(
+                np.where(shown, spins, np.nan),
+                np.where(shown, tilts, np.nan),
+                style,
+                color=figures.COLOURS[1 if name == "tilt" else 2],
+                label=f"{label}, {word}",
+            )
+    axes.axvline(
+        family.connection.spin, color=_GREY, linestyle="-.", label="heteroclinic", zorder=0
+    )
+    axes.set(xlabel="spinning speed Ω in rad/s", ylabel="β − π/2 in rad")
+    # Where the disk is nearly flat the spin has no bounds.
+    last = min(float(np.max(spins)), family.connection.spin + _SHOWN)
+    axes.set_xlim(np.min(spins) - 0.05 * _SHOWN, last)
+    axes.set_ylim(0.0, 1.1 * np.max(family.values("largest_tilt")[spins <= last]))
+    figures.legend_above(axes, columns=2)
     return axes
 
 

@@ -52,7 +52,8 @@ class HeldCycle:
     spin : float
         In rad/s.
     amplitude : float
-        Largest deviation of gamma from pi/2 in rad.
+        Deviation of gamma from pi/2 in rad where the disk is upright: the largest one where there
+        is no slip along the edge, and nearly the largest with it.
     period : float
         In s.
     start : ndarray, shape (k,)

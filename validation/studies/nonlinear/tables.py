@@ -9,9 +9,13 @@ from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import Bifurcation, CycleFamily
 from analysis.nonlinear.heteroclinic import Connection, PeriodGrowth
 from analysis.nonlinear.hopf import Growth, HopfType
+from analysis.nonlinear.rotating import Rotation, RotationFamily
 from analysis.nonlinear.slow_manifold import Distances, SlowOrbit, slow_connection, time_scales
 from analysis.nonlinear.stationary import STARTS, StationaryMotion
 from validation.kit.tables import Table
+
+_WORDS = {True: "stable", False: "unstable", None: "undecided"}
+"""A verdict's cell would be a check; this one is a property."""
 
 _SMALL = 1.05
 """Largest amplitude in rad of the cycles from which the growth is fitted."""
@@ -39,8 +43,7 @@ def cycle_table(cycles: Sequence[Cycle]) -> Table:
                 cycle.multiplier,
                 cycle.half_multiplier,
                 cycle.log_strong / float(np.log(10.0)),
-                # A verdict's cell would be a check; this one is a property.
-                {True: "stable", False: "unstable", None: "undecided"}[cycle.stable],
+                _WORDS[cycle.stable],
             )
             for cycle in cycles
         ],
@@ -71,6 +74,43 @@ def bifurcation_table(found: Sequence[Bifurcation], cycles: Sequence[Cycle] = ()
         columns=("kind", "amplitude in rad", "spin in rad/s", "period in s"),
         rows=[(b.kind, b.cycle.amplitude, b.cycle.spin, b.cycle.period) for b in found],
         note=note.lstrip(),
+    )
+
+
+def rotation_table(family: RotationFamily, turns: Sequence[Rotation]) -> Table:
+    """Rotating motions, and where their spin turns back."""
+    note = "The tilt is β − π/2 where γ passes noninverted spinning."
+    note += "".join(
+        f" They fold at a tilt of {each.tilt:.6g} rad and {each.spin:.9g} rad/s." for each in turns
+    )
+    if family.reason is not None:
+        note += f" The family ends early: {family.reason}."
+    return Table(
+        name="rotations",
+        title="Rotating motions of the reduced system, from the connection at "
+        f"{family.connection.spin:.9g} rad/s on",
+        columns=(
+            "tilt in rad",
+            "spin in rad/s",
+            "period in s",
+            "largest tilt in rad",
+            "multiplier",
+            "log10 of the other",
+            "stable",
+        ),
+        rows=[
+            (
+                each.tilt,
+                each.spin,
+                each.period,
+                each.largest_tilt,
+                each.multiplier,
+                each.log_strong / float(np.log(10.0)),
+                _WORDS[each.stable],
+            )
+            for each in family.rotations
+        ],
+        note=note,
     )
 
 

@@ -1,0 +1,313 @@
+"""Rotating motions beyond the heteroclinic connection: gamma turns round, the disk keeps tilted.
+
+On the cylinder of gamma the connection is a pair of loops, one for either sense of turning. On
+one side of its spin they join to the swinging cycles; on the other side each becomes a periodic
+motion of its own (a gluing bifurcation). They are followed in their tilt where gamma passes
+noninverted spinning, from zero at the connection on; as a parameter it passes folds of the spin.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from analysis.data.checks import Array, real_array
+from analysis.data.scenario import Scenario
+from analysis.data.watch import Progress
+from analysis.models import reduced
+from analysis.nonlinear.collocation import (
+    TOLERANCE,
+    Mesh,
+    NoCycleError,
+    collocated,
+    floquet,
+)
+from analysis.nonlinear.cycle import INVERTED
+from analysis.nonlinear.heteroclinic import Connection, fall, heteroclinic_connection
+from analysis.stability.linear_reduced import critical_speed
+
+TILTS: Array = np.concatenate(
+    (np.geomspace(1e-4, 0.02, 6), np.linspace(0.04, 0.2, 9), np.linspace(0.25, 1.5, 26))
+)
+"""Tilts in rad from near the connection to a disk that is nearly flat."""
+
+_BESIDE = (0.02, 0.005, 0.001)
+"""Distances from the connection at which one may settle, in parts of that to the Hopf point."""
+
+_TURNS = 40
+_SETTLED = 3e-3
+"""Turns within which it has to settle; relative change over a turn that is near enough."""
+
+_LONGEST = 100.0
+"""Longest turn in s."""
+
+_HALVINGS = 5
+_NEUTRAL = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rotation:
+    """A periodic motion in which gamma makes a whole turn; its mirror image turns the other way.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    spin : float
+        Constant spinning speed in rad/s.
+    tilt : float
+        beta less pi/2 in rad where gamma passes noninverted spinning.
+    period : float
+        Of a turn of gamma in s.
+    times : ndarray, shape (n,)
+        Over a period in s.
+    states : ndarray, shape (n, 3)
+        beta, gamma in rad and the rate of beta in rad/s; gamma goes from -pi/2 to 3 pi/2.
+    multiplier : float
+        The larger of the two nontrivial Floquet multipliers: 1 at a fold.
+    log_strong : float
+        Logarithm of the size of the other one.
+    """
+
+    scenario: Scenario
+    spin: float
+    tilt: float
+    period: float
+    times: Array
+    states: Array
+    multiplier: float
+    log_strong: float
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether both multipliers lie inside the unit circle; None if too close to tell."""
+        size = abs(self.multiplier)
+        return None if abs(size - 1.0) < _NEUTRAL else size < 1.0
+
+    @property
+    def largest_tilt(self) -> float:
+        """Largest beta less pi/2 in rad."""
+        return float(np.max(self.states[:, 0])) - np.pi / 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RotationFamily:
+    """Rotating motions by rising tilt.
+
+    Parameters
+    ----------
+    connection : Connection
+        Where the family begins.
+    rotations : tuple of Rotation
+        All of them converged.
+    reason : str or None
+        Why it ends before the last tilt asked for, if it does; it names the last good one.
+    """
+
+    connection: Connection
+    rotations: tuple[Rotation, ...]
+    reason: str | None = None
+
+    def values(self, name: str) -> Array:
+        """Attribute `name` of all of them, shape (n,)."""
+        return np.array([getattr(each, name) for each in self.rotations], dtype=float)
+
+
+def rotating_family(
+    scenario: Scenario,
+    tilts: npt.ArrayLike | None = None,
+    *,
+    progress: Progress | None = None,
+) -> RotationFamily:
+    """Follow the rotating motions from the heteroclinic connection on.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of Model 4 with friction that knows the weight, and an eccentricity.
+    tilts : array_like, shape (n,), optional
+        Tilts in rad, rising, between 0 and pi/2; `TILTS` by default.
+    progress : callable, optional
+        Called after each of them with how many there are and how many are wanted.
+
+    Raises
+    ------
+    ValueError
+        If the tilts are no such, or the scenario has no cycles.
+    NoConnectionError
+        If there is no connection.
+    NoCycleError
+        If the motions next to it are unstable, so that none settles there.
+    """
+    wanted = real_array("tilts", TILTS if tilts is None else tilts)
+    proper = wanted.ndim == 1 and wanted.size and np.all(np.diff(wanted, prepend=0.0) > 0.0)
+    if not proper or wanted[-1] >= np.pi / 2:
+        raise ValueError(f"tilts must rise strictly between 0 and pi/2, got {tilts!r}")
+    connection = heteroclinic_connection(scenario)
+    first = _settled(scenario, connection)
+    split = int(np.searchsorted(wanted, first.tilt))
+    found: list[Rotation] = []
+    reason = None
+    for way in (wanted[:split][::-1], wanted[split:]):
+        last = first
+        for tilt in way.tolist():
+            try:
+                last = _reach(scenario, tilt, last)
+            except NoCycleError as error:
+                reason = (
+                    f"{error}; the last good one has {last.tilt:.9g} rad at a spin of "
+                    f"{last.spin:.9g} rad/s"
+                )
+                break
+            found.append(last)
+            if progress is not None:
+                progress(float(len(found)), float(wanted.size))
+    found.sort(key=lambda each: each.tilt)
+    return RotationFamily(connection=connection, rotations=tuple(found), reason=reason)
+
+
+def folds(family: RotationFamily) -> tuple[Rotation, ...]:
+    """Where the spin turns back along a family, and the multiplier passes 1.
+
+    Raises
+    ------
+    NoCycleError
+        If an iteration between two neighbours fails.
+    """
+    return tuple(
+        _fold(first, last)
+        for first, last in pairwise(family.rotations)
+        if (first.multiplier - 1.0) * (last.multiplier - 1.0) < 0.0
+    )
+
+
+def _fold(first: Rotation, last: Rotation) -> Rotation:
+    found = {first.tilt: first, last.tilt: last}
+
+    def test(tilt: float) -> float:
+        if tilt not in found:
+            found[tilt] = rotation(first.scenario, tilt, first)
+        return found[tilt].multiplier - 1.0
+
+    brentq(test, first.tilt, last.tilt, xtol=1e-9)
+    return min(found.values(), key=lambda each: abs(each.multiplier - 1.0))
+
+
+def _reach(scenario: Scenario, tilt: float, start: Rotation, depth: int = 0) -> Rotation:
+    """The one of a tilt, on the way over others if it is too far from `start`."""
+    try:
+        return rotation(scenario, tilt, start)
+    except NoCycleError:
+        if depth == _HALVINGS:
+            raise
+    between = _reach(scenario, (start.tilt + tilt) / 2.0, start, depth + 1)
+    return _reach(scenario, tilt, between, depth + 1)
+
+
+def rotation(scenario: Scenario, tilt: float, start: Rotation) -> Rotation:
+    """Find the rotating motion of a tilt, from one near it.
+
+    Raises
+    ------
+    NoCycleError
+        If the iteration does not converge.
+    """
+    scale = np.array((1.0, 1.0, critical_speed(scenario).frequency))
+
+    def ends(first: Array, last: Array, _: Array) -> Array:
+        return np.array(
+            (
+                first[0] - tilt,
+                first[1] + np.pi,
+                last[0] - tilt,
+                last[1] - np.pi,
+                last[2] - first[2],
+            )
+        )
+
+    mesh = Mesh(
+        amplitude=tilt,
+        nodes=start.times / start.period,
+        values=((start.states - INVERTED) / scale).T,
+        unknowns=np.array((start.spin, start.period)),
+    )
+    found = collocated(scenario, scale, ends, mesh.thinned(), TOLERANCE)
+    # A disk that is flat on the way has left the plane in which it can be seen to rotate.
+    flat = np.max(np.abs(found.y[0])) >= np.pi / 2
+    if found.status != 0 or np.min(found.p) <= 0.0 or flat:
+        why = "the disk would fall flat on the way" if flat else "the collocation fails"
+        raise NoCycleError(f"no rotating motion found with a tilt of {tilt:.9g} rad: {why}")
+    larger, strong = floquet(scenario, scale, found, mirrored=False)
+    spin, period = found.p.tolist()
+    return Rotation(
+        scenario=scenario,
+        spin=spin,
+        tilt=tilt,
+        period=period,
+        times=period * found.x,
+        states=(scale[:, None] * found.y).T + INVERTED,
+        multiplier=larger,
+        log_strong=strong,
+    )
+
+
+def _settled(scenario: Scenario, connection: Connection) -> Rotation:
+    """The one to which the motion from noninverted spinning settles beside the connection."""
+    width = abs(critical_speed(scenario).spin - connection.spin)
+    for part in _BESIDE:
+        sides = (connection.spin - part * width, connection.spin + part * width)
+        ways = {spin: fall(scenario, spin) for spin in sides}
+        for spin, way in ways.items():
+            if way.miss > 0.0:
+                try:
+                    return _settled_at(scenario, spin, way.states[-1])
+                except NoCycleError:
+                    continue
+    raise NoCycleError(
+        f"no rotating motion settles beside the connection at {connection.spin:.9g} rad/s"
+    )
+
+
+def _settled_at(scenario: Scenario, spin: float, state: Array) -> Rotation:
+    tilt = 0.0
+    for _ in range(_TURNS):
+        times, states = _turn(scenario, spin, state)
+        state, before, tilt = states[-1].copy(), tilt, float(states[-1, 0]) - np.pi / 2
+        if tilt > 0.0 and abs(tilt - before) < _SETTLED * tilt:
+            states[:, 1] -= state[1] - 1.5 * np.pi
+            rough = Rotation(
+                scenario=scenario,
+                spin=spin,
+                tilt=tilt,
+                period=float(times[-1]),
+                times=times,
+                states=states,
+                multiplier=np.nan,
+                log_strong=np.nan,
+            )
+            return rotation(scenario, tilt, rough)
+    raise NoCycleError(f"no rotating motion settles at {spin:.9g} rad/s")
+
+
+def _turn(scenario: Scenario, spin: float, state: Array) -> tuple[Array, Array]:
+    """Times, shape (n,), and states, (n, 3), until gamma is a turn further, noninverted."""
+    goal = 1.5 * np.pi + 2 * np.pi * np.round((state[1] - 1.5 * np.pi) / (2 * np.pi) + 1.0)
+
+    def turned(_: float, x: Array) -> float:
+        return float(x[1] - goal)
+
+    turned.terminal = True  # type: ignore[attr-defined]
+    run = solve_ivp(
+        lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()),
+        (0.0, _LONGEST),
+        state,
+        method="LSODA",
+        rtol=1e-10,
+        atol=1e-11,
+        events=turned,
+    )
+    if not run.t_events[0].size:
+        raise NoCycleError(f"no rotating motion settles at {spin:.9g} rad/s: the disk falls")
+    return run.t, run.y.T.copy()

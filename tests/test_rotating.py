@@ -1,0 +1,111 @@
+"""Rotating motions beyond the heteroclinic connection."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from analysis import Start
+from analysis.data.checks import Array
+from analysis.models import reduced
+from analysis.nonlinear.rotating import Rotation, RotationFamily, folds, rotating_family
+from tests.helpers import model
+from tests.test_cli_stability import run as call
+from validation.run import run
+
+PAPER = model(4)
+
+
+@pytest.fixture(scope="module")
+def family() -> RotationFamily:
+    return rotating_family(PAPER, (1e-4, 0.01, 0.08, 0.12, 0.14, 0.3))
+
+
+def turned(rotation: Rotation, begin: Array) -> Array:
+    """State a period later, gamma turned back."""
+    found = solve_ivp(
+        lambda _, x: reduced.right_hand_side(PAPER, rotation.spin, x.tolist()),
+        (0.0, rotation.period),
+        begin,
+        method="LSODA",
+        rtol=1e-12,
+        atol=1e-13,
+    )
+    return np.asarray(found.y[:, -1] - np.array((0.0, 2.0 * np.pi, 0.0)))
+
+
+@pytest.mark.slow
+def test_rotating_motions_begin_in_the_connection_and_fold(family: RotationFamily) -> None:
+    assert family.reason is None
+    first = family.rotations[0]
+    assert first.spin == pytest.approx(family.connection.spin, abs=1e-6)
+    assert [each.stable for each in family.rotations] == [True, True, True, True, False, False]
+    (fold,) = folds(family)
+    assert fold.multiplier == pytest.approx(1.0, abs=1e-6)
+    assert fold.spin == pytest.approx(30.0820066, abs=1e-6)
+    assert all(each.spin > fold.spin for each in family.rotations)
+
+
+@pytest.mark.slow
+def test_the_reduced_system_comes_back_after_a_turn(family: RotationFamily) -> None:
+    for rotation in family.rotations[1:]:
+        begin = rotation.states[0]
+        np.testing.assert_allclose(turned(rotation, begin), begin, rtol=0.0, atol=1e-7)
+
+
+@pytest.mark.slow
+def test_deviations_of_rotating_motions_grow_by_the_multiplier(family: RotationFamily) -> None:
+    for rotation in (family.rotations[2], family.rotations[5]):
+        begin, size = rotation.states[0], 1e-5
+        along = np.array(reduced.right_hand_side(PAPER, rotation.spin, begin.tolist()))
+        deviation, sizes = np.array((size, 0.0, 0.0)), []
+        for _ in range(2):
+            deviation = (
+                turned(rotation, begin + deviation) - turned(rotation, begin - deviation)
+            ) / 2
+            deviation -= along * (along @ deviation) / (along @ along)
+            sizes.append(float(np.linalg.norm(deviation)))
+        assert sizes[1] / sizes[0] == pytest.approx(rotation.multiplier, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_the_engine_rotates_alike(family: RotationFamily) -> None:
+    rotation = family.rotations[2]
+    beta, gamma, rate = rotation.states[0].tolist()
+    start = Start(beta=beta, gamma=gamma, beta_rate=rate, spin=rotation.spin)
+    times = np.array((0.0, rotation.period / 2.0, rotation.period))
+    motion = run(
+        replace(PAPER, start=start),
+        times,
+        source="engine",
+        formulation="floating",
+        tolerance=1e-8,
+    )
+    assert motion.coordinate("beta")[-1] == pytest.approx(beta, abs=1e-8)
+    assert motion.coordinate("gamma")[-1] == pytest.approx(gamma + 2.0 * np.pi, abs=1e-8)
+
+
+@pytest.mark.slow
+def test_the_command_tells_and_draws_them(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("analysis.nonlinear.rotating.TILTS", np.array((0.05, 0.1, 0.15)))
+    picture = tmp_path / "rotating.svg"
+    assert call(f"cycles --rotating --json --plot {picture}") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [each["stable"] for each in found["rotations"]] == [True, True, False]
+    assert found["folds"][0]["spin"] == pytest.approx(30.0820066, abs=1e-6)
+    assert "<svg" in picture.read_text()
+
+
+def test_bad_calls_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    for tilts in ((), (0.0, 0.1), (0.2, 0.1), (0.1, 1.6)):
+        with pytest.raises(ValueError, match="tilts must rise strictly between 0 and pi/2"):
+            rotating_family(PAPER, tilts)
+    with pytest.raises(ValueError, match="Model 4"):
+        rotating_family(model(1))
+    assert call("cycles --rotating --spin 30.1") == 2
+    assert "--spin does not go together" in capsys.readouterr().err
