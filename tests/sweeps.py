@@ -6,7 +6,8 @@ from typing import Any
 
 from analysis import MODELS, Scenario
 from validation.sweeps.axes import Design, axis_from_text
-from validation.sweeps.sweep import Plan, Sweep
+from validation.sweeps.plan import Plan
+from validation.sweeps.sweep import Sweep
 
 
 class Direct:

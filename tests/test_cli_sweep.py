@@ -80,6 +80,8 @@ def test_axes_come_from_a_file_as_well(tmp_path: Path) -> None:
         ("spin=1,2 --keep beta,gama", "--keep: keep must be one of coordinates"),
         ("spin=1,2 --keep spin_torque", "--keep: keep must name what Model 1 has"),
         ("spin=1,2 --rest --keep beta", "keep must be one of position_x"),
+        ("spin=1,2 --plot a.txt", "--plot: must end in .png, .svg or .pdf"),
+        ("spin=1,2 mu=0:1:2 eps=1,2 --plot a.png", "--plot: one or two axes can be drawn, got 3"),
         ("spin=1,2 --time-limit 0", "--time-limit must be positive"),
         ("spin=1,2 --out a.csv", "--out: must end in .db"),
         ("--axes no-such.toml", "No such file"),

@@ -280,6 +280,7 @@ def test_without_heyoka_one_line_says_what_to_install(monkeypatch: pytest.Monkey
         simulate(model(4), TIMES, method="taylor")
 
 
+@pytest.mark.slow
 def test_home_that_cannot_be_written_says_nothing() -> None:
     code = (
         "from analysis import *\n"

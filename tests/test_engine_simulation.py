@@ -84,6 +84,7 @@ def test_contact_force_as_load_costs_no_order(formulation: Any) -> None:
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
 
 
+@pytest.mark.slow
 def test_uneven_times_give_the_same_motion_as_even_ones() -> None:
     uneven = np.array([0.0, 0.01, 0.02, 0.05, 0.13, 0.21, 0.5])
     truth = analysis.simulate(model(2), uneven, local_tolerance=1e-13)

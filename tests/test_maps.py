@@ -13,6 +13,7 @@ from analysis.data.checks import Array
 from analysis.stability.linear_reduced import critical_speed
 from tests.sweeps import Direct
 from tests.test_cli import run
+from validation.maps import problems
 from validation.maps import run as maps_run
 from validation.maps.problems import (
     PROBLEMS,
@@ -28,8 +29,9 @@ from validation.maps.run import panels, run_pairs, run_panel
 from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import sweeps as parser
 from validation.sweeps.outcomes import Row
+from validation.sweeps.plan import Plan
 from validation.sweeps.results import Results
-from validation.sweeps.sweep import Plan, Sweep
+from validation.sweeps.sweep import Sweep
 
 REDUCED = Scenario(constraints=MODELS[4])
 
@@ -114,7 +116,10 @@ def test_face_is_decided_once_the_energy_cannot_lift_the_disk_on_its_rim() -> No
     assert face(0.999 * barrier, -0.9) == "lower face"
 
 
-def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction() -> None:
+def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(problems, "THEORY_SAMPLES", 3)
     points = critical_points(PROBLEMS["spin-friction"], REDUCED)
     np.testing.assert_allclose(points[:, 0], critical_speed(REDUCED).spin, rtol=1e-9)
     assert points[0, 1] == 0.02

@@ -91,6 +91,7 @@ def test_bilateral_contact_is_the_same_while_the_disk_presses() -> None:
     np.testing.assert_array_equal(one.positions, other.positions)
 
 
+@pytest.mark.slow
 def test_solvers_agree() -> None:
     one = simulate_to_rest(Scenario.rest(), 1.0, spacing=1e-2, local_tolerance=1e-10)
     other = simulate_to_rest(
@@ -141,6 +142,7 @@ def test_phases_follow_each_other_until_rest(settled: SpatialMotion) -> None:
     assert settled.normal_force[-1] == pytest.approx(settled.scenario.weight, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_start_turned_to_the_other_face_moves_the_same_way() -> None:
     start = Start(beta=1.2, gamma=0.4, spin=10.0, gamma_rate=-2.0)
     scenario = Scenario.rest(dissipation=SETTLING, start=start)

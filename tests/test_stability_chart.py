@@ -237,6 +237,7 @@ def test_dimensions_tie_size_and_friction_together() -> None:
         assert values["size"] == pytest.approx(expected, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_full_sensitivities_predict_the_critical_speeds_of_another_disk() -> None:
     for name in ("inertia_x", "eccentricity", "mass"):
         change = 1e-3
@@ -324,6 +325,7 @@ def test_static_curve_of_another_planet_is_that_of_this_one_in_its_own_units() -
     )
 
 
+@pytest.mark.slow
 def test_corners_of_another_planet_are_those_of_this_one_in_its_own_units(
     meeting: dict[str, Corner],
 ) -> None:

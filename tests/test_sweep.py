@@ -235,6 +235,7 @@ def test_column_on_the_grid_leaves_gaps_where_no_row_is(tmp_path: Path) -> None:
     np.testing.assert_array_equal(end, [[0.05, np.nan], [np.nan, 0.05], [np.nan, np.nan]])
 
 
+@pytest.mark.slow
 def test_memory_of_a_sweep_does_not_grow_with_its_cases(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -296,6 +297,17 @@ def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None
     ahead = look_ahead(sweep("mu=-1,0.2,0.3"))
     assert (ahead.looked_at, ahead.refused) == (3, 1)
     assert ahead.reason == "coefficient must not be negative, got -1"
+
+
+def test_local_tolerance_of_the_engine_is_that_of_its_step_control() -> None:
+    how: Any = {"source": "engine", "tolerance": None, "local_tolerance": 1e-7}
+    wanted = sweep("spin=30,40", scenario=Scenario(), **how)
+    motion = wanted.plan.motion(wanted.scenario_of(1), time_limit=None)
+    assert (motion.method["integrator"], motion.method["local_tolerance"]) == ("DOPRI5", 1e-7)
+    with pytest.raises(ValueError, match="'DOPRI5' is explicit and cannot take the constraints"):
+        look_ahead(sweep("spin=30,40", scenario=Scenario(constraints=MODELS[2]), **how))
+    with pytest.raises(ValueError, match="local_tolerance must be left out for source 'engine'"):
+        sweep("spin=30,40", scenario=Scenario.rest(), to_rest=True, **how)
 
 
 def test_identity_of_a_sweep_is_plain_text() -> None:

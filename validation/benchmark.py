@@ -15,6 +15,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -42,8 +44,16 @@ from validation.run import run
 from validation.studies import compiled_speed
 from validation.studies.robustness.reference import deviation
 from validation.studies.stability.eigenvalue_check import engine_matrices
+from validation.sweeps.axes import Axis, Design
+from validation.sweeps.plan import Plan
+from validation.sweeps.runner import run_chunk
+from validation.sweeps.store import Store
+from validation.sweeps.sweep import Sweep
 
 TIMES = np.linspace(0.0, 2.0, 201)
+
+_SWEPT = 10
+"""Cases of a sweep that is timed."""
 
 MODEL_SCENARIOS = tuple(Scenario(constraints=each) for each in MODELS.values())
 MODEL_1, MODEL_2, MODEL_3, MODEL_4 = MODEL_SCENARIOS
@@ -219,6 +229,55 @@ def stability(repeats: int) -> Table:
     )
 
 
+def engine_sweeps(repeats: int) -> Table:
+    """What a sweep of the engine takes beside its runs, made one by one."""
+    cells: list[list[Cell]] = []
+    ways: tuple[tuple[Scenario, str, dict[str, Any]], ...] = (
+        (MODEL_1, "contact-tree", {"step": 5e-3}),
+        (MODEL_1, "contact-tree", {"local_tolerance": 1e-6}),
+        (MODEL_1, "contact-tree", {"tolerance": 1e-6}),
+        (MODEL_2, "euler-tree", {"step": 5e-3}),
+    )
+    for scenario, form, how in ways:
+        plan = Plan(source="engine", formulation=form, end=2.0, spacing=1e-2, **how)
+        axis = Axis(field="spin", first=30.0, last=50.0, count=_SWEPT)
+        sweep = Sweep(scenario=scenario, design=Design(axes=(axis,)), plan=plan)
+        ratios, swept = _sweep_ratios(sweep, repeats)
+        ratio = statistics.median(ratios)
+        told = ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in how.items())
+        label = f"{form}, {scenario.name}, {told}"
+        cells.append([label, round(swept, 1), ratio, 1.2, ratio <= 1.2])
+    return Table(
+        name="engine-sweeps",
+        title="Sweeps of the engine",
+        columns=("sweep", "time of a case in ms", "over a single run", "at most", "reached"),
+        rows=cells,
+        note=f"{_SWEPT} cases as a worker runs them, and stored; single runs: `run` of the same "
+        "scenarios in the same process, in turns. Starting the processes comes on top, once.",
+    )
+
+
+def _sweep_ratios(sweep: Sweep, repeats: int) -> tuple[list[float], float]:
+    """Time of a sweep over that of its runs in several turns, and its median for a case in ms."""
+    plan, numbers = sweep.plan, range(sweep.design.size)
+    scenarios = [sweep.scenario_of(number) for number in numbers]
+    with TemporaryDirectory() as folder, Store(Path(folder) / "a.db", sweep) as store:
+
+        def swept() -> None:
+            store.add(run_chunk(sweep.to_text(), numbers, 60.0, 200.0))
+            store.commit()
+
+        def single() -> None:
+            for scenario in scenarios:
+                plan.motion(scenario, time_limit=None)
+
+        pairs = [
+            [median_milliseconds(call, 1) for call in (swept, single)] for _ in range(repeats)
+        ]
+    times, singles = np.array(pairs).T
+    return (times / singles).tolist(), float(np.median(times)) / len(scenarios)
+
+
 def to_rest() -> Table:
     """A long run from Table 3 to rest, and how right its phase times before the fall are."""
     dissipation = Dissipation(rolling_dry=2.5e-4, pivoting=8e-6)
@@ -276,7 +335,12 @@ def compiled(repeats: int) -> list[Table]:
     if not is_installed():
         return []
     milliseconds = partial(median_milliseconds, repeats=repeats)
-    return [compiled_speed.single_runs(milliseconds), compiled_speed.ensembles(milliseconds)]
+    few = partial(median_milliseconds, repeats=min(repeats, 3))
+    return [
+        compiled_speed.single_runs(milliseconds),
+        compiled_speed.ensembles(milliseconds),
+        compiled_speed.basin(few),
+    ]
 
 
 def main() -> None:
@@ -287,6 +351,7 @@ def main() -> None:
     for table in (
         targets(repeats),
         stability(repeats),
+        engine_sweeps(min(repeats, 3)),
         to_rest(),
         load_laws(repeats),
         start_up(),

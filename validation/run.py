@@ -151,6 +151,7 @@ def run_effort(
     formulation: str | None = None,
     tolerance: float | None = None,
     step: float | None = None,
+    integrator: "Integrator | IntegratorName | None" = None,
 ) -> Effort:
     """What `run` will take; the arguments are its own.
 
@@ -159,13 +160,32 @@ def run_effort(
     ValueError
         If an argument is out of range, or belongs to the other side.
     """
-    given = _given(source, step=step, tolerance=tolerance)
+    given = _given(source, step=step, tolerance=tolerance, integrator=integrator)
     times = increasing_times(times)
     if source == "in-house":
         return inhouse_effort.simulation_effort(scenario, times, **given)
     from mbs_models.effort import simulation_effort
+    from mbs_models.integrators import find_integrator
 
-    return simulation_effort(_scene(scenario, formulation), times, **given)
+    scene = _scene(scenario, formulation)
+    if integrator is not None:
+        # Raises if it cannot take the scene.
+        constrained = scene.has_constraints
+        given["integrator"] = find_integrator(scene.built_as, integrator, constrained=constrained)
+    return simulation_effort(scene, times, **given)
+
+
+def step_controlled(local_tolerance: float) -> "Integrator":
+    """The engine's integrator that controls its steps, by the error that it allows in one.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance is out of range.
+    """
+    from mbs_models import Integrator
+
+    return Integrator(name="DOPRI5", local_tolerance=local_tolerance)
 
 
 def rest_effort(

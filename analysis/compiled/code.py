@@ -122,8 +122,10 @@ def values(function: Any, states: Array, numbers: Array) -> Array:
     numbers : ndarray, shape (p,) or (n, p)
         Parameters, for all states or for each.
     """
-    given = np.broadcast_to(numbers, (len(states), numbers.shape[-1]))[:, : function.nparams]
-    found: Array = function(np.ascontiguousarray(states.T), pars=np.ascontiguousarray(given.T))
+    given = numbers[..., : function.nparams].reshape(-1, function.nparams)
+    parameters = np.empty((function.nparams, len(states)))
+    parameters[:] = given.T
+    found: Array = function(np.ascontiguousarray(states.T), pars=parameters)
     return np.ascontiguousarray(found.T)
 
 

@@ -7,6 +7,7 @@ structure share what is compiled.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from itertools import count
 from types import SimpleNamespace
 from typing import Any, cast
@@ -83,7 +84,7 @@ class Structure:
     ) -> "Structure":
         """Structure of the runs of a scenario, or of members that are alike in it."""
         law = scenario.friction
-        values = ((field.name, getattr(law, field.name)) for field in fields(law))
+        values = ((name, getattr(law, name)) for name in _names(type(law)))
         return cls(
             form=form,
             constraints=scenario.constraints,
@@ -104,6 +105,11 @@ class Structure:
         return self.rubs and self.kinked and one
 
 
+@cache
+def _names(law: type[FrictionLaw]) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(law))
+
+
 def _has_kink(law: FrictionLaw) -> bool:
     """Whether the force for each m/s of slip rises or falls from no slip on."""
     little = 1e-6 * law.finest_speed
@@ -116,7 +122,7 @@ def parameters(scenario: Scenario) -> list[float]:
     The first ones are set during a run, `SIGN`, `ALIVE`, `REASON`, `WHEN`.
     """
     law, table = scenario.friction, scenario.table
-    values = (getattr(law, field.name) for field in fields(law))
+    values = (getattr(law, name) for name in _names(type(law)))
     return [
         *(1.0, 1.0, 0.0, 0.0),
         scenario.initial_state.rates[3],

@@ -24,6 +24,9 @@ from analysis.rest.to_rest import contact_time, sampled, start_vector
 Form = Literal["index-1", "reduced", "free-body"]
 FORMS: tuple[Form, ...] = get_args(Form)
 
+Multipliers = Callable[[Array], Array]
+"""From states, shape (n, 12), to constraint forces, shape (n, k)."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PosedForm:
@@ -57,7 +60,7 @@ def pose(
     scenario: Scenario,
     form: Form,
     conditions: Mapping[str, Condition] | None = None,
-    multipliers: Callable[[Array], Array] | None = None,
+    multipliers: Multipliers | None = None,
 ) -> PosedForm:
     """Initial value problem of a scenario.
 
@@ -78,7 +81,7 @@ def pose(
     """
     check_form(scenario, form)
     makers = {"index-1": _index1, "reduced": _reduced, "free-body": _free_body}
-    posed = makers[form](scenario, multipliers or partial(_multipliers, scenario))
+    posed = makers[form](scenario, multipliers)
     if not conditions:
         return posed
 
@@ -131,13 +134,18 @@ def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
     return start.coordinates + start.rates
 
 
-def _index1(scenario: Scenario, multipliers: Callable[[Array], Array]) -> PosedForm:
+def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
+    multipliers = compiled or partial(_multipliers, scenario)
+
     def derivative(_: float, state: Array) -> Array:
         values = state.tolist()
         z, u = values[:6], values[6:]
         return np.concatenate((u, index1.accelerations(scenario, z, u)[0]))
 
     def normal_force(state: Array) -> float:
+        if compiled is not None and scenario.friction.load == "weight":
+            return float(compiled(state[None])[0, 0])
+        # Where friction knows that force, a system without solution is told from here.
         values = state.tolist()
         return float(index1.accelerations(scenario, values[:6], values[6:])[1][0])
 
@@ -158,7 +166,8 @@ def _index1(scenario: Scenario, multipliers: Callable[[Array], Array]) -> PosedF
     )
 
 
-def _reduced(scenario: Scenario, multipliers: Callable[[Array], Array]) -> PosedForm:
+def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
+    multipliers = compiled or partial(_multipliers, scenario)
     start = scenario.initial_state
     spin, alpha = start.rates[3], start.coordinates[3]
 
@@ -187,7 +196,7 @@ def _reduced(scenario: Scenario, multipliers: Callable[[Array], Array]) -> Posed
     )
 
 
-def _free_body(scenario: Scenario, _: Callable[[Array], Array]) -> PosedForm:
+def _free_body(scenario: Scenario, _: Multipliers | None) -> PosedForm:
     model = FreeDisk(scenario)
     start = scenario.initial_state
 

@@ -13,15 +13,17 @@ from typing import Any
 from tqdm import tqdm
 
 from analysis.data.checks import choice, positive
+from analysis.data.files import whole_file
 from validation.commands.options import PATIENCE, chosen_end
 from validation.commands.scenarios import chosen_scenario
 from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
 from validation.sweeps.outcomes import DONE
+from validation.sweeps.plan import Plan
 from validation.sweeps.pools import Pool, open_pool
-from validation.sweeps.results import write_csv
+from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import Told, run_cases
 from validation.sweeps.store import Store, expected_size
-from validation.sweeps.sweep import LookAhead, Plan, Sweep, look_ahead
+from validation.sweeps.sweep import LookAhead, Sweep, look_ahead
 
 _FILE = ("axes", "layout", "number", "seed")
 
@@ -38,6 +40,8 @@ def sweep(options: argparse.Namespace) -> int:
     processes = workers(options)
     time_limit = positive("--time-limit", options.time_limit)
     _check_size(wanted, out, options.most)
+    if options.plot is not None:
+        _check_plot(wanted)
     ahead = look_ahead(wanted)
     with Store(out, wanted) as store:
         left = wanted.design.size - store.count()
@@ -55,7 +59,28 @@ def sweep(options: argparse.Namespace) -> int:
         print(f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else ""))
     if table is not None:
         print(f"{table}: {write_csv(out, table)} rows")
+    if options.plot is not None:
+        _plot(out, options.plot)
     return 0
+
+
+def _check_plot(wanted: Sweep) -> None:
+    from validation.maps.sweeps import check_drawable
+
+    try:
+        check_drawable(wanted)
+    except ValueError as error:
+        raise ValueError(f"--plot: {error}") from None
+
+
+def _plot(store: Path, path: Path) -> None:
+    """Draw a store."""
+    from validation.maps.sweeps import draw
+
+    figure = draw(Results.load(store))
+    with whole_file(path) as stream:
+        figure.savefig(stream, format=path.suffix[1:], dpi=150)
+    print(path)
 
 
 def workers(options: argparse.Namespace) -> int:

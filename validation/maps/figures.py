@@ -1,6 +1,7 @@
 """Pictures of maps: time to inversion in perceptually even colours, other outcomes in greys."""
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -38,13 +39,13 @@ _MEANING = {
     "lost": "inverted, and lost again",
     "not decided": "not decided",
     "failed": "run failed",
-    "upper face": "the one at β < π/2",
-    "lower face": "the one at β > π/2",
+    "upper face": "face that is up at β < π/2",
+    "lower face": "face that is up at β > π/2",
 }
 
 _BARE: Any = {"linestyle": "none"}
 _DOT = _BARE | {"marker": ".", "markersize": 1.2, "color": "black"}
-_THEORY = _BARE | {"marker": ".", "markersize": 4, "color": "#d55e00"}
+_THEORY = _BARE | {"marker": ".", "markersize": 4, "color": "black"}
 _ALIKE = _BARE | {
     "marker": "o",
     "markersize": 5,
@@ -55,11 +56,20 @@ _ALIKE = _BARE | {
 _OTHER = _BARE | {"marker": "x", "markersize": 7, "markeredgecolor": "#d55e00"}
 _RIM: Any = {"markeredgecolor": "white", "markeredgewidth": 2.0}
 
-_WIDTH = 3.4
+_WIDTH, _HEIGHT = 3.4, 4.4
 """Of a panel in inches."""
 
+_LINE = 34
+"""Letters of a title beside others in a line."""
 
-def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = True) -> Figure:
+
+def draw(
+    panels: Sequence[Panel],
+    *,
+    width: float | None = None,
+    points: bool = True,
+    theory: bool = True,
+) -> Figure:
     """Figure of maps beside each other.
 
     Parameters
@@ -69,25 +79,30 @@ def draw(panels: Sequence[Panel], *, width: float | None = None, points: bool = 
         In inches.
     points : bool
         Whether the cases that were run are marked, unless all were.
+    theory : bool
+        Whether critical speeds are drawn in, where a map has any.
     """
     points = points and any(len(panel.classes) < np.prod(panel.shape) for panel in panels)
     if width is None:
         width = 7.5 if len(panels) == 1 else _WIDTH * len(panels) + 1.0
-    figure, axes = new_figure(columns=len(panels), width=width, height=5.2, share=False)
+    figure, axes = new_figure(columns=len(panels), width=width, height=_HEIGHT, share=False)
     axes = np.atleast_1d(axes).tolist()
     times = [_times(panel) for panel in panels]
     found = np.concatenate([each[np.isfinite(each)] for each in times])
     norm = mpl.colors.Normalize(*(np.percentile(found, [0, 98]) if found.size else (0.0, 1.0)))
-    theory = [critical_points(panel.problem, panel.sweep.scenario) for panel in panels]
-    for panel, inverted, lines, each in zip(panels, times, theory, axes, strict=True):
+    critical = [
+        critical_points(panel.problem, panel.sweep.scenario) if theory else np.empty((0, 2))
+        for panel in panels
+    ]
+    for panel, inverted, lines, each in zip(panels, times, critical, axes, strict=True):
         _fill(panel, inverted, norm, each)
         _mark(panel, lines, each, points=points)
     _name(panels, axes)
     if found.size:
         image = mpl.cm.ScalarMappable(norm, "viridis")
         figure.colorbar(image, ax=axes, label="time to inversion in s", extend="max")
-    figure.legend(handles=_legend(panels, theory, points=points), loc="outside upper left",
-                  ncols=3 if len(panels) == 1 else 6, fontsize=9)  # fmt: skip
+    figure.legend(handles=_legend(panels, critical, points=points), loc="outside upper left",
+                  ncols=1 + len(panels), fontsize=9, frameon=False)  # fmt: skip
     return figure
 
 
@@ -103,7 +118,7 @@ def _name(panels: Sequence[Panel], axes: Sequence[Axes]) -> None:
             each.set(ylabel=label)
         if len(panels) > 1:
             title = panel.sweep.scenario.name if of_models else problem.title
-            each.set_title(title, fontsize=10, loc="left")
+            each.set_title(fill(title, _LINE), fontsize=10, loc="left")
 
 
 def _times(panel: Panel) -> Array:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from math import pi
 from typing import Any
 
@@ -13,7 +14,8 @@ from analysis.data.fields import changed
 from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.outcomes import DONE, Row
-from validation.sweeps.sweep import Plan, Sweep
+from validation.sweeps.plan import Plan
+from validation.sweeps.sweep import Sweep
 
 THEORY_SAMPLES = 31
 """Places along the vertical axis at which critical speeds are worked out."""
@@ -169,6 +171,7 @@ def classify(problem: Problem) -> Classify:
     return face_class if problem.to_rest else inversion_class
 
 
+@cache
 def critical_points(problem: Problem, scenario: Scenario) -> Array:
     """Critical spins of inverted spinning along the vertical axis, shape (n, 2).
 

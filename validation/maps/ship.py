@@ -3,7 +3,7 @@
     python -m validation.maps.ship DIR
 
 DIR gets a store for each panel, as `tippedisk map` writes them; the same command goes on where
-an interrupted one stopped. It takes some 15 minutes of processor time.
+an interrupted one stopped. It takes some twelve minutes of processor time.
 """
 
 import argparse

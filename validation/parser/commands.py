@@ -29,7 +29,7 @@ class Parser(argparse.ArgumentParser):
 
 SECTIONS = (
     "modelled", "inversion", "claims", "crosscheck", "stability", "nonlinear",
-    "rest", "work-precision", "robustness", "lean", "numbers",
+    "rest", "maps", "work-precision", "robustness", "lean", "numbers",
 )  # fmt: skip
 """Sections of the report."""
 

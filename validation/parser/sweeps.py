@@ -4,7 +4,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from validation.parser.groups import CONDITIONS, FORMS, FORMULATIONS, add_scenario, add_source
-from validation.parser.paths import writable
+from validation.parser.paths import PICTURES, writable
 
 if TYPE_CHECKING:
     from validation.parser.commands import Parser
@@ -53,6 +53,12 @@ def add_sweep(commands: "argparse._SubParsersAction[Parser]") -> None:
         help="store, .db; made if there is none",
     )
     add("--csv", type=writable(".csv"), metavar="FILE", help="write all rows to a .csv at the end")
+    add(
+        "--plot",
+        type=writable(*PICTURES),
+        metavar="PICTURE",
+        help="draw the outcomes over one axis, or two as a map: .png, .svg or .pdf",
+    )
     add("--retry", action="store_true", help="run cases again that failed")
     add("--most", type=int, default=MOST, metavar="N", help=f"cases to allow ({MOST})")
     _add_plan(sweep)
@@ -81,7 +87,8 @@ def _add_plan(sweep: argparse.ArgumentParser) -> None:
     accuracy.add_argument(
         "--local-tolerance",
         type=float,
-        help="in-house only: of a single run in place of two that agree; no error is estimated",
+        help="of a single run whose solver controls its steps, in place of several that agree; no "
+        "error is estimated; engine: DOPRI5, without constraints (Model 1)",
     )
     add("--end", type=float, default=4.0, help="end of each motion in s (4)")
     add("--spacing", type=float, default=5e-3, help="between samples in s (0.005)")

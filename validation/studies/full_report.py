@@ -19,7 +19,7 @@ from validation.kit.clock import Clock, model_1_seconds
 from validation.kit.parts import FOLDER, Job, Store, identity
 from validation.kit.report import PAGE, Section, contents, foreign, run_parts, say, write
 from validation.kit.tables import Table
-from validation.studies import crosscheck, inversion, lean, modelled, paper_numbers, summary
+from validation.studies import crosscheck, inversion, lean, maps, modelled, paper_numbers, summary
 from validation.studies.claims import section as claims
 from validation.studies.nonlinear import section as nonlinear
 from validation.studies.rest import section as rest
@@ -74,6 +74,7 @@ STUDIES = (
     Study(name="stability", jobs=stability.jobs, section=stability.section, work=75.0),
     Study(name="nonlinear", jobs=nonlinear.jobs, section=nonlinear.section, work=220.0),
     Study(name="rest", jobs=rest.jobs, section=rest.section, shipped=rest.shipped, work=90.0),
+    Study(name="maps", jobs=maps.jobs, section=maps.section, work=20.0),
     Study(
         name="work-precision",
         jobs=partial(work_precision.jobs, quick=True),

@@ -15,22 +15,13 @@ import numpy as np
 
 from analysis import (
     CONSTRAINTS,
-    METHODS,
-    REST_METHODS,
     Scenario,
-    SpatialMotion,
-    Trajectory,
     multiplier_names,
     simulate_many,
 )
-from analysis.data.checks import TimeLimitError, choice, positive, within
-from analysis.data.endings import CONDITIONS
+from analysis.data.checks import TimeLimitError
 from analysis.data.fields import changed, check_field
-from analysis.data.limits import LONGEST_MOTION, Effort, check_storage
-from analysis.data.trajectory import SOURCES, Source, versions
-from analysis.models.forms import default_form, pose
-from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
-from validation.run import rest_effort, run, run_effort, run_to_rest
+from analysis.data.trajectory import versions
 from validation.sweeps.axes import Design
 from validation.sweeps.outcomes import (
     DONE,
@@ -39,143 +30,10 @@ from validation.sweeps.outcomes import (
     failure,
     outcome,
     series,
-    series_named,
 )
+from validation.sweeps.plan import Motion, Plan
 
 _LOOKED_AT = 50
-
-Motion = Trajectory | SpatialMotion
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """How each case is run; the names are those of `validation.run`.
-
-    Parameters
-    ----------
-    source : {"engine", "in-house"}
-    formulation, method, step, local_tolerance : optional
-        Of that side.
-    tolerance : float, optional
-        1e-6 if no other accuracy is given.
-    end : float
-        Of each motion in s.
-    spacing : float
-        Between samples in s; outcomes are judged at samples.
-    stop_when : str, optional
-        One of `CONDITIONS`.
-    to_rest : bool
-        Run until the disk lies still, or until `end`.
-    witnesses : int
-        Number of cases, spread over the sweep, that the other side runs as well.
-    keep : tuple of str
-        Series that are kept of each motion, at its samples: of `SERIES` or, to rest, of
-        `REST_SERIES`; names of `GROUPS` stand for several.
-
-    Raises
-    ------
-    ValueError
-        If a value is out of range.
-    """
-
-    source: Source = "in-house"
-    formulation: str | None = None
-    method: str | None = None
-    tolerance: float | None = None
-    local_tolerance: float | None = None
-    step: float | None = None
-    end: float = 4.0
-    spacing: float = 5e-3
-    stop_when: str | None = None
-    to_rest: bool = False
-    witnesses: int = 0
-    keep: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        choice("source", self.source, SOURCES)
-        end = within("end", positive("end", self.end), 0.0, LONGEST_MOTION)
-        spacing = positive("spacing", self.spacing)
-        if not spacing < end:
-            raise ValueError(f"spacing must be less than end = {end:g} s, got {spacing:g}")
-        check_storage("spacing", end / spacing, 20)
-        if self.stop_when is not None:
-            choice("stop_when", self.stop_when, CONDITIONS)
-        if self.to_rest and (self.stop_when or self.formulation):
-            raise ValueError("stop_when and formulation do not go together with a run to rest")
-        object.__setattr__(self, "keep", series_named(self.keep, to_rest=self.to_rest))
-        self._check_accuracy()
-        if type(self.witnesses) is not int or self.witnesses < 0:
-            raise ValueError(f"witnesses must be a number of cases, got {self.witnesses!r}")
-        if self.tolerance is self.local_tolerance is self.step is None:
-            object.__setattr__(self, "tolerance", 1e-3 if self.to_rest else 1e-6)
-
-    def _check_accuracy(self) -> None:
-        foreign = ("method", "local_tolerance") if self.source == "engine" else ("step",)
-        for name in foreign:
-            if getattr(self, name) is not None:
-                raise ValueError(f"{name} must be left out for source {self.source!r}")
-        if self.method is not None:
-            choice("method", self.method, REST_METHODS if self.to_rest else METHODS)
-        for name in ("tolerance", "step"):
-            if (value := getattr(self, name)) is not None:
-                positive(name, value)
-        if self.local_tolerance is not None:
-            within("local_tolerance", self.local_tolerance, TIGHTEST_LOCAL_TOLERANCE, 0.1)
-
-    @property
-    def runs_in_batches(self) -> bool:
-        """Whether cases run faster together."""
-        return self.method == "taylor" and not self.to_rest
-
-    @property
-    def series_bytes(self) -> int:
-        """Largest size of the series of a case."""
-        return 8 * self.times.size * (1 + len(self.keep)) if self.keep else 0
-
-    @property
-    def times(self) -> Any:
-        """Times of the samples in s."""
-        return np.linspace(0.0, self.end, max(2, round(self.end / self.spacing) + 1))
-
-    def motion(self, scenario: Scenario, *, time_limit: float | None) -> Motion:
-        """Motion of a case."""
-        how = {
-            "source": self.source,
-            "tolerance": self.tolerance,
-            "step": self.step,
-            "local_tolerance": self.local_tolerance,
-            "method": self.method,
-            "time_limit": time_limit,
-        }
-        return self._motion(scenario, how, self.formulation)
-
-    def witness(self, scenario: Scenario, *, time_limit: float | None) -> Motion:
-        """Motion of the same case from the other side, to the tolerance."""
-        other = SOURCES[self.source == SOURCES[0]]
-        tolerance = self.tolerance or (1e-3 if self.to_rest else 1e-6)
-        how = {"source": other, "tolerance": tolerance, "time_limit": time_limit}
-        return self._motion(scenario, how, None)
-
-    def _motion(self, scenario: Scenario, how: dict[str, Any], formulation: str | None) -> Motion:
-        if self.to_rest:
-            return run_to_rest(scenario, self.end, spacing=self.spacing, **how)
-        return run(scenario, self.times, formulation=formulation, stop_when=self.stop_when, **how)
-
-    def effort(self, scenario: Scenario) -> Effort:
-        """What a case will take; `ValueError` if the plan cannot be carried out."""
-        if self.to_rest:
-            return rest_effort(scenario, self.end, source=self.source, step=self.step)
-        if self.source == "in-house":
-            form: Any = self.formulation or default_form(scenario)
-            pose(scenario, form, {})
-        return run_effort(
-            scenario,
-            self.times,
-            source=self.source,
-            formulation=self.formulation,
-            tolerance=self.tolerance,
-            step=self.step,
-        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,76 @@
+"""Pictures of sweeps."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from tests.sweeps import Direct, sweep
+from tests.test_cli import run
+from validation.maps.sweeps import check_drawable, draw
+from validation.sweeps.axes import Design, axis_from_text
+from validation.sweeps.results import Results
+from validation.sweeps.runner import run_cases
+from validation.sweeps.store import Store
+from validation.sweeps.sweep import Sweep
+
+
+def drawn(wanted: Sweep, path: Path) -> tuple[Figure, Results]:
+    with Store(path, wanted) as store:
+        run_cases(wanted, store, Direct())
+    results = Results.load(path)
+    return draw(results), results
+
+
+def test_one_axis_is_drawn_as_curves_of_the_outcomes(tmp_path: Path) -> None:
+    figure, results = drawn(sweep("mu=-0.1,0.1,0.4"), tmp_path / "a.db")
+    outcomes, _, spins, forces = figure.axes
+    assert [each.get_text() for each in outcomes.get_yticklabels()] == ["not inverted", "refused"]
+    np.testing.assert_array_equal(outcomes.lines[0].get_ydata(), [1, 0, 0])
+    np.testing.assert_array_equal(spins.lines[0].get_ydata(), results.columns["spin_end"])
+    for line, name in zip(forces.lines, ("force_least", "force_largest"), strict=True):
+        np.testing.assert_array_equal(line.get_ydata(), results.columns[name])
+    assert forces.get_xlabel() == "friction: coefficient"
+
+
+def test_drawn_axis_is_put_in_order(tmp_path: Path) -> None:
+    design = Design(axes=(axis_from_text("spin=30:40"),), layout="random", number=4)
+    wanted = sweep("spin=30:40:2")
+    figure, _ = drawn(Sweep(scenario=wanted.scenario, design=design, plan=wanted.plan),
+                      tmp_path / "a.db")  # fmt: skip
+    assert np.all(np.diff(np.asarray(figure.axes[0].lines[0].get_xdata(), dtype=float)) > 0.0)
+
+
+def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right(tmp_path: Path) -> None:
+    wanted = sweep("mu=0.1:0.4:2:log", "gamma=0:0.5:2", end=1.5, tolerance=1e-3)
+    figure, _ = drawn(wanted, tmp_path / "a.db")
+    axes = figure.axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (
+        "start: gamma in rad",
+        "friction: coefficient",
+    )
+    assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
+
+
+@pytest.mark.parametrize(
+    ("axes", "message"),
+    [
+        (("spin=30:40:2", "mu=0.1,0.2", "eps=0.1,0.2"), "one or two axes can be drawn, got 3"),
+        (("spin=30:40:2", "mu=0.1"), "two axes can be drawn if each has two values"),
+        (("constraints=contact,contact+no-slip",), "axis constraints cannot be drawn"),
+        (("spin=40,30",), "axis start.spin can be drawn if its values rise"),
+    ],
+)
+def test_sweep_without_a_picture_is_refused(axes: tuple[str, ...], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        check_drawable(sweep(*axes))
+
+
+@pytest.mark.slow
+def test_command_writes_the_picture(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, plot = tmp_path / "a.db", tmp_path / "a.svg"
+    how = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1"
+    assert run("sweep", "spin=30:40:2", *how.split(), "--out", str(out), "--plot", str(plot)) == 0
+    assert capsys.readouterr().out.endswith(f"{plot}\n")
+    assert plot.stat().st_size > 5000
