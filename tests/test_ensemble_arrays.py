@@ -10,10 +10,12 @@ import pytest
 
 from analysis import (
     LEVELS,
+    LOADS,
     MODELS,
     Ensemble,
     PenaltyContact,
     Scenario,
+    SmoothCoulomb,
     Start,
     Stribeck,
     Trajectories,
@@ -80,6 +82,18 @@ def test_members_of_a_compiled_ensemble_are_those_of_single_runs() -> None:
     again = pickle.loads(pickle.dumps(runs))  # noqa: S301 - as worker processes do
     np.testing.assert_array_equal(again.coordinates, runs.coordinates)
     np.testing.assert_array_equal(again[3].multipliers, runs[3].multipliers)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("load", LOADS)
+def test_members_of_an_index_1_ensemble_are_those_of_single_runs(load: Any) -> None:
+    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+    scenario = model(1, friction=SmoothCoulomb(load=load))
+    fields = {"spin": np.array([30.0, 40.0, 200.0]), "mu": np.array([0.3, 0.2, 0.3])}
+    how: dict[str, Any] = {"method": "taylor", "tolerance": 1e-8}
+    runs = simulate_many(Ensemble(scenario=scenario, fields=fields), TIMES, **how)
+    assert_same_as_alone(runs, 1e-9, **how)
+    assert runs.endings.tolist() == [None, None, "contact would pull"]
 
 
 def test_members_of_a_pure_ensemble_are_those_of_single_runs() -> None:
@@ -205,7 +219,8 @@ def test_words_vary_as_numbers_do() -> None:
         (model(1), {"spin": 3.0}, r"start.spin must have shape \(m,\)"),
         (model(1), {"spin": ["fast"]}, "start.spin must be an array of real numbers"),
         (model(1), {"stiffness": [1e5]}, "needs a penalty contact"),
-        (model(1), {"spin": [1.0, np.nan]}, "member 1 of fields: spin must lie|finite"),
+        (model(1), {"spin": [1.0, np.nan]}, "member 1 of fields: spin must be a finite number"),
+        (model(1), {"radius": [1.0, 1e200], "density": [7e3, 7e3]}, "member 1 of fields"),
         (
             Scenario(contact=PenaltyContact(stiffness=1e5)),
             {"stiffness": [1e5, 1.0]},

@@ -80,7 +80,7 @@ class Ensemble:
         for member in sorted(np.concatenate(doubtful).tolist() if doubtful else []):
             try:
                 _ = self[member]
-            except ValueError as error:
+            except (ArithmeticError, ValueError) as error:
                 raise ValueError(f"member {member} of fields: {error}") from None
 
     def __len__(self) -> int:

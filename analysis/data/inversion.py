@@ -97,20 +97,23 @@ def inversions(times: Array, cog_directions: Array, ends: Array) -> Inversions:
     ends : ndarray, shape (m,)
         Time of the last sample of each in s.
     """
-    times = np.broadcast_to(times, cog_directions.shape)
     high = cog_directions >= REACHED
-    falls = np.where(cog_directions < 0.0, times, np.inf)
+    outcomes = np.full(len(high), "not inverted", dtype=object)
+    inverted, lost = np.full(len(high), np.nan), np.full(len(high), np.nan)
+    found = Inversions(outcomes=outcomes, times=inverted, lost=lost)
+    rose = np.flatnonzero(high.any(axis=1))
+    if not rose.size:
+        return found
+    high, each = high[rose], np.arange(rose.size)
+    times = np.broadcast_to(times, cog_directions.shape)[rose]
+    falls = np.where(cog_directions[rose] < 0.0, times, np.inf)
     next_fall = np.minimum.accumulate(falls[:, ::-1], axis=1)[:, ::-1]
-    stays = high & (np.minimum(next_fall, ends[:, None]) - times >= STAYING)
+    stays = high & (np.minimum(next_fall, ends[rose, None]) - times >= STAYING)
+    first, last = np.argmax(stays, axis=1), high.shape[1] - 1 - np.argmax(high[:, ::-1], axis=1)
     is_inverted = stays.any(axis=1)
-    rows, first = np.arange(len(ends)), np.argmax(stays, axis=1)
-    lost = np.where(is_inverted, next_fall[rows, first], np.inf)
-    last_high = high.shape[1] - 1 - np.argmax(high[:, ::-1], axis=1)
-    is_open = high.any(axis=1) & np.isinf(next_fall[rows, last_high])
-    outcomes = np.where(is_open, "not decided", "not inverted")
-    outcomes = np.where(is_inverted, np.where(np.isinf(lost), "inverted", "lost"), outcomes)
-    return Inversions(
-        outcomes=outcomes.astype(object),
-        times=np.where(is_inverted, times[rows, first], np.nan),
-        lost=np.where(np.isinf(lost), np.nan, lost),
-    )
+    outcomes[rose[np.isinf(next_fall[each, last])]] = "not decided"
+    fall = next_fall[each, first]
+    outcomes[rose[is_inverted]] = np.where(np.isinf(fall), "inverted", "lost")[is_inverted]
+    inverted[rose] = np.where(is_inverted, times[each, first], np.nan)
+    lost[rose] = np.where(is_inverted & np.isfinite(fall), fall, np.nan)
+    return found

@@ -88,7 +88,11 @@ def alike(
     while pending:
         some = pending.pop()
         try:
-            result = function({name: each[some].view(Members) for name, each in values.items()})
+            # What overflows is looked at member by member.
+            with np.errstate(over="raise", divide="raise", invalid="raise"):
+                result = function(
+                    {name: each[some].view(Members) for name, each in values.items()}
+                )
         except DividedError as divided:
             pending += [some[~divided.mask], some[divided.mask]]
         except (ArithmeticError, TypeError, ValueError) as error:
