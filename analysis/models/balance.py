@@ -31,11 +31,13 @@ def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Arra
     True
     """
     disk, table = scenario.disk, scenario.table
-    kinetic = [
-        0.5 * u @ equations.mass_matrix(disk, z) @ u
-        for z, u in zip(coordinates, rates, strict=True)
-    ]
-    x, y, z, alpha, beta, gamma = np.transpose(coordinates)
+    places, speeds = np.transpose(coordinates), np.transpose(rates)
+    kinetic = 0.5 * sum(
+        speeds[row] * entry * speeds[column]
+        for row, entries in enumerate(equations.mass_rows(disk, places))
+        for column, entry in enumerate(entries)
+    )
+    x, y, z, alpha, beta, gamma = places
     e, sine = disk.eccentricity, np.sin(gamma)
     potential = table.pressing * (z + e * np.sin(beta) * sine)
     if not table.is_horizontal:
@@ -44,7 +46,7 @@ def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Arra
         gx, gy, _ = table.vector
         potential -= across * (np.cos(alpha) * gx + np.sin(alpha) * gy)
         potential -= along * (np.cos(alpha) * gy - np.sin(alpha) * gx)
-    return np.array(kinetic), disk.mass * potential
+    return kinetic, disk.mass * potential
 
 
 def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ Notation as in the paper; s and c in front of a letter are its sine and cosine.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,11 @@ def mass_matrix(disk: Disk, z: Vector) -> Array:
     z : array_like, shape (6,)
         Co-rotating coordinates in m and rad.
     """
+    return np.array(mass_rows(disk, z))
+
+
+def mass_rows(disk: Disk, z: Vector) -> tuple[tuple[Any, ...], ...]:
+    """The rows of `mass_matrix`, of numbers of any kind."""
     m, me = disk.mass, disk.mass * disk.eccentricity
     A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
     x, y, _, _, beta, gamma = z
@@ -42,15 +48,13 @@ def mass_matrix(disk: Disk, z: Vector) -> Array:
     m45 = (A - B) * sb * sg * cg - me * x * sb * sg
     m46 = me * x * cb * cg + me * y * sg + C * cb
     m55 = A * cg * cg + B * sg * sg
-    return np.array(
-        (
-            (m, 0.0, 0.0, m14, 0.0, m16),
-            (0.0, m, 0.0, m24, m25, m26),
-            (0.0, 0.0, m, 0.0, m35, m36),
-            (m14, m24, 0.0, m44, m45, m46),
-            (0.0, m25, m35, m45, m55, 0.0),
-            (m16, m26, m36, m46, 0.0, C),
-        )
+    return (
+        (m, 0.0, 0.0, m14, 0.0, m16),
+        (0.0, m, 0.0, m24, m25, m26),
+        (0.0, 0.0, m, 0.0, m35, m36),
+        (m14, m24, 0.0, m44, m45, m46),
+        (0.0, m25, m35, m45, m55, 0.0),
+        (m16, m26, m36, m46, 0.0, C),
     )
 
 
