@@ -90,13 +90,17 @@ def test_the_engine_rotates_alike(family: RotationFamily) -> None:
 
 @pytest.mark.slow
 def test_the_command_tells_and_draws_them(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    family: RotationFamily,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("analysis.nonlinear.rotating.TILTS", np.array((0.05, 0.1, 0.15)))
+    monkeypatch.setattr("analysis.nonlinear.rotating.rotating_family", lambda *_, **__: family)
     picture = tmp_path / "rotating.svg"
     assert call(f"cycles --rotating --json --plot {picture}") == 0
     found = json.loads(capsys.readouterr().out)
-    assert [each["stable"] for each in found["rotations"]] == [True, True, False]
+    assert [each["tilt"] for each in found["rotations"]] == family.values("tilt").tolist()
+    assert found["rotations"][-1]["stable"] is False
     assert found["folds"][0]["spin"] == pytest.approx(30.0820066, abs=1e-6)
     assert "<svg" in picture.read_text()
 

@@ -25,6 +25,10 @@ TOLERANCE = 1e-9
 Ends = Callable[[Array, Array, Array], Array]
 
 MOST_NODES = 40_000
+
+_STEEPEST = 1e4
+"""Gradient of friction in s/m beyond which these nodes are too few."""
+
 _BOUNDARY = 1e-11
 _FIRST_NODES = 41
 _RESTART_NODES = 400
@@ -32,6 +36,12 @@ _RESTART_NODES = 400
 
 class NoCycleError(ArithmeticError):
     """The iteration for a periodic motion has not converged."""
+
+
+def require_collocation(scenario: Scenario) -> None:
+    """Raise `ValueError` unless a scenario can have cycles and they can be collocated."""
+    flow.require_cycles(scenario)
+    flow.require_steepness(scenario, _STEEPEST)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -12,8 +12,13 @@ from scipy.optimize import brentq
 from analysis.data.checks import Array, number, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
-from analysis.nonlinear import flow
-from analysis.nonlinear.collocation import Mesh, NoCycleError, hopf_mesh, solve
+from analysis.nonlinear.collocation import (
+    Mesh,
+    NoCycleError,
+    hopf_mesh,
+    require_collocation,
+    solve,
+)
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.heteroclinic import NoConnectionError, last_amplitude
 from analysis.stability.linear_reduced import CriticalSpeed, critical_speed
@@ -25,9 +30,6 @@ AMPLITUDES: Array = np.concatenate(
 
 About a saddle-focus it ends beyond pi; see `_amplitudes`.
 """
-
-_STEEPEST = 1e4
-"""Gradient of friction in s/m beyond which the collocation runs out of nodes."""
 
 _SAME_END = 1e-6
 """Distance in rad from the connection at which a family ends."""
@@ -108,7 +110,7 @@ def cycle_family(
     NoCycleError
         If not even the first cycle is found.
     """
-    _require(scenario)
+    require_collocation(scenario)
     wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
     cycles: list[Cycle] = []
     reason = None
@@ -123,11 +125,6 @@ def cycle_family(
         reason = str(error)
     hopf = critical_speed(scenario)
     return CycleFamily(scenario=scenario, hopf=hopf, cycles=tuple(cycles), reason=reason)
-
-
-def _require(scenario: Scenario) -> None:
-    flow.require_cycles(scenario)
-    flow.require_steepness(scenario, _STEEPEST)
 
 
 def _amplitudes(scenario: Scenario) -> Array:
@@ -191,7 +188,7 @@ def cycle_at(scenario: Scenario, spin: float) -> Cycle:
     NoCycleError
         If the iteration fails.
     """
-    _require(scenario)
+    require_collocation(scenario)
     spin, hopf = number("spin", spin), critical_speed(scenario).spin
     spins = [hopf]
     before: Cycle | None = None

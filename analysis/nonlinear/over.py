@@ -11,8 +11,7 @@ import numpy as np
 
 from analysis.data.checks import number
 from analysis.data.scenario import Scenario
-from analysis.nonlinear import flow
-from analysis.nonlinear.collocation import Mesh, NoCycleError, solve
+from analysis.nonlinear.collocation import Mesh, NoCycleError, require_collocation, solve
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import cycle_at, cycle_family
 from analysis.nonlinear.shooting import open_amplitude
@@ -77,7 +76,7 @@ def cycles_over(
     if (amplitude is None) == (spin is None):
         raise ValueError(f"amplitude or spin must be given, got {amplitude} and {spin}")
     for scenario in scenarios:
-        flow.require_cycles(scenario)
+        require_collocation(scenario)
     if amplitude is not None:
         amplitude = open_amplitude(amplitude)
     wanted = None if spin is None else number("spin", spin)

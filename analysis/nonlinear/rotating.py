@@ -24,6 +24,7 @@ from analysis.nonlinear.collocation import (
     NoCycleError,
     collocated,
     floquet,
+    require_collocation,
 )
 from analysis.nonlinear.cycle import INVERTED
 from analysis.nonlinear.heteroclinic import Connection, fall, heteroclinic_connection
@@ -135,7 +136,7 @@ def rotating_family(
     Raises
     ------
     ValueError
-        If the tilts are no such, or the scenario has no cycles.
+        If the tilts are no such, or the scenario has no cycles or too steep a friction.
     NoConnectionError
         If there is no connection.
     NoCycleError
@@ -145,6 +146,7 @@ def rotating_family(
     proper = wanted.ndim == 1 and wanted.size and np.all(np.diff(wanted, prepend=0.0) > 0.0)
     if not proper or wanted[-1] >= np.pi / 2:
         raise ValueError(f"tilts must rise strictly between 0 and pi/2, got {tilts!r}")
+    require_collocation(scenario)
     connection = heteroclinic_connection(scenario)
     first = _settled(scenario, connection)
     split = int(np.searchsorted(wanted, first.tilt))

@@ -13,6 +13,7 @@ from analysis.nonlinear.heteroclinic import (
     period_growth,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from analysis.nonlinear.rotating import folds, rotating_family
 from analysis.nonlinear.slow_manifold import distances, slow_cycle
 from analysis.nonlinear.stationary import StationaryMotion, stationary_motions
 from analysis.stability.linear_reduced import critical_speed
@@ -75,6 +76,7 @@ def jobs() -> list[Job]:
     """Jobs of this section, the long ones first."""
     return [
         Job("cycles", cycle_family, (PAPER,)),
+        Job("rotating", rotating_family, (PAPER,)),
         *(Job(("held family", name), engine_cycles.held_family, (name,)) for name in HELD),
         *(Job(("engine cycle", spin), engine_cycles.witness, (spin,)) for spin in SPINS),
         *(Job(("repeated cycle", name), engine_cycles.repeated, (name,)) for name in HELD),
@@ -183,6 +185,13 @@ def section(results: dict[Any, Any]) -> Section:
             *_diagrams(results),
             _plane(results),
             kit.render(
+                figures.rotation_diagram(results["rotating"]).figure,
+                name="rotating_motions",
+                title="Rotating motions beyond the connection",
+                caption="Below the heteroclinic spin γ turns round while the disk keeps tilted, "
+                "down to a fold; the unstable ones beyond it bound what an inverted disk bears.",
+            ),
+            kit.render(
                 story[0].figure,
                 name="passage",
                 title="Passage through the critical speed",
@@ -246,7 +255,8 @@ def _cycle_tables(results: dict[Any, Any], normal: Any, growth: Any) -> list[Tab
     return [
         tables.cycle_table(family.cycles),
         tables.hopf_table(normal, growth),
-        tables.bifurcation_table(bifurcations(family)),
+        tables.bifurcation_table(bifurcations(family), family.cycles),
+        tables.rotation_table(results["rotating"], folds(results["rotating"])),
         tables.connection_table(
             steel, tables.prediction(PAPER), period_growth(family.cycles, steel)
         ),
