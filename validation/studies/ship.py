@@ -16,8 +16,8 @@ from validation.kit.report import run_parts
 from validation.studies.full_report import STUDIES
 
 
-def ship(section: str, folder: Path) -> shipped.Shipment:
-    """Compute what is shipped for a section, and put it into the package.
+def compute(section: str, folder: Path) -> shipped.Shipment:
+    """Compute what is shipped for a section.
 
     Parameters
     ----------
@@ -32,9 +32,7 @@ def ship(section: str, folder: Path) -> shipped.Shipment:
     parts = {job.key: part for job in jobs if (part := store.find(job)) is not None}
     left = [job for job in jobs if job.key not in parts]
     parts |= run_parts(left, title=section, store=store)
-    made = shipped.gather(jobs, parts)
-    made.write(shipped.path_of(section))
-    return made
+    return shipped.gather(jobs, parts)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -50,8 +48,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if unknown := set(options.sections) - set(names):
         parser.error(f"SECTION must be one of {', '.join(names)}, got {min(unknown)!r}")
-    for name in options.sections or names:
-        made = ship(name, options.folder)
+    # All of them first: a file that is written is a change of the sources.
+    found = {name: compute(name, options.folder) for name in options.sections or names}
+    for name, made in found.items():
+        made.write(shipped.path_of(name))
         size = shipped.path_of(name).stat().st_size
         sys.stdout.write(
             f"{name}: {len(made.parts)} results, {made.seconds:.0f} s of processor time, "
