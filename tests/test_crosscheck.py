@@ -211,8 +211,10 @@ def test_verdicts_are_yes_no_or_why_not() -> None:
 
 
 def test_section_holds_every_model_load_formulation_and_set() -> None:
-    section = crosscheck.section({job.key: [CHECK] for job in crosscheck.jobs()})
-    models, sets = section.tables
+    jobs = [*crosscheck.jobs(), *crosscheck.shipped()]
+    section = crosscheck.section({job.key: [CHECK] for job in jobs})
+    confirmed, models, sets = section.tables
+    assert [row[-1] for row in confirmed.rows] == [True] * 4 + [None]
     assert len(models.rows) == 2 * (3 * 4) + 1
     assert [row[0] for row in sets.rows] == [" + ".join(each) for each in POSSIBLE_SETS]
-    assert all(row[-1] is True for table in section.tables for row in table.rows)
+    assert all(row[-1] is True for table in (models, sets) for row in table.rows)

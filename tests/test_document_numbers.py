@@ -10,6 +10,9 @@ import pytest
 from analysis import MODELS, Level, Scenario, simulate
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linear_reduced import critical_speed
+from validation.kit import shipped
+from validation.studies.rest import creep, runs
+from validation.studies.rest import section as rest
 from validation.studies.robustness.causes import GOOD, cause
 from validation.studies.robustness.stored import FILE
 
@@ -65,3 +68,20 @@ def test_times_of_inversion_are_those_that_come_out(level: Level) -> None:
     found = re.search(r"after (0\.\d\d), (0\.\d\d), (0\.\d\d) and (0\.\d\d) s", README)
     assert found is not None
     assert found[level] == f"{run.inversion_time:.2f}"
+
+
+def test_ways_to_rest_are_those_of_the_shipped_runs() -> None:
+    jobs = shipped.taken("rest", rest.shipped())
+    wanted = ("rest", runs.SHOWN, "engine"), ("rest creep", creep.SMOOTHINGS[0])
+    found = {job.key: job.function(*job.arguments) for job in jobs if job.key in wanted}
+    course, law = (found[key] for key in wanted)
+    phases = course.phases
+    lost, still = f"{phases.inversion_lost:.1f} s", f"{phases.rest:.1f} s"
+    assert f"it inverts, falls after {lost} and lies still after {still}" in README
+    told = f"inverts after {phases.inversion:.2f} s, loses the inversion after {lost}"
+    assert f"{told}, and lies still after {still}" in SENTENCES
+    minutes = law.time_between(creep.START, creep.START / 2) / 60.0
+    hours = law.time_between(creep.START, creep.FAR) / 3600.0
+    assert f"grows by {law.rate:.4f} per second" in SENTENCES
+    assert f"halves from {creep.START:g} rad in {minutes:.0f} minutes" in SENTENCES
+    assert f"comes to {creep.FAR:g} rad after {hours:.1f} hours" in SENTENCES

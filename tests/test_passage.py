@@ -8,6 +8,7 @@ import pytest
 from analysis import Dissipation, Scenario
 from tests.test_cli_stability import run as call
 from validation.run import run
+from validation.studies.nonlinear.confirm import thinned
 from validation.studies.nonlinear.passage import (
     LOST,
     Passage,
@@ -63,6 +64,21 @@ def test_a_delay_with_the_root_of_the_rate_is_recognised(pair: SlowPair) -> None
     assert found.growth == pytest.approx(-slope * 9.0 / 2.0, rel=5e-3)
     other = delay_law([passage(pair, rate, 3.0 * rate**0.8) for rate in rates])
     assert other.exponent == pytest.approx(0.8, abs=1e-12)
+
+
+def test_a_passage_with_few_samples_keeps_lowest_spin_and_rate(pair: SlowPair) -> None:
+    times = np.linspace(0.0, 4.0, 2001)
+    many = replace(
+        passage(pair, 1.0, 1.0),
+        times=times,
+        spins=pair.spin - times + (times / 3.1) ** 4,
+        deviations=times,
+        linear=times,
+    )
+    few = thinned(many)
+    assert few.times.size < many.times.size / 20
+    assert (few.times[0], few.times[-1]) == (0.0, 4.0)
+    assert (few.lowest_spin, few.rate) == (many.lowest_spin, many.rate)
 
 
 @pytest.fixture(scope="module")

@@ -91,7 +91,7 @@ def test_captions_of_figures_7_to_9_hold_the_numbers_of_their_runs() -> None:
 
 def test_jobs_of_all_studies_can_be_sent_to_workers() -> None:
     for study in full_report.STUDIES:
-        for job in study.jobs():
+        for job in (*study.jobs(), *study.shipped()):
             assert pickle.dumps(job)
 
 

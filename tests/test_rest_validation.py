@@ -1,5 +1,6 @@
 """The command `rest` and its part of the report."""
 
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -8,13 +9,17 @@ import pytest
 
 from analysis import STEEL_DISK, Scenario, SpatialMotion, load_run
 from analysis.data.checks import Array
+from analysis.data.trajectory import SOURCES
 from tests.helpers import mostly_slow
 from validation.cli import main
+from validation.kit import shipped
+from validation.studies.rest import confirm as rest_confirm
 from validation.studies.rest import contact as rest_contact
 from validation.studies.rest import creep as rest_creep
 from validation.studies.rest import final_stage as rest_final
 from validation.studies.rest import rolling as rest_rolling
 from validation.studies.rest import runs as rest
+from validation.studies.rest import section as rest_section
 from validation.studies.rest import starts as rest_starts
 
 
@@ -172,3 +177,31 @@ def test_other_starts_come_to_rest(name: str) -> None:
     assert outcome.rest is not None
     assert outcome.lowest_force >= 0.0
     assert outcome.residual < 1e-7
+
+
+def test_shipped_run_that_departs_from_the_one_on_the_spot_is_not_confirmed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    jobs = shipped.taken("rest", rest_section.shipped())
+    results = {job.key: job.function(*job.arguments) for job in jobs}
+    engine, inhouse = (results["rest", rest.SHOWN, source] for source in SOURCES)
+    law = results["rest creep", rest_creep.SMOOTHINGS[0]]
+    results |= {
+        ("rest fresh", "coarser"): engine,
+        ("rest fresh", "in-house"): None,
+        ("rest fresh", "begin"): replace(engine, tilt=engine.tilt[:10]),
+        ("rest fresh", "creep"): (law.times[:4], law.tilts[:4]),
+        ("rest fresh", "contact"): results[("rest contact", *rest_confirm.CONTACT)],
+    }
+
+    def confirmed(found: rest.Course) -> list[bool]:
+        monkeypatch.setattr(rest.Course, "of", lambda _: found)
+        return [each.agrees for each in rest_confirm.samples(results) if each.agrees is not None]
+
+    assert confirmed(inhouse) == [True] * 6
+    tilt = inhouse.tilt.copy()
+    tilt[700] += 2e-5
+    assert confirmed(replace(inhouse, tilt=tilt)) == [False, *[True] * 5]
+    results["rest creep", rest_creep.SMOOTHINGS[0]] = replace(law, tilts=law.tilts + 1e-5)
+    results["rest fresh", "begin"] = replace(engine, tilt=engine.tilt[1:])
+    assert confirmed(inhouse) == [True, True, True, False, False, True]

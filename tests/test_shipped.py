@@ -114,6 +114,16 @@ def test_report_says_what_is_confirmed_what_is_only_shipped_and_how_old_it_is(
     assert table("other", jobs(1.0), samples).note.startswith("Nothing is shipped")
 
 
+def test_result_of_a_class_that_has_other_fields_now_is_computed(section: str) -> None:
+    found = shipped.of(section)
+    assert found is not None
+    name = shipped.call(jobs(2.0)[0])
+    loss = {"validation.studies.rest.creep:Loss": {"begin": 1.0}}
+    replace(found, parts={**found.parts, name: (loss, 1.0)}).write(shipped.path_of(section))
+    shipped.of.cache_clear()
+    assert results(section, jobs(1.0, 2.0)) == [("shipped", 1.0), ("here", 62.0)]
+
+
 def test_damaged_file_is_said_to_be_one(section: str) -> None:
     path = shipped.path_of(section)
     path.write_text(path.read_text()[:-9])
@@ -131,8 +141,7 @@ def test_shipped_results_can_be_read_and_are_small(study: full_report.Study) -> 
     assert path.stat().st_size < 400_000
     found = shipped.read(path)
     assert found.provenance.commit
-    for result, _ in found.parts.values():
-        unpack(result)
+    assert any(shipped.holds(study.name, job) for job in study.shipped())
 
 
 @pytest.mark.whole
@@ -141,9 +150,9 @@ def test_shipped_results_are_those_of_all_calls_that_the_report_would_make(
     study: full_report.Study,
 ) -> None:
     found = shipped.read(shipped.path_of(study.name))
-    assert {shipped.call(job) for job in study.shipped()} == set(found.parts), (
-        f"run python -m validation.studies.ship DIR {study.name}"
-    )
+    left = [job.key for job in study.shipped() if not shipped.holds(study.name, job)]
+    assert not left, f"run python -m validation.studies.ship DIR {study.name}"
+    assert len(study.shipped()) == len(found.parts)
 
 
 def test_shipping_computes_what_is_left_and_puts_it_into_the_package(

@@ -1,7 +1,8 @@
 """How shipped results are confirmed on the spot, as a table."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from validation.kit import shipped
 from validation.kit.parts import Job
@@ -39,6 +40,16 @@ class Sample:
         if self.difference is None or self.limit is None:
             return None
         return self.difference <= self.limit
+
+
+def fresh_key(key: Any) -> Any:
+    """Key of the job that computes the result of a shipped one again."""
+    return ("fresh", key)
+
+
+def fresh(job: Job) -> Job:
+    """The job that computes the result of a shipped one again."""
+    return replace(job, key=fresh_key(job.key))
 
 
 def table(section: str, jobs: Sequence[Job], samples: Sequence[Sample]) -> Table:
@@ -81,18 +92,22 @@ def table(section: str, jobs: Sequence[Job], samples: Sequence[Sample]) -> Table
 
 def _origin(section: str, jobs: Sequence[Job]) -> str:
     found = shipped.of(section)
-    here = [job for job in jobs if found is None or shipped.call(job) not in found.parts]
+    here = [job for job in jobs if not shipped.holds(section, job)]
     if found is None or len(here) == len(jobs):
         return "Nothing is shipped: all of it was computed for this page."
     changed = found.changed(jobs)
     since = {
         None: "cannot be compared on another version of Python",
         True: "has not changed since",
-        False: f"has changed since in {', '.join(changed or ())}",
+        False: f"has changed since in {_some(changed or [])}",
     }[None if changed is None else not changed]
     others = f"{len(here)} others were computed for this page. " if here else ""
     return (
         f"{len(jobs) - len(here)} results are shipped, which took {found.seconds:.0f} s of "
         f"processor time, from {found.provenance.text()}. {others}The code that they come from "
-        f"{since}. `{COMMAND}` computes them again."
+        f"{since}. Made anew by: {COMMAND} DIR {section}."
     )
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more modules" if names[3:] else "")

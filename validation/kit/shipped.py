@@ -58,7 +58,7 @@ class Shipment:
         if here != there:
             return None
         now = reach.by_module(_functions(jobs))
-        return sorted(name for name, _ in set(self.code.items()) ^ set(now.items()))
+        return sorted({name for name, _ in self.code.items() ^ now.items()})
 
     def write(self, path: Path) -> None:
         """Write it, one result a line.
@@ -151,16 +151,25 @@ def of(section: str) -> Shipment | None:
 
 def taken(section: str, jobs: Sequence[Job]) -> list[Job]:
     """The same jobs, those whose results are shipped replaced by the reading of these."""
-    shipment = of(section)
-    if shipment is None:
-        return list(jobs)
-    digest = hashlib.sha256(path_of(section).read_bytes()).hexdigest()
+    path = path_of(section)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
     return [
-        Job(job.key, result_of, (section, name, digest))
-        if (name := call(job)) in shipment.parts
-        else job
+        Job(job.key, result_of, (section, call(job), digest)) if holds(section, job) else job
         for job in jobs
     ]
+
+
+def holds(section: str, job: Job) -> bool:
+    """Whether the result of a job is shipped, and is one that the code still knows."""
+    shipment = of(section)
+    if shipment is None or (name := call(job)) not in shipment.parts:
+        return False
+    try:
+        unpack(shipment.parts[name][0])
+    except (ValueError, TypeError):
+        # Its class has got other fields since.
+        return False
+    return True
 
 
 def result_of(section: str, name: str, _digest: str) -> Any:

@@ -48,8 +48,8 @@ def draw(motion: SpatialMotion, other: Course) -> list[Picture]:
         other.times[::_DOT],
         np.degrees(other.tilt[::_DOT]),
         ".",
-        color="black",
-        markersize=3,
+        color=figures.COLOURS[2],
+        markersize=4,
         label=other.source,
     )
     axes[0].legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), fontsize=8, frameon=False)
@@ -58,7 +58,7 @@ def draw(motion: SpatialMotion, other: Course) -> list[Picture]:
         name="rest-story",
         title="From Table 3 to rest",
         caption=f"With {_described(motion.scenario.dissipation)}. Lines: {motion.source}, on the "
-        f"spot; black dots: {other.source}, shipped. Dotted: beginnings of the phases.",
+        f"spot; dots on the tilt: {other.source}, shipped. Dotted: beginnings of the phases.",
     )
     path = figures.render(
         draw_path(motion),

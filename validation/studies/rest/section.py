@@ -104,8 +104,9 @@ def _paragraphs(results: Mapping[Any, Any]) -> list[str]:
         (
             "The runs below take minutes and come with the package. Run on the spot, whole, is "
             f"the in-house way to rest with {SHOWN}, which the pictures and the animation show, "
-            "and the engine's with a longer step; the first table says what else is repeated, "
-            "and what is only shipped. The textbook's disks and the final stage are run here."
+            "and half of the engine's with a longer step; the first table says what else is "
+            "repeated, and what is only shipped. The textbook's disks and the final stage are run "
+            "here."
         ),
         (
             "The disk is a thin spheroid on a stiff, damped, unilateral contact, so that its "
