@@ -126,16 +126,16 @@ def test_motion_is_compared_up_to_shortly_before_the_disk_lies_flat() -> None:
 def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
     """Scenario in which one sign of the in-house equations is wrong."""
     if name == "gyroscopic forces":
-        right = equations.gyroscopic_forces
-        monkeypatch.setattr(equations, "gyroscopic_forces", lambda *a: -right(*a))
+        right = equations.gyroscopic_rows
+        monkeypatch.setattr(equations, "gyroscopic_rows", lambda *a: [-h for h in right(*a)])
     if name == "friction":
-        per_load = index1.friction_per_load
-        monkeypatch.setattr(index1, "friction_per_load", lambda *a: -per_load(*a))
+        per_load = index1.friction_rows
+        monkeypatch.setattr(index1, "friction_rows", lambda *a: [-part for part in per_load(*a)])
     if name == "slope":
-        gravity = equations.gravity_forces
+        gravity = equations.gravity_rows
         monkeypatch.setattr(
             equations,
-            "gravity_forces",
+            "gravity_rows",
             lambda disk, table, z: gravity(disk, replace(table, downhill=-table.downhill), z),
         )
         return Scenario(table=SLOPE)

@@ -7,6 +7,7 @@ level, so none of them has a position-level row.
 """
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -82,6 +83,11 @@ def direction_rows(constraints: ConstraintSet, disk: Disk, z: Vector) -> list[tu
 
 def acceleration_terms(constraints: ConstraintSet, disk: Disk, z: Vector, u: Vector) -> Array:
     """Terms chi = (d/dt W^T) u of the acceleration-level constraints, Eq. (59), shape (n,)."""
+    return np.array(acceleration_rows(constraints, disk, z, u))
+
+
+def acceleration_rows(constraints: ConstraintSet, disk: Disk, z: Vector, u: Vector) -> list[Any]:
+    """The rows of `acceleration_terms`, of numbers of any kind."""
     r, e = disk.radius, disk.eccentricity
     beta, gamma = z[4], z[5]
     xd, yd, _, ad, bd, gd = u
@@ -94,7 +100,7 @@ def acceleration_terms(constraints: ConstraintSet, disk: Disk, z: Vector, u: Vec
         xd * ad + r * cb * bd * bd,
         0.0,
     )
-    return np.array([every[row] for row in rows(constraints)])
+    return [every[row] for row in rows(constraints)]
 
 
 def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) -> None:

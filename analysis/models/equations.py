@@ -67,6 +67,11 @@ def gyroscopic_forces(disk: Disk, z: Vector, u: Vector) -> Array:
     z, u : array_like, shape (6,)
         Co-rotating coordinates and their rates.
     """
+    return np.array(gyroscopic_rows(disk, z, u))
+
+
+def gyroscopic_rows(disk: Disk, z: Vector, u: Vector) -> tuple[Any, ...]:
+    """The rows of `gyroscopic_forces`, of numbers of any kind."""
     m, me = disk.mass, disk.mass * disk.eccentricity
     A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
     x, y, _, _, beta, gamma = z
@@ -101,7 +106,7 @@ def gyroscopic_forces(disk: Disk, z: Vector, u: Vector) -> Array:
         + AB * ((aa * sb * sb - bb) * sg * cg + ad * bd * c2g * sb)
         + C * ad * bd * sb
     )
-    return np.array((h1, h2, h3, h4, h5, h6))
+    return h1, h2, h3, h4, h5, h6
 
 
 def gravity_forces(disk: Disk, table: Table, z: Vector) -> Array:
@@ -114,13 +119,18 @@ def gravity_forces(disk: Disk, table: Table, z: Vector) -> Array:
     z : array_like, shape (6,)
         Co-rotating coordinates.
     """
+    return np.array(gravity_rows(disk, table, z))
+
+
+def gravity_rows(disk: Disk, table: Table, z: Vector) -> tuple[Any, ...]:
+    """The rows of `gravity_forces`, of numbers of any kind."""
     x, y, _, alpha, beta, gamma = z
     m, e = disk.mass, disk.eccentricity
     sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
     weight = m * table.pressing
     f5, f6 = -weight * e * cb * sg, -weight * e * sb * cg
     if table.is_horizontal:
-        return np.array((0.0, 0.0, -weight, 0.0, f5, f6))
+        return 0.0, 0.0, -weight, 0.0, f5, f6
     # Gravity along the table in axes of the R-frame; it acts at S = (x + e cg, y + e cb sg).
     gx, gy, _ = table.vector
     sa, ca = sin(alpha), cos(alpha)
@@ -128,7 +138,7 @@ def gravity_forces(disk: Disk, table: Table, z: Vector) -> Array:
     f4 = (x + e * cg) * fy - (y + e * cb * sg) * fx
     f5 -= e * sb * sg * fy
     f6 += e * (cb * cg * fy - sg * fx)
-    return np.array((fx, fy, -weight, f4, f5, f6))
+    return fx, fy, -weight, f4, f5, f6
 
 
 def normal_direction(disk: Disk, z: Vector) -> Array:

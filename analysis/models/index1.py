@@ -24,13 +24,18 @@ def friction_per_load(scenario: Scenario, z: Vector, u: Vector, speed: Speed = h
     and 4 along e_y alone. The products with W_T of Eq. (32) are written out: as array products
     they take a sixth of the time of a simulation.
     """
+    return np.array(friction_rows(scenario, z, u, speed))
+
+
+def friction_rows(scenario: Scenario, z: Vector, u: Vector, speed: Speed) -> tuple[Any, ...]:
+    """The rows of `friction_per_load`, of numbers of any kind."""
     r, held = scenario.disk.radius, scenario.constraints
     x, side, lift = z[0], r * cos(z[4]) - z[1], r * sin(z[4])
     slip_x = 0.0 if "no-slip-along" in held else u[0] + side * u[3] + r * u[5]
     slip_y = 0.0 if "no-slip-across" in held else u[1] + x * u[3] + lift * u[4]
     factor = -scenario.friction.per_speed(speed(slip_x, slip_y))
     fx, fy = factor * slip_x, factor * slip_y
-    return np.array((fx, fy, 0.0, side * fx + x * fy, lift * fy, r * fx))
+    return fx, fy, 0.0, side * fx + x * fy, lift * fy, r * fx
 
 
 def system(scenario: Scenario, z: Vector, u: Vector, speed: Speed = hypot) -> tuple[Array, Array]:
@@ -65,14 +70,19 @@ def system(scenario: Scenario, z: Vector, u: Vector, speed: Speed = hypot) -> tu
     rubs = scenario.rubs
     by_contact = rubs and scenario.friction.load == "contact"
     right = np.zeros((6 + n, 2 if by_contact else 1), order="F", dtype=mass.dtype)
-    forces = equations.gyroscopic_forces(disk, z, u)
-    forces += equations.gravity_forces(disk, scenario.table, z)
-    if by_contact:
-        right[:6, 1] = friction_per_load(scenario, z, u, speed)
-    elif rubs:
-        forces += scenario.weight * friction_per_load(scenario, z, u, speed)
-    right[:6, 0] = forces
-    right[6:, 0] = -constraints.acceleration_terms(held, disk, z, u)
+    # Rows are added as numbers: six are too few for arrays to pay.
+    gyroscopic = equations.gyroscopic_rows(disk, z, u)
+    gravity = equations.gravity_rows(disk, scenario.table, z)
+    forces = [h + f for h, f in zip(gyroscopic, gravity, strict=True)]
+    if rubs:
+        friction = friction_rows(scenario, z, u, speed)
+        if by_contact:
+            right[:6, 1] = friction
+        else:
+            load = scenario.weight
+            forces = [f + load * part for f, part in zip(forces, friction, strict=True)]
+    chi = constraints.acceleration_rows(held, disk, z, u)
+    right[:, 0] = forces + [-term for term in chi]
     return matrix, right
 
 
