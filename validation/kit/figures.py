@@ -30,7 +30,7 @@ MARKERS = ("o", "s", "^", "D")
 WIDTH = 5.8
 """Of a figure in inches, such that its letters can be read on a telephone."""
 
-_DPI = 150
+_DPI = 140
 _PALETTE = 96
 """Colours of a drawing, shades at the edges of its lines included."""
 

@@ -36,7 +36,7 @@ ENGINE = (
 """The engine and its DOI."""
 
 
-_DENSITY = 1.7
+_DENSITY = 1.6
 """Pixels of a panel to one of the page, so that three of them find room in a row."""
 
 
