@@ -12,13 +12,15 @@ from analysis.nonlinear.heteroclinic import Connection
 from validation.kit import samples
 from validation.kit.report import Job, Section
 from validation.kit.samples import Sample, fresh, fresh_key
-from validation.studies.nonlinear import passage
+from validation.studies.nonlinear import engine_cycles, passage
 from validation.studies.nonlinear import section as study
+from validation.studies.nonlinear.engine_cycles import Witness
 from validation.studies.nonlinear.held_spin import HeldCycle
 from validation.studies.nonlinear.passage import Passage
 
 SHIPPED = (
     "held family",
+    "engine cycle",
     "repeated cycle",
     "stationary",
     "connection",
@@ -34,6 +36,7 @@ EVERY = 25
 REPEATED = (
     ("connection of a disk", "steel"),
     ("connection", 0.1, 0.01),
+    ("engine cycle", 30.5),
     ("repeated cycle", "Model 2 at held spin"),
     ("stationary", "Model 1 at held spin", 60.0),
     ("passage", study.REPEATED, "in-house"),
@@ -65,7 +68,16 @@ def slowed(lever: float, source: Source) -> Passage:
     return thinned(passage.slowed(lever, source))
 
 
+def witness(spin: float) -> Witness:
+    """`engine_cycles.witness` with the ends of the cycle alone."""
+    found = engine_cycles.witness(spin)
+    cycle = found.cycle
+    ends = replace(cycle, times=cycle.times[[0, -1]], states=cycle.states[[0, -1]])
+    return replace(found, cycle=ends)
+
+
 _THINNED: dict[Callable[..., Any], Callable[..., Any]] = {
+    engine_cycles.witness: witness,
     passage.follow: follow,
     passage.slowed: slowed,
 }
@@ -86,37 +98,42 @@ def section(results: dict[Any, Any]) -> Section:
     made = study.section(results)
     told = samples.table("nonlinear", shipped(), _samples(results))
     text = (
-        "The cycles of Model 4, the engine's on them and the portraits are computed on the spot. "
-        "The spins of the connection, the cycles of Models 1 and 2, the stationary motions and "
-        "the passages come with the package: the first table says what of them is confirmed."
+        "The cycles of Model 4 and the portraits are computed on the spot. The spins of the "
+        "connection, the engine's cycles, those of Models 1 and 2, the stationary motions and the "
+        "passages come with the package: the first table says what of them is confirmed."
     )
     return replace(made, paragraphs=[*made.paragraphs, text], tables=[told, *made.tables])
 
 
 def _samples(results: Mapping[Any, Any]) -> list[Sample]:
-    steel, friction, cycle, motions, passages = (
+    steel, friction, witnesses, cycle, motions, passages = (
         (results[key], results[fresh_key(key)]) for key in REPEATED
     )
     both: tuple[tuple[HeldCycle, HeldCycle], tuple[HeldCycle, HeldCycle]] = cycle
-    apart = [
-        max(abs(one.spin - other.spin), abs(one.period - other.period))
-        for one, other in zip(*both, strict=True)
-    ]
+    apart = [_cycles_apart(one, other) for one, other in zip(*both, strict=True)]
     return [
         _connection("heteroclinic connection of the paper's disk", steel),
         _connection("the same for μ = 0.1, ε = 0.01 m/s", friction),
         Sample(what="the same for other friction, and the disk as printed"),
         Sample(
+            what="cycle of Model 4 in the engine, at 30.5 rad/s",
+            how="repeated",
+            quantity="spin in rad/s, period in s, amplitude in rad",
+            difference=_cycles_apart(*(each.engine for each in witnesses)),
+            limit=1e-7,
+        ),
+        Sample(what="the same at other spins"),
+        Sample(
             what="cycle of Model 2 at held spin, in-house",
             how="repeated",
-            quantity="spin in rad/s, period in s",
+            quantity="spin in rad/s, period in s, amplitude in rad",
             difference=apart[0],
             limit=1e-7,
         ),
         Sample(
             what="cycle of Model 2 at held spin, engine",
             how="repeated",
-            quantity="spin in rad/s, period in s",
+            quantity="spin in rad/s, period in s, amplitude in rad",
             difference=apart[1],
             limit=1e-6,
         ),
@@ -145,6 +162,15 @@ def _samples(results: Mapping[Any, Any]) -> list[Sample]:
         ),
         Sample(what="the other passages and the slowed disks"),
     ]
+
+
+def _cycles_apart(one: HeldCycle, other: HeldCycle) -> float:
+    """Largest difference of two cycles in rad/s, s and rad."""
+    return max(
+        abs(one.spin - other.spin),
+        abs(one.period - other.period),
+        abs(one.amplitude - other.amplitude),
+    )
 
 
 def _connection(what: str, pair: tuple[Connection, Connection]) -> Sample:

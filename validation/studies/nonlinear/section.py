@@ -32,8 +32,6 @@ FRICTION = [(mu, eps) for mu in (0.1, 0.3) for eps in (0.003, 0.01, 0.03, 0.1)]
 MANIFOLD = (0.1, 0.05, 0.025, 0.0125)
 """Smoothing speeds in m/s at which the distance from the slow manifold is measured."""
 
-SPINS = engine_cycles.SPINS[1::2]
-"""Spins in rad/s at which the engine finds its own cycles."""
 HELD = ("Model 1 at held spin", "Model 2 at held spin")
 
 STATIONARY = [(name, spin) for name in HELD for spin in (28.0, 60.0)]
@@ -78,7 +76,10 @@ def jobs() -> list[Job]:
         Job("cycles", cycle_family, (PAPER,)),
         Job("rotating", rotating_family, (PAPER,)),
         *(Job(("held family", name), engine_cycles.held_family, (name,)) for name in HELD),
-        *(Job(("engine cycle", spin), engine_cycles.witness, (spin,)) for spin in SPINS),
+        *(
+            Job(("engine cycle", spin), engine_cycles.witness, (spin,))
+            for spin in engine_cycles.SPINS
+        ),
         *(Job(("repeated cycle", name), engine_cycles.repeated, (name,)) for name in HELD),
         Job(("passage", REPEATED, "engine"), passage.follow, (*PASSAGES[REPEATED], "engine")),
         *(
@@ -97,7 +98,7 @@ def _diagrams(results: dict[Any, Any]) -> list[Picture]:
     """Bifurcation diagram; period and multipliers; portraits."""
     family, found = results["cycles"], results["connection of a disk", "steel"]
     slow = [slow_cycle(PAPER, amplitude) for amplitude in np.linspace(0.05, 3.1, 25).tolist()]
-    engine = [results["engine cycle", spin].engine for spin in SPINS]
+    engine = [results["engine cycle", spin].engine for spin in engine_cycles.SPINS]
     diagram = figures.bifurcation_diagram(
         family,
         connection=found.spin,
@@ -233,7 +234,9 @@ def section(results: dict[Any, Any]) -> Section:
 
 def _engine_tables(results: dict[Any, Any]) -> list[Table]:
     return [
-        engine_cycles.witness_table([results["engine cycle", spin] for spin in SPINS]),
+        engine_cycles.witness_table(
+            [results["engine cycle", spin] for spin in engine_cycles.SPINS]
+        ),
         engine_cycles.repeated_table([(name, results["repeated cycle", name]) for name in HELD]),
         engine_cycles.held_table([(name, results["held family", name]) for name in HELD]),
     ]
