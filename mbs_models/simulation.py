@@ -62,7 +62,8 @@ def simulate(
         DOPRI5 takes its accuracy from `Integrator.local_tolerance`, and `step`
         only limits its steps.
     stop_when : str, callable or sequence of them
-        What else ends the run: "inverted", or functions of a `State` that turn negative there.
+        What else ends the run: "inverted", "lost", or functions of a `State` that turn
+        negative there.
     allow_pulling : bool
         Go on where the contact pulls; friction then has no load.
     time_limit : float, optional

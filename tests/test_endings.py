@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import analysis
+import mbs_models
 from analysis import (
     Ending,
     Form,
@@ -91,6 +92,26 @@ def test_a_run_ends_where_the_disk_is_inverted(contact: PenaltyContact | None) -
     assert whole.cog_direction[count] > REACHED
 
 
+def test_a_run_ends_where_the_inversion_is_lost() -> None:
+    falling = Scenario(start=Start(beta=pi / 2, gamma=pi / 2 - 0.3, spin=15.0))
+    ended = analysis.simulate(falling, TIMES, tolerance=1e-8, stop_when=["lost", "inverted"])
+    assert ended.ending is not None
+    assert ended.ending.reason == "lost"
+    assert ended.cog_direction[-1] == pytest.approx(0.0, abs=1e-9)
+    assert np.all(ended.cog_direction[:-1] > 0.0)
+    assert "below the geometric centre" in str(ended.ending)
+    other = mbs_models.simulate(mbs_models.Scene(falling), TIMES, tolerance=1e-8, stop_when="lost")
+    assert other.ending is not None
+    assert other.ending.time == pytest.approx(ended.ending.time, abs=1e-8)
+
+
+def test_a_disk_that_was_never_up_loses_nothing() -> None:
+    lying = Scenario(start=Start(beta=1.2, gamma=-pi / 2, spin=5.0))
+    run = analysis.simulate(lying, TIMES[:16], tolerance=1e-6, stop_when="lost")
+    assert np.all(run.cog_direction < 0.0)
+    assert run.ending is None
+
+
 def lateral(state: State) -> float:
     return 0.02 - state.coordinates[1]
 
@@ -129,7 +150,7 @@ def test_ending_comes_back_from_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("stop_when", "message"),
     [
-        ("asleep", "stop_when must be one of inverted, got 'asleep'"),
+        ("asleep", "stop_when must be one of inverted, lost, got 'asleep'"),
         ([3], "stop_when must hold names or functions of a State, got 3"),
     ],
 )

@@ -69,7 +69,10 @@ def test_members_of_a_killed_process_say_so() -> None:
     [
         ({"workers": 0}, "workers must be at least 1, got 0"),
         ({"tolerance": [1e-6, 1e-8]}, "tolerance must be one number or 3 of them, got 2"),
-        ({"stop_when": "upside down"}, "stop_when must be one of inverted, got 'upside down'"),
+        (
+            {"stop_when": "upside down"},
+            "stop_when must be one of inverted, lost, got 'upside down'",
+        ),
     ],
 )
 def test_bad_call_is_refused_before_any_member_runs(

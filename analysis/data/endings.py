@@ -14,6 +14,7 @@ CONTACT_WOULD_PULL = "contact would pull"
 TIME_LIMIT = "time limit"
 FLAT = "flat"
 INVERTED = "inverted"
+LOST = "lost"
 AT_REST = "at rest"
 
 REACHED = 0.9
@@ -29,17 +30,23 @@ StopWhen = str | Condition | Iterable[str | Condition]
 """Conditions of one's own, or names of `CONDITIONS`."""
 
 
+def _above(state: State) -> float:
+    return sin(state.coordinates[4]) * sin(state.coordinates[5])
+
+
 def _not_up(state: State) -> float:
-    return REACHED - sin(state.coordinates[4]) * sin(state.coordinates[5])
+    return REACHED - _above(state)
 
 
-CONDITIONS: dict[str, Condition] = {INVERTED: _not_up}
-"""By name: the first rise of the centre of gravity to `REACHED`, whether it stays there or not."""
+CONDITIONS: dict[str, Condition] = {INVERTED: _not_up, LOST: _above}
+"""By name: the first rise of the centre of gravity to `REACHED`, whether it stays there or not;
+its first fall from above the geometric centre to below it."""
 
 _SAYING = {
     CONTACT_WOULD_PULL: "beyond, the contact would have to pull",
     FLAT: "the disk lies flat, where its Euler angles end",
     INVERTED: f"the centre of gravity is up, at {REACHED:.0%} of its largest height",
+    LOST: "the centre of gravity has come below the geometric centre again",
     AT_REST: "the disk is at rest",
 }
 

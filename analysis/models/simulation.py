@@ -76,7 +76,8 @@ def simulate(
     local_tolerance : float, optional
         Relative tolerance of a single step; the absolute one is the same number in m and rad.
     stop_when : str, callable or sequence of them
-        What else ends the run: "inverted", or functions of a `State` that turn negative there.
+        What else ends the run: "inverted", "lost", or functions of a `State` that turn
+        negative there.
     allow_pulling : bool
         Go on where the contact pulls; friction then has no load.
     time_limit : float, optional

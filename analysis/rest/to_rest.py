@@ -79,8 +79,9 @@ def simulate_to_rest(
     local_tolerance : float, optional
         Relative tolerance of a single step; the absolute one is a hundredth of the number.
     stop_when : str, callable or sequence of them
-        What else ends the run: "inverted", or functions of a `State` that turn negative there.
-        They are asked at the samples, but not where the disk lies flat; see `located`.
+        What else ends the run: "inverted", "lost", or functions of a `State` that turn
+        negative there. They are asked at the samples, but not where the disk lies flat; see
+        `located`.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.

@@ -256,7 +256,7 @@ def _rest(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_source(rest)
     add("--tolerance", type=float, help="largest error in rad and parts of the energy (1e-3)")
     add("--step", type=float, help="engine only: a single run of fixed steps in s instead")
-    add("--stop-when", choices=CONDITIONS, help="end the run there, at the next sample")
+    add("--stop-when", choices=CONDITIONS, help="end the run there, located between samples")
     add("--time-limit", type=float, help="processor time in s after which it ends as it is")
     add("--end", type=float, default=80.0, help="longest time in s (80)")
     add("--out", type=writable(".npz"), metavar="FILE", help="store the motion, .npz")

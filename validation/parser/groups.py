@@ -17,7 +17,7 @@ FORMS = ("index-1", "reduced", "free-body")
 LOADS = ("weight", "contact")
 DISKS = ("steel", "steel-rounded")
 SYSTEMS = ("full", "reduced", "numeric")
-CONDITIONS = ("inverted",)
+CONDITIONS = ("inverted", "lost")
 MOTIONS = ("inverted", "noninverted")
 
 
