@@ -195,7 +195,7 @@ def simulate_ensemble(
         # The force at the start; one that is not a number is looked at again, too.
         pressed = values(code.multipliers, arrays[3], arrays[1])[:, 0] >= 0.0
         others += rows[~pressed].tolist()
-        for ladder, some in _byladder_to(wanted[rows], np.flatnonzero(pressed), request):
+        for ladder, some in _by_ladder(wanted[rows], np.flatnonzero(pressed), request):
             members = rows[some]
             part, failed = _run_part(
                 ensemble.part(members),
@@ -211,13 +211,13 @@ def simulate_ensemble(
     return parts, failures, others
 
 
-def _byladder_to(
+def _by_ladder(
     tolerances: Array, rows: Rows, request: Request
 ) -> Iterator[tuple[tuple[float, ...], Rows]]:
     """Rows with the same local tolerances."""
     if request.local_tolerance is not None:
-        ladders = {(request.local_tolerance,): rows} if rows.size else {}
-        yield from ladders.items()
+        if rows.size:
+            yield (request.local_tolerance,), rows
         return
     each, places = np.unique(tolerances[rows], return_inverse=True)
     kinds = [tuple(local_tolerances(float(tolerance), "taylor")) for tolerance in each]
