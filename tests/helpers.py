@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Container, Iterable
 from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -317,3 +318,12 @@ def _symbolic_turn(angle: Any, axis: int) -> Any:
     if axis == 0:
         return sympy.Matrix([[1, 0, 0], [0, c, -s], [0, s, c]])
     return sympy.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def is_running(process: int) -> bool:
+    """Whether a process is alive, by /proc."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z"

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers import is_running
 from tests.sweeps import Direct, sweep
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
@@ -83,14 +84,6 @@ def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
 def children(process: int) -> list[int]:
     found = Path(f"/proc/{process}/task/{process}/children").read_text()
     return [int(word) for word in found.split()]
-
-
-def is_running(process: int) -> bool:
-    try:
-        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return state != "Z"
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers import is_running
 from validation.studies.robustness.isolated import run_isolated
 
 ROOT = Path(__file__).parent.parent
@@ -54,14 +55,6 @@ def note_and_work(folder: str) -> None:
 def isolate(folder: str) -> None:
     (Path(folder) / str(os.getpid())).touch()
     run_isolated(note_and_work, [(folder,)], limit=600.0)
-
-
-def is_running(process: int) -> bool:
-    try:
-        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return state != "Z"
 
 
 @pytest.mark.slow
