@@ -13,15 +13,14 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
 from analysis.models import reduced
-from analysis.nonlinear.collocation import TOLERANCE, Mesh, NoCycleError, collocated, floquet
-from analysis.nonlinear.cycle import INVERTED
+from analysis.nonlinear.collocation import NoCycleError, collocated_period, period_values
+from analysis.nonlinear.cycle import WholePeriod
 from analysis.nonlinear.family import Bifurcation, cycle_family
-from analysis.stability.linear_reduced import critical_speed
+from analysis.nonlinear.following import locate, reach
 
 Change = Literal["fold", "period-doubling"]
 _AT: dict[Change, float] = {"fold": 1.0, "period-doubling": -1.0}
@@ -38,37 +37,18 @@ _HALVINGS = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class AsymmetricCycle:
-    """A cycle without mirror symmetry.
+class AsymmetricCycle(WholePeriod):
+    """A cycle without mirror symmetry; gamma is largest at its first state.
 
     Parameters
     ----------
-    scenario : Scenario
-    spin : float
-        In rad/s.
     amplitude, lowest : float
-        Largest and least deviation of gamma from pi/2 in rad.
-    period : float
-        In s.
-    times : ndarray, shape (n,)
-        Over a period in s.
-    states : ndarray, shape (n, 3)
-        beta, gamma in rad and the rate of beta in rad/s; gamma is largest at the first.
-    multiplier : float
-        The larger nontrivial Floquet multiplier: 1 at a fold, -1 where the period doubles.
-    log_strong : float
-        Logarithm of the size of the other one.
+        Largest and least deviation of gamma from pi/2 in rad. The others are those of
+        `WholePeriod`.
     """
 
-    scenario: Scenario
-    spin: float
     amplitude: float
     lowest: float
-    period: float
-    times: Array
-    states: Array
-    multiplier: float
-    log_strong: float
 
     @property
     def stable(self) -> bool:
@@ -106,7 +86,7 @@ def asymmetric_branch(
     found: list[AsymmetricCycle] = []
     for amplitude in wanted.tolist():
         try:
-            last = _reach(amplitude, last)
+            last = reach(_solved, last.amplitude, amplitude, last, _HALVINGS)
         except NoCycleError as error:
             raise NoCycleError(
                 f"{error}; the last good one has {last.amplitude:.9g} rad at a spin of "
@@ -133,56 +113,24 @@ def changes(branch: Sequence[AsymmetricCycle]) -> tuple[tuple[Change, Asymmetric
 
 
 def _located(first: AsymmetricCycle, last: AsymmetricCycle, value: float) -> AsymmetricCycle:
-    found = {first.amplitude: first, last.amplitude: last}
-
-    def test(amplitude: float) -> float:
-        if amplitude not in found:
-            found[amplitude] = _reach(amplitude, first)
-        return found[amplitude].multiplier - value
-
-    brentq(test, first.amplitude, last.amplitude, xtol=1e-9)
-    return min(found.values(), key=lambda each: abs(each.multiplier - value))
-
-
-def _reach(amplitude: float, start: AsymmetricCycle, depth: int = 0) -> AsymmetricCycle:
-    try:
-        return _solved(amplitude, start)
-    except NoCycleError:
-        if depth == _HALVINGS:
-            raise
-    between = _reach((start.amplitude + amplitude) / 2.0, start, depth + 1)
-    return _reach(amplitude, between, depth + 1)
+    return locate(
+        lambda amplitude: reach(_solved, first.amplitude, amplitude, first, _HALVINGS),
+        lambda each: each.multiplier - value,
+        {first.amplitude: first, last.amplitude: last},
+    )
 
 
 def _solved(amplitude: float, start: AsymmetricCycle) -> AsymmetricCycle:
-    scenario = start.scenario
-    scale = np.array((1.0, 1.0, critical_speed(scenario).frequency))
 
     def ends(first: Array, last: Array, _: Array) -> Array:
         return np.append((first[0], first[1] - amplitude), last - first)
 
-    mesh = Mesh(
-        amplitude=amplitude,
-        nodes=start.times / start.period,
-        values=((start.states - INVERTED) / scale).T,
-        unknowns=np.array((start.spin, start.period)),
-    )
-    found = collocated(scenario, scale, ends, mesh.thinned(), TOLERANCE)
+    found = collocated_period(start, ends)
     highest, lowest = float(np.max(found.y[1])), float(np.min(found.y[1]))
     if found.status != 0 or np.min(found.p) <= 0.0 or highest > amplitude + 1e-6:
         raise NoCycleError(f"no cycle without symmetry found at {amplitude:.9g} rad")
-    larger, strong = floquet(scenario, scale, found, mirrored=False)
-    spin, period = found.p.tolist()
     return AsymmetricCycle(
-        scenario=scenario,
-        spin=spin,
-        amplitude=amplitude,
-        lowest=lowest,
-        period=period,
-        times=period * found.x,
-        states=(scale[:, None] * found.y).T + INVERTED,
-        multiplier=larger,
-        log_strong=strong,
+        amplitude=amplitude, lowest=lowest, **period_values(start.scenario, found)
     )
 
 

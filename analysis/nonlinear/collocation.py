@@ -16,7 +16,7 @@ from scipy.integrate import solve_bvp
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.nonlinear import flow
-from analysis.nonlinear.cycle import INVERTED, Cycle, multipliers
+from analysis.nonlinear.cycle import INVERTED, Cycle, WholePeriod, multipliers
 from analysis.stability.linear_reduced import critical_speed
 
 TOLERANCE = 1e-9
@@ -68,7 +68,7 @@ class Mesh:
     @classmethod
     def of(cls, cycle: Cycle) -> "Mesh":
         """That of a cycle which has been found."""
-        scale = cycle.amplitude * np.array((1.0, 1.0, critical_speed(cycle.scenario).frequency))
+        scale = cycle.amplitude * _unit_scale(cycle.scenario)
         half = cycle.period / 2.0
         return cls(
             amplitude=cycle.amplitude,
@@ -123,7 +123,7 @@ def solve(
     NoCycleError
         If the iteration does not converge.
     """
-    scale = amplitude * np.array((1.0, 1.0, critical_speed(scenario).frequency))
+    scale = amplitude * _unit_scale(scenario)
 
     def ends(first: Array, last: Array, _: Array) -> Array:
         return np.array((first[0], first[1] - 1.0, last[0], last[1] + 1.0, last[2] + first[2]))
@@ -196,6 +196,51 @@ def collocated(scenario: Scenario, scale: Array, ends: Ends, start: Mesh, tolera
             )
         except OverflowError as error:
             raise NoCycleError("no periodic motion found: the collocation diverges") from error
+
+
+def collocated_period(start: WholePeriod, ends: Ends) -> Any:
+    """Solve for a whole period near a motion; the result of `solve_bvp`.
+
+    Parameters
+    ----------
+    start : WholePeriod
+    ends : callable
+        As in `collocated`, in units of rad and of the Hopf frequency.
+
+    Raises
+    ------
+    NoCycleError
+        If a friction force overflows on the way.
+    """
+    scale = _unit_scale(start.scenario)
+    mesh = Mesh(
+        amplitude=1.0,
+        nodes=start.times / start.period,
+        values=((start.states - INVERTED) / scale).T,
+        unknowns=np.array((start.spin, start.period)),
+    )
+    return collocated(start.scenario, scale, ends, mesh.thinned(), TOLERANCE)
+
+
+def period_values(scenario: Scenario, found: Any) -> dict[str, Any]:
+    """Values of the `WholePeriod` that `collocated_period` has found, by their names."""
+    scale = _unit_scale(scenario)
+    larger, strong = floquet(scenario, scale, found, mirrored=False)
+    spin, period = found.p.tolist()
+    return {
+        "scenario": scenario,
+        "spin": spin,
+        "period": period,
+        "times": period * found.x,
+        "states": (scale[:, None] * found.y).T + INVERTED,
+        "multiplier": larger,
+        "log_strong": strong,
+    }
+
+
+def _unit_scale(scenario: Scenario) -> Array:
+    """Deviations of 1 rad, and the rate that they have at the Hopf frequency."""
+    return np.array((1.0, 1.0, critical_speed(scenario).frequency))
 
 
 def floquet(

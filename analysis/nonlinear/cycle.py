@@ -75,6 +75,37 @@ class Cycle:
         return times, np.concatenate((self.states, mirrored))
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WholePeriod:
+    """A periodic motion that is told over its whole period.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    spin : float
+        Constant spinning speed in rad/s.
+    period : float
+        In s.
+    times : ndarray, shape (n,)
+        Over a period in s.
+    states : ndarray, shape (n, 3)
+        beta, gamma in rad and the rate of beta in rad/s.
+    multiplier : float
+        The larger of the two nontrivial Floquet multipliers: 1 at a fold, -1 where the period
+        doubles.
+    log_strong : float
+        Logarithm of the size of the other one.
+    """
+
+    scenario: Scenario
+    spin: float
+    period: float
+    times: Array
+    states: Array
+    multiplier: float
+    log_strong: float
+
+
 def multipliers(
     transfers: Array, rates: Array, log_determinant: float, *, mirrored: bool = True
 ) -> tuple[float, float]:

@@ -20,6 +20,7 @@ from analysis.nonlinear.collocation import (
     solve,
 )
 from analysis.nonlinear.cycle import Cycle
+from analysis.nonlinear.following import locate, reach
 from analysis.nonlinear.heteroclinic import NoConnectionError, last_amplitude
 from analysis.stability.linear_reduced import CriticalSpeed, critical_speed
 
@@ -160,16 +161,15 @@ def _followed(scenario: Scenario, amplitudes: npt.ArrayLike) -> Iterator[Cycle]:
         yield last
 
 
-def _reach(scenario: Scenario, amplitude: float, start: Cycle | None, depth: int = 0) -> Cycle:
-    """The cycle of an amplitude, on the way over others if it is too far from `start`."""
-    mesh = hopf_mesh(scenario) if start is None else Mesh.of(start)
-    try:
-        return solve(scenario, amplitude, mesh)
-    except NoCycleError:
-        if depth == _HALVINGS:
-            raise
-    between = _reach(scenario, (mesh.amplitude + amplitude) / 2.0, start, depth + 1)
-    return _reach(scenario, amplitude, between, depth + 1)
+def _reach(scenario: Scenario, amplitude: float, start: Cycle | None) -> Cycle:
+    """The cycle of an amplitude, followed from another one or from the Hopf point."""
+
+    def solved(wanted: float, near: Cycle | None) -> Cycle:
+        mesh = hopf_mesh(scenario) if near is None else Mesh.of(near)
+        return solve(scenario, wanted, mesh)
+
+    begin = 0.0 if start is None else start.amplitude
+    return reach(solved, begin, amplitude, start, _HALVINGS)
 
 
 def cycle_at(scenario: Scenario, spin: float) -> Cycle:
@@ -236,15 +236,12 @@ def bifurcations(family: CycleFamily) -> tuple[Bifurcation, ...]:
 
 
 def _located(scenario: Scenario, kind: BifurcationKind, first: Cycle, last: Cycle) -> Bifurcation:
-    found = {first.amplitude: first, last.amplitude: last}
-
-    def test(amplitude: float) -> float:
-        if amplitude not in found:
-            found[amplitude] = _reach(scenario, amplitude, first)
-        return _test(found[amplitude], kind)
-
-    brentq(test, first.amplitude, last.amplitude, xtol=1e-9)
-    return Bifurcation(kind=kind, cycle=min(found.values(), key=lambda c: abs(_test(c, kind))))
+    cycle = locate(
+        lambda amplitude: _reach(scenario, amplitude, first),
+        lambda each: _test(each, kind),
+        {first.amplitude: first, last.amplitude: last},
+    )
+    return Bifurcation(kind=kind, cycle=cycle)
 
 
 def _test(cycle: Cycle, kind: BifurcationKind) -> float:

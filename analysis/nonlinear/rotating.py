@@ -7,26 +7,25 @@ noninverted spinning, from zero at the connection on; as a parameter it passes f
 """
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
 from analysis.models import reduced
 from analysis.nonlinear.collocation import (
-    TOLERANCE,
-    Mesh,
     NoCycleError,
-    collocated,
-    floquet,
+    collocated_period,
+    period_values,
     require_collocation,
 )
-from analysis.nonlinear.cycle import INVERTED
+from analysis.nonlinear.cycle import WholePeriod
+from analysis.nonlinear.following import locate, reach
 from analysis.nonlinear.heteroclinic import Connection, fall, heteroclinic_connection
 from analysis.stability.linear_reduced import critical_speed
 
@@ -50,36 +49,19 @@ _NEUTRAL = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Rotation:
+class Rotation(WholePeriod):
     """A periodic motion in which gamma makes a whole turn; its mirror image turns the other way.
+
+    The period is that of a turn, from gamma at -pi/2 to gamma at 3 pi/2.
 
     Parameters
     ----------
-    scenario : Scenario
-    spin : float
-        Constant spinning speed in rad/s.
     tilt : float
-        beta less pi/2 in rad where gamma passes noninverted spinning.
-    period : float
-        Of a turn of gamma in s.
-    times : ndarray, shape (n,)
-        Over a period in s.
-    states : ndarray, shape (n, 3)
-        beta, gamma in rad and the rate of beta in rad/s; gamma goes from -pi/2 to 3 pi/2.
-    multiplier : float
-        The larger of the two nontrivial Floquet multipliers: 1 at a fold.
-    log_strong : float
-        Logarithm of the size of the other one.
+        beta less pi/2 in rad where gamma passes noninverted spinning. The others are those of
+        `WholePeriod`.
     """
 
-    scenario: Scenario
-    spin: float
     tilt: float
-    period: float
-    times: Array
-    states: Array
-    multiplier: float
-    log_strong: float
 
     @property
     def stable(self) -> bool | None:
@@ -156,7 +138,7 @@ def rotating_family(
         last = first
         for tilt in way.tolist():
             try:
-                last = _reach(scenario, tilt, last)
+                last = reach(partial(rotation, scenario), last.tilt, tilt, last, _HALVINGS)
             except NoCycleError as error:
                 reason = (
                     f"{error}; the last good one has {last.tilt:.9g} rad at a spin of "
@@ -179,33 +161,14 @@ def folds(family: RotationFamily) -> tuple[Rotation, ...]:
         If an iteration between two neighbours fails.
     """
     return tuple(
-        _fold(first, last)
+        locate(
+            partial(rotation, first.scenario, start=first),
+            lambda each: each.multiplier - 1.0,
+            {first.tilt: first, last.tilt: last},
+        )
         for first, last in pairwise(family.rotations)
         if (first.multiplier - 1.0) * (last.multiplier - 1.0) < 0.0
     )
-
-
-def _fold(first: Rotation, last: Rotation) -> Rotation:
-    found = {first.tilt: first, last.tilt: last}
-
-    def test(tilt: float) -> float:
-        if tilt not in found:
-            found[tilt] = rotation(first.scenario, tilt, first)
-        return found[tilt].multiplier - 1.0
-
-    brentq(test, first.tilt, last.tilt, xtol=1e-9)
-    return min(found.values(), key=lambda each: abs(each.multiplier - 1.0))
-
-
-def _reach(scenario: Scenario, tilt: float, start: Rotation, depth: int = 0) -> Rotation:
-    """The one of a tilt, on the way over others if it is too far from `start`."""
-    try:
-        return rotation(scenario, tilt, start)
-    except NoCycleError:
-        if depth == _HALVINGS:
-            raise
-    between = _reach(scenario, (start.tilt + tilt) / 2.0, start, depth + 1)
-    return _reach(scenario, tilt, between, depth + 1)
 
 
 def rotation(scenario: Scenario, tilt: float, start: Rotation) -> Rotation:
@@ -216,7 +179,6 @@ def rotation(scenario: Scenario, tilt: float, start: Rotation) -> Rotation:
     NoCycleError
         If the iteration does not converge.
     """
-    scale = np.array((1.0, 1.0, critical_speed(scenario).frequency))
 
     def ends(first: Array, last: Array, _: Array) -> Array:
         return np.array(
@@ -229,30 +191,13 @@ def rotation(scenario: Scenario, tilt: float, start: Rotation) -> Rotation:
             )
         )
 
-    mesh = Mesh(
-        amplitude=tilt,
-        nodes=start.times / start.period,
-        values=((start.states - INVERTED) / scale).T,
-        unknowns=np.array((start.spin, start.period)),
-    )
-    found = collocated(scenario, scale, ends, mesh.thinned(), TOLERANCE)
+    found = collocated_period(start, ends)
     # A disk that is flat on the way has left the plane in which it can be seen to rotate.
     flat = np.max(np.abs(found.y[0])) >= np.pi / 2
     if found.status != 0 or np.min(found.p) <= 0.0 or flat:
         why = "the disk would fall flat on the way" if flat else "the collocation fails"
         raise NoCycleError(f"no rotating motion found with a tilt of {tilt:.9g} rad: {why}")
-    larger, strong = floquet(scenario, scale, found, mirrored=False)
-    spin, period = found.p.tolist()
-    return Rotation(
-        scenario=scenario,
-        spin=spin,
-        tilt=tilt,
-        period=period,
-        times=period * found.x,
-        states=(scale[:, None] * found.y).T + INVERTED,
-        multiplier=larger,
-        log_strong=strong,
-    )
+    return Rotation(tilt=tilt, **period_values(scenario, found))
 
 
 def _settled(scenario: Scenario, connection: Connection) -> Rotation:
