@@ -107,11 +107,12 @@ class UnitlessFlow:
         """Unit sqrt(g / r) of the spin in rad/s."""
         radius = scenario.disk.radius
         self.units = np.array((radius, radius, radius, 1.0, 1.0, 1.0))
+        self._solve = index1.solver(scenario)
 
     def rates(self, state: Array) -> Array:
         """Time derivative F of a state, shape (12,), from the index-1 system."""
         z, u = self._with_units(state)
-        acceleration = index1.accelerations(self.scenario, z.tolist(), u.tolist())[0]
+        acceleration = self._solve(*z.tolist(), *u.tolist())[:6]
         return np.concatenate((state[6:], acceleration / (self.units * self.frequency**2)))
 
     def residuals(self, state: Array) -> Array:
