@@ -97,7 +97,7 @@ def recorded(formula: Callable[..., tuple[Any, ...]], **functions: Any) -> tuple
     """A formula of two constants and two variables, as code, and its source."""
     recorder = Recorder(("a", "b"), ("x", "y"))
     results = formula(*recorder.constants, *recorder.variables)
-    return recorder.code(results, functions), recorder.source(results)
+    return recorder.code(results, **functions), recorder.source(results)
 
 
 def test_recorded_operations_are_those_of_floats() -> None:

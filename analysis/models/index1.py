@@ -13,6 +13,7 @@ from analysis.data.constraint_set import ConstraintSet, multiplier_names
 from analysis.data.elementary import cos, sin
 from analysis.data.friction import Load
 from analysis.data.scenario import Scenario
+from analysis.data.scenario_keys import SIX
 from analysis.data.state import COORDINATES
 from analysis.models import constraints, equations
 from analysis.models.elimination import is_float_zero, solve
@@ -31,7 +32,6 @@ Solver = Callable[..., tuple[float, ...]]
 _DIRECT = {"normal_force": 2, "cog_force_x": 0, "cog_force_y": 1, "spin_torque": 3}
 """Coordinate that a constraint tells directly, with a factor of 1, by its multiplier."""
 
-_DISK = ("mass", "radius", "eccentricity", "inertia_x", "inertia_y", "inertia_z")
 _TABLE = ("pressing", "along", "across")
 
 
@@ -163,7 +163,7 @@ def solver(scenario: Scenario) -> Solver:
     """
     table, law = scenario.table, scenario.friction
     load = law.load if scenario.rubs else None
-    numbers = [getattr(scenario.disk, name) for name in _DISK]
+    numbers = [getattr(scenario.disk, name) for name in SIX]
     code = recorded(scenario.constraints, load, horizontal=table.is_horizontal)
     formula = code(*numbers, table.pressing, *table.vector[:2], law.per_speed)
 
@@ -200,15 +200,16 @@ def recorded(held: ConstraintSet, load: Load | None, *, horizontal: bool) -> Cal
         From the numbers of the disk and of the table and `per_speed` of a law to a `Solver`.
     """
     rates = [f"{name}_rate" for name in COORDINATES]
-    recorder = Recorder((*_DISK, *_TABLE, "per_speed"), (*COORDINATES, *rates))
-    *disk, pressing, along, across, _ = recorder.constants
+    recorder = Recorder((*SIX, *_TABLE, "per_speed"), (*COORDINATES, *rates))
+    *numbers, pressing, along, across, _ = recorder.constants
+    disk: Any = SimpleNamespace(**dict(zip(SIX, numbers, strict=True)))
     stand_in: Any = SimpleNamespace(
         constraints=held,
-        disk=SimpleNamespace(**dict(zip(_DISK, disk, strict=True))),
+        disk=disk,
         table=SimpleNamespace(
             pressing=pressing, vector=(along, across, -pressing), is_horizontal=horizontal
         ),
-        weight=disk[0] * pressing,
+        weight=disk.mass * pressing,
         rubs=load is not None,
         friction=SimpleNamespace(load=load, per_speed=partial(call, "per_speed")),
     )
@@ -217,7 +218,7 @@ def recorded(held: ConstraintSet, load: Load | None, *, horizontal: bool) -> Cal
     result = columns[0]
     if load == "contact":
         result = loaded(columns, call("_contact_load", columns[0][6], columns[1][6]))
-    return recorder.code(result, {"hypot": hypot, "_contact_load": _contact_load})
+    return recorder.code(result, hypot=hypot, _contact_load=_contact_load)
 
 
 def _contact_load(frictionless: float, feedback: float) -> float:

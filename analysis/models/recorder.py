@@ -5,7 +5,7 @@ them becomes Python source, every operation once however many formulas share it,
 what the results need. Zeros take no time, and what comes of constants alone is worked out once.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import cos, sin
 from types import SimpleNamespace
@@ -67,20 +67,18 @@ class Recorder:
             )
         )
 
-    def code(
-        self, results: Sequence[Any], functions: Mapping[str, Any]
-    ) -> Callable[..., Callable[..., tuple[float, ...]]]:
+    def code(self, results: Sequence[Any], **functions: Any) -> Callable[..., Callable[..., Any]]:
         """From constants to a function, which goes from variables to the results.
 
         Parameters
         ----------
         results : sequence of symbols or floats
-        functions : mapping
-            Those of `call` that are no constants, by name.
+        **functions
+            Those of `call` that are neither constants nor of Python.
         """
         names: dict[str, Any] = {"sin": sin, "cos": cos, **functions}
         exec(self.source(results), names)  # noqa: S102 - formulas of ours, and nothing else
-        bind: Callable[..., Callable[..., tuple[float, ...]]] = names["bind"]
+        bind: Callable[..., Callable[..., Any]] = names["bind"]
         return bind
 
 
