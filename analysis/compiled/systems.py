@@ -289,9 +289,15 @@ def _solution(
     except (TypeError, ValueError, AttributeError) as error:
         raise _unexpressed(f"friction law {type(scenario.friction).__name__}", error) from error
     if len(columns) == 1:
-        return columns[0], None
-    (frictionless, *_), feedback = columns[0][6:], columns[1][6]
-    return index1.loaded(columns, frictionless / (1.0 - feedback)), feedback
+        return _symbols(columns[0]), None
+    frictionless, feedback = columns[0][6], columns[1][6]
+    return _symbols(index1.loaded(columns, frictionless / (1.0 - feedback))), feedback
+
+
+def _symbols(entries: list[Any]) -> list[Any]:
+    """Entries of which some may be floats, such as the acceleration of a constant spin."""
+    symbol = heyoka().expression
+    return [symbol(entry) if isinstance(entry, float) else entry for entry in entries]
 
 
 def _size(faint: float) -> Callable[[Any, Any], Any]:
