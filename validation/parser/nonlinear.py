@@ -1,12 +1,12 @@
 """Subcommands on periodic motions, their end, and slow passage."""
 
 import argparse
-from typing import Any
 
+from validation.parser.base import Commands
 from validation.parser.groups import add_output, add_problem, add_scenario, add_source
 
 
-def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
+def add_cycles(commands: Commands) -> None:
     """Take `cycles` into the commands."""
     cycles = commands.add_parser(
         "cycles",
@@ -37,7 +37,7 @@ def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
     add_problem(cycles)
 
 
-def add_heteroclinic(commands: "argparse._SubParsersAction[Any]") -> None:
+def add_heteroclinic(commands: Commands) -> None:
     """Take `heteroclinic` into the commands."""
     heteroclinic = commands.add_parser(
         "heteroclinic",
@@ -61,7 +61,7 @@ def _add_over(parser: "argparse._ActionsContainer") -> None:
     )
 
 
-def add_passage(commands: "argparse._SubParsersAction[Any]") -> None:
+def add_passage(commands: Commands) -> None:
     """Take `passage` into the commands."""
     passage = commands.add_parser(
         "passage",
