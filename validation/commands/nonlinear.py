@@ -1,20 +1,19 @@
 """What the subcommands on nonlinear dynamics do; each returns the exit code."""
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from analysis import Scenario
-from analysis.data.files import whole_file
 from analysis.nonlinear import family as families
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import CycleFamily
 from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from validation.commands.options import chosen_end
+from validation.commands.output import deliver, save
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.stability import parse_spins
 from validation.kit.progress import progress_bar
@@ -37,16 +36,16 @@ def cycles(options: argparse.Namespace) -> int:
         raise ValueError("--amplitude belongs to --over; a family goes through all amplitudes")
     if spins is not None:
         found = [families.cycle_at(scenario, spin) for spin in spins.tolist()]
-        _deliver(options, [tables.cycle_table(found)], {"cycles": _values(found)})
+        deliver(options, [tables.cycle_table(found)], {"cycles": _values(found)})
         if options.plot is not None:
             from validation.studies.nonlinear import figures
 
-            _save(figures.cycle_portrait(found).figure, options.plot)
+            save(figures.cycle_portrait(found).figure, options.plot)
         return 0
     with progress_bar("amplitude {n:.3g} of {total:.3g} rad") as progress:
         family = families.cycle_family(scenario, progress=progress)
     shown, values = _family(scenario, family)
-    _deliver(options, shown, values)
+    deliver(options, shown, values)
     if options.plot is not None:
         _plot_family(family, options.plot)
     if family.reason is not None and not options.json:
@@ -66,13 +65,13 @@ def heteroclinic(options: argparse.Namespace) -> int:
         "saddle_index": found.saddle_index,
         "prediction": None if slow is None else slow.spin,
     }
-    _deliver(options, [tables.connection_table(found, slow, None)], values)
+    deliver(options, [tables.connection_table(found, slow, None)], values)
     if options.plot is not None:
         from validation.studies.nonlinear import figures
 
         ways = [fall(scenario, found.spin + side) for side in (-_SIDE, 0.0, _SIDE)]
         names = [f"{found.spin + side:.6f} rad/s" for side in (-_SIDE, 0.0, _SIDE)]
-        _save(figures.connection_portrait(ways, names).figure, options.plot)
+        save(figures.connection_portrait(ways, names).figure, options.plot)
     return 0
 
 
@@ -95,11 +94,11 @@ def _rotating(options: argparse.Namespace, scenario: Scenario) -> int:
         "folds": folded,
         "reason": family.reason,
     }
-    _deliver(options, [tables.rotation_table(family, turns)], values)
+    deliver(options, [tables.rotation_table(family, turns)], values)
     if options.plot is not None:
         from validation.studies.nonlinear import figures
 
-        _save(figures.rotation_diagram(family).figure, options.plot)
+        save(figures.rotation_diagram(family).figure, options.plot)
     return 0
 
 
@@ -121,10 +120,10 @@ def _cycles_over(
         {axis.field: value, **each}
         for value, each in zip(values, _values(found.cycles), strict=False)
     ]
-    _deliver(options, [table], {"cycles": rows, "reason": found.reason})
+    deliver(options, [table], {"cycles": rows, "reason": found.reason})
     if options.plot is not None:
         shown = "spin in rad/s" if spins is None else "amplitude in rad"
-        _save(over.draw(table, axis.log, (shown, "multiplier")).figure, options.plot)
+        save(over.draw(table, axis.log, (shown, "multiplier")).figure, options.plot)
     return 0
 
 
@@ -137,9 +136,9 @@ def _connections_over(options: argparse.Namespace, scenario: Scenario) -> int:
     ends = [over.End.of(each) for each in scenarios]
     table = over.ends_table(axis, values, ends)
     rows = [{axis.field: value, **asdict(end)} for value, end in zip(values, ends, strict=True)]
-    _deliver(options, [table], {"ends": rows})
+    deliver(options, [table], {"ends": rows})
     if options.plot is not None:
-        _save(over.draw(table, axis.log, table.columns[1:4]).figure, options.plot)
+        save(over.draw(table, axis.log, table.columns[1:4]).figure, options.plot)
     return 0
 
 
@@ -159,11 +158,11 @@ def passage(options: argparse.Namespace) -> int:
         "rate": found.rate,
     }
     name = found.pair.scenario.name
-    _deliver(options, [passage_table([(name, found)])], values)
+    deliver(options, [passage_table([(name, found)])], values)
     if options.plot is not None:
         from validation.studies.nonlinear import figures
 
-        _save(figures.passage_diagram([(name, found)])[0].figure, options.plot)
+        save(figures.passage_diagram([(name, found)])[0].figure, options.plot)
     return 0
 
 
@@ -211,18 +210,6 @@ def _values(cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
     return [{name: getattr(cycle, name) for name in names} for cycle in cycles]
 
 
-def _deliver(options: argparse.Namespace, shown: Sequence[Table], values: dict[str, Any]) -> None:
-    """Store the first table, and print the values, or all tables if nothing else is asked for."""
-    if options.csv is not None:
-        with whole_file(options.csv) as stream:
-            stream.write(shown[0].to_csv().encode())
-    if options.json:
-        print(json.dumps(values))
-    elif options.csv is None and options.plot is None:
-        for table in shown:
-            print(f"{table.title}\n{table.to_text() if table.rows else 'none'}\n{table.note}\n")
-
-
 def _plot_family(family: CycleFamily, path: Path) -> None:
     from validation.kit.figures import new_figure
     from validation.studies.nonlinear import figures
@@ -230,9 +217,4 @@ def _plot_family(family: CycleFamily, path: Path) -> None:
     figure, axes = new_figure(4, height=11.0, share=False)
     figures.bifurcation_diagram(family, axes=axes[0])
     figures.period_diagram(family, axes=axes[1:])
-    _save(figure, path)
-
-
-def _save(figure: Any, path: Path) -> None:
-    with whole_file(path) as stream:
-        figure.savefig(stream, format=path.suffix[1:], dpi=150)
+    save(figure, path)

@@ -190,6 +190,7 @@ def _critical(commands: Commands) -> None:
         metavar="FIRST:LAST",
         help="range in rad/s (default: %(default)s)",
     )
+    add_output(critical)
     add_problem(critical)
 
 
