@@ -80,7 +80,7 @@ def test_critical_speeds_go_to_csv_plot_and_json(
     found = json.loads(capsys.readouterr().out)
     (crossing,) = found["crossings"]
     assert crossing["spin"] == pytest.approx(found["closed_form"]["spin"], rel=1e-9)
-    assert found["stable"] == [[pytest.approx(crossing["spin"], abs=1e-8), 60.0]]
+    assert found["stable"] == [[pytest.approx(crossing["spin"], abs=1e-6), 60.0]]
     with table.open() as stream:
         assert float(list(csv.reader(stream))[1][1]) == crossing["spin"]
     assert "<svg" in picture.read_text()

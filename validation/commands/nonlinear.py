@@ -32,11 +32,13 @@ def cycles(options: argparse.Namespace) -> int:
         return _cycles_over(options, scenario, None if spins is None else spins.tolist())
     if options.rotating:
         return _rotating(options, scenario)
+    if options.asymmetric:
+        return _asymmetric(options, scenario)
     if options.amplitude is not None:
         raise ValueError("--amplitude belongs to --over; a family goes through all amplitudes")
     if spins is not None:
         found = [families.cycle_at(scenario, spin) for spin in spins.tolist()]
-        deliver(options, [tables.cycle_table(found)], {"cycles": _values(found)})
+        deliver(options, [tables.cycle_table(found)], {"cycles": _cycle_values(found)})
         if options.plot is not None:
             from validation.studies.nonlinear import figures
 
@@ -78,20 +80,14 @@ def heteroclinic(options: argparse.Namespace) -> int:
 def _rotating(options: argparse.Namespace, scenario: Scenario) -> int:
     from analysis.nonlinear.rotating import folds, rotating_family
 
-    if options.spins is not None:
-        raise ValueError("--spin does not go together with --rotating: a family has many spins")
+    _no_spin(options, "--rotating")
     with progress_bar("rotating motion {n:.0f} of {total:.0f}") as progress:
         family = rotating_family(scenario, progress=progress)
     turns = folds(family)
-    names = ("tilt", "spin", "period", "largest_tilt", "multiplier", "log_strong", "stable")
-    rotations, folded = (
-        [{name: getattr(each, name) for name in names} for each in found]
-        for found in (family.rotations, turns)
-    )
     values = {
         "connection": family.connection.spin,
-        "rotations": rotations,
-        "folds": folded,
+        "rotations": _values(family.rotations, "tilt", "largest_tilt"),
+        "folds": _values(turns, "tilt", "largest_tilt"),
         "reason": family.reason,
     }
     deliver(options, [tables.rotation_table(family, turns)], values)
@@ -100,6 +96,35 @@ def _rotating(options: argparse.Namespace, scenario: Scenario) -> int:
 
         save(figures.rotation_diagram(family).figure, options.plot)
     return 0
+
+
+def _asymmetric(options: argparse.Namespace, scenario: Scenario) -> int:
+    from analysis.nonlinear.asymmetric import changes, first_asymmetric_family
+
+    _no_spin(options, "--asymmetric")
+    with progress_bar("symmetric cycle {n:.3g} of {total:.3g} rad") as progress:
+        symmetric = families.cycle_family(scenario, progress=progress)
+    with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
+        family = first_asymmetric_family(symmetric, progress=progress)
+    found = changes(family.cycles)
+    names = ("amplitude", "lowest")
+    values = {
+        "born": _cycle_values([family.bifurcation.cycle])[0],
+        "cycles": _values(family.cycles, *names),
+        "changes": [{"kind": kind, **_values([each], *names)[0]} for kind, each in found],
+        "reason": family.reason,
+    }
+    deliver(options, [tables.asymmetric_table(family, found)], values)
+    if options.plot is not None:
+        from validation.studies.nonlinear import figures
+
+        save(figures.asymmetric_diagram(family, symmetric).figure, options.plot)
+    return 0
+
+
+def _no_spin(options: argparse.Namespace, option: str) -> None:
+    if options.spins is not None:
+        raise ValueError(f"--spin does not go together with {option}: a family has many spins")
 
 
 def _cycles_over(
@@ -118,7 +143,7 @@ def _cycles_over(
     table = over.cycles_table(axis, values, found)
     rows = [
         {axis.field: value, **each}
-        for value, each in zip(values, _values(found.cycles), strict=False)
+        for value, each in zip(values, _cycle_values(found.cycles), strict=False)
     ]
     deliver(options, [table], {"cycles": rows, "reason": found.reason})
     if options.plot is not None:
@@ -185,8 +210,8 @@ def _family(scenario: Scenario, family: CycleFamily) -> tuple[list[Table], dict[
     values = {
         "hopf": {**asdict(normal), "kind": normal.kind, "curvature": normal.curvature},
         "growth": None if growth is None else asdict(growth),
-        "cycles": _values(family.cycles),
-        "bifurcations": [{"kind": each.kind, **_values([each.cycle])[0]} for each in found],
+        "cycles": _cycle_values(family.cycles),
+        "bifurcations": [{"kind": each.kind, **_cycle_values([each.cycle])[0]} for each in found],
         "reason": family.reason,
     }
     shown = [
@@ -197,17 +222,13 @@ def _family(scenario: Scenario, family: CycleFamily) -> tuple[list[Table], dict[
     return shown, values
 
 
-def _values(cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
-    names = (
-        "spin",
-        "amplitude",
-        "period",
-        "multiplier",
-        "half_multiplier",
-        "log_strong",
-        "stable",
-    )
-    return [{name: getattr(cycle, name) for name in names} for cycle in cycles]
+def _cycle_values(cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
+    return _values(cycles, "amplitude", "half_multiplier")
+
+
+def _values(motions: Sequence[Any], *own: str) -> list[dict[str, Any]]:
+    names = ("spin", *own, "period", "multiplier", "log_strong", "stable")
+    return [{name: getattr(each, name) for name in names} for each in motions]
 
 
 def _plot_family(family: CycleFamily, path: Path) -> None:

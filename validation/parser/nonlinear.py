@@ -29,6 +29,11 @@ def add_cycles(commands: Commands) -> None:
         action="store_true",
         help="instead, the motions beyond the heteroclinic end, in which gamma turns round",
     )
+    what.add_argument(
+        "--asymmetric",
+        action="store_true",
+        help="instead, the cycles without mirror symmetry, where symmetric ones lose it",
+    )
     _add_over(what)
     cycles.add_argument(
         "--amplitude", type=float, metavar="RAD", help="of the cycle that --over follows"
