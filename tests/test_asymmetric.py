@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from analysis import SmoothCoulomb
 from analysis.models import reduced
-from analysis.nonlinear.asymmetric import AsymmetricCycle, asymmetric_branch, changes
+from analysis.nonlinear.asymmetric import AsymmetricCycle, asymmetric_family, changes
 from analysis.nonlinear.family import Bifurcation, bifurcations, cycle_family
 from tests.helpers import model
 
@@ -22,7 +22,7 @@ def lost() -> Bifurcation:
 
 @pytest.fixture(scope="module")
 def branch(lost: Bifurcation) -> tuple[AsymmetricCycle, ...]:
-    return asymmetric_branch(lost, (2.0, 2.2, 2.4))
+    return asymmetric_family(lost, (2.0, 2.2, 2.4)).cycles
 
 
 @pytest.mark.slow
@@ -77,7 +77,7 @@ def difference_of_swings(spin: float) -> float:
 @pytest.mark.slow
 def test_other_bifurcations_and_amplitudes_are_refused(lost: Bifurcation) -> None:
     with pytest.raises(ValueError, match="must be symmetry-breaking, got 'fold'"):
-        asymmetric_branch(replace(lost, kind="fold"), (2.0,))
+        asymmetric_family(replace(lost, kind="fold"), (2.0,))
     for amplitudes in ((), (1.7, 1.9), (2.1, 2.0)):
         with pytest.raises(ValueError, match=r"must rise strictly beyond 1\.78157"):
-            asymmetric_branch(lost, amplitudes)
+            asymmetric_family(lost, amplitudes)

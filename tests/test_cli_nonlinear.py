@@ -4,6 +4,7 @@ import csv
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.test_cli_stability import run
@@ -40,6 +41,25 @@ def test_a_cycle_is_followed_over_a_parameter(
 
 
 @pytest.mark.slow
+def test_cycles_without_symmetry_are_followed_from_where_they_are_born(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("analysis.nonlinear.family._amplitudes", lambda _: (0.5, 1.0, 1.5, 1.9))
+    monkeypatch.setattr("analysis.nonlinear.asymmetric.BEYOND", np.array((0.2, 0.4, 0.6)))
+    picture = tmp_path / "asymmetric.svg"
+    call = "cycles --asymmetric --mu 0.1 --eps 0.4"
+    assert run(f"{call} --json --plot {picture}") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["born"]["amplitude"] == pytest.approx(1.78157, abs=1e-5)
+    assert [each["stable"] for each in found["cycles"]] == [True, True, False]
+    (change,) = found["changes"]
+    assert (change["kind"], round(change["spin"], 3)) == ("period-doubling", 29.969)
+    assert "<svg" in picture.read_text()
+    assert run("cycles --asymmetric") == 2
+    assert "no cycle of the family loses its symmetry" in capsys.readouterr().err
+
+
+@pytest.mark.slow
 def test_the_connection_is_followed_over_a_parameter(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("heteroclinic --over mu=0.1,0.3 --json") == 0
     ends = json.loads(capsys.readouterr().out)["ends"]
@@ -59,6 +79,7 @@ def test_the_connection_is_followed_over_a_parameter(capsys: pytest.CaptureFixtu
         ("cycles --plot cycles.txt", "--plot: must end in"),
         ("cycles --mu 1e9", "gradient of at most 10000 s/m"),
         ("cycles --amplitude 1", "--amplitude belongs to --over"),
+        ("cycles --asymmetric --spin 30", "--spin does not go together with --asymmetric"),
         ("cycles --over mu=0.1:1:3", "--over needs what is held"),
         ("cycles --over mu=0.1:1 --spin 30", "needs a count"),
         ("cycles --over start.spin=1,2 --amplitude 1", "a number of disk, friction or table"),

@@ -72,6 +72,20 @@ def test_csv_plot_and_json_go_together(tmp_path: Path, capsys: pytest.CaptureFix
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_critical_speeds_go_to_csv_plot_and_json(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, picture = tmp_path / "critical.csv", tmp_path / "critical.svg"
+    assert run(f"critical --model 4 --csv {table} --plot {picture} --json") == 0
+    found = json.loads(capsys.readouterr().out)
+    (crossing,) = found["crossings"]
+    assert crossing["spin"] == pytest.approx(found["closed_form"]["spin"], rel=1e-9)
+    assert found["stable"] == [[pytest.approx(crossing["spin"], abs=1e-6), 60.0]]
+    with table.open() as stream:
+        assert float(list(csv.reader(stream))[1][1]) == crossing["spin"]
+    assert "<svg" in picture.read_text()
+
+
 def test_critical_says_first_where_the_motion_is_stable(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -13,8 +13,8 @@ from analysis.stability.linear_reduced import critical_speed
 from validation.kit import shipped
 from validation.studies.rest import creep, runs
 from validation.studies.rest import section as rest
+from validation.studies.robustness import stored
 from validation.studies.robustness.causes import GOOD, cause
-from validation.studies.robustness.stored import FILE
 
 ROOT = Path(__file__).parent.parent
 README = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
@@ -37,7 +37,7 @@ def test_readme_counts_the_judged_statements() -> None:
 
 
 def test_hard_cases_are_counted_as_in_the_shipped_study() -> None:
-    study = FILE.read_shipped()
+    study = stored.shipped()
     assert study is not None
     verdicts = Counter(each.verdict for each in study.outcomes)
     causes = Counter(cause(each) for each in study.outcomes if each.verdict not in GOOD)

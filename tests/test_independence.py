@@ -3,6 +3,8 @@
 import ast
 import subprocess
 import sys
+from functools import cache
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 
 
+@cache
 def imported_modules(path: Path) -> set[str]:
     names = set()
     for node in ast.walk(ast.parse(path.read_text())):
@@ -63,3 +66,24 @@ def test_import_loads_nothing_it_does_not_need(module: str, absent: tuple[str, .
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
     )
     assert result.stdout.strip() == "[]"
+
+
+def test_modules_import_each_other_in_no_circle() -> None:
+    paths = [
+        path
+        for package in ("analysis", "mbs_models", "validation")
+        for path in (ROOT / package).rglob("*.py")
+        if path.name != "__init__.py"
+    ]
+    files = {".".join(path.relative_to(ROOT).with_suffix("").parts): path for path in paths}
+    graph = {
+        module: {
+            known
+            for name in imported_modules(path)
+            for known in (name, name.rpartition(".")[0])
+            if known in files and known != module
+        }
+        for module, path in files.items()
+    }
+    # Raises where there is one, and names it.
+    assert len(list(TopologicalSorter(graph).static_order())) == len(files)

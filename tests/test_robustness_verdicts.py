@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import cos, inf
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,9 +19,8 @@ from analysis import (
     Trajectory,
 )
 from analysis.data.endings import Ending
-from validation.kit.full_study import FULL_STUDY
 from validation.kit.provenance import Provenance
-from validation.studies.robustness import random_scenarios, ship, stored, tables
+from validation.studies.robustness import random_scenarios, stored, tables
 from validation.studies.robustness import run as runs
 from validation.studies.robustness.axes import body, problems
 from validation.studies.robustness.cases import TOLERANCE, HardProblem, Way, ways
@@ -268,22 +266,6 @@ def study_of(*outcomes: Outcome) -> stored.Study:
     return stored.Study(provenance=Provenance.here(), outcomes=outcomes)
 
 
-def test_study_is_read_as_it_was_written(tmp_path: Path) -> None:
-    path = tmp_path / FULL_STUDY
-    wrong = replace(BLANK, verdict="inaccurate", error=1.25e-3, ending_error=inf, steps=12)
-    study = study_of(BLANK, replace(wrong, reason='a "quoted" ε'))
-    stored.FILE.write(study, path)
-    read = stored.FILE.read(path)
-    assert read.provenance == study.provenance
-    assert read.outcomes[0] == BLANK
-    assert read.outcomes[1].reason == 'a "quoted" ε'
-    assert read.outcomes[1].broken == study.outcomes[1].broken
-    assert cause(read.outcomes[1]) == "wrong angles or ending"
-    path.write_text('{"provenance": {}}')
-    with pytest.raises(ValueError, match="does not hold a robustness study"):
-        stored.FILE.read(path)
-
-
 def test_confirmation_counts_what_has_the_verdict_of_the_study() -> None:
     other = replace(BLANK, label="other")
     study = study_of(BLANK, replace(other, verdict="diverged"))
@@ -297,32 +279,6 @@ def test_axis_that_the_full_study_does_not_hold_is_told_so() -> None:
     here = [replace(BLANK, axis="new"), replace(BLANK, axis="new", verdict="refused")]
     (row,) = tables.confirmation(stored.beside(here, study_of(BLANK))).rows
     assert list(row) == ["new", 2, 0, 0, "not in the full study; here 1 accurate, 1 refused"]
-
-
-def test_study_that_lacks_a_case_is_not_shipped() -> None:
-    cases = [
-        Outcome(
-            axis=problem.axis,
-            label=problem.label,
-            level=problem.scenario.model,
-            way=way,
-            verdict="accurate",
-        )
-        for problem in problems(quick=False)
-        for way in ways(problem, quick=False)
-    ]
-    ship.check_complete(study_of(*cases))
-    assert "accurate" in ship.summary(study_of(*cases))
-    with pytest.raises(ValueError, match="differs in 1, such as"):
-        ship.check_complete(study_of(*cases[1:]))
-
-
-def test_shipped_study_is_written_as_it_lies_there(tmp_path: Path) -> None:
-    study = stored.shipped()
-    if study is None:
-        pytest.skip("no full study is shipped")
-    stored.FILE.write(study, tmp_path / FULL_STUDY)
-    assert (tmp_path / FULL_STUDY).read_bytes() == stored.FILE.shipped.read_bytes()
 
 
 def test_shipped_study_holds_all_cases_of_its_axes() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,10 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, Start
-from validation.kit import reach, shipped
-from validation.kit.parts import Job, Part
+from validation.kit import reach, report, shipped
+from validation.kit.parts import Job, Part, Store
 from validation.kit.plain import pack, unpack
+from validation.kit.provenance import Provenance
 from validation.kit.samples import Sample, table
 from validation.studies import full_report, ship
 from validation.studies.rest.creep import Loss
@@ -29,6 +31,8 @@ SCENARIO = Scenario(start=Start(spin=31.0))
         np.array((1.0 + 2.0j, 3.0j)),
         np.array((True, False)),
         [SCENARIO],
+        (SCENARIO, SCENARIO),
+        [nan, inf],
     ],
 )
 def test_plain_data_make_the_same_result_again(value: Any) -> None:
@@ -70,7 +74,7 @@ def _section(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     made = jobs(1.0, 2.0)
     parts = {job.key: Part(("shipped", job.arguments[1]), 1.5) for job in made}
     shipped.of.cache_clear()
-    shipped.gather(made, parts).write(shipped.path_of("toy"))
+    shipped.gather(made, parts, Provenance.here()).write(shipped.path_of("toy"))
     yield "toy"
     shipped.of.cache_clear()
 
@@ -133,15 +137,26 @@ def test_damaged_file_is_said_to_be_one(section: str) -> None:
 
 
 SHIPPING = [each for each in full_report.STUDIES if each.shipped()]
+LONG = [each for each in full_report.STUDIES if each.long()]
 
 
-@pytest.mark.parametrize("study", SHIPPING, ids=lambda each: each.name)
+@pytest.mark.parametrize("study", SHIPPING + LONG, ids=lambda each: each.name)
 def test_shipped_results_can_be_read_and_are_small(study: full_report.Study) -> None:
     path = shipped.path_of(study.name)
-    assert path.stat().st_size < 400_000
+    assert path.stat().st_size < 450_000
     found = shipped.read(path)
     assert found.provenance.commit
-    assert any(shipped.holds(study.name, job) for job in study.shipped())
+    assert "+" not in found.provenance.commit
+    assert any(shipped.holds(study.name, job) for job in (*study.shipped(), *study.long()))
+
+
+@pytest.mark.parametrize("name", ["maps", "work-precision"])
+def test_whole_study_is_shipped(name: str) -> None:
+    (study,) = (each for each in LONG if each.name == name)
+    found = shipped.of(name)
+    assert found is not None
+    keys = [repr(job.key) for job in study.long()]
+    assert [known.rpartition(" ")[0] for known in found.parts] == keys
 
 
 @pytest.mark.whole
@@ -162,19 +177,29 @@ def test_shipping_computes_what_is_left_and_puts_it_into_the_package(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     toy = replace(full_report.STUDIES[0], name=section, shipped=lambda: jobs(3.0))
-    monkeypatch.setattr(ship, "STUDIES", (toy,))
+    longer = replace(toy, name="longer", shipped=list, long=lambda: jobs(4.0))
+    monkeypatch.setattr(ship, "STUDIES", (toy, longer))
     calls: list[Any] = []
 
-    def run(left: list[Job], **_: Any) -> dict[Any, Part]:
+    def run(left: list[Job], *, store: Store, **_: Any) -> dict[Any, Part]:
         calls.extend(left)
-        return {job.key: Part(job.function(*job.arguments), 2.0) for job in left}
+        made = {job.key: Part(job.function(*job.arguments), 2.0) for job in left}
+        for job in left:
+            store.keep(job, made[job.key])
+        return made
 
-    monkeypatch.setattr(ship, "run_parts", run)
-    assert ship.main([str(tmp_path), section]) == 0
+    monkeypatch.setattr(report, "run_parts", run)
+    for _ in range(2):
+        assert ship.main([str(tmp_path)]) == 0
+        assert "toy: 1 results, 2 s of processor time" in capsys.readouterr().out
     assert len(calls) == 1
-    assert "toy: 1 results, 2 s of processor time" in capsys.readouterr().out
+    report.run_kept(jobs(3.0), tmp_path, fresh=True)
+    assert len(calls) == 2
     shipped.of.cache_clear()
     assert results(section, jobs(3.0)) == [("here", 93.0)]
+    assert not shipped.path_of("longer").exists()
+    assert ship.main([str(tmp_path), "longer"]) == 0
+    assert results("longer", jobs(4.0)) == [("here", 124.0)]
     with pytest.raises(SystemExit):
         ship.main([str(tmp_path), "nothing"])
-    assert "SECTION must be one of toy, got 'nothing'" in capsys.readouterr().err
+    assert "SECTION must be one of toy, longer, got 'nothing'" in capsys.readouterr().err

@@ -2,7 +2,6 @@
 
 import argparse
 import dataclasses
-import json
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from validation.commands import work_precision as commands_work_precision
 from validation.kit.report import Job
 from validation.kit.tables import Table
 from validation.studies.work_precision import measure, study
+from validation.studies.work_precision.jobs import jobs
 from validation.studies.work_precision.measure import ladder_end
 from validation.studies.work_precision.methods import EngineMethod, InHouseMethod, label, methods
 from validation.studies.work_precision.problems import (
@@ -273,41 +273,17 @@ def test_full_study_holds_every_integrator_of_the_engine() -> None:
         assert part in labels
 
 
-def test_kept_results_are_not_measured_again(tmp_path: Path) -> None:
-    conditions = {"quick": True, "code": "1"}
-    first = study.curve_job(tmp_path, conditions, "model-1", RK44)
-    again = study.curve_job(tmp_path, conditions, "model-1", RK44)
-    assert again == first
-    changed = study.curve_job(tmp_path, conditions | {"code": "2"}, "model-1", RK44)
-    assert [run.seconds for run in changed.runs] != [run.seconds for run in first.runs]
-
-
-def test_damaged_store_is_named_and_not_taken_for_a_result(tmp_path: Path) -> None:
-    conditions = {"quick": True}
-    study.curve_job(tmp_path, conditions, "model-1", RK44)
-    (path,) = tmp_path.iterdir()
-    path.write_text(path.read_text()[:-20])
-    with pytest.raises(ValueError, match=r"is not readable: .*--fresh"):
-        study.curve_job(tmp_path, conditions, "model-1", RK44)
-
-
-def test_failed_runs_survive_the_store() -> None:
-    run = made_run(0.02, 0.0, errors=None, failure="stopped")
-    curve = Curve.from_dict(json.loads(json.dumps(made_curve(run).to_dict())))
-    assert curve.runs[0].failure == "stopped"
-
-
 @pytest.mark.parametrize("quick", [True, False])
 def test_jobs_have_keys_of_their_own(quick: bool) -> None:
-    found = study.jobs(quick=quick)
+    found = jobs(quick=quick)
     assert all(isinstance(job, Job) and job.key[0] == "work-precision" for job in found)
     assert len({job.key for job in found}) == len(found)
 
 
 def test_full_jobs_cover_all_problems_and_quick_ones_some_of_them() -> None:
-    full = {job.key for job in study.jobs(quick=False)}
+    full = {job.key for job in jobs(quick=False)}
     assert {key[1] for key in full} == {"agreement", "price", *PROBLEMS}
-    assert {job.key for job in study.jobs(quick=True)} < full
+    assert {job.key for job in jobs(quick=True)} < full
 
 
 def test_fastest_way_is_the_quickest_run_that_is_good_enough() -> None:

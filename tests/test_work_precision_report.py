@@ -1,7 +1,6 @@
 """What the work-precision study says: stored studies, tables, lesson, report, docs."""
 
 import dataclasses
-import json
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -10,16 +9,15 @@ import pytest
 
 from mbs_models import Integrator
 from validation.kit.figures import Picture
-from validation.kit.full_study import FULL_STUDY
 from validation.kit.provenance import Provenance
-from validation.studies.work_precision import confirm, figures, measure, section, ship, tables
+from validation.studies.work_precision import confirm, figures, measure, results, section, tables
 from validation.studies.work_precision.lesson import paragraphs
-from validation.studies.work_precision.methods import EngineMethod, methods
-from validation.studies.work_precision.prices import Price, cases
+from validation.studies.work_precision.methods import EngineMethod
+from validation.studies.work_precision.prices import Price
 from validation.studies.work_precision.problems import PROBLEMS, Agreement
 from validation.studies.work_precision.runs import Curve, Run
 from validation.studies.work_precision.section import make_section
-from validation.studies.work_precision.stored import FILE, Study, shipped
+from validation.studies.work_precision.stored import Study, shipped
 
 RESULTS = Path(__file__).parents[1] / "docs" / "results.md"
 
@@ -75,31 +73,6 @@ def made_study(*curves: Curve, quick: bool = False) -> Study:
             ),
         ),
     )
-
-
-def test_study_survives_its_file_to_four_digits(tmp_path: Path) -> None:
-    study = made_study()
-    FILE.write(study, tmp_path / "study.json")
-    read = FILE.read(tmp_path / "study.json")
-    assert (read.provenance, read.agreements) == (study.provenance, study.agreements)
-    assert read.prices == study.prices
-    for run, other in zip(read.runs, study.runs, strict=True):
-        assert (run.method, run.kind, run.setting) == (other.method, other.kind, other.setting)
-        assert (run.counts, run.failure) == (other.counts, other.failure)
-        assert run.error == pytest.approx(other.error, rel=1e-3)
-        assert run.seconds == pytest.approx(other.seconds, rel=1e-3, nan_ok=True)
-    FILE.write(read, tmp_path / "again.json")
-    assert (tmp_path / "again.json").read_bytes() == (tmp_path / "study.json").read_bytes()
-
-
-def test_file_that_holds_no_study_is_named(tmp_path: Path) -> None:
-    path = tmp_path / "study.json"
-    FILE.write(made_study(), path)
-    stored = json.loads(path.read_text())
-    del stored["curves"][0]["end"]
-    path.write_text(json.dumps(stored))
-    with pytest.raises(ValueError, match=r"study\.json does not hold a work-precision study"):
-        FILE.read(path)
 
 
 def test_run_on_the_spot_confirms_equal_work_and_error_whatever_its_time() -> None:
@@ -275,84 +248,10 @@ def test_figures_lay_the_runs_on_the_spot_over_the_full_curves() -> None:
     assert ["on the spot" in picture.caption for picture in pictures] == [False, True, False]
 
 
-def whole_study() -> Study:
-    """All curves and prices of a full study, without a successful run."""
-    curves = [
-        dataclasses.replace(
-            failed(), problem=name, formulation=method.formulation, scheme=method.scheme
-        )
-        for name, problem in PROBLEMS.items()
-        for method in methods(problem, False)
-    ]
-    found = tuple(
-        dataclasses.replace(
-            made_study().prices[0],
-            what=case.what,
-            problem=case.one.problem.name,
-            formulation=case.one.method.formulation,
-        )
-        for case in cases(False)
-    )
-    return dataclasses.replace(made_study(*curves), prices=found)
-
-
-def test_only_a_whole_full_study_is_shipped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    shipped_here = dataclasses.replace(FILE, shipped=tmp_path / "shipped.json")
-    monkeypatch.setattr(ship, "FILE", shipped_here)
-    assert ship.main([str(tmp_path)]) == 1
-    for study, message in (
-        (made_study(quick=True), "must be a full one"),
-        (made_study(), "missing: agreement"),
-    ):
-        if study.quick:
-            FILE.write(study, tmp_path / FULL_STUDY)
-        else:
-            partial = dataclasses.replace(study, agreements={})
-            FILE.write(partial, tmp_path / FULL_STUDY)
-        assert ship.main([str(tmp_path)]) == 1
-        assert message in capsys.readouterr().err
-    assert not (tmp_path / "shipped.json").exists()
-
-
-def test_shipping_prints_the_block_of_the_results(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    shipped_here = dataclasses.replace(FILE, shipped=tmp_path / "shipped.json")
-    monkeypatch.setattr(ship, "FILE", shipped_here)
-    FILE.write(whole_study(), tmp_path / FULL_STUDY)
-    assert ship.main([str(tmp_path)]) == 0
-    printed = capsys.readouterr().out
-    assert printed.startswith(ship.BEGIN)
-    assert printed.rstrip().endswith(ship.END)
-    assert "\n| Model 1 | not reached | not reached | not reached |\n" in printed
-    assert "2026-01-31, a machine" in printed
-    assert (tmp_path / "shipped.json").read_bytes() == (tmp_path / FULL_STUDY).read_bytes()
-
-
 def test_results_show_the_fastest_ways_of_the_shipped_study() -> None:
     full = shipped()
     if full is None:
         pytest.skip("no full study is shipped yet")
     text = RESULTS.read_text(encoding="utf-8")
-    block = text[text.index(ship.BEGIN) : text.index(ship.END) + len(ship.END)]
-    assert block == ship.results_block(full)
-
-
-def test_shipped_study_is_written_as_it_lies_there(tmp_path: Path) -> None:
-    full = shipped()
-    if full is None:
-        pytest.skip("no full study is shipped yet")
-    FILE.write(full, tmp_path / FULL_STUDY)
-    assert (tmp_path / FULL_STUDY).read_bytes() == FILE.shipped.read_bytes()
-
-
-def test_shipped_study_is_a_whole_one_of_a_clean_commit() -> None:
-    full = shipped()
-    if full is None:
-        pytest.skip("no full study is shipped yet")
-    ship.check_complete(full)
-    assert full.provenance.commit
-    assert not full.provenance.commit.endswith("+changes")
-    assert FILE.shipped.stat().st_size < 1e6
+    block = text[text.index(results.BEGIN) : text.index(results.END) + len(results.END)]
+    assert block == results.results_block(full)

@@ -1,15 +1,12 @@
 """When each phase of the motion until rest began."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array
-
-if TYPE_CHECKING:
-    from analysis.data.spatial_motion import SpatialMotion
+from analysis.data.scenario import Scenario
 
 Flags = npt.NDArray[np.bool_]
 
@@ -49,23 +46,31 @@ class Phases:
     rest: float | None
 
 
-def find_phases(motion: "SpatialMotion") -> Phases:
-    """Find when the phases of a motion begin."""
-    times, inversion = motion.times, motion.inversion
-    scenario = motion.scenario
+def flat_and_rolling(
+    scenario: Scenario,
+    times: Array,
+    *,
+    leaning: Array,
+    slip_speeds: Array,
+    contour_speeds: Array,
+) -> tuple[float | None, float | None]:
+    """Find when a sampled motion begins to be flat, and to roll.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    times : ndarray, shape (n,)
+        In s.
+    leaning : ndarray, shape (n,)
+        Angle between disk and table in rad.
+    slip_speeds, contour_speeds : ndarray, shape (n,)
+        In m/s.
+    """
     limit = FLAT * scenario.penalty_contact.half_thickness / scenario.disk.radius
-    flat = _from_here_on(times, motion.leaning < limit)
+    flat = _from_here_on(times, leaning < limit)
     upto = times <= (np.inf if flat is None else flat)
-    slip = _running_mean(times, motion.slip_speeds)
-    contour = _running_mean(times, motion.contour_speeds)
-    rolling = _from_here_on(times[upto], (slip < ROLLING * contour)[upto])
-    return Phases(
-        inversion=inversion.time,
-        inversion_lost=inversion.lost,
-        rolling=rolling,
-        flat=flat,
-        rest=motion.rest_time,
-    )
+    slip, contour = (_running_mean(times, each) for each in (slip_speeds, contour_speeds))
+    return flat, _from_here_on(times[upto], (slip < ROLLING * contour)[upto])
 
 
 def _from_here_on(times: Array, condition: Flags) -> float | None:

@@ -15,7 +15,7 @@ from analysis.data.dense import between_neighbours, interpolate
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
-from analysis.data.phases import Phases, find_phases
+from analysis.data.phases import Phases, flat_and_rolling
 from analysis.data.sampled import SampledMotion
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import (
@@ -181,7 +181,21 @@ class SpatialMotion(SampledMotion):
     @property
     def phases(self) -> Phases:
         """When each phase of the motion until rest begins."""
-        return find_phases(self)
+        flat, rolling = flat_and_rolling(
+            self.scenario,
+            self.times,
+            leaning=self.leaning,
+            slip_speeds=self.slip_speeds,
+            contour_speeds=self.contour_speeds,
+        )
+        inversion = self.inversion
+        return Phases(
+            inversion=inversion.time,
+            inversion_lost=inversion.lost,
+            rolling=rolling,
+            flat=flat,
+            rest=self.rest_time,
+        )
 
     def energy_taken(self, cause: str) -> Array:
         """Energy in J taken by this one of `CAUSES` over time, shape (n,)."""

@@ -16,11 +16,12 @@ from scipy.integrate import solve_ivp
 
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
+from analysis.data.watch import Progress
 from analysis.models import reduced
 from analysis.nonlinear.collocation import NoCycleError, collocated_period, period_values
 from analysis.nonlinear.cycle import WholePeriod
-from analysis.nonlinear.family import Bifurcation, cycle_family
-from analysis.nonlinear.following import locate, reach
+from analysis.nonlinear.family import Bifurcation, CycleFamily, bifurcations, cycle_family
+from analysis.nonlinear.following import followed, locate, reach
 
 Change = Literal["fold", "period-doubling"]
 _AT: dict[Change, float] = {"fold": 1.0, "period-doubling": -1.0}
@@ -33,7 +34,13 @@ _PERIODS = 400
 _SETTLED = 1e-5
 """Push of gamma in rad, periods to settle in, and change over one in rad that is small enough."""
 
+_SYMMETRIC = 1e-4
+"""Difference in rad of the largest deviations to both sides below which they are the same."""
+
 _HALVINGS = 4
+
+BEYOND: Array = np.concatenate(((0.005, 0.02), np.linspace(0.05, 1.3, 26)))
+"""Amplitudes in rad beyond that of the bifurcation, to which the cycles are followed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,44 +63,94 @@ class AsymmetricCycle(WholePeriod):
         return abs(self.multiplier) < 1.0
 
 
-def asymmetric_branch(
-    bifurcation: Bifurcation, amplitudes: npt.ArrayLike
-) -> tuple[AsymmetricCycle, ...]:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AsymmetricFamily:
+    """Cycles without mirror symmetry by rising amplitude.
+
+    Parameters
+    ----------
+    bifurcation : Bifurcation
+        Where they branch off symmetric ones.
+    cycles : tuple of AsymmetricCycle
+        All of them converged.
+    reason : str or None
+        Why it ends before the last amplitude asked for, if it does; it names the last good one.
+    """
+
+    bifurcation: Bifurcation
+    cycles: tuple[AsymmetricCycle, ...]
+    reason: str | None = None
+
+
+def asymmetric_family(
+    bifurcation: Bifurcation,
+    amplitudes: npt.ArrayLike | None = None,
+    *,
+    progress: Progress | None = None,
+) -> AsymmetricFamily:
     """Follow the cycles that branch off where symmetric ones lose their symmetry.
 
     Parameters
     ----------
     bifurcation : Bifurcation
         Of the kind "symmetry-breaking", into stable cycles.
-    amplitudes : array_like, shape (n,)
-        Largest deviations of gamma in rad, rising, beyond that of the bifurcation.
+    amplitudes : array_like, shape (n,), optional
+        Largest deviations of gamma in rad, rising, beyond that of the bifurcation; by default
+        further by `BEYOND`.
+    progress : callable, optional
+        Called after each of them with how many there are and how many are wanted.
 
     Raises
     ------
     ValueError
         If the bifurcation is another one, or the amplitudes are no such.
     NoCycleError
-        If no cycle without symmetry settles, or an iteration fails; the message names the last
-        good one.
+        If no cycle without symmetry settles.
     """
     if bifurcation.kind != "symmetry-breaking":
         raise ValueError(f"bifurcation must be symmetry-breaking, got {bifurcation.kind!r}")
-    wanted = real_array("amplitudes", amplitudes)
     begin = bifurcation.cycle.amplitude
+    wanted = real_array("amplitudes", begin + BEYOND if amplitudes is None else amplitudes)
     if wanted.ndim != 1 or not wanted.size or np.any(np.diff(wanted, prepend=begin) <= 0.0):
         raise ValueError(f"amplitudes must rise strictly beyond {begin:.6g}, got {amplitudes!r}")
-    last = _settled(bifurcation)
+    first = _settled(bifurcation)
     found: list[AsymmetricCycle] = []
-    for amplitude in wanted.tolist():
-        try:
-            last = reach(_solved, last.amplitude, amplitude, last, _HALVINGS)
-        except NoCycleError as error:
-            raise NoCycleError(
-                f"{error}; the last good one has {last.amplitude:.9g} rad at a spin of "
-                f"{last.spin:.9g} rad/s"
-            ) from error
-        found.append(last)
-    return tuple(found)
+    reason = None
+    try:
+        for cycle in followed(_solved, wanted, first, lambda each: each.amplitude, _HALVINGS):
+            found.append(cycle)
+            if progress is not None:
+                progress(float(len(found)), float(wanted.size))
+    except NoCycleError as error:
+        reason = str(error)
+    return AsymmetricFamily(bifurcation=bifurcation, cycles=tuple(found), reason=reason)
+
+
+def first_asymmetric_family(
+    family: CycleFamily, *, progress: Progress | None = None
+) -> AsymmetricFamily:
+    """Cycles without symmetry from the first place of a family where some settle.
+
+    Parameters
+    ----------
+    family : CycleFamily
+        Of symmetric cycles.
+    progress : callable, optional
+        As in `asymmetric_family`.
+
+    Raises
+    ------
+    NoCycleError
+        If no cycle of the family loses its symmetry, or none without it settles.
+    """
+    reason = "no cycle of the family loses its symmetry"
+    for bifurcation in bifurcations(family):
+        if bifurcation.kind == "symmetry-breaking":
+            try:
+                return asymmetric_family(bifurcation, progress=progress)
+            except NoCycleError as error:
+                reason = str(error)
+    raise NoCycleError(reason)
 
 
 def changes(branch: Sequence[AsymmetricCycle]) -> tuple[tuple[Change, AsymmetricCycle], ...]:
@@ -127,7 +184,8 @@ def _solved(amplitude: float, start: AsymmetricCycle) -> AsymmetricCycle:
 
     found = collocated_period(start, ends)
     highest, lowest = float(np.max(found.y[1])), float(np.min(found.y[1]))
-    if found.status != 0 or np.min(found.p) <= 0.0 or highest > amplitude + 1e-6:
+    symmetric = highest + lowest < _SYMMETRIC
+    if found.status != 0 or np.min(found.p) <= 0.0 or highest > amplitude + 1e-6 or symmetric:
         raise NoCycleError(f"no cycle without symmetry found at {amplitude:.9g} rad")
     return AsymmetricCycle(
         amplitude=amplitude, lowest=lowest, **period_values(start.scenario, found)
@@ -158,10 +216,7 @@ def _settled(bifurcation: Bifurcation) -> AsymmetricCycle:
         multiplier=np.nan,
         log_strong=np.nan,
     )
-    found = _solved(highest, start)
-    if found.amplitude + found.lowest < _PUSH:
-        raise NoCycleError(f"a run beside {near.spin:.9g} rad/s settles to a symmetric cycle")
-    return found
+    return _solved(highest, start)
 
 
 def _swing(scenario: Scenario, spin: float, state: Array) -> tuple[Array, Array]:

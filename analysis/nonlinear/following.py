@@ -1,10 +1,11 @@
 """Following periodic motions in a parameter that tells them apart, such as their amplitude."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeVar
 
 from scipy.optimize import brentq
 
+from analysis.data.checks import Array
 from analysis.nonlinear.collocation import NoCycleError
 
 M = TypeVar("M")
@@ -39,6 +40,41 @@ def reach(
     middle = (begin + value) / 2.0
     between = reach(solve, begin, middle, start, halvings - 1)
     return reach(solve, middle, value, between, halvings - 1)
+
+
+def followed(
+    solve: Callable[[float, Any], M],
+    values: Array,
+    start: M,
+    value_of: Callable[[M], float],
+    halvings: int,
+) -> Iterator[M]:
+    """Motions at values of the parameter, each reached from the one before.
+
+    Parameters
+    ----------
+    solve, start, halvings
+        As in `reach`.
+    values : ndarray, shape (n,)
+        In rad.
+    value_of : callable
+        Value of a motion.
+
+    Raises
+    ------
+    NoCycleError
+        If one is not found; the message names the last good one.
+    """
+    last: Any = start
+    for value in values.tolist():
+        try:
+            last = reach(solve, value_of(last), value, last, halvings)
+        except NoCycleError as error:
+            raise NoCycleError(
+                f"{error}; the last good one has {value_of(last):.9g} rad at a spin of "
+                f"{last.spin:.9g} rad/s"
+            ) from error
+        yield last
 
 
 def locate(find: Callable[[float], M], test: Callable[[M], float], ends: Mapping[float, M]) -> M:

@@ -25,7 +25,7 @@ from analysis.nonlinear.collocation import (
     require_collocation,
 )
 from analysis.nonlinear.cycle import WholePeriod
-from analysis.nonlinear.following import locate, reach
+from analysis.nonlinear.following import followed, locate
 from analysis.nonlinear.heteroclinic import Connection, fall, heteroclinic_connection
 from analysis.stability.linear_reduced import critical_speed
 
@@ -135,19 +135,14 @@ def rotating_family(
     found: list[Rotation] = []
     reason = None
     for way in (wanted[:split][::-1], wanted[split:]):
-        last = first
-        for tilt in way.tolist():
-            try:
-                last = reach(partial(rotation, scenario), last.tilt, tilt, last, _HALVINGS)
-            except NoCycleError as error:
-                reason = (
-                    f"{error}; the last good one has {last.tilt:.9g} rad at a spin of "
-                    f"{last.spin:.9g} rad/s"
-                )
-                break
-            found.append(last)
-            if progress is not None:
-                progress(float(len(found)), float(wanted.size))
+        solve = partial(rotation, scenario)
+        try:
+            for each in followed(solve, way, first, lambda each: each.tilt, _HALVINGS):
+                found.append(each)
+                if progress is not None:
+                    progress(float(len(found)), float(wanted.size))
+        except NoCycleError as error:
+            reason = str(error)
     found.sort(key=lambda each: each.tilt)
     return RotationFamily(connection=connection, rotations=tuple(found), reason=reason)
 

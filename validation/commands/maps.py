@@ -12,8 +12,8 @@ from tqdm import tqdm
 
 from analysis.compiled.library import is_installed
 from analysis.data.checks import positive
-from analysis.data.files import whole_file
 from validation.commands.options import chosen_end, output_folder
+from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.sweep import chosen_pool, workers
 from validation.maps.problems import PROBLEMS
@@ -76,8 +76,7 @@ def _draw(options: argparse.Namespace, done: Sequence[Panel]) -> Path:
     figure = figures.draw(done)
     for suffix in PICTURES[:2]:
         path = Path(options.out) / f"{options.name}{suffix}"
-        with whole_file(path) as stream:
-            figure.savefig(stream, format=suffix[1:], dpi=150)
+        save(figure, path)
     return path.with_suffix(".png")
 
 

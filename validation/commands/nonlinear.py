@@ -1,20 +1,19 @@
 """What the subcommands on nonlinear dynamics do; each returns the exit code."""
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from analysis import Scenario
-from analysis.data.files import whole_file
 from analysis.nonlinear import family as families
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import CycleFamily
 from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from validation.commands.options import chosen_end
+from validation.commands.output import deliver, save
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.stability import parse_spins
 from validation.kit.progress import progress_bar
@@ -33,20 +32,22 @@ def cycles(options: argparse.Namespace) -> int:
         return _cycles_over(options, scenario, None if spins is None else spins.tolist())
     if options.rotating:
         return _rotating(options, scenario)
+    if options.asymmetric:
+        return _asymmetric(options, scenario)
     if options.amplitude is not None:
         raise ValueError("--amplitude belongs to --over; a family goes through all amplitudes")
     if spins is not None:
         found = [families.cycle_at(scenario, spin) for spin in spins.tolist()]
-        _deliver(options, [tables.cycle_table(found)], {"cycles": _values(found)})
+        deliver(options, [tables.cycle_table(found)], {"cycles": _cycle_values(found)})
         if options.plot is not None:
             from validation.studies.nonlinear import figures
 
-            _save(figures.cycle_portrait(found).figure, options.plot)
+            save(figures.cycle_portrait(found).figure, options.plot)
         return 0
     with progress_bar("amplitude {n:.3g} of {total:.3g} rad") as progress:
         family = families.cycle_family(scenario, progress=progress)
     shown, values = _family(scenario, family)
-    _deliver(options, shown, values)
+    deliver(options, shown, values)
     if options.plot is not None:
         _plot_family(family, options.plot)
     if family.reason is not None and not options.json:
@@ -66,41 +67,64 @@ def heteroclinic(options: argparse.Namespace) -> int:
         "saddle_index": found.saddle_index,
         "prediction": None if slow is None else slow.spin,
     }
-    _deliver(options, [tables.connection_table(found, slow, None)], values)
+    deliver(options, [tables.connection_table(found, slow, None)], values)
     if options.plot is not None:
         from validation.studies.nonlinear import figures
 
         ways = [fall(scenario, found.spin + side) for side in (-_SIDE, 0.0, _SIDE)]
         names = [f"{found.spin + side:.6f} rad/s" for side in (-_SIDE, 0.0, _SIDE)]
-        _save(figures.connection_portrait(ways, names).figure, options.plot)
+        save(figures.connection_portrait(ways, names).figure, options.plot)
     return 0
 
 
 def _rotating(options: argparse.Namespace, scenario: Scenario) -> int:
     from analysis.nonlinear.rotating import folds, rotating_family
 
-    if options.spins is not None:
-        raise ValueError("--spin does not go together with --rotating: a family has many spins")
+    _no_spin(options, "--rotating")
     with progress_bar("rotating motion {n:.0f} of {total:.0f}") as progress:
         family = rotating_family(scenario, progress=progress)
     turns = folds(family)
-    names = ("tilt", "spin", "period", "largest_tilt", "multiplier", "log_strong", "stable")
-    rotations, folded = (
-        [{name: getattr(each, name) for name in names} for each in found]
-        for found in (family.rotations, turns)
-    )
     values = {
         "connection": family.connection.spin,
-        "rotations": rotations,
-        "folds": folded,
+        "rotations": _values(family.rotations, "tilt", "largest_tilt"),
+        "folds": _values(turns, "tilt", "largest_tilt"),
         "reason": family.reason,
     }
-    _deliver(options, [tables.rotation_table(family, turns)], values)
+    deliver(options, [tables.rotation_table(family, turns)], values)
     if options.plot is not None:
         from validation.studies.nonlinear import figures
 
-        _save(figures.rotation_diagram(family).figure, options.plot)
+        save(figures.rotation_diagram(family).figure, options.plot)
     return 0
+
+
+def _asymmetric(options: argparse.Namespace, scenario: Scenario) -> int:
+    from analysis.nonlinear.asymmetric import changes, first_asymmetric_family
+
+    _no_spin(options, "--asymmetric")
+    with progress_bar("symmetric cycle {n:.3g} of {total:.3g} rad") as progress:
+        symmetric = families.cycle_family(scenario, progress=progress)
+    with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
+        family = first_asymmetric_family(symmetric, progress=progress)
+    found = changes(family.cycles)
+    names = ("amplitude", "lowest")
+    values = {
+        "born": _cycle_values([family.bifurcation.cycle])[0],
+        "cycles": _values(family.cycles, *names),
+        "changes": [{"kind": kind, **_values([each], *names)[0]} for kind, each in found],
+        "reason": family.reason,
+    }
+    deliver(options, [tables.asymmetric_table(family, found)], values)
+    if options.plot is not None:
+        from validation.studies.nonlinear import figures
+
+        save(figures.asymmetric_diagram(family, symmetric).figure, options.plot)
+    return 0
+
+
+def _no_spin(options: argparse.Namespace, option: str) -> None:
+    if options.spins is not None:
+        raise ValueError(f"--spin does not go together with {option}: a family has many spins")
 
 
 def _cycles_over(
@@ -119,12 +143,12 @@ def _cycles_over(
     table = over.cycles_table(axis, values, found)
     rows = [
         {axis.field: value, **each}
-        for value, each in zip(values, _values(found.cycles), strict=False)
+        for value, each in zip(values, _cycle_values(found.cycles), strict=False)
     ]
-    _deliver(options, [table], {"cycles": rows, "reason": found.reason})
+    deliver(options, [table], {"cycles": rows, "reason": found.reason})
     if options.plot is not None:
         shown = "spin in rad/s" if spins is None else "amplitude in rad"
-        _save(over.draw(table, axis.log, (shown, "multiplier")).figure, options.plot)
+        save(over.draw(table, axis.log, (shown, "multiplier")).figure, options.plot)
     return 0
 
 
@@ -137,9 +161,9 @@ def _connections_over(options: argparse.Namespace, scenario: Scenario) -> int:
     ends = [over.End.of(each) for each in scenarios]
     table = over.ends_table(axis, values, ends)
     rows = [{axis.field: value, **asdict(end)} for value, end in zip(values, ends, strict=True)]
-    _deliver(options, [table], {"ends": rows})
+    deliver(options, [table], {"ends": rows})
     if options.plot is not None:
-        _save(over.draw(table, axis.log, table.columns[1:4]).figure, options.plot)
+        save(over.draw(table, axis.log, table.columns[1:4]).figure, options.plot)
     return 0
 
 
@@ -159,11 +183,11 @@ def passage(options: argparse.Namespace) -> int:
         "rate": found.rate,
     }
     name = found.pair.scenario.name
-    _deliver(options, [passage_table([(name, found)])], values)
+    deliver(options, [passage_table([(name, found)])], values)
     if options.plot is not None:
         from validation.studies.nonlinear import figures
 
-        _save(figures.passage_diagram([(name, found)])[0].figure, options.plot)
+        save(figures.passage_diagram([(name, found)])[0].figure, options.plot)
     return 0
 
 
@@ -186,8 +210,8 @@ def _family(scenario: Scenario, family: CycleFamily) -> tuple[list[Table], dict[
     values = {
         "hopf": {**asdict(normal), "kind": normal.kind, "curvature": normal.curvature},
         "growth": None if growth is None else asdict(growth),
-        "cycles": _values(family.cycles),
-        "bifurcations": [{"kind": each.kind, **_values([each.cycle])[0]} for each in found],
+        "cycles": _cycle_values(family.cycles),
+        "bifurcations": [{"kind": each.kind, **_cycle_values([each.cycle])[0]} for each in found],
         "reason": family.reason,
     }
     shown = [
@@ -198,29 +222,13 @@ def _family(scenario: Scenario, family: CycleFamily) -> tuple[list[Table], dict[
     return shown, values
 
 
-def _values(cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
-    names = (
-        "spin",
-        "amplitude",
-        "period",
-        "multiplier",
-        "half_multiplier",
-        "log_strong",
-        "stable",
-    )
-    return [{name: getattr(cycle, name) for name in names} for cycle in cycles]
+def _cycle_values(cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
+    return _values(cycles, "amplitude", "half_multiplier")
 
 
-def _deliver(options: argparse.Namespace, shown: Sequence[Table], values: dict[str, Any]) -> None:
-    """Store the first table, and print the values, or all tables if nothing else is asked for."""
-    if options.csv is not None:
-        with whole_file(options.csv) as stream:
-            stream.write(shown[0].to_csv().encode())
-    if options.json:
-        print(json.dumps(values))
-    elif options.csv is None and options.plot is None:
-        for table in shown:
-            print(f"{table.title}\n{table.to_text() if table.rows else 'none'}\n{table.note}\n")
+def _values(motions: Sequence[Any], *own: str) -> list[dict[str, Any]]:
+    names = ("spin", *own, "period", "multiplier", "log_strong", "stable")
+    return [{name: getattr(each, name) for name in names} for each in motions]
 
 
 def _plot_family(family: CycleFamily, path: Path) -> None:
@@ -230,9 +238,4 @@ def _plot_family(family: CycleFamily, path: Path) -> None:
     figure, axes = new_figure(4, height=11.0, share=False)
     figures.bifurcation_diagram(family, axes=axes[0])
     figures.period_diagram(family, axes=axes[1:])
-    _save(figure, path)
-
-
-def _save(figure: Any, path: Path) -> None:
-    with whole_file(path) as stream:
-        figure.savefig(stream, format=path.suffix[1:], dpi=150)
+    save(figure, path)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from analysis import CAUSES, SpatialMotion
 from analysis.data.checks import positive
-from analysis.data.files import whole_file
 from validation.commands.options import announce, chosen_end
+from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
 from validation.run import rest_effort, run_to_rest
@@ -81,5 +81,4 @@ def _plot(motion: SpatialMotion, out: Path) -> None:
 
     figure, axes = figures.new_figure(5, height=11.0)
     draw_story(motion, axes)
-    with whole_file(out) as stream:
-        figure.savefig(stream, format=out.suffix[1:], dpi=150)
+    save(figure, out)

@@ -3,7 +3,7 @@
 import argparse
 
 from analysis import load_run
-from analysis.data.files import whole_file
+from validation.commands.output import save
 from validation.kit.differences import difference_table
 
 
@@ -24,8 +24,7 @@ def show(options: argparse.Namespace) -> int:
     if options.out is not None:
         figure, axes = figures.new_figure(4, height=8.5)
         figures.comparison(runs, axes)
-        with whole_file(options.out) as stream:
-            figure.savefig(stream, format=options.out.suffix[1:], dpi=150)
+        save(figure, options.out)
         return 0
     import matplotlib.pyplot as plt
 

@@ -1,19 +1,21 @@
 """What the subcommands on linear stability do; each returns the exit code."""
 
 import argparse
-import json
-from pathlib import Path
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
 from analysis import Scenario
 from analysis.data.checks import Array
-from analysis.data.files import whole_file
 from analysis.data.limits import MOST_SPINS
 from analysis.stability import linear_reduced, spectra
-from analysis.stability.critical import critical_speeds
+from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.spectra import Branches
+from analysis.stability.stable_spins import stable_spins
 from validation.commands.options import written_number
+from validation.commands.output import as_text, deliver, save
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import counted
 from validation.kit.tables import Table
@@ -27,25 +29,19 @@ def eigenvalues(options: argparse.Namespace) -> int:
     scenario = _scenario(options)
     found = _branches(options, scenario, spins)
     table = _table(scenario.name, found)
-    if options.csv is not None:
-        with whole_file(options.csv) as stream:
-            stream.write(table.to_csv().encode())
+    rows = [
+        {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
+        for spin, values in zip(found.spins.tolist(), found.values, strict=True)
+    ]
+    deliver(options, [table], rows)
     if options.plot is not None:
-        _plot(found, options.plot)
-    if options.json:
-        rows = [
-            {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
-            for spin, values in zip(found.spins.tolist(), found.values, strict=True)
-        ]
-        print(json.dumps(rows))
-    elif options.csv is None and options.plot is None:
-        print(f"{table.title}\n{table.to_text()}")
+        save(_draw(found), options.plot)
     return 0
 
 
 def critical(options: argparse.Namespace) -> int:
-    """Print where spinning is stable, and critical spins beside the closed form."""
-    from validation.studies.stability.tables import critical_table, stable_range, stable_table
+    """Print, store or plot where spinning is stable, and critical spins beside the closed form."""
+    from validation.studies.stability.tables import critical_table, in_words, stable_table
 
     scenario = _scenario(options)
     ends = options.spins.split(":")
@@ -53,25 +49,39 @@ def critical(options: argparse.Namespace) -> int:
         raise ValueError(f"--spin must be FIRST:LAST, got {options.spins!r}")
     low, high = (written_number("--spin", end) for end in ends)
     found = critical_speeds(scenario, (low, high), options.system, options.motion)
-    where = stable_range(scenario, (low, high), options.motion)
-    print(f"{scenario.name}: {options.motion} spinning is stable {where}.\n")
-    table = stable_table(scenario, (low, high), options.motion)
-    print(f"{table.title}\n{table.to_text()}\n")
-    table = critical_table(found)
-    print(f"{table.title}\n{table.to_text() if table.rows else 'none'}")
-    if table.note:
-        print(table.note)
+    where = stable_spins(scenario, (low, high), motion=options.motion)
     closed = linear_reduced.critical_speed(scenario, options.motion)
+    if as_text(options):
+        print(f"{scenario.name}: {options.motion} spinning is stable {in_words(where)}.\n")
+    tables = [stable_table(scenario, (low, high), options.motion), critical_table(found)]
+    values = {
+        "stable": where,
+        "crossings": [asdict(each) for each in found.crossings],
+        "pair_changes": [asdict(each) for each in found.pair_changes],
+        "reason": found.reason,
+        "closed_form": asdict(closed),
+    }
+    deliver(options, tables, values, stored=1)
+    if options.plot is not None:
+        branches = spectra.branches(
+            scenario, spectra.helper_spins(low, high), options.system, options.motion
+        )
+        save(_draw(branches, where, found.crossings), options.plot)
+    if as_text(options):
+        print(_closed_form(closed))
+    return 0
+
+
+def _closed_form(closed: linear_reduced.CriticalSpeed) -> str:
     meaning = {
         "hopf": f"a pair of frequency {closed.frequency:.6g} rad/s becomes stable there",
         "static": "without eccentricity, a real eigenvalue crosses there",
         "saddle": "two real eigenvalues of opposite sign cancel; no stability changes",
     }[closed.kind]
-    print(
-        f"\nClosed form of the reduced system with any friction, Eq. (126): {closed.spin:.6g} "
+    return (
+        f"Closed form of the reduced system with any friction, Eq. (126): {closed.spin:.6g} "
         f"rad/s; {meaning}."
     )
-    return 0
 
 
 def parse_spins(texts: list[str]) -> Array:
@@ -138,7 +148,12 @@ def _table(name: str, found: Branches) -> Table:
     )
 
 
-def _plot(found: Branches, path: Path) -> None:
+def _draw(
+    found: Branches,
+    stable: Sequence[tuple[float, float]] = (),
+    crossings: Sequence[Crossing] = (),
+) -> Any:
+    """Figure of the real and imaginary parts, stable spins shaded and crossings marked."""
     from validation.kit import figures
 
     figure, axes = figures.new_figure(2, height=6.5)
@@ -151,8 +166,18 @@ def _plot(found: Branches, path: Path) -> None:
         axes[0].plot(found.spins, found.values[:, column].real, **look, label=f"λ{column + 1}")
         axes[1].plot(found.spins, found.values[:, column].imag, **look)
     axes[0].axhline(0.0, color="#999999", linewidth=0.8, zorder=0)
+    for each in axes:
+        for index, ends in enumerate(stable):
+            label = "" if index else "stable"
+            each.axvspan(*ends, color="#cccccc", alpha=0.5, zorder=0, label=label)
+    if crossings:
+        spins = [each.spin for each in crossings]
+        axes[0].plot(spins, [0.0] * len(spins), "ko", zorder=4, label="crossing")
+        # What crosses is small beside what friction makes decay.
+        axes[0].set_yscale("symlog", linthresh=1.0)
+        for sign in (1.0, -1.0):
+            axes[1].plot(spins, [sign * each.frequency for each in crossings], "ko", zorder=4)
     axes[0].set(ylabel="Re λ in 1/s")
     axes[1].set(ylabel="Im λ in 1/s", xlabel="spinning speed Ω in rad/s")
     figures.legend_above(axes[0], columns=4)
-    with whole_file(path) as stream:
-        figure.savefig(stream, format=path.suffix[1:], dpi=150)
+    return figure

@@ -13,9 +13,9 @@ from typing import Any
 from tqdm import tqdm
 
 from analysis.data.checks import choice, positive
-from analysis.data.files import whole_file
 from analysis.data.outcomes import DONE
 from validation.commands.options import PATIENCE, chosen_end
+from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
 from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
@@ -78,8 +78,7 @@ def _plot(store: Path, path: Path) -> None:
     from validation.maps.sweeps import draw
 
     figure = draw(Results.load(store))
-    with whole_file(path) as stream:
-        figure.savefig(stream, format=path.suffix[1:], dpi=150)
+    save(figure, path)
     print(path)
 
 

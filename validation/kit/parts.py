@@ -123,6 +123,11 @@ class Store:
         with whole_file(self._path(job)) as stream:
             pickle.dump((part.result, part.seconds), stream)
 
+    def forget(self, jobs: Iterable[Job]) -> None:
+        """Remove the parts of some jobs."""
+        for job in jobs:
+            self._path(job).unlink(missing_ok=True)
+
     def forget_all_but(self, jobs: Iterable[Job]) -> None:
         """Remove the parts of other jobs, and of these in earlier versions."""
         wanted = {self._path(job) for job in jobs}

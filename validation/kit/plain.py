@@ -1,13 +1,16 @@
 """Results as plain data and back: numbers, arrays and dataclasses of this project for JSON.
 
 What JSON does not know is an object with a single key that says what it is: {"tuple": [...]},
-{"array": [...]}, {"complex": [re, im]} of numbers or arrays, {"dict": [[key, value], ...]} and
-{"module:Class": {field: value}}. Not a number is null in an array.
+{"array": [...]}, {"complex": [re, im]} of numbers or arrays, {"dict": [[key, value], ...]},
+{"module:Class": {field: value}}, {"several": ["module:Class", {field: [value, ...]}]} of a list of
+one class, and {"number": "nan"}. Not a number is null in an array.
 """
 
 import sys
+from collections.abc import Sequence
 from dataclasses import fields, is_dataclass
 from importlib import import_module
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -46,16 +49,18 @@ def pack(value: Any) -> Any:
         # Numbers of NumPy are no plain ones.
         value = value.item()
     match value:
+        case float() if not isfinite(value):
+            packed: Any = {"number": str(value)}
         case None | str() | bool() | int() | float():
             return value
         case complex():
-            packed: Any = {"complex": [value.real, value.imag]}
+            packed = {"complex": [value.real, value.imag]}
         case np.ndarray():
             packed = _pack_array(value)
         case list():
-            packed = [pack(each) for each in value]
+            packed = _pack_list(value)
         case tuple():
-            packed = {"tuple": [pack(each) for each in value]}
+            packed = {"tuple": _pack_list(value)}
         case dict():
             packed = {"dict": [[pack(key), pack(each)] for key, each in value.items()]}
         case _:
@@ -65,6 +70,16 @@ def pack(value: Any) -> Any:
                 }
             }
     return packed
+
+
+def _pack_list(values: Sequence[Any]) -> Any:
+    kinds = {type(each) for each in values}
+    if len(values) < 2 or len(kinds) > 1 or not is_dataclass(values[0]):
+        return [pack(each) for each in values]
+    # The names of a class and its fields are longer than most values.
+    names = [each.name for each in fields(values[0])]
+    columns = {name: _pack_list([getattr(each, name) for each in values]) for name in names}
+    return {"several": [_name(values[0]), columns]}
 
 
 def _name(value: Any) -> str:
@@ -104,7 +119,14 @@ def unpack(stored: Any) -> Any:
     ((what, content),) = stored.items()
     match what:
         case "tuple":
-            result: Any = tuple(unpack(each) for each in content)
+            result: Any = tuple(unpack(content))
+        case "number":
+            result = float(content)
+        case "several":
+            name, columns = content
+            kind, names = _known(name), tuple(columns)
+            rows = zip(*map(unpack, columns.values()), strict=True)
+            result = [kind(**dict(zip(names, row, strict=True))) for row in rows]
         case "array":
             result = _array(content)
         case "complex":
@@ -137,3 +159,15 @@ def _known(name: str) -> type:
         if isinstance(found, type) and is_dataclass(found) and found.__module__ == module:
             return found
     raise ValueError(f"stored must name a dataclass of this project, got {name!r}")
+
+
+def rounded(value: Any, digits: int) -> Any:
+    """The same with all numbers in it rounded to so many digits."""
+    if isinstance(value, float):
+        # JSON knows no infinity; what is that far off is as good as that.
+        return min(float(f"{value:.{digits}g}"), 1e300)
+    if isinstance(value, dict):
+        return {key: rounded(each, digits) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [rounded(each, digits) for each in value]
+    return value

@@ -13,9 +13,9 @@ from analysis.data.files import whole_file
 from analysis.data.workers import process_pool
 from validation.kit.clock import processor_time
 from validation.kit.page import Section, page
-from validation.kit.parts import Job, Part, Store
+from validation.kit.parts import FOLDER, Job, Part, Store
 
-__all__ = ["Job", "Section", "run_jobs", "run_parts", "write"]
+__all__ = ["Job", "Section", "run_jobs", "run_kept", "run_parts", "write"]
 
 PAGE = "report.html"
 
@@ -97,6 +97,38 @@ def run_parts(
     if errors:
         raise errors[0]
     return results
+
+
+def run_kept(
+    jobs: Sequence[Job],
+    folder: Path,
+    *,
+    workers: int | None = None,
+    title: str = "",
+    fresh: bool = False,
+) -> dict[Any, Part]:
+    """What an earlier call has left finished in a folder, and the rest run and left there.
+
+    Parameters
+    ----------
+    jobs, workers, title
+        As in `run_jobs`.
+    folder : Path
+        Finished parts lie in its `parts.FOLDER`.
+    fresh : bool
+        Run all of them again.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be made.
+    """
+    store = Store(folder / FOLDER)
+    if fresh:
+        store.forget(jobs)
+    kept = {job.key: part for job in jobs if (part := store.find(job)) is not None}
+    left = [job for job in jobs if job.key not in kept]
+    return kept | run_parts(left, workers=workers, title=title, store=store)
 
 
 def _timed(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Part:

@@ -95,18 +95,25 @@ def _origin(section: str, jobs: Sequence[Job]) -> str:
     here = [job for job in jobs if not shipped.holds(section, job)]
     if found is None or len(here) == len(jobs):
         return "Nothing is shipped: all of it was computed for this page."
+    others = f"{len(here)} others were computed for this page. " if here else ""
+    return (
+        f"{len(jobs) - len(here)} results are shipped, which took {found.seconds:.0f} s of "
+        f"processor time, from {found.provenance.text()}. {others}{age(section, jobs)}"
+    )
+
+
+def age(section: str, jobs: Sequence[Job]) -> str:
+    """In what the code has changed since the results of a section were shipped, if any are."""
+    found = shipped.of(section)
+    if found is None:
+        return ""
     changed = found.changed(jobs)
     since = {
         None: "cannot be compared on another version of Python",
         True: "has not changed since",
         False: f"has changed since in {_some(changed or [])}",
     }[None if changed is None else not changed]
-    others = f"{len(here)} others were computed for this page. " if here else ""
-    return (
-        f"{len(jobs) - len(here)} results are shipped, which took {found.seconds:.0f} s of "
-        f"processor time, from {found.provenance.text()}. {others}The code that they come from "
-        f"{since}. Made anew by: {COMMAND} DIR {section}."
-    )
+    return f"The code that they come from {since}. Made anew by: {COMMAND} DIR {section}."
 
 
 def _some(names: list[str]) -> str:

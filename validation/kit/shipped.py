@@ -15,9 +15,8 @@ from typing import Any
 
 from analysis.data.files import whole_file
 from validation.kit import reach
-from validation.kit.full_study import rounded
 from validation.kit.parts import Job, Part
-from validation.kit.plain import DIGITS, pack, unpack
+from validation.kit.plain import DIGITS, pack, rounded, unpack
 from validation.kit.provenance import Provenance
 
 FOLDER = Path(__file__).parents[1] / "studies" / "shipped"
@@ -34,17 +33,28 @@ class Shipment:
     code : dict
         Hash of what the jobs reach in each module.
     parts : dict
-        From `call` of each job to its result as plain data and its processor time in s.
+        From `call` of each job to its result as plain data and its processor time in s, None if
+        that was not noted.
     """
 
     provenance: Provenance
     code: dict[str, str]
-    parts: dict[str, tuple[Any, float]]
+    parts: dict[str, tuple[Any, float | None]]
 
     @property
     def seconds(self) -> float:
-        """Processor time in s that all results took."""
-        return sum(seconds for _, seconds in self.parts.values())
+        """Processor time in s that all results took, as far as it was noted."""
+        return sum(seconds or 0.0 for _, seconds in self.parts.values())
+
+    def results(self) -> list[Any]:
+        """All results, in the order of the file.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If the class of one has got other fields since.
+        """
+        return [unpack(result) for result, _ in self.parts.values()]
 
     def changed(self, jobs: Iterable[Job]) -> list[str] | None:
         """Modules in which something that the jobs reach is not as it was for the results.
@@ -93,7 +103,7 @@ def call(job: Job) -> str:
     return f"{job.key!r} {digest}"
 
 
-def gather(jobs: Sequence[Job], parts: dict[Any, Part]) -> Shipment:
+def gather(jobs: Sequence[Job], parts: dict[Any, Part], provenance: Provenance) -> Shipment:
     """Shipment of the results of jobs.
 
     Parameters
@@ -101,9 +111,10 @@ def gather(jobs: Sequence[Job], parts: dict[Any, Part]) -> Shipment:
     jobs : sequence of Job
     parts : dict
         By the key of each job.
+    provenance : Provenance
     """
     return Shipment(
-        provenance=Provenance.here(),
+        provenance=provenance,
         code=reach.by_module(_functions(jobs)),
         parts={
             call(job): (pack(parts[job.key].result), round(parts[job.key].seconds, 2))

@@ -1,23 +1,15 @@
-"""Run the maps of the report and put them into the package.
+"""The maps that come with the package: which, how fine, and the jobs that make them."""
 
-    python -m validation.maps.ship DIR
-
-DIR gets a store for each panel, as `tippedisk map` writes them; the same command goes on where
-an interrupted one stopped. It takes some twelve minutes of processor time.
-"""
-
-import argparse
-import sys
-from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from analysis import Scenario
-from validation.kit.provenance import Provenance
+from validation.kit.parts import Job
 from validation.maps.problems import PROBLEMS
-from validation.maps.run import panels, run_pairs, run_panel
-from validation.maps.stored import FILE, Study
-from validation.maps.uncertainty import shifted_sweeps
-from validation.sweeps.pools import Pool, open_pool
+from validation.maps.run import Panel, panels, run_pairs, run_panel
+from validation.maps.uncertainty import Uncertainty, shifted_sweeps
+from validation.sweeps.pools import open_pool
+from validation.sweeps.sweep import Sweep
 
 CELLS = 8
 LEVELS = {"spin-friction": 2, "spin-eccentricity": 2, "tilting": 2, "basins": 2, "rest": 1}
@@ -29,49 +21,53 @@ WITNESSES = 2
 PAIRS = 40
 
 
-def run(folder: Path, pool: Pool) -> Study:
-    """Run what the stores of a folder do not hold of the maps.
+def jobs() -> list[Job]:
+    """A job for each panel of the maps, and the last one for how fine the map to rest is."""
+    return [
+        *(
+            Job(("map", name, index), run_map, (name, index))
+            for name in LEVELS
+            for index in range(len(sweeps(name)))
+        ),
+        Job(("map", "fineness"), run_fineness),
+    ]
+
+
+def sweeps(name: str) -> list[Sweep]:
+    """Sweeps of the panels of a map."""
+    problem = PROBLEMS[name]
+    return panels(
+        problem,
+        Scenario(),
+        cells=CELLS,
+        levels=LEVELS[name],
+        end=problem.end,
+        witnesses=WITNESSES,
+    )
+
+
+def run_map(name: str, index: int) -> tuple[str, Panel]:
+    """Name of a map, and one of its panels."""
+    with TemporaryDirectory() as folder, open_pool("processes", workers=1) as pool:
+        store = Path(folder) / "panel.db"
+        levels = LEVELS[name]
+        return name, run_panel(
+            PROBLEMS[name], sweeps(name)[index], store, levels=levels, pool=pool
+        )
+
+
+def run_fineness() -> tuple[int, Uncertainty]:
+    """Number of starts of the map to rest beside which others are run, and how it ends there.
 
     Raises
     ------
     ArithmeticError
         If there are too few pairs for an exponent.
     """
-    done = {}
-    for name, levels in LEVELS.items():
-        problem = PROBLEMS[name]
-        wanted = panels(
-            problem, Scenario(), cells=CELLS, levels=levels, end=problem.end, witnesses=WITNESSES
-        )
-        done[name] = tuple(
-            run_panel(problem, sweep, folder / f"{name}-{index}.db", levels=levels, pool=pool)
-            for index, sweep in enumerate(wanted, 1)
-        )
-        sys.stdout.write(f"{name}: {sum(len(each.classes) for each in done[name])} runs\n")
-        sys.stdout.flush()
     rest = PROBLEMS["rest"]
     pairs = shifted_sweeps(rest, Scenario(), number=PAIRS, end=rest.end)
-    fineness = run_pairs(rest, pairs, folder, pool=pool)
-    if fineness is None:
+    with TemporaryDirectory() as folder, open_pool("processes", workers=1) as pool:
+        found = run_pairs(rest, pairs, Path(folder), pool=pool)
+    if found is None:
         raise ArithmeticError("fewer than two distances have pairs that differ")
-    return Study(provenance=Provenance.here(), panels=done, pairs=PAIRS, fineness=fineness)
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run and ship; its exit code."""
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.maps.ship", description=(__doc__ or "").split("\n")[0]
-    )
-    parser.add_argument("folder", metavar="DIR", type=Path, help="folder for the stores")
-    parser.add_argument("--workers", type=int, default=2, help="processes (%(default)s)")
-    options = parser.parse_args(arguments)
-    options.folder.mkdir(parents=True, exist_ok=True)
-    with open_pool("processes", workers=options.workers) as pool:
-        study = run(options.folder, pool)
-    FILE.write(study, FILE.shipped)
-    sys.stdout.write(f"{FILE.shipped}, {study.provenance.text()}\n")
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+    return PAIRS, found

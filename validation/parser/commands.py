@@ -1,8 +1,8 @@
 """The subcommands: what each is called, takes and does."""
 
 import argparse
-from typing import NoReturn
 
+from validation.parser.base import Commands
 from validation.parser.groups import (
     CONDITIONS,
     FORMS,
@@ -18,15 +18,6 @@ from validation.parser.nonlinear import add_cycles, add_heteroclinic, add_passag
 from validation.parser.paths import PICTURES, existing, writable
 from validation.parser.sweeps import add_map, add_sweep
 
-
-class Parser(argparse.ArgumentParser):
-    """Parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Exit with code 2 and one line."""
-        self.exit(2, f"{self.prog}: error: {message}\n")
-
-
 SECTIONS = (
     "modelled", "inversion", "claims", "crosscheck", "stability", "nonlinear",
     "rest", "maps", "work-precision", "robustness", "lean", "numbers",
@@ -40,7 +31,7 @@ INVERSION = (
 )
 
 
-def _report(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _report(commands: Commands) -> None:
     report = commands.add_parser(
         "report",
         help="run all checks and write them with the paper's figures to one HTML page",
@@ -63,7 +54,7 @@ def _report(commands: "argparse._SubParsersAction[Parser]") -> None:
     )
 
 
-def _simulate(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _simulate(commands: Commands) -> None:
     simulate = commands.add_parser(
         "simulate",
         help="simulate a scenario and store the motion",
@@ -100,7 +91,7 @@ def _simulate(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_scenario(simulate)
 
 
-def _show(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _show(commands: Commands) -> None:
     show = commands.add_parser(
         "show",
         help="say how far stored motions differ, and plot them over each other",
@@ -124,7 +115,7 @@ def _show(commands: "argparse._SubParsersAction[Parser]") -> None:
     )
 
 
-def _scenario(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _scenario(commands: Commands) -> None:
     scenario = commands.add_parser(
         "scenario",
         help="print a problem as a commented file, to be changed and run",
@@ -139,7 +130,7 @@ def _scenario(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_scenario(scenario, file=True)
 
 
-def _check(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _check(commands: Commands) -> None:
     check = commands.add_parser(
         "check",
         help="compare engine and in-house equations on a scenario of your own",
@@ -155,7 +146,7 @@ def _check(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_scenario(check)
 
 
-def _eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _eigenvalues(commands: Commands) -> None:
     eigenvalues = commands.add_parser(
         "eigenvalues",
         help="eigenvalues of inverted and noninverted spinning",
@@ -182,7 +173,7 @@ def _eigenvalues(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_problem(eigenvalues)
 
 
-def _critical(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _critical(commands: Commands) -> None:
     critical = commands.add_parser(
         "critical",
         help="spins at which the spinning is stable, and at which eigenvalues cross",
@@ -199,10 +190,11 @@ def _critical(commands: "argparse._SubParsersAction[Parser]") -> None:
         metavar="FIRST:LAST",
         help="range in rad/s (default: %(default)s)",
     )
+    add_output(critical)
     add_problem(critical)
 
 
-def _scene(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _scene(commands: Commands) -> None:
     scene = commands.add_parser(
         "scene",
         help="list what is in a scene of the engine, and why",
@@ -214,7 +206,7 @@ def _scene(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_scenario(scene)
 
 
-def _work_precision(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _work_precision(commands: Commands) -> None:
     study = commands.add_parser(
         "work-precision",
         help="measure error against run time of every formulation and integrator",
@@ -229,7 +221,7 @@ def _work_precision(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--fresh", action="store_true", help="measure again what is kept")
 
 
-def _robustness(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _robustness(commands: Commands) -> None:
     study = commands.add_parser(
         "robustness",
         help="numerical stability on stiff and extreme cases",
@@ -242,7 +234,7 @@ def _robustness(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--out", default="robustness", metavar="DIR", help="folder (default: %(default)s)")
 
 
-def _rest(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _rest(commands: Commands) -> None:
     rest = commands.add_parser(
         "rest",
         help="simulate the disk from the paper's start until it lies still",
@@ -269,7 +261,7 @@ def _rest(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_scenario(rest)
 
 
-def _animate(commands: "argparse._SubParsersAction[Parser]") -> None:
+def _animate(commands: Commands) -> None:
     animate = commands.add_parser(
         "animate",
         help="turn a stored motion into a page that plays it, or a GIF",

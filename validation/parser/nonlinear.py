@@ -1,12 +1,12 @@
 """Subcommands on periodic motions, their end, and slow passage."""
 
 import argparse
-from typing import Any
 
+from validation.parser.base import Commands
 from validation.parser.groups import add_output, add_problem, add_scenario, add_source
 
 
-def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
+def add_cycles(commands: Commands) -> None:
     """Take `cycles` into the commands."""
     cycles = commands.add_parser(
         "cycles",
@@ -29,6 +29,11 @@ def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
         action="store_true",
         help="instead, the motions beyond the heteroclinic end, in which gamma turns round",
     )
+    what.add_argument(
+        "--asymmetric",
+        action="store_true",
+        help="instead, the cycles without mirror symmetry, where symmetric ones lose it",
+    )
     _add_over(what)
     cycles.add_argument(
         "--amplitude", type=float, metavar="RAD", help="of the cycle that --over follows"
@@ -37,7 +42,7 @@ def add_cycles(commands: "argparse._SubParsersAction[Any]") -> None:
     add_problem(cycles)
 
 
-def add_heteroclinic(commands: "argparse._SubParsersAction[Any]") -> None:
+def add_heteroclinic(commands: Commands) -> None:
     """Take `heteroclinic` into the commands."""
     heteroclinic = commands.add_parser(
         "heteroclinic",
@@ -61,7 +66,7 @@ def _add_over(parser: "argparse._ActionsContainer") -> None:
     )
 
 
-def add_passage(commands: "argparse._SubParsersAction[Any]") -> None:
+def add_passage(commands: Commands) -> None:
     """Take `passage` into the commands."""
     passage = commands.add_parser(
         "passage",

@@ -1,13 +1,10 @@
 """The subcommands for many runs: `sweep` and `map`."""
 
 import argparse
-from typing import TYPE_CHECKING
 
+from validation.parser.base import Commands
 from validation.parser.groups import CONDITIONS, FORMS, FORMULATIONS, add_scenario, add_source
 from validation.parser.paths import PICTURES, writable
-
-if TYPE_CHECKING:
-    from validation.parser.commands import Parser
 
 LAYOUTS = ("grid", "random", "latin-hypercube", "sobol")
 EXECUTORS = ("processes", "dask", "mpi")
@@ -30,7 +27,7 @@ sweep, or of another version of the sources, is refused.
 """
 
 
-def add_sweep(commands: "argparse._SubParsersAction[Parser]") -> None:
+def add_sweep(commands: Commands) -> None:
     """The subcommand `sweep`."""
     sweep = commands.add_parser(
         "sweep",
@@ -127,7 +124,7 @@ cases, too. Each panel has a store as `tippedisk sweep` writes it, and the same 
 MAPS = ("spin-friction", "spin-eccentricity", "attitude", "tilting", "basins", "rest")
 
 
-def add_map(commands: "argparse._SubParsersAction[Parser]") -> None:
+def add_map(commands: Commands) -> None:
     """The subcommand `map`."""
     parser = commands.add_parser(
         "map",

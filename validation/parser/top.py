@@ -3,7 +3,8 @@
 import argparse
 from importlib.metadata import version
 
-from validation.parser.commands import SUBCOMMANDS, Parser
+from validation.parser.base import Parser
+from validation.parser.commands import SUBCOMMANDS
 
 _DESCRIPTION = """\
 The tippedisk: a rigid disk whose centre of gravity lies off its centre. Spun fast about an

@@ -2,7 +2,8 @@
 
 A study offers `jobs`, the calls behind it, and `section`, which makes a section of the report from
 their results by key; those with a long form are asked for their quick one. Jobs that take too long
-are `shipped`: their results come with the package, and others confirm a sample of them.
+are `shipped`: their results come with the package, and others confirm a sample of them. Those that
+take longer still are `long`: a report shows what is shipped of them and never runs them itself.
 """
 
 import os
@@ -19,6 +20,7 @@ from validation.kit.clock import Clock, model_1_seconds
 from validation.kit.parts import FOLDER, Job, Store, identity
 from validation.kit.report import PAGE, Section, contents, foreign, run_parts, say, write
 from validation.kit.tables import Table
+from validation.maps import ship as whole_maps
 from validation.studies import crosscheck, inversion, lean, maps, modelled, paper_numbers, summary
 from validation.studies.claims import section as claims
 from validation.studies.nonlinear import confirm as nonlinear
@@ -26,6 +28,7 @@ from validation.studies.rest import section as rest
 from validation.studies.robustness import section as robustness
 from validation.studies.stability import section as stability
 from validation.studies.work_precision import study as work_precision
+from validation.studies.work_precision.jobs import jobs as work_precision_jobs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,6 +45,10 @@ class Study:
         From the results of all jobs by key to the section.
     shipped : callable
         Returns the jobs whose results come with the package; see `validation.kit.shipped`.
+    long : callable
+        Returns the jobs that only `validation.studies.ship` runs, where the study is named.
+    workers : int, optional
+        Processes that these run in, by default one for each core.
     work : float
         Processor time that the jobs take, in in-house runs of Model 1. It is what the announced
         time is reckoned from, and nothing else.
@@ -53,6 +60,8 @@ class Study:
     jobs: Callable[[], Sequence[Job]]
     section: Callable[[dict[Any, Any]], Section]
     shipped: Callable[[], Sequence[Job]] = list
+    long: Callable[[], Sequence[Job]] = list
+    workers: int | None = None
     work: float = 0.0
     timed: bool = False
 
@@ -98,11 +107,13 @@ STUDIES = (
         work=80.0,
     ),
     Study(name="rest", jobs=rest.jobs, section=rest.section, shipped=rest.shipped, work=75.0),
-    Study(name="maps", jobs=maps.jobs, section=maps.section, work=20.0),
+    Study(name="maps", jobs=maps.jobs, section=maps.section, long=whole_maps.jobs, work=20.0),
     Study(
         name="work-precision",
-        jobs=partial(work_precision.jobs, quick=True),
+        jobs=partial(work_precision_jobs, quick=True),
         section=partial(work_precision.section, quick=True),
+        long=partial(work_precision_jobs, quick=False),
+        workers=work_precision.WORKERS,
         work=95.0,
         timed=True,
     ),
@@ -110,6 +121,7 @@ STUDIES = (
         name="robustness",
         jobs=partial(robustness.jobs, quick=True),
         section=partial(robustness.section, quick=True),
+        long=partial(robustness.case_jobs, quick=False),
         work=85.0,
         timed=True,
     ),

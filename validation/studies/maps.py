@@ -14,8 +14,9 @@ from analysis.data.files import AnyArray
 from validation.kit import figures as kit
 from validation.kit.figures import Picture
 from validation.kit.report import Job, Section
+from validation.kit.samples import COMMAND, age
 from validation.kit.tables import Cell, Table
-from validation.maps import figures, stored
+from validation.maps import figures, ship, stored
 from validation.maps.problems import PROBLEMS, classify, critical_points
 from validation.maps.run import Panel
 from validation.maps.stored import Study
@@ -225,9 +226,10 @@ def _sides_claim(study: Study, repeated: Mapping[Any, Repetition]) -> Claim:
 def section(results: Mapping[Any, Any]) -> Section:
     """Section of the report from the results of `jobs`."""
     study = stored.shipped()
-    made = "python -m validation.maps.ship DIR"
     if study is None:
-        return Section(name="maps", title="Maps", paragraphs=[f"None is shipped; run `{made}`."])
+        return Section(
+            name="maps", title="Maps", paragraphs=[f"None is shipped; run `{COMMAND} DIR maps`."]
+        )
     return Section(
         name="maps",
         title="Maps",
@@ -238,8 +240,8 @@ def section(results: Mapping[Any, Any]) -> Section:
                 "to 4 in-house; the other side has run those marked by a circle as well."
             ),
             (
-                f"Shipped results of `{made}` ({study.provenance.text()}), of which this report "
-                f"has repeated {len(results)} cases on both sides."
+                f"Shipped results ({study.provenance.text()}), of which this report has repeated "
+                f"{len(results)} cases on both sides. {age('maps', ship.jobs())}"
             ),
         ],
         pictures=pictures(study),

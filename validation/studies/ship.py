@@ -2,7 +2,8 @@
 
     python -m validation.studies.ship DIR [SECTION...]
 
-Finished results are kept in DIR, so that it goes on there after an interruption.
+Finished results are kept in DIR, so that it goes on there after an interruption, and takes what a
+command of a study has left there. Sections that take longer are made only where they are named.
 """
 
 import argparse
@@ -11,8 +12,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from validation.kit import shipped
-from validation.kit.parts import FOLDER, Store
-from validation.kit.report import run_parts
+from validation.kit.provenance import Provenance
+from validation.kit.report import run_kept
 from validation.studies.full_report import STUDIES
 
 
@@ -27,29 +28,33 @@ def compute(section: str, folder: Path) -> shipped.Shipment:
         Gets what is finished.
     """
     (study,) = (study for study in STUDIES if study.name == section)
-    jobs = list(study.shipped())
-    store = Store(folder / FOLDER)
-    parts = {job.key: part for job in jobs if (part := store.find(job)) is not None}
-    left = [job for job in jobs if job.key not in parts]
-    parts |= run_parts(left, title=section, store=store)
-    return shipped.gather(jobs, parts)
+    # The commit may move on meanwhile.
+    provenance = Provenance.here()
+    jobs = [*study.shipped(), *study.long()]
+    parts = run_kept(jobs, folder, workers=study.workers, title=section)
+    return shipped.gather(jobs, parts, provenance)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Ship the results of some sections; exit code."""
-    names = [study.name for study in STUDIES if study.shipped()]
+    usual = [study.name for study in STUDIES if study.shipped()]
+    longer = [study.name for study in STUDIES if study.long()]
     parser = argparse.ArgumentParser(
         prog="python -m validation.studies.ship", description=(__doc__ or "").split("\n")[0]
     )
     parser.add_argument("folder", metavar="DIR", type=Path, help="for what is finished")
     parser.add_argument(
-        "sections", metavar="SECTION", nargs="*", help=f"{', '.join(names)}; all by default"
+        "sections",
+        metavar="SECTION",
+        nargs="*",
+        help=f"{', '.join(usual)}; all of these by default; only by name: {', '.join(longer)}",
     )
     options = parser.parse_args(arguments)
+    names = [*usual, *longer]
     if unknown := set(options.sections) - set(names):
         parser.error(f"SECTION must be one of {', '.join(names)}, got {min(unknown)!r}")
     # All of them first: a file that is written is a change of the sources.
-    found = {name: compute(name, options.folder) for name in options.sections or names}
+    found = {name: compute(name, options.folder) for name in options.sections or usual}
     for name, made in found.items():
         made.write(shipped.path_of(name))
         size = shipped.path_of(name).stat().st_size

@@ -7,6 +7,8 @@ import numpy as np
 
 from analysis import Scenario
 from analysis.data.checks import Array
+from analysis.data.files import AnyArray
+from analysis.nonlinear.asymmetric import AsymmetricFamily
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import CycleFamily
 from analysis.nonlinear.heteroclinic import Fall
@@ -54,6 +56,19 @@ def family_lines(
     if first is not None:
         spins, values = np.append(family.hopf.spin, spins), np.append(first, values)
         stable = np.append(stable[0], stable)
+    _lines(axes, spins, values, stable, label=label)
+
+
+def _lines(
+    axes: Any,
+    spins: Array,
+    values: Array,
+    stable: AnyArray,
+    *,
+    label: str,
+    colours: tuple[int, int] = (1, 2),
+) -> None:
+    """Draw values over spins, shape (n,), in the colours of stable ones and of others."""
     for wanted, style, word in ((True, "-", "stable"), (False, "--", "unstable")):
         # A piece takes the kind of its farther end, so that the curve has no gaps.
         shown = np.append(stable[1:] == wanted, False) | np.append(False, stable[1:] == wanted)
@@ -62,7 +77,7 @@ def family_lines(
                 np.where(shown, spins, np.nan),
                 np.where(shown, values, np.nan),
                 style,
-                color=figures.COLOURS[1 if wanted else 2],
+                color=figures.COLOURS[colours[0 if wanted else 1]],
                 label=f"{label}, {word}",
             )
 
@@ -151,17 +166,8 @@ def rotation_diagram(family: RotationFamily, axes: Any = None) -> Any:
     axes = figures.new_figure(height=4.6)[1] if axes is None else axes
     spins = family.values("spin")
     stable = np.array([each.stable is not False for each in family.rotations])
-    for name, label in (("largest_tilt", "largest"), ("tilt", "noninverted")):
-        tilts = family.values(name)
-        for wanted, style, word in ((True, "-", "stable"), (False, "--", "unstable")):
-            shown = np.append(stable[1:] == wanted, False) | np.append(False, stable[1:] == wanted)
-            axes.plot(
-                np.where(shown, spins, np.nan),
-                np.where(shown, tilts, np.nan),
-                style,
-                color=figures.COLOURS[1 if name == "tilt" else 2],
-                label=f"{label}, {word}",
-            )
+    for name, label, colour in (("largest_tilt", "largest", 2), ("tilt", "noninverted", 1)):
+        _lines(axes, spins, family.values(name), stable, label=label, colours=(colour, colour))
     axes.axvline(
         family.connection.spin, color=_GREY, linestyle="-.", label="heteroclinic", zorder=0
     )
@@ -170,6 +176,30 @@ def rotation_diagram(family: RotationFamily, axes: Any = None) -> Any:
     last = min(float(np.max(spins)), family.connection.spin + _SHOWN)
     axes.set_xlim(np.min(spins) - 0.05 * _SHOWN, last)
     axes.set_ylim(0.0, 1.1 * np.max(family.values("largest_tilt")[spins <= last]))
+    figures.legend_above(axes, columns=2)
+    return axes
+
+
+def asymmetric_diagram(family: AsymmetricFamily, symmetric: CycleFamily) -> Any:
+    """Largest deviations to either side of cycles without symmetry over the spin."""
+    axes = figures.new_figure(height=4.6)[1]
+    spins = np.array([each.spin for each in family.cycles])
+    stable = np.array([each.stable for each in family.cycles])
+    largest = np.array([each.amplitude for each in family.cycles])
+    least = np.array([each.lowest for each in family.cycles])
+    born = family.bifurcation.cycle
+    near = symmetric.values("amplitude") <= np.max(largest)
+    axes.plot(
+        symmetric.values("spin")[near],
+        symmetric.values("amplitude")[near],
+        ":",
+        color=_GREY,
+        label="symmetric",
+    )
+    _lines(axes, spins, largest, stable, label="to one side", colours=(2, 2))
+    _lines(axes, spins, -least, stable, label="to the other", colours=(1, 1))
+    axes.plot(born.spin, born.amplitude, "D", color="black", label="symmetry breaks", zorder=5)
+    axes.set(xlabel="spinning speed Ω in rad/s", ylabel="largest deviation of γ in rad")
     figures.legend_above(axes, columns=2)
     return axes
 

@@ -1,10 +1,12 @@
 """Tables of cycles, of the Hopf point, of the heteroclinic connection and the slow manifold."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from analysis import Scenario
+from analysis.nonlinear.asymmetric import AsymmetricCycle, AsymmetricFamily, Change
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import Bifurcation, CycleFamily
 from analysis.nonlinear.heteroclinic import Connection, PeriodGrowth
@@ -26,27 +28,16 @@ def cycle_table(cycles: Sequence[Cycle]) -> Table:
     return Table(
         name="cycles",
         title="Periodic motions of the reduced system",
-        columns=(
-            "amplitude in rad",
-            "spin in rad/s",
-            "period in s",
-            "multiplier",
-            "over half a period",
-            "log10 of the other",
-            "stable",
+        **_motions(
+            cycles,
+            {
+                "amplitude in rad": "amplitude",
+                "spin in rad/s": "spin",
+                "period in s": "period",
+                "multiplier": "multiplier",
+                "over half a period": "half_multiplier",
+            },
         ),
-        rows=[
-            (
-                cycle.amplitude,
-                cycle.spin,
-                cycle.period,
-                cycle.multiplier,
-                cycle.half_multiplier,
-                cycle.log_strong / float(np.log(10.0)),
-                _WORDS[cycle.stable],
-            )
-            for cycle in cycles
-        ],
         note="The amplitude is the largest deviation of γ from π/2; the third multiplier is 1.",
     )
 
@@ -89,29 +80,65 @@ def rotation_table(family: RotationFamily, turns: Sequence[Rotation]) -> Table:
         name="rotations",
         title="Rotating motions of the reduced system, from the connection at "
         f"{family.connection.spin:.9g} rad/s on",
-        columns=(
-            "tilt in rad",
-            "spin in rad/s",
-            "period in s",
-            "largest tilt in rad",
-            "multiplier",
-            "log10 of the other",
-            "stable",
+        **_motions(
+            family.rotations,
+            {
+                "tilt in rad": "tilt",
+                "spin in rad/s": "spin",
+                "period in s": "period",
+                "largest tilt in rad": "largest_tilt",
+                "multiplier": "multiplier",
+            },
         ),
-        rows=[
+        note=note,
+    )
+
+
+def asymmetric_table(
+    family: AsymmetricFamily, found: Sequence[tuple[Change, AsymmetricCycle]]
+) -> Table:
+    """Cycles without mirror symmetry, and where their stability changes."""
+    born = family.bifurcation.cycle
+    words = {"fold": "They fold", "period-doubling": "Their period doubles"}
+    note = "Deviations of γ from π/2."
+    note += "".join(
+        f" {words[kind]} at {each.amplitude:.6g} and {each.lowest:.6g} rad and {each.spin:.9g} "
+        "rad/s."
+        for kind, each in found
+    )
+    if family.reason is not None:
+        note += f" The family ends early: {family.reason}."
+    return Table(
+        name="asymmetric",
+        title="Cycles without mirror symmetry of the reduced system, from "
+        f"{born.amplitude:.6g} rad and {born.spin:.9g} rad/s on",
+        **_motions(
+            family.cycles,
+            {
+                "largest deviation in rad": "amplitude",
+                "least one in rad": "lowest",
+                "spin in rad/s": "spin",
+                "period in s": "period",
+                "multiplier": "multiplier",
+            },
+        ),
+        note=note,
+    )
+
+
+def _motions(motions: Sequence[Any], columns: Mapping[str, str]) -> dict[str, Any]:
+    """Columns and rows of a table of periodic motions, from columns to their attributes."""
+    return {
+        "columns": (*columns, "log10 of the other", "stable"),
+        "rows": [
             (
-                each.tilt,
-                each.spin,
-                each.period,
-                each.largest_tilt,
-                each.multiplier,
+                *(getattr(each, name) for name in columns.values()),
                 each.log_strong / float(np.log(10.0)),
                 _WORDS[each.stable],
             )
-            for each in family.rotations
+            for each in motions
         ],
-        note=note,
-    )
+    }
 
 
 def small_cycles(family: CycleFamily) -> list[Cycle]:

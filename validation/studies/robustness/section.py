@@ -8,9 +8,8 @@ from typing import Any
 
 from analysis import LOADS
 from validation.kit.clock import Clock
-from validation.kit.full_study import FULL_STUDY
-from validation.kit.provenance import Provenance
-from validation.kit.report import Job, Section, run_jobs, write
+from validation.kit.report import Job, Section, run_kept, write
+from validation.kit.samples import age
 from validation.kit.tables import Table
 from validation.studies.robustness import causes, steps, stored, tables
 from validation.studies.robustness import drift as long_runs
@@ -48,7 +47,7 @@ def jobs(*, quick: bool) -> list[Job]:
         Model 1 alone, default integrators and fewer places on each curve.
     """
     return [
-        *_case_jobs(quick=quick),
+        *case_jobs(quick=quick),
         *_step_jobs(quick=quick),
         *(
             Job(("robustness", "drift", index), long_runs.drift, (runner, 5.0 if quick else 20.0))
@@ -66,7 +65,7 @@ def jobs(*, quick: bool) -> list[Job]:
     ]
 
 
-def _case_jobs(*, quick: bool) -> list[Job]:
+def case_jobs(*, quick: bool) -> list[Job]:
     """The grid of cases, in few batches if quick: each needs a process of its own."""
     found = problems(quick=quick)
     count = _QUICK_BATCHES if quick else len(found)
@@ -157,8 +156,8 @@ def make(folder: Path, *, quick: bool = False) -> tuple[Path, list[Table], int]:
     Parameters
     ----------
     folder : Path
-        Made if it does not exist. A full study leaves its results there for
-        `validation.studies.robustness.ship`.
+        Made if it does not exist. What is finished is kept there, also for
+        `validation.studies.ship`.
     quick : bool
         A sample of the cases of Model 1.
 
@@ -175,15 +174,11 @@ def make(folder: Path, *, quick: bool = False) -> tuple[Path, list[Table], int]:
     OSError
         If the folder cannot be written.
     """
-    # The commit may move on while the study runs.
-    clock, provenance = Clock(), Provenance.here()
-    results = run_jobs(jobs(quick=quick), title="robustness")
+    clock = Clock()
+    parts = run_kept(jobs(quick=quick), folder, title="robustness")
+    results = {key: part.result for key, part in parts.items()}
     made = section(results, quick=quick)
     page = write([made], folder, made=clock.sentence())
-    if not quick:
-        outcomes = tuple(cases(results, quick=False))
-        full = stored.Study(provenance=provenance, outcomes=outcomes)
-        stored.FILE.write(full, folder / FULL_STUDY)
     return page, list(made.tables[:2]), wrong(results)
 
 
@@ -201,9 +196,8 @@ def _all(results: Mapping[Any, Any], kind: str) -> list[Any]:
 
 def cases(results: Mapping[Any, Any], *, quick: bool) -> list[Outcome]:
     """What became of all cases, in their order; arguments as of `section`."""
-    order = [(each.scenario.model, each.axis, each.label) for each in problems(quick=quick)]
-    flat = [outcome for batch in _all(results, "cases") for outcome in batch]
-    return sorted(flat, key=lambda each: order.index((each.level, each.axis, each.label)))
+    flat = (outcome for batch in _all(results, "cases") for outcome in batch)
+    return stored.in_order(flat, problems(quick=quick))
 
 
 def _source(full: stored.Study | None) -> list[str]:
@@ -212,7 +206,8 @@ def _source(full: stored.Study | None) -> list[str]:
     return [
         (
             "Counts, causes and figures of the cases are those of the last full study "
-            f"({full.provenance.text()}); this run has repeated a sample of it."
+            f"({full.provenance.text()}); this run has repeated a sample of it. "
+            f"{age('robustness', case_jobs(quick=False))}"
         )
     ]
 

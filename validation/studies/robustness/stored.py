@@ -1,21 +1,15 @@
-"""The cases of a full study as data: in a file, and as they are shipped with the package."""
+"""The cases of a full study as they are shipped with the package."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
-from typing import Any
 
 from analysis import Level
-from validation.kit.full_study import FULL_STUDY, StudyFile, rounded
+from validation.kit import shipped as kit
 from validation.kit.provenance import Provenance
-from validation.studies.robustness.cases import Way
+from validation.studies.robustness.axes import problems
+from validation.studies.robustness.cases import HardProblem
 from validation.studies.robustness.run import Outcome
-
-DIGITS = 3
-"""Of stored numbers."""
-
-_COLUMNS = tuple(field.name for field in fields(Outcome))
 
 Key = tuple[str, str, Level | None, str]
 
@@ -46,41 +40,21 @@ def beside(outcomes: Sequence[Outcome], study: Study) -> list[tuple[Outcome, Out
     return [(outcome, known.get(key(outcome))) for outcome in outcomes]
 
 
-def _pack(study: Study) -> dict[str, Any]:
-    return {
-        "provenance": study.provenance.to_dict(),
-        "columns": _COLUMNS,
-        "outcomes": [_pack_outcome(outcome) for outcome in study.outcomes],
+def in_order(outcomes: Iterable[Outcome], wanted: Iterable[HardProblem]) -> list[Outcome]:
+    """Outcomes in the order of their problems; those of other problems at the end."""
+    order = {
+        (each.scenario.model, each.axis, each.label): place for place, each in enumerate(wanted)
     }
+    last = len(order)
+    return sorted(outcomes, key=lambda each: order.get((each.level, each.axis, each.label), last))
 
 
-def _pack_outcome(outcome: Outcome) -> list[Any]:
-    values = asdict(outcome)
-    values["way"] = list(values["way"].values())
-    return [rounded(values[name], DIGITS) for name in _COLUMNS]
-
-
-def _unpack(stored: dict[str, Any]) -> Study:
-    return Study(
-        provenance=Provenance(**stored["provenance"]),
-        outcomes=tuple(_unpack_outcome(stored["columns"], row) for row in stored["outcomes"]),
-    )
-
-
-def _unpack_outcome(columns: Sequence[str], row: Sequence[Any]) -> Outcome:
-    values = dict(zip(columns, row, strict=True))
-    names = [field.name for field in fields(Way)]
-    values["way"] = Way(**dict(zip(names, values["way"], strict=True)))
-    return Outcome(**values)
-
-
-FILE = StudyFile(
-    name="robustness",
-    shipped=Path(__file__).parent / FULL_STUDY,
-    pack=_pack,
-    unpack=_unpack,
-    breaks=("],[", "],\n["),
-)
-
-shipped = cache(FILE.read_shipped)
-"""The full study that comes with the package, None if there is none."""
+@cache
+def shipped() -> Study | None:
+    """The full study that comes with the package, None if there is none."""
+    found = kit.of("robustness")
+    if found is None:
+        return None
+    flat = (outcome for batch in found.results() for outcome in batch)
+    outcomes = in_order(flat, problems(quick=False))
+    return Study(provenance=found.provenance, outcomes=tuple(outcomes))

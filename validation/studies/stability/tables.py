@@ -199,7 +199,11 @@ def stable_range(
     scenario: Scenario, interval: tuple[float, float], motion: Motion = "inverted"
 ) -> str:
     """Spins at which a motion is stable as a whole, in words."""
-    found = stable_spins(scenario, interval, motion=motion)
+    return in_words(stable_spins(scenario, interval, motion=motion))
+
+
+def in_words(found: Sequence[tuple[float, float]]) -> str:
+    """Intervals of the spin in words."""
     return ", ".join(f"{low:.6g} to {high:.6g}" for low, high in found) or "nowhere"
 
 

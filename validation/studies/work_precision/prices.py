@@ -1,8 +1,7 @@
 """What an option or a formulation costs, measured against its alternative in turns."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from statistics import median
-from typing import Any
 
 import mbs_models
 from mbs_models import Formulation, Integrator, Newton
@@ -77,15 +76,6 @@ class Price:
         """Whether the ratio can be told from 1."""
         low, high = self.interval
         return low > 1.0 or high < 1.0
-
-    @classmethod
-    def from_dict(cls, stored: dict[str, Any]) -> "Price":
-        """Price from what `to_dict` made of it."""
-        return cls(**(stored | {"ratios": tuple(stored["ratios"])}))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers and text."""
-        return asdict(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

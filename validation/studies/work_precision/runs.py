@@ -1,11 +1,11 @@
 """What the work-precision study has measured: runs, ladders of them, and what they reach."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf, log, nan
 from statistics import median
-from typing import Any, Literal
+from typing import Literal
 
 from validation.studies.work_precision.problems import TIMES, Errors, ProblemName
 
@@ -119,16 +119,6 @@ class Run:
         """Whether the in-house equations made it."""
         return self.formulation in {"index-1", "reduced"}
 
-    @classmethod
-    def from_dict(cls, stored: dict[str, Any]) -> "Run":
-        """Run from what `to_dict` made of it."""
-        errors = stored["errors"]
-        return cls(**(stored | {"errors": None if errors is None else Errors(**errors)}))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers and text."""
-        return asdict(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
@@ -152,15 +142,6 @@ class Curve:
     def best(self) -> float:
         """Smallest error of any of its runs."""
         return min(run.error for run in self.runs)
-
-    @classmethod
-    def from_dict(cls, stored: dict[str, Any]) -> "Curve":
-        """Curve from what `to_dict` made of it."""
-        return cls(**(stored | {"runs": tuple(Run.from_dict(run) for run in stored["runs"])}))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers and text."""
-        return asdict(self)
 
 
 def by_hindsight(runs: Iterable[Run]) -> list[Run]:

@@ -1,7 +1,9 @@
 """The section of the report on error against run time."""
 
 from validation.kit.report import Section
+from validation.kit.samples import age
 from validation.studies.work_precision import confirm, figures, lesson, tables
+from validation.studies.work_precision.jobs import PREFIX, jobs
 from validation.studies.work_precision.methods import QUICK_PROBLEMS
 from validation.studies.work_precision.problems import PROBLEMS, SPACING, TIMES
 from validation.studies.work_precision.stored import Study, shipped
@@ -83,7 +85,8 @@ def _ways(study: Study) -> str:
 def _origin(shown: Study, here: Study | None) -> str:
     if not shown.quick:
         kind = "Shipped with the package" if here is not None else "Measured on the spot"
-        return f"The full study. {kind}: {shown.provenance.text()}."
+        since = f" {age(PREFIX, jobs(quick=False))}" if here is not None else ""
+        return f"The full study. {kind}: {shown.provenance.text()}.{since}"
     titles = ", ".join(PROBLEMS[name].title for name in QUICK_PROBLEMS)
     return (
         f"This is the quick selection ({titles}; few integrators; to an error of 1e-6), from "

@@ -1,0 +1,47 @@
+"""Where the numbers and the picture of a subcommand go."""
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from analysis.data.files import whole_file
+from validation.kit.tables import Table
+
+
+def as_text(options: argparse.Namespace) -> bool:
+    """Whether the numbers are printed as tables: nothing else is asked for."""
+    return not options.json and options.csv is None and options.plot is None
+
+
+def deliver(
+    options: argparse.Namespace, shown: Sequence[Table], values: Any, *, stored: int = 0
+) -> None:
+    """Store a table and print the values, or all tables if nothing else is asked for.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        `csv`, `json` and `plot`.
+    shown : sequence of Table
+    values
+        What JSON knows.
+    stored : int
+        Index of the table for the file.
+    """
+    if options.csv is not None:
+        with whole_file(options.csv) as stream:
+            stream.write(shown[stored].to_csv().encode())
+    if options.json:
+        print(json.dumps(values))
+    if as_text(options):
+        for table in shown:
+            parts = (table.title, table.to_text() if table.rows else "none", table.note)
+            print("\n".join(part for part in parts if part), end="\n\n")
+
+
+def save(figure: Any, path: Path) -> None:
+    """Write a figure in the format that its file's name ends in."""
+    with whole_file(path) as stream:
+        figure.savefig(stream, format=path.suffix[1:], dpi=150)

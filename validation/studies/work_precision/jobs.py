@@ -1,0 +1,33 @@
+"""Everything that the work-precision study computes."""
+
+from validation.kit.parts import Job
+from validation.studies.work_precision.measure import measure
+from validation.studies.work_precision.methods import label, methods
+from validation.studies.work_precision.prices import cases, measure_price
+from validation.studies.work_precision.problems import PROBLEMS, agreement
+
+PREFIX = "work-precision"
+"""Name of the section, which the keys of all jobs start with."""
+
+
+def jobs(*, quick: bool) -> list[Job]:
+    """Everything that is to be computed, under keys that start with "work-precision".
+
+    Parameters
+    ----------
+    quick : bool
+        A selection that takes some 40 s of processor time.
+    """
+    first: list[Job] = []
+    curves: list[Job] = []
+    for name, problem in PROBLEMS.items():
+        chosen = methods(problem, quick)
+        if chosen:
+            first.append(Job((PREFIX, "agreement", name), agreement, (name, quick)))
+        curves += [
+            Job((PREFIX, name, label(method)), measure, (name, method, quick)) for method in chosen
+        ]
+    compared = [
+        Job((PREFIX, "price", case.label), measure_price, (case, quick)) for case in cases(quick)
+    ]
+    return first + curves + compared
