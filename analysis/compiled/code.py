@@ -100,6 +100,20 @@ class Code:
         variables, forces = systems.multipliers(self._structure)
         return heyoka().cfunc(forces, variables, compact_mode=self._compact)
 
+    def multipliers_of(self, variables: Array, numbers: Array) -> Array:
+        """Constraint forces of k members at n states each, shape (c, k, n).
+
+        Parameters
+        ----------
+        variables : ndarray, shape (12, k, n)
+            Coordinates and rates.
+        numbers : ndarray, shape (k, p)
+        """
+        function, shape = self.multipliers, variables.shape
+        given = np.repeat(numbers[:, : function.nparams].T, shape[2], axis=1)
+        found: Array = function(variables.reshape(12, -1), pars=given)
+        return found.reshape(-1, *shape[1:])
+
     @cached_property
     def _slip(self) -> Any:
         return heyoka().cfunc([self._system.slip], self._system.variables)
