@@ -82,7 +82,7 @@ def difference(first: Trajectory, second: Trajectory) -> float:
 
 
 @pytest.mark.parametrize(
-    "constraints", mostly_slow(POSSIBLE_SETS, [MODELS[1], MODELS[3]]), ids="+".join
+    "constraints", mostly_slow(POSSIBLE_SETS, [MODELS[1], MODELS[4]]), ids="+".join
 )
 @pytest.mark.parametrize("load", LOADS)
 def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(

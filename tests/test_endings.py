@@ -65,15 +65,21 @@ def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> N
     # Beyond beta = 0 the equations go on to the next singular tilt and get stuck there.
     calls = count()
 
-    def within_budget(*given: Any) -> Any:
-        assert next(calls) < 8000
-        return accelerations(*given)
+    def counting(scenario: Scenario) -> index1.Solver:
+        solve = solver(scenario)
 
-    accelerations = index1.accelerations
-    monkeypatch.setattr(index1, "accelerations", within_budget)
+        def within_budget(*state: float) -> tuple[float, ...]:
+            assert next(calls) < 8000
+            return solve(*state)
+
+        return within_budget
+
+    solver = index1.solver
+    monkeypatch.setattr(index1, "solver", counting)
     run = analysis.simulate(Scenario(start=FALLING), [0.0, 0.5], tolerance=1e-6)
     assert run.ending is not None
     assert run.ending.reason == "flat"
+    assert next(calls) > 100
 
 
 @pytest.mark.parametrize("contact", [None, SOFT], ids=["ideal", "penalty"])

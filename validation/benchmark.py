@@ -114,8 +114,8 @@ def rows() -> list[Row]:
         for scenario, local, form, limit in (
             (MODEL_1, 1e-10, "index-1", 100.0),
             (MODEL_4, 1e-10, "reduced", 100.0),
-            (MODEL_2, 3e-12, "index-1", 250.0),
-            (MODEL_3, 1e-11, "index-1", 250.0),
+            (MODEL_2, 3e-12, "index-1", 150.0),
+            (MODEL_3, 1e-11, "index-1", 150.0),
         )
     ]
     return result

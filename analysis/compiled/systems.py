@@ -12,10 +12,9 @@ from itertools import count
 from types import SimpleNamespace
 from typing import Any, cast
 
-from analysis.compiled.elimination import Symbols, solve
 from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.data.checks import Array
-from analysis.data.constraint_set import ConstraintSet, multiplier_names
+from analysis.data.constraint_set import ConstraintSet
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.data.friction import FrictionLaw, Load
 from analysis.data.members import Members
@@ -31,9 +30,6 @@ It acts for nanoseconds, and moves nothing by more than 1e-14 of its size.
 
 SINGULAR = "singular"
 """Ending of a run where friction calls for a newton of normal force for each newton of it."""
-
-_DIRECT = {"normal_force": 2, "cog_force_x": 0, "cog_force_y": 1, "spin_torque": 3}
-"""Coordinate that a constraint tells directly, with a factor of 1, by its multiplier."""
 
 _DISK = ("mass", "radius", "eccentricity", "inertia_x", "inertia_y", "inertia_z")
 
@@ -282,26 +278,26 @@ def _variables() -> tuple[list[Any], list[Any]]:
 
 def _solution(
     scenario: _Symbolic, z: list[Any], u: list[Any], speed: Callable[[Any, Any], Any]
-) -> tuple[Symbols, Any]:
+) -> tuple[list[Any], Any]:
     """Accelerations and multipliers, and the part of the normal force that friction calls for."""
 
     def is_zero(entry: Any) -> bool:
         return bool(entry == (0.0 if isinstance(entry, float) else heyoka().expression(0.0)))
 
     try:
-        matrix, right = index1.system(cast("Scenario", scenario), z, u, speed)
+        columns = index1.solution(cast("Scenario", scenario), z, u, speed, is_zero)
     except (TypeError, ValueError, AttributeError) as error:
         raise _unexpressed(f"friction law {type(scenario.friction).__name__}", error) from error
-    pivots: list[tuple[int, int]] = []
-    for row, name in enumerate(multiplier_names(scenario.constraints), start=6):
-        if name in _DIRECT:
-            pivots += [(row, _DIRECT[name]), (_DIRECT[name], row)]
-    taken = {column for _, column in pivots}
-    pivots += [(each, each) for each in range(len(matrix)) if each not in taken]
-    solution = solve(matrix, right, pivots, is_zero)
-    if right.shape[1] == 2:
-        return index1.loaded(solution), solution[6, 1]
-    return solution[:, 0], None
+    if len(columns) == 1:
+        return _symbols(columns[0]), None
+    frictionless, feedback = columns[0][6], columns[1][6]
+    return _symbols(index1.loaded(columns, frictionless / (1.0 - feedback))), feedback
+
+
+def _symbols(entries: list[Any]) -> list[Any]:
+    """Entries of which some may be floats, such as the acceleration of a constant spin."""
+    symbol = heyoka().expression
+    return [symbol(entry) if isinstance(entry, float) else entry for entry in entries]
 
 
 def _size(faint: float) -> Callable[[Any, Any], Any]:

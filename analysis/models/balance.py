@@ -1,5 +1,7 @@
 """Constraint drift and energy balance of a trajectory."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.integrate import cumulative_simpson
 
@@ -70,12 +72,13 @@ def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:
     held, disk = trajectory.scenario.constraints, trajectory.scenario.disk
     names = multiplier_names(held)
     count = len(names) - ("spin_torque" in names)
-    position = np.empty(trajectory.times.size)
-    velocity = np.empty(trajectory.times.size)
-    for row, (z, u) in enumerate(zip(trajectory.coordinates, trajectory.rates, strict=True)):
-        position[row] = np.max(np.abs(constraints.positions(held, disk, z)))
-        velocity[row] = np.max(np.abs((constraints.directions(held, disk, z) @ u)[:count]))
-    return position, velocity
+    places, rates = trajectory.coordinates.T, trajectory.rates.T
+    velocities = [
+        sum(part * rate for part, rate in zip(row, rates, strict=True))
+        for row in constraints.direction_rows(held, disk, places)[:count]
+    ]
+    position = np.max(np.abs(constraints.position_rows(held, disk, places)), axis=0)
+    return position, np.max(np.abs(velocities), axis=0)
 
 
 def contact_forces(trajectory: Trajectory) -> Array:
@@ -109,12 +112,17 @@ def contact_forces(trajectory: Trajectory) -> Array:
     result = np.zeros((trajectory.times.size, 3))
     result[:, 2] = trajectory.normal_force
     loads = _loads(trajectory)
-    for row, (z, u) in enumerate(zip(trajectory.coordinates, trajectory.rates, strict=True)):
+    for row, (z, u) in enumerate(_states(trajectory)):
         result[row, :2] = loads[row] * friction_per_load(scenario, z, u)[:2]
     for column, name in enumerate(("tangential_force", "lateral_force")):
         if name in multiplier_names(scenario.constraints):
             result[:, column] += trajectory.multiplier(name)
     return result
+
+
+def _states(trajectory: Trajectory) -> Iterator[tuple[list[float], list[float]]]:
+    """Coordinates and rates of every sample, as floats."""
+    return zip(trajectory.coordinates.tolist(), trajectory.rates.tolist(), strict=True)
 
 
 def _loads(trajectory: Trajectory) -> Array:
@@ -141,7 +149,7 @@ def power(trajectory: Trajectory) -> Array:
     """
     scenario = trajectory.scenario
     result = _loads(trajectory)
-    for row, (z, u) in enumerate(zip(trajectory.coordinates, trajectory.rates, strict=True)):
+    for row, (z, u) in enumerate(_states(trajectory)):
         result[row] *= friction_per_load(scenario, z, u) @ u
     if "constant-spin" in scenario.constraints:
         result += trajectory.multiplier("spin_torque") * trajectory.rate("alpha")

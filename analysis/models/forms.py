@@ -10,7 +10,6 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.checks import Array, choice
-from analysis.data.constraint_set import multiplier_names
 from analysis.data.endings import Condition
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
@@ -136,18 +135,17 @@ def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
 
 def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
     multipliers = compiled or partial(_multipliers, scenario)
+    solved = index1.solver(scenario)
 
-    def derivative(_: float, state: Array) -> Array:
+    def derivative(_: float, state: Array) -> list[float]:
         values = state.tolist()
-        z, u = values[:6], values[6:]
-        return np.concatenate((u, index1.accelerations(scenario, z, u)[0]))
+        return [*values[6:], *solved(*values)[:6]]
 
     def normal_force(state: Array) -> float:
         if compiled is not None and scenario.friction.load == "weight":
             return float(compiled(state[None])[0, 0])
         # Where friction knows that force, a system without solution is told from here.
-        values = state.tolist()
-        return float(index1.accelerations(scenario, values[:6], values[6:])[1][0])
+        return solved(*state.tolist())[6]
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
         return states[:, :6], states[:, 6:], multipliers(states)
@@ -247,7 +245,5 @@ def _first(rows: tuple[Array, ...]) -> tuple[Array, Array]:
 
 def _multipliers(scenario: Scenario, states: Array) -> Array:
     """Constraint forces at coordinates and rates, shape (n, 12); shape (n, k)."""
-    result = np.empty((len(states), len(multiplier_names(scenario.constraints))))
-    for row, values in enumerate(states.tolist()):
-        result[row] = index1.accelerations(scenario, values[:6], values[6:])[1]
-    return result
+    solved = index1.solver(scenario)
+    return np.array([solved(*values)[6:] for values in states.tolist()])

@@ -198,10 +198,9 @@ def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
 
 def _states(solver: Any, within: Array) -> Iterator[tuple[float, Array]]:
     """Times and states within the last step, and those at its end."""
-    if within.size:
-        path = solver.dense_output()
-        for moment in within[within < solver.t]:
-            yield float(moment), path(moment)
+    before = within[within < solver.t]
+    if before.size:
+        yield from zip(before.tolist(), solver.dense_output()(before).T, strict=True)
     yield solver.t, solver.y
 
 

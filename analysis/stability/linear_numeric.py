@@ -107,11 +107,12 @@ class UnitlessFlow:
         """Unit sqrt(g / r) of the spin in rad/s."""
         radius = scenario.disk.radius
         self.units = np.array((radius, radius, radius, 1.0, 1.0, 1.0))
+        self._solve = index1.solver(scenario)
 
     def rates(self, state: Array) -> Array:
         """Time derivative F of a state, shape (12,), from the index-1 system."""
         z, u = self._with_units(state)
-        acceleration = index1.accelerations(self.scenario, z.tolist(), u.tolist())[0]
+        acceleration = self._solve(*z, *u)[:6]
         return np.concatenate((state[6:], acceleration / (self.units * self.frequency**2)))
 
     def residuals(self, state: Array) -> Array:
@@ -121,8 +122,9 @@ class UnitlessFlow:
         speeds = constraints.directions(held, disk, z) @ u
         return np.concatenate((constraints.positions(held, disk, z), speeds / self.frequency))
 
-    def _with_units(self, state: Array) -> tuple[Array, Array]:
-        return state[:6] * self.units, state[6:] * self.units * self.frequency
+    def _with_units(self, state: Array) -> tuple[list[float], list[float]]:
+        rates = state[6:] * self.units * self.frequency
+        return (state[:6] * self.units).tolist(), rates.tolist()
 
 
 def neutral_directions(held: ConstraintSet, spins: Array, *, drift: bool) -> Array:

@@ -3,24 +3,24 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
 
-Symbols = Any
-"""An array of symbols and floats (dtype object)."""
+def is_float_zero(entry: Any) -> bool:
+    """Whether an entry is no symbol, but the number zero."""
+    return isinstance(entry, float) and entry == 0.0
 
 
 def solve(
-    matrix: Symbols,
-    right: Symbols,
+    matrix: Sequence[Sequence[Any]],
+    right: Sequence[Sequence[Any]],
     pivots: Sequence[tuple[int, int]],
-    is_zero: Callable[[Any], bool],
-) -> Symbols:
+    is_zero: Callable[[Any], bool] = is_float_zero,
+) -> list[list[Any]]:
     """Solution of a linear system by elimination in a given order of pivots.
 
     Parameters
     ----------
-    matrix : ndarray of objects, shape (n, n)
-    right : ndarray of objects, shape (n, k)
+    matrix : n rows of n symbols or floats
+    right : n rows of k symbols or floats
     pivots : sequence of n pairs of ints
         Row and column of each pivot, none of which may vanish.
     is_zero : callable
@@ -28,9 +28,9 @@ def solve(
 
     Returns
     -------
-    ndarray of objects, shape (n, k)
+    k columns of n symbols or floats
     """
-    table = np.concatenate((matrix, right), axis=1).tolist()
+    table = [[*entries, *sides] for entries, sides in zip(matrix, right, strict=True)]
     size, width = len(table), len(table[0])
     columns = [column for _, column in pivots] + list(range(size, width))
     for done, (row, column) in enumerate(pivots, start=1):
@@ -41,12 +41,12 @@ def solve(
             for each in columns[done:]:
                 if not is_zero(table[row][each]):
                     table[other][each] = table[other][each] - part * table[row][each]
-    solution = np.zeros((size, width - size), dtype=object)
+    solution = [[0.0] * size for _ in range(size, width)]
     for done, (row, column) in reversed(list(enumerate(pivots, start=1))):
-        for each in range(width - size):
+        for each, found in enumerate(solution):
             value = table[row][size + each]
             for _, later in pivots[done:]:
-                if not is_zero(table[row][later]) and not is_zero(solution[later, each]):
-                    value = value - table[row][later] * solution[later, each]
-            solution[column, each] = value / table[row][column]
+                if not is_zero(table[row][later]) and not is_zero(found[later]):
+                    value = value - table[row][later] * found[later]
+            found[column] = value / table[row][column]
     return solution

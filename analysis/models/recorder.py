@@ -1,0 +1,137 @@
+"""Formulas as straight-line code: recorded once on symbols, then run on floats.
+
+A formula for numbers of any kind is called with the symbols of a `Recorder`. What it does with
+them becomes Python source, every operation once however many formulas share it, and nothing but
+what the results need. Zeros take no time, and what comes of constants alone is worked out once.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from math import cos, sin
+from types import SimpleNamespace
+from typing import Any
+
+from analysis.data import elementary
+
+
+class Recorder:
+    """Keeps what is done with its symbols.
+
+    Parameters
+    ----------
+    constants, variables : sequence of str
+        Names of what is known beforehand and of what comes with each call; symbols from then on.
+    """
+
+    def __init__(self, constants: Sequence[str], variables: Sequence[str]) -> None:
+        self.constants = [Symbol(self, name, fixed=True) for name in constants]
+        self.variables = [Symbol(self, name, fixed=False) for name in variables]
+        self._kept: dict[str, Symbol] = {}
+
+    def keep(self, text: str, *operands: Any) -> "Symbol":
+        """Symbol for an operation, such as "{} + {}"; the same one for the same operation."""
+        key = text.format(*operands)
+        if key not in self._kept:
+            symbols = tuple(each for each in operands if isinstance(each, Symbol))
+            fixed = all(each.fixed for each in symbols)
+            symbol = Symbol(self, f"t{len(self._kept)}", text, operands, fixed=fixed)
+            self._kept[key] = symbol
+        return self._kept[key]
+
+    def source(self, results: Sequence[Any]) -> str:
+        """Source of a function `bind`, as `code` returns it."""
+        uses = {str(each): 2 for each in results}
+        for symbol in reversed(self._kept.values()):
+            if str(symbol) in uses:
+                for each in map(str, symbol.operands):
+                    uses[each] = uses.get(each, 0) + 1
+        before: list[str] = []
+        body: list[str] = []
+        inline: dict[str, str] = {}
+        for symbol in self._kept.values():
+            name = str(symbol)
+            text = symbol.text.format(*(inline.get(str(each), each) for each in symbol.operands))
+            # A float that gets no name takes half the time.
+            if uses.get(name) == 1 and not symbol.fixed:
+                inline[name] = f"({text})"
+            elif name in uses:
+                (before if symbol.fixed else body).append(f"{name} = {text}")
+        return "\n".join(
+            (
+                f"def bind({', '.join(map(str, self.constants))}):",
+                *(f"    {line}" for line in before),
+                f"    def formula({', '.join(map(str, self.variables))}):",
+                *(f"        {line}" for line in body),
+                f"        return {', '.join(map(str, results))}",
+                "    return formula",
+            )
+        )
+
+    def code(self, results: Sequence[Any], **functions: Any) -> Callable[..., Callable[..., Any]]:
+        """From constants to a function, which goes from variables to the results.
+
+        Parameters
+        ----------
+        results : sequence of symbols or floats
+        **functions
+            Those of `call` that are neither constants nor of Python.
+        """
+        names: dict[str, Any] = {"sin": sin, "cos": cos, **functions}
+        exec(self.source(results), names)  # noqa: S102 - formulas of ours, and nothing else
+        bind: Callable[..., Callable[..., Any]] = names["bind"]
+        return bind
+
+
+class Symbol:
+    """A number to come, which calculates as floats do."""
+
+    __slots__ = ("fixed", "name", "operands", "recorder", "text")
+
+    def __init__(
+        self, recorder: Recorder, name: str, text: str = "", operands: Any = (), *, fixed: bool
+    ) -> None:
+        self.recorder, self.name, self.fixed = recorder, name, fixed
+        self.text, self.operands = text, operands
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __neg__(self) -> "Symbol":
+        return self.recorder.keep("-{}", self)
+
+    def __add__(self, other: Any) -> "Symbol":
+        return self if other == 0.0 else self.recorder.keep("{} + {}", self, _plain(other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> "Symbol":
+        return self if other == 0.0 else self.recorder.keep("{} - {}", self, _plain(other))
+
+    def __rsub__(self, other: Any) -> "Symbol":
+        return -self if other == 0.0 else self.recorder.keep("{} - {}", _plain(other), self)
+
+    def __mul__(self, other: Any) -> Any:
+        if other == 0.0:
+            return 0.0
+        return self if other == 1.0 else self.recorder.keep("{} * {}", self, _plain(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> "Symbol":
+        return self if other == 1.0 else self.recorder.keep("{} / {}", self, _plain(other))
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return 0.0 if other == 0.0 else self.recorder.keep("{} / {}", _plain(other), self)
+
+
+def call(name: str, *operands: Any) -> Symbol:
+    """Symbol for what the function of this name returns."""
+    recorder = next(each.recorder for each in operands if isinstance(each, Symbol))
+    return recorder.keep(f"{name}({', '.join('{}' for _ in operands)})", *operands)
+
+
+def _plain(operand: Any) -> Any:
+    return operand if isinstance(operand, Symbol) else float(operand)
+
+
+elementary.register(Symbol, SimpleNamespace(sin=partial(call, "sin"), cos=partial(call, "cos")))
