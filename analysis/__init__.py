@@ -33,6 +33,7 @@ from analysis.data.friction import (
     ViscousFriction,
 )
 from analysis.data.inversion import Inversion, Inversions
+from analysis.data.outcomes import OutcomeTable
 from analysis.data.phases import Phases
 from analysis.data.scenario import Scenario
 from analysis.data.scenario_file import load_scenario, scenario_text
@@ -54,6 +55,7 @@ from analysis.models.balance import (
 from analysis.models.ensemble import simulate_many
 from analysis.models.forms import FORMS, Form
 from analysis.models.integration import METHODS, Method
+from analysis.models.outcomes import outcomes
 from analysis.models.simulation import simulate
 from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 
@@ -94,6 +96,7 @@ __all__ = [
     "Method",
     "Motion",
     "Outcome",
+    "OutcomeTable",
     "PenaltyContact",
     "Phases",
     "Progress",
@@ -121,6 +124,7 @@ __all__ = [
     "load_run",
     "load_scenario",
     "multiplier_names",
+    "outcomes",
     "power",
     "scenario_text",
     "simulate",

@@ -10,6 +10,7 @@ import pytest
 
 from analysis import MODELS, Scenario
 from analysis.data.checks import Array
+from analysis.data.outcomes import Row
 from analysis.stability.linear_reduced import critical_speed
 from tests.sweeps import Direct
 from tests.test_cli import run
@@ -28,7 +29,6 @@ from validation.maps.refinement import refine
 from validation.maps.run import panels, run_pairs, run_panel
 from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import sweeps as parser
-from validation.sweeps.outcomes import Row
 from validation.sweeps.plan import Plan
 from validation.sweeps.results import Results
 from validation.sweeps.sweep import Sweep

@@ -15,11 +15,12 @@ import pytest
 from scipy.integrate import simpson
 
 from analysis import CAUSES, MODELS, Scenario, Start, power
+from analysis.data.outcomes import DONE, Row
 from tests.sweeps import Direct, sweep
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
 from validation.run import run
 from validation.sweeps import runner
-from validation.sweeps.outcomes import COLUMNS, DONE, Row
+from validation.sweeps.outcomes import COLUMNS
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import run_cases
@@ -314,17 +315,3 @@ def test_identity_of_a_sweep_is_plain_text() -> None:
     wanted = sweep(*SPINS, scenario=Scenario(friction=Wayward()), witnesses=1)
     assert Sweep.from_values(json.loads(wanted.to_text())) == wanted
     assert os.linesep not in wanted.to_text()
-
-
-@pytest.mark.slow
-def test_batches_give_the_rows_of_single_runs() -> None:
-    pytest.importorskip("heyoka")
-    how: Any = {"tolerance": 1e-6, "end": 2.0}
-    wanted = sweep("spin=25,35,45", "mu=0.3,-0.1", method="taylor", **how)
-    single = [run_case(sweep("spin=25,35,45", "mu=0.3,-0.1", **how), n, None) for n in range(6)]
-    batch = runner.run_chunk(wanted.to_text(), range(6), 60.0, 60.0)
-    for one, other in zip(single, batch, strict=True):
-        for name in ("number", "start.spin", "status", "reason", "inversion", "ending"):
-            assert one.get(name) == other.get(name)
-        for name in ("energy_end", "end", "cog_direction_end"):
-            assert one.get(name) == pytest.approx(other.get(name), abs=1e-4)

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analysis.data.outcomes import DONE
 from tests.sweeps import Direct, sweep
-from validation.sweeps.outcomes import DONE
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases

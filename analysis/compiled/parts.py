@@ -18,7 +18,7 @@ from analysis.data.ensemble import Ensemble
 from analysis.data.files import AnyArray
 from analysis.data.members import Rows, in_columns
 from analysis.data.scenario import Scenario
-from analysis.data.trajectories import BETA, Part
+from analysis.data.trajectories import BETA, Part, Samples
 from analysis.data.trajectory import Trajectory
 from analysis.models import reduced
 from analysis.models.effort import longest_step
@@ -107,6 +107,26 @@ class CompiledPart:
         coordinates, rates = self._expanded(self.judged.reached.last[:, None], passed[:, None])
         return coordinates[:, 0], rates[:, 0]
 
+    def samples(self, some: slice) -> Samples:
+        """Samples of some of them, with their ends and constraint forces."""
+        judged, columns = self.judged.reached, np.arange(self.times.size + 1)
+        ends = judged.ends[some, None]
+        counts = np.searchsorted(self.times, judged.ends[some], side="right")
+        times = np.minimum(np.append(self.times, np.inf), ends)
+        states = np.append(judged.states[some], judged.last[some, None], axis=1)
+        over = columns >= counts[:, None]
+        states[over] = np.repeat(judged.last[some], over.sum(axis=1), axis=0)
+        start, numbers = (each[some] for each in self.frame)
+        variables = np.empty((12, *times.shape))
+        if self.form == "reduced":
+            _expand(start, numbers, states, times - self.times[0], variables)
+        else:
+            variables[:] = np.moveaxis(states, 2, 0)
+        code = code_for(self.ensemble[0], self.form, self.conditions, allow_pulling=False)
+        forces = code.multipliers_of(variables, numbers)
+        found = (variables[:6], variables[6:], forces)
+        return Samples(times, *(np.moveaxis(each, 0, 2) for each in found))
+
     def _expanded(self, states: Array, passed: Array) -> tuple[Array, Array]:
         if self.form == "index-1":
             return states[:, :, :6], states[:, :, 6:]
@@ -120,15 +140,19 @@ class CompiledPart:
 
 def _expanded(starts: Array, numbers: Array, states: Array, passed: Array) -> tuple[Array, Array]:
     """Coordinates and rates from reduced states, shape (k, n, 3), at times since the start."""
+    found = np.empty((*passed.shape, 12))
+    _expand(starts, numbers, states, passed, np.moveaxis(found, 2, 0))
+    return found[:, :, :6], found[:, :, 6:]
+
+
+def _expand(starts: Array, numbers: Array, states: Array, passed: Array, out: Array) -> None:
+    """The same as variables, shape (12, k, n)."""
     disk: Any = SimpleNamespace(**systems.disk_numbers(numbers[:, None]))
     spin = starts[:, None, 9]
-    found = np.empty((2, *passed.shape, 6))
     alpha = starts[:, None, 3] + spin * passed
-    expanded = reduced.expanded(disk, spin, alpha, np.moveaxis(states, 2, 0))
-    for level, columns in enumerate(expanded):
-        for column, value in enumerate(columns):
-            found[level, :, :, column] = value
-    return found[0], found[1]
+    coordinates, rates = reduced.expanded(disk, spin, alpha, np.moveaxis(states, 2, 0))
+    for row, value in enumerate(coordinates + rates):
+        out[row] = value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -73,15 +73,46 @@ class Ensemble:
         firsts = self._told(0)
         for name in found:
             check_field(self.scenario, name, firsts)
-        self._check_members()
+        for member, error in self._refused():
+            raise ValueError(f"member {member} of fields: {error}") from None
 
-    def _check_members(self) -> None:
+    def _refused(self) -> Iterator[tuple[int, Exception]]:
+        """Members that are no scenarios, in order, and why."""
         doubtful = [rows for rows, made in self.alike(_itself) if isinstance(made, Exception)]
         for member in sorted(np.concatenate(doubtful).tolist() if doubtful else []):
             try:
                 _ = self[member]
             except (ArithmeticError, ValueError) as error:
-                raise ValueError(f"member {member} of fields: {error}") from None
+                yield member, error
+
+    @classmethod
+    def sieved(
+        cls, scenario: Scenario, fields: Mapping[str, npt.ArrayLike]
+    ) -> tuple["Ensemble", Rows, dict[int, Exception]]:
+        """Ensemble of those members that are scenarios.
+
+        Parameters
+        ----------
+        scenario : Scenario
+        fields : mapping
+            Arrays of one shape by dotted names of fields that may vary.
+
+        Returns
+        -------
+        Ensemble
+            May be empty.
+        rows : ndarray of int, shape (k,)
+            Numbers of its members.
+        dict
+            From the others to why they are none.
+        """
+        whole = object.__new__(cls)
+        object.__setattr__(whole, "scenario", scenario)
+        found = {name: _values(name, values) for name, values in fields.items()}
+        object.__setattr__(whole, "fields", found)
+        refused = dict(whole._refused())
+        rows = np.array([row for row in range(len(whole)) if row not in refused], dtype=int)
+        return whole.part(rows), rows, refused
 
     def __len__(self) -> int:
         return len(next(iter(self.fields.values())))

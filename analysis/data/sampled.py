@@ -169,7 +169,7 @@ class SampledMotion(ABC):
         ImportError
             If pandas is not installed; it comes with `pip install 'tippedisk[export]'`.
         """
-        pandas = _optional("pandas", "to_dataframe")
+        pandas = optional("pandas", "to_dataframe")
         frame = pandas.DataFrame(self.to_dict()).set_index("time")
         frame.attrs = self._told() | {"units": self.units}
         return frame
@@ -182,7 +182,7 @@ class SampledMotion(ABC):
         ImportError
             If xarray is not installed; it comes with `pip install 'tippedisk[export]'`.
         """
-        xarray = _optional("xarray", "to_xarray")
+        xarray = optional("xarray", "to_xarray")
         variables = {
             name: ("time", values, {"units": unit})
             for name, (values, unit) in self.columns().items()
@@ -227,7 +227,7 @@ class SampledMotion(ABC):
                     f"{units[name]}"
                 )
         if ax is None:
-            ax = _optional("matplotlib.figure", "plot").Figure(layout="constrained").subplots()
+            ax = optional("matplotlib.figure", "plot").Figure(layout="constrained").subplots()
         values = self.to_dict()
         for name in names:
             ax.plot(self.times, values[name], **({"label": name.replace("_", " ")} | line))
@@ -332,7 +332,7 @@ def stored_meta(text: Any, *further: str) -> dict[str, Any]:
     }
 
 
-def _optional(package: str, wanted_by: str) -> Any:
+def optional(package: str, wanted_by: str) -> Any:
     """A module of an optional package, loaded only when it is asked for."""
     try:
         return import_module(package)

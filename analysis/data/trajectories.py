@@ -18,6 +18,23 @@ BETA, GAMMA = 4, 5
 """Columns of the coordinates."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """Samples of k motions; behind the end of one its last sample is repeated.
+
+    Parameters
+    ----------
+    times : ndarray, shape (k, n)
+    coordinates, rates : ndarray, shape (k, n, 6)
+    multipliers : ndarray, shape (k, n, c)
+    """
+
+    times: Array
+    coordinates: Array
+    rates: Array
+    multipliers: Array
+
+
 class Part(Protocol):
     """Motions of k members that were run in one way."""
 
@@ -122,6 +139,8 @@ class Trajectories:
     parts : sequence of Part
     failures : mapping
         From numbers of members to errors.
+    seconds : ndarray, shape (m,)
+        Processor time of each run in s; of members that ran together the mean.
 
     Examples
     --------
@@ -141,6 +160,7 @@ class Trajectories:
     times: Array
     parts: Sequence[Part]
     failures: Mapping[int, Exception]
+    seconds: Array
 
     def __len__(self) -> int:
         return len(self.ensemble)
@@ -263,4 +283,10 @@ def joined(ensemble: Ensemble, pieces: Sequence[Trajectories]) -> Trajectories:
         parts += [part.moved(first) for part in piece.parts]
         failures |= {first + member: error for member, error in piece.failures.items()}
         first += len(piece)
-    return Trajectories(ensemble=ensemble, times=pieces[0].times, parts=parts, failures=failures)
+    return Trajectories(
+        ensemble=ensemble,
+        times=pieces[0].times,
+        parts=parts,
+        failures=failures,
+        seconds=np.concatenate([piece.seconds for piece in pieces]),
+    )

@@ -100,8 +100,9 @@ class Trajectory(SampledMotion):
     def __post_init__(self) -> None:
         choice("source", self.source, SOURCES)
         times = increasing_times(self.times)
+        times.setflags(write=False)
+        object.__setattr__(self, "times", times)
         shapes = {
-            "times": (times.size,),
             "coordinates": (times.size, 6),
             "rates": (times.size, 6),
             "multipliers": (times.size, len(multiplier_names(self.scenario.constraints))),

@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from os import cpu_count
+from time import process_time
 from typing import Any, TypeVar, overload
 
 import numpy as np
@@ -216,13 +217,20 @@ def _each(tolerance: float | Sequence[float] | Array | None, count: int) -> Tole
 def _lost(piece: Ensemble, times: Array, error: Exception) -> Trajectories:
     """Motions of members whose worker has died."""
     failures = dict.fromkeys(range(len(piece)), error)
-    return Trajectories(ensemble=piece, times=times, parts=(), failures=failures)
+    return Trajectories(
+        ensemble=piece,
+        times=times,
+        parts=(),
+        failures=failures,
+        seconds=np.full(len(piece), np.nan),
+    )
 
 
 def _motions(
     ensemble: Ensemble, tolerances: Tolerances, *, times: Array, how: _How
 ) -> Trajectories:
     """Motions of some members of an ensemble, in this process."""
+    begin = process_time()
     parts: list[Part] = []
     failures: dict[int, Exception] = {}
     others = list(range(len(ensemble)))
@@ -245,7 +253,13 @@ def _motions(
             failures[member] = outcome
     if motions:
         parts.append(Listed(np.array(list(motions)), list(motions.values()), times.size))
-    return Trajectories(ensemble=ensemble, times=times, parts=parts, failures=failures)
+    return Trajectories(
+        ensemble=ensemble,
+        times=times,
+        parts=parts,
+        failures=failures,
+        seconds=np.full(len(ensemble), (process_time() - begin) / len(ensemble)),
+    )
 
 
 def _outcomes(

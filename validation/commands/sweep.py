@@ -13,11 +13,11 @@ from typing import Any
 from tqdm import tqdm
 
 from analysis.data.checks import choice, positive
+from analysis.data.outcomes import DONE
 from validation.commands.options import PATIENCE, chosen_end
 from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
 from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
-from validation.sweeps.outcomes import DONE
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.results import Results, write_csv

@@ -11,9 +11,9 @@ import numpy as np
 from analysis import MODELS, Scenario
 from analysis.data.checks import Array
 from analysis.data.fields import changed
+from analysis.data.outcomes import DONE, Row
 from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design
-from validation.sweeps.outcomes import DONE, Row
 from validation.sweeps.plan import Plan
 from validation.sweeps.sweep import Sweep
 

@@ -3,41 +3,39 @@
 import csv
 import io
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from analysis.data.checks import Array
 from analysis.data.files import whole_file
 from analysis.data.limits import check_storage
+from analysis.data.outcomes import Column, OutcomeTable
 from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
 from validation.sweeps.store import read_about, told
 from validation.sweeps.sweep import Sweep
 
-Column = npt.NDArray[Any]
 
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Results:
-    """Rows of a sweep, in the order of their numbers.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Results(OutcomeTable):
+    """Rows of a sweep, in the order of their numbers; columns as in `COLUMNS`.
 
     Parameters
     ----------
+    axes, columns
+        As in `OutcomeTable`.
     sweep : Sweep
-    columns : dict
-        Arrays of shape (n,) by name: "number", the dotted names of the axes, and `COLUMNS`. An
-        empty cell is nan in numbers and None in words.
     path : Path
         Of the store, from which `series` reads.
     """
 
+    KNOWN: ClassVar[Mapping[str, str | None]] = COLUMNS
+
     sweep: Sweep
-    columns: dict[str, Column]
     path: Path
 
     @classmethod
@@ -57,15 +55,11 @@ class Results:
             table = list(zip(*rows, strict=True)) or [()] * len(names)
         columns = {}
         for name, cells in zip(names, table, strict=True):
-            words = COLUMNS.get(name) == "TEXT" or any(isinstance(each, str) for each in cells)
+            words = COLUMNS.get(name, "") is None or any(isinstance(each, str) for each in cells)
             kind: Any = int if name == "number" else object if words else float
             columns[name] = np.array(cells, dtype=kind)
-        return cls(sweep=sweep, columns=columns, path=Path(path))
-
-    @property
-    def axes(self) -> tuple[str, ...]:
-        """Dotted names of what varies."""
-        return tuple(axis.field for axis in self.sweep.design.axes)
+        axes = tuple(axis.field for axis in sweep.design.axes)
+        return cls(axes=axes, columns=columns, sweep=sweep, path=Path(path))
 
     def on_grid(self, name: str) -> Column:
         """A column in the shape of the grid, the first axis first; nan or None where no row is.
@@ -126,52 +120,33 @@ class Results:
                     },
                 )
 
-    def to_dataframe(self) -> Any:
-        """A `pandas.DataFrame` with the case's number as its index.
-
-        Raises
-        ------
-        ValueError
-            If pandas is not installed.
-        """
-        try:
-            import pandas as pd
-        except ImportError:
-            raise ValueError(
-                "to_dataframe needs pandas: pip install 'tippedisk[export]'"
-            ) from None
-        return pd.DataFrame(self.columns).set_index("number")
-
     def to_xarray(self) -> Any:
         """An `xarray.Dataset` over the axes of a grid, or over "number" where cases are drawn.
 
-        Series have "sample" as a further dimension, with nan behind the end of a case, and are
-        all read at once.
+        Each variable has its unit. Series have "sample" as a further dimension, with nan behind
+        the end of a case, and are all read at once.
 
         Raises
         ------
+        ImportError
+            If xarray is not installed; it comes with `pip install 'tippedisk[export]'`.
         ValueError
-            If xarray is not installed, or the series take more than `LARGEST_STORAGE`.
+            If the series take more than `LARGEST_STORAGE`.
         """
-        try:
-            import xarray as xr
-        except ImportError:
-            raise ValueError("to_xarray needs xarray: pip install 'tippedisk[export]'") from None
-        design = self.sweep.design
+        design, held = self.sweep.design, super().to_xarray()
         if design.layout != "grid":
-            held: dict[str, Any]
-            held = {name: ("number", column) for name, column in self.columns.items()}
             for name, values in self._all_series(self.columns["number"]).items():
                 held[name] = (("number", "sample"), values)
-            return xr.Dataset(held).set_coords(["number", *self.axes])
+            return held
         coordinates = {
             axis.field: [axis.at(index) for index in range(axis.size or 0)] for axis in design.axes
         }
-        data = {name: (self.axes, self.on_grid(name)) for name in COLUMNS}
+        data: dict[str, tuple[Any, ...]]
+        data = {name: (self.axes, self.on_grid(name), held[name].attrs) for name in COLUMNS}
         shape = [len(each) for each in coordinates.values()]
         for name, values in self._all_series(np.arange(design.size)).items():
             data[name] = ((*self.axes, "sample"), values.reshape(*shape, -1))
-        return xr.Dataset(data, coords=coordinates)
+        return type(held)(data, coords=coordinates)
 
     def _all_series(self, cases: Column) -> dict[str, Array]:
         """Series of some cases by name, shape (cases, samples) each."""

@@ -13,7 +13,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
-from validation.sweeps.outcomes import DONE, Row, failure
+from analysis.data.outcomes import DONE, Row, failed
 from validation.sweeps.pools import Pool, Processes, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
 from validation.sweeps.sweep import Sweep, run_batch, run_case, sweep_from_text
@@ -26,6 +26,9 @@ MOST_CHUNKS = 100
 
 LARGEST_CHUNK = 1000
 """Cases in a chunk."""
+
+FIRST_BATCH = 64
+"""Cases in the first chunks that run together; how long one takes is not known then."""
 
 GRACE = 10.0
 """Processor time in s beyond three time limits after which a case that does not look is ended."""
@@ -159,7 +162,7 @@ class _Work:
         self._suspects: deque[int] = deque()
         self._quarantine: Processes | None = None
         self._trial: _Trial | None = None
-        self._seconds = CHUNK_TIME
+        self._seconds = CHUNK_TIME / (FIRST_BATCH if sweep.plan.runs_in_batches else 1)
         self._chunk_time = max(CHUNK_TIME, pool.workers / MOST_CHUNKS)
 
     def fill(self, todo: Iterator[int]) -> bool:
@@ -174,8 +177,8 @@ class _Work:
         if self._suspects and self._trial is None:
             self._quarantine = self._quarantine or Processes(1)
             number = self._suspects.popleft()
-            call = (self._text, [number], self._limit, self._hanging)
-            future = self._quarantine.submit(run_chunk, *call)
+            call = (self._text, number, self._limit, self._hanging)
+            future = self._quarantine.submit(run_suspect, *call)
             self._trial = _Trial(future, number, self._quarantine.children())
         return bool(self._running) or self._trial is not None
 
@@ -225,9 +228,9 @@ class _Work:
         values = dict(zip(names, sweep.design.case(trial.number), strict=True))
         codes = [process.exitcode for process in trial.processes]
         if codes[0] in _HUNG:
-            why = failure("too slow", f"no result within {self._hanging:g} s of processor time")
+            why = failed("too slow", f"no result within {self._hanging:g} s of processor time")
         else:
-            why = failure("crashed", f"its process ended with code {codes[0]}")
+            why = failed("crashed", f"its process ended with code {codes[0]}")
         return [{"number": trial.number, **values, **why}]
 
     def close(self) -> None:
@@ -258,15 +261,17 @@ def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: flo
         loop of a friction law of one's own, ends the process.
     """
     sweep = sweep_from_text(text)
-    if len(numbers) > 1 and sweep.plan.runs_in_batches:
+    if sweep.plan.runs_in_batches:
         # A case of a chunk that takes too long is found when its suspects run alone.
         with _ended_after(hanging):
             return run_batch(sweep, numbers)
-    rows = []
-    for number in numbers:
-        with _ended_after(hanging):
-            rows.append(run_case(sweep, number, time_limit))
-    return rows
+    return [run_suspect(text, number, time_limit, hanging)[0] for number in numbers]
+
+
+def run_suspect(text: str, number: int, time_limit: float, hanging: float) -> list[Row]:
+    """Row of a case that runs by itself; the arguments are those of `run_chunk`."""
+    with _ended_after(hanging):
+        return [run_case(sweep_from_text(text), number, time_limit)]
 
 
 @contextmanager

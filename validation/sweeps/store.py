@@ -14,7 +14,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from validation.sweeps.outcomes import COLUMNS, DONE, TIME, Row
+from analysis.data.outcomes import DONE, Row
+from validation.sweeps.outcomes import COLUMNS, TIME
 from validation.sweeps.sweep import Sweep
 
 FORMAT = 1
@@ -82,7 +83,7 @@ class Store:
         for axis in self._sweep.design.axes:
             sample = axis.values[0] if axis.values else 0.0
             kinds.append("TEXT" if isinstance(sample, str) else "REAL")
-        kinds += COLUMNS.values()
+        kinds += ["TEXT" if unit is None else "REAL" for unit in COLUMNS.values()]
         columns = ", ".join(f'"{name}" {kind}' for name, kind in zip(self._names, kinds,
                                                                      strict=True))  # fmt: skip
         self._file.execute(f"CREATE TABLE cases ({columns})")

@@ -15,22 +15,18 @@ import numpy as np
 
 from analysis import (
     CONSTRAINTS,
+    Ensemble,
     Scenario,
+    Trajectories,
     multiplier_names,
+    outcomes,
     simulate_many,
 )
-from analysis.data.checks import TimeLimitError
 from analysis.data.fields import changed, check_field
+from analysis.data.outcomes import DONE, Row, failure
 from analysis.data.trajectory import versions
 from validation.sweeps.axes import Design
-from validation.sweeps.outcomes import (
-    DONE,
-    Row,
-    difference,
-    failure,
-    outcome,
-    series,
-)
+from validation.sweeps.outcomes import difference, outcome, series
 from validation.sweeps.plan import Motion, Plan
 
 _LOOKED_AT = 50
@@ -125,7 +121,7 @@ def run_case(sweep: Sweep, index: int, time_limit: float | None) -> Row:
         scenario = sweep.scenario_of(index)
         motion = sweep.plan.motion(scenario, time_limit=time_limit)
     except Exception as error:  # noqa: BLE001 - a law of one's own may raise anything
-        return _row(sweep, index, error, begin)
+        return _row(sweep, index, error, begin, time_limit)
     return _row(sweep, index, motion, begin, time_limit)
 
 
@@ -134,17 +130,33 @@ def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[Row]:
 
     The time limit is left to whoever calls this.
     """
-    found: dict[int, Motion | Exception] = {}
-    members: dict[int, Scenario] = {}
-    for number in numbers:
-        try:
-            members[number] = sweep.scenario_of(number)
-        except ValueError as error:
-            found[number] = error
-    begin, plan = time.process_time(), sweep.plan
+    begin = time.process_time()
+    names = [axis.field for axis in sweep.design.axes]
+    cases = [sweep.design.case(number) for number in numbers]
+    columns = map(np.array, zip(*cases, strict=True))
+    ensemble, members, found = Ensemble.sieved(
+        sweep.scenario, dict(zip(names, columns, strict=True))
+    )
+    outcome_of: dict[int, Row] = {member: failure(error) for member, error in found.items()}
+    runs = _together(sweep.plan, ensemble) if members.size else None
+    if runs is not None:
+        outcome_of |= dict(zip(members.tolist(), outcomes(runs).rows(), strict=True))
+    each = (time.process_time() - begin) / len(cases)
+    rows: list[Row] = []
+    for member, (number, case) in enumerate(zip(numbers, cases, strict=True)):
+        own = {"number": number, **dict(zip(names, case, strict=True)), "seconds": each}
+        rows.append({**outcome_of[member], **own})
+    for place, member in enumerate(members.tolist()):
+        wanted = sweep.plan.keep or sweep.has_witness(numbers[member])
+        if runs is not None and wanted and rows[member]["status"] == DONE:
+            rows[member] |= _besides(sweep, numbers[member], runs[place], None)
+    return rows
+
+
+def _together(plan: Plan, ensemble: Ensemble) -> Trajectories:
     form: Any = plan.formulation
-    runs = simulate_many(
-        members.values(),
+    return simulate_many(
+        ensemble,
         plan.times,
         form=form,
         method="taylor",
@@ -153,17 +165,10 @@ def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[Row]:
         stop_when=plan.stop_when or (),
         workers=1,
     )
-    found |= dict(zip(members, runs, strict=True))
-    each = (time.process_time() - begin) / max(1, len(members))
-    return [_row(sweep, number, found[number], time.process_time() - each) for number in numbers]
 
 
 def _row(
-    sweep: Sweep,
-    index: int,
-    found: Motion | Exception,
-    begin: float,
-    time_limit: float | None = None,
+    sweep: Sweep, index: int, found: Motion | Exception, begin: float, time_limit: float | None
 ) -> Row:
     """Row of a case from its motion or from the error that it ended in.
 
@@ -171,17 +176,18 @@ def _row(
     """
     names = [axis.field for axis in sweep.design.axes]
     row: Row = {"number": index, **dict(zip(names, sweep.design.case(index), strict=True))}
-    if isinstance(found, TimeLimitError):
-        row |= failure("too slow", found)
-    elif isinstance(found, ValueError):
-        row |= failure("refused", found)
-    elif isinstance(found, Exception):
-        row |= failure("failed", found)
-    else:
-        row |= outcome(found) | series(found, sweep.plan.keep)
+    row |= failure(found) if isinstance(found, Exception) else outcome(found)
     row["seconds"] = time.process_time() - begin
-    if not isinstance(found, Exception) and row["status"] == DONE and sweep.has_witness(index):
-        row |= _witnessed(sweep.plan, found.scenario, found, time_limit)
+    if not isinstance(found, Exception) and row["status"] == DONE:
+        row |= _besides(sweep, index, found, time_limit)
+    return row
+
+
+def _besides(sweep: Sweep, index: int, motion: Motion, time_limit: float | None) -> Row:
+    """Series of a case and what its witness says, where they are asked for."""
+    row = series(motion, sweep.plan.keep)
+    if sweep.has_witness(index):
+        row |= _witnessed(sweep.plan, motion.scenario, motion, time_limit)
     return row
 
 
@@ -190,7 +196,7 @@ def _witnessed(plan: Plan, scenario: Scenario, motion: Motion, time_limit: float
     try:
         other = plan.witness(scenario, time_limit=time_limit)
     except (ValueError, ArithmeticError) as error:
-        return {"other_inversion": "failed", "reason": failure("failed", error)["reason"]}
+        return {"other_inversion": "failed", "reason": failure(error)["reason"]}
     found = outcome(other)
     if found["status"] != DONE:
         return {"other_inversion": "failed", "reason": found["reason"]}

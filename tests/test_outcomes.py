@@ -1,0 +1,132 @@
+"""Outcomes of many motions: those of single ones, and the same table from everywhere."""
+
+from concurrent.futures import BrokenExecutor
+from math import pi
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson
+
+from analysis import (
+    Ensemble,
+    Scenario,
+    SmoothCoulomb,
+    TimeLimitError,
+    outcomes,
+    simulate,
+    simulate_many,
+)
+from analysis.compiled import code
+from analysis.data.outcomes import DONE, OUTCOMES, Row
+from analysis.models.outcomes import integrals
+from tests.helpers import model
+from tests.sweeps import sweep
+from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
+from validation.sweeps.runner import run_chunk, run_suspect
+
+ENDING: dict[str, np.ndarray[Any, Any]] = {
+    "spin": np.array([36.0, 40.0, 44.0, 40.0, 0.0, 40.0]),
+    "beta": np.append(np.full(4, 1.5), [1.0, 1.5]),
+    "gamma": np.append(np.full(4, 0.1 - pi / 2), [pi / 2, 0.1]),
+    "beta_rate": np.array([0.0, 0.0, 0.0, 30.0, 0.0, 0.0]),
+    "eccentricity": np.array([2e-3, 2e-3, 0.0, 2e-3, 2e-3, 2e-3]),
+}
+"""Members that are inverted, are not, fall flat, and have no motion."""
+
+
+@pytest.fixture(autouse=True)
+def _compiled_in_a_quarter_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(code, "COMPACT", True)
+
+
+def assert_alike(found: Row, expected: Row, relative: float) -> None:
+    for name in set(found) | set(expected):
+        cell, other = found.get(name), expected.get(name)
+        if isinstance(other, float) and name != "seconds":
+            # An error estimate is a difference of nearly the same numbers.
+            tiny = 1e-12 if name == "error_estimate" else 1e-13
+            assert cell == pytest.approx(other, rel=relative, abs=tiny), name
+        elif name not in ("seconds", "number"):
+            assert cell == other, name
+
+
+@pytest.mark.parametrize("samples", range(2, 9))
+def test_integrals_are_those_of_scipy_however_long_a_row_is(samples: int) -> None:
+    random = np.random.default_rng(samples)
+    times = np.cumsum(random.uniform(0.1, 1.0, size=(3, 8)), axis=1)
+    values = random.normal(size=(3, 8))
+    for each in (times, values):
+        each[:, samples:] = each[:, samples - 1 : samples]
+    expected = simpson(values[:, :samples], x=times[:, :samples])
+    np.testing.assert_allclose(integrals(times, values), expected, rtol=1e-12)
+
+
+def test_outcomes_of_arrays_are_those_of_single_motions() -> None:
+    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+    ensemble = Ensemble(scenario=model(4), fields=ENDING)
+    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-6, "method": "taylor"}
+    runs = simulate_many(ensemble, np.linspace(0.0, 2.0, 201), workers=1, **how)
+    table = outcomes(runs)
+    assert set(table.columns["ending"]) == {None, "flat"}
+    assert set(table.columns["status"]) == {DONE, "refused"}
+    assert {"inverted", "not inverted"} <= set(table.columns["inversion"])
+    assert np.all(table.columns["seconds"] > 0.0)
+    motions = outcomes([runs.outcome(member) for member in range(len(runs))])
+    for found, expected in zip(table.rows(), motions.rows(), strict=True):
+        assert_alike({name: found[name] for name in OUTCOMES}, expected, 1e-11)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "axes", [("model=1,3", "load=weight,contact", "spin=30,45"), ("inclination=0,0.05",)]
+)
+def test_outcomes_of_index_1_batches_are_those_of_single_cases(axes: tuple[str, ...]) -> None:
+    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+    assert_batch_is_its_cases(*axes, scenario=Scenario(friction=SmoothCoulomb()), end=0.5)
+
+
+def test_rows_of_a_batch_are_those_of_its_cases() -> None:
+    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+    how: dict[str, Any] = {"end": 1.5, "keep": ("beta",)}
+    assert_batch_is_its_cases("spin=25,45", "mu=0.3,-0.1,0.6", "beta_rate=0,30", **how)
+
+
+def assert_batch_is_its_cases(*axes: str, **how: Any) -> None:
+    wanted = sweep(*axes, method="taylor", **{"tolerance": 1e-6, **how})
+    numbers = range(wanted.design.size)
+    batch = run_chunk(wanted.to_text(), numbers, 60.0, 60.0)
+    for number, row in zip(numbers, batch, strict=True):
+        (alone,) = run_suspect(wanted.to_text(), number, 60.0, 60.0)
+        assert row["number"] == number
+        for name in {TIME, *wanted.plan.keep} & {*row, *alone}:
+            kept, expected = (
+                np.frombuffer(cast("bytes", each.pop(name)), NUMBERS) for each in (row, alone)
+            )
+            np.testing.assert_allclose(kept, expected, rtol=1e-9)
+        assert_alike(row, alone, 1e-9)
+
+
+def test_errors_are_rows_that_say_why() -> None:
+    errors = [ValueError("no\n such"), ArithmeticError(), TimeLimitError("late"), BrokenExecutor()]
+    motion = simulate(model(1), np.linspace(0.0, 0.1, 3), local_tolerance=1e-6)
+    table = outcomes([*errors, motion])
+    assert table.columns["status"].tolist() == ["refused", "failed", "too slow", "crashed", DONE]
+    assert table.columns["reason"][:2].tolist() == ["no such", "ArithmeticError"]
+    assert np.isnan(table.columns["end"]).tolist() == [True] * 4 + [False]
+
+
+def test_columns_of_a_sweep_are_those_of_an_ensemble_and_of_its_witnesses() -> None:
+    times = np.linspace(0.0, 0.1, 3)
+    ensemble = Ensemble(scenario=Scenario(), fields={"spin": np.array([30.0, 40.0])})
+    how: dict[str, Any] = {"method": "DOP853", "local_tolerance": 1e-6, "workers": 1}
+    table = outcomes(simulate_many(ensemble, times, **how))
+    assert list(table.columns) == ["number", "start.spin", *OUTCOMES]
+    assert list(COLUMNS)[: len(OUTCOMES)] == list(OUTCOMES)
+    assert (table.units["start.spin"], table.units["force_least"]) == ("rad/s", "N")
+    rows = list(table.rows())
+    assert [row["start.spin"] for row in rows] == [30.0, 40.0]
+    assert rows[0]["error_estimate"] is rows[0]["reason"] is None
+    simpler = outcomes(list(simulate_many(list(ensemble), times, **how)))
+    for row, other in zip(rows, simpler.rows(), strict=True):
+        assert_alike({name: row[name] for name in OUTCOMES}, other, 1e-13)
