@@ -16,6 +16,7 @@ from analysis.data.constraint_set import CONSTRAINTS
 from analysis.data.endings import CONDITIONS, INVERTED
 from analysis.data.trajectory import SOURCES
 from tests.calls import refusal, run
+from tests.helpers import not_none
 from validation.parser import commands, groups
 from validation.studies import full_report
 
@@ -102,8 +103,7 @@ def test_run_stops_where_it_is_told_to(
     assert run("simulate", "--source", source, "--stop-when", "inverted", "--out", str(out)) == 0
     assert "the centre of gravity is up, at 90% of its largest height" in capsys.readouterr().out
     ending = load_run(out, Trajectory).ending
-    assert ending is not None
-    assert ending.reason == INVERTED
+    assert not_none(ending).reason == INVERTED
 
 
 BAD = [

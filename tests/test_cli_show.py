@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, SpatialMotion, Start, Trajectory, simulate, simulate_to_rest
-from tests.helpers import random_trajectory
+from tests.helpers import not_none, random_trajectory
 from validation import cli
 from validation.kit.differences import difference_table
 
@@ -81,8 +81,7 @@ def test_rest_files_are_shown_beside_trajectories(
     assert "rest: SpatialMotion(" in shown
     assert "run: Trajectory(" in shown
     found = re.search(r"cog_height +m +(\S+)", shown)
-    assert found is not None
-    assert float(found[1]) < 1e-12
+    assert float(not_none(found)[1]) < 1e-12
     assert "quaternion" not in shown
 
 
