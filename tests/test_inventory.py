@@ -17,9 +17,9 @@ from mbs_models.integrators import find_integrator
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
 from mbs_models.runs import run
+from tests.calls import printed
 from tests.helpers import model
 from tests.scenes import rest_scene, scene_of
-from validation import cli
 from validation.commands.scene import scene_table
 from validation.parser.top import parser
 from validation.studies import lean
@@ -162,11 +162,10 @@ def test_frictionless_scene_does_not_mention_friction() -> None:
 
 
 def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["scene", "--model", "3", "--formulation", "euler-tree"]) == 0
-    printed = capsys.readouterr().out
-    assert "JointRollingDisc" in printed
-    assert "without slip along the edge" in printed
-    assert "6 coordinates, 6 algebraic equations (4 constraints" in printed
+    shown = printed(capsys, "scene --model 3 --formulation euler-tree")
+    assert "JointRollingDisc" in shown
+    assert "without slip along the edge" in shown
+    assert "6 coordinates, 6 algebraic equations (4 constraints" in shown
 
 
 def test_table_has_one_row_per_item() -> None:
