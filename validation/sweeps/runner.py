@@ -27,7 +27,7 @@ MOST_CHUNKS = 100
 LARGEST_CHUNK = 1000
 """Cases in a chunk."""
 
-FIRST_BATCH = 64
+FIRST_BATCH = 32
 """Cases in the first chunks that run together; how long one takes is not known then."""
 
 GRACE = 10.0
