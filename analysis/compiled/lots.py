@@ -200,7 +200,7 @@ def _estimates(fine: Reached, coarse: Reached, times: Array, lot: Lot) -> Array:
 def run(
     lot: Lot, rows: Rows, times: Array, local_tolerance: float, longest: float
 ) -> tuple[Reached, dict[int, Exception]]:
-    """Run some members of a lot once, in batches as wide as the processor's registers.
+    """Run some members of a lot once, in batches.
 
     Parameters
     ----------

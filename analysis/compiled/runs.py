@@ -99,21 +99,22 @@ class CompiledScenario:
             self._set(solver, problem, float(times[0]))
             while row < times.size:
                 # A run that goes on does so from between the times asked for.
-                between = [solver.time] if solver.time < times[row] else []
+                between = solver.time < times[row]
+                left = np.append(solver.time, times[row:]) if between else times[row:]
                 outcome, _, _, taken, _, sampled = solver.propagate_grid(
-                    np.concatenate((between, times[row:])),
+                    left,
                     max_delta_t=problem.longest_step,
                     max_steps=MOST_STEPS,
                     callback=_interruption(watch, float(times[-1])),
                 )
-                parts.append(sampled[len(between) :])
+                parts.append(sampled[int(between) :])
                 steps, row = steps + taken, row + len(parts[-1])
                 ended = _reason(outcome, self.code.reasons, solver)
                 if ended != CONTACT_WOULD_PULL or not lets:
                     break
                 edges.append(solver.time)
             last, state = float(solver.time), solver.state.copy()
-        reached, states = times[:row], np.concatenate(parts)
+        reached, states = times[:row], parts[0] if len(parts) == 1 else np.concatenate(parts)
         value = 0.0
         if ended is not None:
             if last > reached[-1]:

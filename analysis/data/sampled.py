@@ -1,21 +1,37 @@
 """What motions of either kind have in common: how they print, leave Python and are told apart."""
 
+import json
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import asdict, replace
 from html import escape
 from importlib import import_module
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, ToleranceError, choice, number, positive, real_array
+from analysis.data.checks import (
+    Array,
+    ToleranceError,
+    choice,
+    increasing_times,
+    number,
+    positive,
+    real_array,
+)
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
 from analysis.data.inversion import Inversion
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
+
+FORMAT = 2
+"""Of the files of motions; the first held no whole scenario."""
+
+_META = ("source", "error_estimate", "method", "counts", "versions")
+"""What a file says of a motion in plain data, beside scenario and ending."""
 
 UNKNOWN_TOLERANCE = 1e-6
 """Error in rad between samples allowed to a run that was asked for none."""
@@ -49,6 +65,10 @@ class SampledMotion(ABC):
     def _state(self, wanted: Array, tolerance: float | None) -> tuple[Array, Array]:
         """Co-rotating coordinates and rates at times within the samples, each shape (m, 6)."""
 
+    @abstractmethod
+    def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
+        """What differs at times within the samples, shape (m,), and the error between these."""
+
     @property
     def inversion(self) -> Inversion:
         """What became of the inversion; a disk without eccentricity is never inverted."""
@@ -81,6 +101,35 @@ class SampledMotion(ABC):
         """
         coordinates, rates = self._state(self._wanted(number("time", time)), tolerance)
         return State(coordinates=tuple(coordinates[0].tolist()), rates=tuple(rates[0].tolist()))
+
+    def resampled(self, times: npt.ArrayLike, *, tolerance: float | None = None) -> Self:
+        """The same motion at other times within its samples.
+
+        What has rates goes through the samples and these by polynomials of degree 11, whose
+        derivatives the rates are; constraint forces in the paper's coordinates by cubic ones
+        through the samples alone; everything else is linear between samples. The error of beta
+        and gamma, or of the attitude, is estimated, and added to the run's error estimate.
+
+        Parameters
+        ----------
+        times : array_like, shape (m,)
+            Strictly increasing times in s.
+        tolerance : float, optional
+            As in `at`.
+
+        Raises
+        ------
+        ValueError
+            If times do not increase or lie outside the samples.
+        ToleranceError
+            If the samples lie too far apart for the tolerance.
+        """
+        wanted = self._wanted(increasing_times(times))
+        arrays, error = self._arrays_at(wanted, tolerance)
+        estimate = None if self.error_estimate is None else self.error_estimate + error
+        same: Any = self
+        found: Self = replace(same, times=wanted, **arrays, error_estimate=estimate)
+        return found
 
     def to_dict(self) -> dict[str, Array]:
         """Every sampled quantity by name, each shape (n,), in SI units; the first is `time`."""
@@ -201,6 +250,16 @@ class SampledMotion(ABC):
             "ending": "complete" if self.ending is None else str(self.ending),
         }
 
+    def _meta(self, **further: Any) -> str:
+        """What a file says of the motion beside its arrays; `stored_meta` reads it."""
+        meta = {
+            "format": FORMAT,
+            "scenario": self.scenario.values(),
+            "ending": None if self.ending is None else asdict(self.ending),
+            **{name: getattr(self, name) for name in _META},
+        }
+        return json.dumps(meta | further, default=dict)
+
     def __repr__(self) -> str:
         said = self._told()
         return f"{said.pop('motion')}({', '.join(f'{key}: {text}' for key, text in said.items())})"
@@ -242,6 +301,35 @@ class SampledMotion(ABC):
                 "sample the run more closely, or give a larger tolerance"
             )
         return float(error[worst])
+
+
+def stored_meta(text: Any, *further: str) -> dict[str, Any]:
+    """What a file says of its motion, with scenario and ending as such.
+
+    Raises
+    ------
+    KeyError
+        If something is missing.
+    ValueError
+        If it is of another format than `FORMAT`, or holds anything else.
+    """
+    meta = json.loads(str(text))
+    if not isinstance(meta, dict):
+        raise ValueError(f"meta must be a mapping, got {type(meta).__name__}")
+    found = meta.pop("format", 1)
+    if found != FORMAT:
+        age = "a newer" if isinstance(found, int) and found > FORMAT else "an older"
+        raise ValueError(
+            f"format must be {FORMAT}, got {found!r}: the file comes from {age} version of this "
+            "project"
+        )
+    names = (*_META, *further)
+    for name in meta:
+        choice("meta", name, (*names, "scenario", "ending"))
+    return {name: meta[name] for name in names} | {
+        "scenario": Scenario.from_values(meta["scenario"], own=False),
+        "ending": None if meta["ending"] is None else Ending(**meta["ending"]),
+    }
 
 
 def optional(package: str, wanted_by: str) -> Any:

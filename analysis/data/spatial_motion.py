@@ -1,13 +1,11 @@
 """Motions through every attitude, flat ones too: what a simulation until rest returns."""
 
-import json
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from analysis.data import frames
 from analysis.data.checks import Array, choice, increasing_times, number, real_array, settings
@@ -16,15 +14,13 @@ from analysis.data.dissipation import CAUSES
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
 from analysis.data.phases import Phases, flat_and_rolling
-from analysis.data.sampled import SampledMotion
+from analysis.data.sampled import SampledMotion, stored_meta
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import (
-    FORMAT,
     SOURCES,
     Setting,
     Source,
     Trajectory,
-    stored_meta,
 )
 
 _COLUMNS = {
@@ -236,44 +232,16 @@ class SpatialMotion(SampledMotion):
         largest = max(float(np.max(turned)), float(np.max(difference[:, 3:])))
         return largest / float(self.energies[0].sum())
 
-    def resampled(
-        self, times: npt.ArrayLike, *, tolerance: float | None = None
-    ) -> "SpatialMotion":
-        """The same motion at other times within its samples.
-
-        Positions and attitudes go through the samples and their rates by polynomials of degree
-        11, whose derivatives the velocities are; everything else is linear between samples.
-        The error of the attitude is estimated, and added to the run's error estimate.
-
-        Parameters
-        ----------
-        times : array_like, shape (m,)
-            Strictly increasing times in s, the rest time among those between the first and last.
-        tolerance : float, optional
-            As in `at`.
-
-        Raises
-        ------
-        ValueError
-            If times do not increase or lie outside the samples.
-        ToleranceError
-            If the samples lie too far apart for the tolerance.
-        """
-        wanted = self._wanted(increasing_times(times))
+    def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
         pose, error = self._between(wanted, tolerance)
         names = ("positions", "quaternions", "velocities", "angular_velocities")
-        arrays: dict[str, Any] = {"times": wanted, **dict(zip(names, pose, strict=True))}
+        found: dict[str, Any] = dict(zip(names, pose, strict=True))
         for name in _COLUMNS:
             if name not in names:
-                arrays[name] = between_neighbours(self.times, getattr(self, name), wanted)
+                found[name] = between_neighbours(self.times, getattr(self, name), wanted)
         rest = self.rest_time
         within = rest is not None and wanted[0] <= rest <= wanted[-1]
-        return replace(
-            self,
-            **arrays,
-            rest_time=rest if within else None,
-            error_estimate=None if self.error_estimate is None else self.error_estimate + error,
-        )
+        return found | {"rest_time": rest if within else None}, error
 
     def _between(
         self, wanted: Array, tolerance: float | None
@@ -371,28 +339,15 @@ class SpatialMotion(SampledMotion):
         OSError
             If the file cannot be written.
         """
-        meta = {
-            "format": FORMAT,
-            "scenario": self.scenario.values(),
-            "source": self.source,
-            "rest_time": self.rest_time,
-            "error_estimate": self.error_estimate,
-            "ending": None if self.ending is None else asdict(self.ending),
-            "method": dict(self.method),
-            "counts": dict(self.counts),
-            "versions": dict(self.versions),
-        }
         arrays = {name: getattr(self, name) for name in ("times", *_COLUMNS)}
         with whole_file(path) as stream:
-            np.savez(stream, **arrays, spatial_meta=np.array(json.dumps(meta)))
+            np.savez(stream, **arrays, spatial_meta=np.array(self._meta(rest_time=self.rest_time)))
 
     @classmethod
     def from_arrays(cls, stored: Mapping[str, Any]) -> "SpatialMotion":
         """Motion from the arrays of a file; `load_run` reads one."""
-        meta = stored_meta(stored["spatial_meta"])
+        meta = stored_meta(stored["spatial_meta"], "rest_time")
         return cls(
             **{name: stored[name] for name in ("times", *_COLUMNS)},
-            scenario=Scenario.from_values(meta.pop("scenario"), own=False),
-            ending=None if (ending := meta.pop("ending")) is None else Ending(**ending),
             **meta,
         )

@@ -1,16 +1,14 @@
 """Trajectories: what every simulation of the study returns, whoever made it."""
 
-import json
 import os
 import platform
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
 from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 
 from analysis.data import frames
 from analysis.data.checks import (
@@ -26,12 +24,9 @@ from analysis.data.constraint_set import multiplier_names
 from analysis.data.dense import interpolate, interpolate_values
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
-from analysis.data.sampled import SampledMotion
+from analysis.data.sampled import SampledMotion, stored_meta
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES, State
-
-FORMAT = 2
-"""Of the files of motions; the first held no whole scenario."""
 
 Source = Literal["engine", "in-house"]
 SOURCES: tuple[Source, ...] = get_args(Source)
@@ -105,8 +100,9 @@ class Trajectory(SampledMotion):
     def __post_init__(self) -> None:
         choice("source", self.source, SOURCES)
         times = increasing_times(self.times)
+        times.setflags(write=False)
+        object.__setattr__(self, "times", times)
         shapes = {
-            "times": (times.size,),
             "coordinates": (times.size, 6),
             "rates": (times.size, 6),
             "multipliers": (times.size, len(multiplier_names(self.scenario.constraints))),
@@ -181,37 +177,10 @@ class Trajectory(SampledMotion):
             rates=tuple(self.rates[index].tolist()),
         )
 
-    def resampled(self, times: npt.ArrayLike, *, tolerance: float | None = None) -> "Trajectory":
-        """The same motion at other times within its samples.
-
-        Coordinates go through the samples and their rates by polynomials of degree 11, whose
-        derivatives the rates are, constraint forces by cubic ones through the samples alone. The
-        error of beta and gamma is estimated, and added to the run's error estimate.
-
-        Parameters
-        ----------
-        times : array_like, shape (m,)
-            Strictly increasing times in s.
-        tolerance : float, optional
-            As in `at`.
-
-        Raises
-        ------
-        ValueError
-            If times do not increase or lie outside the samples.
-        ToleranceError
-            If the samples lie too far apart for the tolerance.
-        """
-        wanted = self._wanted(increasing_times(times))
+    def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
         coordinates, rates, error = self._between(wanted, tolerance)
-        return replace(
-            self,
-            times=wanted,
-            coordinates=coordinates,
-            rates=rates,
-            multipliers=interpolate_values(self.times, self.multipliers, wanted),
-            error_estimate=None if self.error_estimate is None else self.error_estimate + error,
-        )
+        multipliers = interpolate_values(self.times, self.multipliers, wanted)
+        return {"coordinates": coordinates, "rates": rates, "multipliers": multipliers}, error
 
     def _between(self, wanted: Array, tolerance: float | None) -> tuple[Array, Array, float]:
         coordinates, rates, error = interpolate(self.times, self.coordinates, self.rates, wanted)
@@ -246,17 +215,6 @@ class Trajectory(SampledMotion):
         OSError
             If the file cannot be written.
         """
-        meta = {
-            "format": FORMAT,
-            "scenario": self.scenario.values(),
-            "source": self.source,
-            "method": dict(self.method),
-            "error_estimate": self.error_estimate,
-            "counts": dict(self.counts),
-            "versions": dict(self.versions),
-            "ending": None if self.ending is None else asdict(self.ending),
-            "pulling": self.pulling,
-        }
         with whole_file(path) as stream:
             np.savez(
                 stream,
@@ -265,42 +223,21 @@ class Trajectory(SampledMotion):
                 u=self.rates,
                 normal_force=self.normal_force,
                 multipliers=self.multipliers,
-                meta=np.array(json.dumps(meta)),
+                meta=np.array(self._meta(pulling=self.pulling)),
             )
 
     @classmethod
     def from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":
         """Trajectory from the arrays of a file; `load_run` reads one."""
-        meta = stored_meta(stored["meta"])
+        meta = stored_meta(stored["meta"], "pulling")
         return cls(
             times=stored["t"],
             coordinates=stored["q"],
             rates=stored["u"],
             multipliers=stored["multipliers"],
-            scenario=Scenario.from_values(meta["scenario"], own=False),
-            source=meta["source"],
-            method=meta["method"],
-            error_estimate=meta["error_estimate"],
-            counts=meta["counts"],
-            versions=meta["versions"],
-            ending=None if meta["ending"] is None else Ending(**meta["ending"]),
-            pulling=tuple((first, last) for first, last in meta["pulling"]),
+            pulling=tuple((first, last) for first, last in meta.pop("pulling")),
+            **meta,
         )
-
-
-def stored_meta(text: Any) -> dict[str, Any]:
-    """What a file says of its motion; `ValueError` if it is of another format than `FORMAT`."""
-    meta = json.loads(str(text))
-    if not isinstance(meta, dict):
-        raise ValueError(f"meta must be a mapping, got {type(meta).__name__}")
-    found = meta.pop("format", 1)
-    if found != FORMAT:
-        age = "a newer" if isinstance(found, int) and found > FORMAT else "an older"
-        raise ValueError(
-            f"format must be {FORMAT}, got {found!r}: the file comes from {age} version of this "
-            "project"
-        )
-    return meta
 
 
 def versions(*packages: str) -> dict[str, str]:

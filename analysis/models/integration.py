@@ -63,7 +63,7 @@ class InitialValueProblem:
 
     def with_steps_up_to(self, part: float) -> "InitialValueProblem":
         """The same problem with this part of its longest step."""
-        return replace(self, longest_step=part * self.longest_step)
+        return self if part == 1.0 else replace(self, longest_step=part * self.longest_step)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

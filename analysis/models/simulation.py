@@ -142,13 +142,10 @@ def simulate(
         local_tolerance = check_local_tolerance("local_tolerance", local_tolerance)
         check_effort(local_tolerance=local_tolerance)
         result, estimate = run(local_tolerance), None
-        evaluations = result.evaluations
     else:
         tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
         check_effort(tolerance=tolerance)
-        result, evaluations, local_tolerance, estimate = _integrate_to(
-            run, posed.attitudes, tolerance, method
-        )
+        result, local_tolerance, estimate = _integrate_to(run, posed.attitudes, tolerance, method)
     if result.ended == TIME_LIMIT:
         result = replace(result, value=watch.seconds)
     settings: dict[str, Setting] = {
@@ -157,9 +154,7 @@ def simulate(
         "tolerance": tolerance,
         "local_tolerance": local_tolerance,
     }
-    return trajectory(
-        scenario, posed, replace(result, evaluations=evaluations), settings, estimate
-    )
+    return trajectory(scenario, posed, result, settings, estimate)
 
 
 def trajectory(
@@ -196,8 +191,11 @@ def _integrate_to(
     attitudes: Callable[[Array], Array],
     tolerance: float,
     method: Method,
-) -> tuple[Run, int, float, float]:
-    """Tighten the local tolerance until the estimated error of beta and gamma is small enough."""
+) -> tuple[Run, float, float]:
+    """Tighten the local tolerance until the estimated error of beta and gamma is small enough.
+
+    Returns the run, with the evaluations of all there were, its local tolerance and that error.
+    """
     first, *tighter = local_tolerances(tolerance, method)
     longest = 1.0
     coarse = run(first, longest)
@@ -211,7 +209,7 @@ def _integrate_to(
         evaluations += fine.evaluations
         fine, estimate = compare(fine, coarse, attitudes)
         if estimate <= tolerance:
-            return fine, evaluations, local, estimate
+            return replace(fine, evaluations=evaluations), local, estimate
         coarse = fine
     if coarse.ended == TIME_LIMIT:
         raise TimeLimitError(

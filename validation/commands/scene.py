@@ -19,30 +19,19 @@ def scene(options: argparse.Namespace) -> int:
 def scene_table(listed: Inventory) -> Table:
     """Table of an inventory; the note sums it up."""
     scene = listed.scene
-    return Table(
+    return Table.of(
+        listed.items,
+        {
+            "item": lambda item: f"{item.kind} {item.number}",
+            "engine type": lambda item: item.type,
+            "coordinates": lambda item: item.coordinates or None,
+            "equations": lambda item: item.equations or None,
+            "of them idle": lambda item: item.idle or None,
+            "user function": lambda item: ", ".join(item.user_functions) or None,
+            "why": lambda item: item.why,
+        },
         name=f"scene-{scene.scenario.name}-{scene.built_as}",
         title=f"{scene.scenario.name}, formulation {scene.built_as}",
-        columns=(
-            "item",
-            "engine type",
-            "coordinates",
-            "equations",
-            "of them idle",
-            "user function",
-            "why",
-        ),
-        rows=[
-            [
-                f"{item.kind} {item.number}",
-                item.type,
-                item.coordinates or None,
-                item.equations or None,
-                item.idle or None,
-                ", ".join(item.user_functions) or None,
-                item.why,
-            ]
-            for item in listed.items
-        ],
         note=f"{listed.coordinates} coordinates, {listed.equations} algebraic equations "
         f"({listed.constraints} constraints; an idle equation only says that an unused "
         f"constraint force is zero), {listed.user_functions} user functions.",

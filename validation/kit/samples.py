@@ -63,28 +63,18 @@ def table(section: str, jobs: Sequence[Job], samples: Sequence[Sample]) -> Table
         Those whose results are shipped.
     samples : sequence of Sample
     """
-    return Table(
+    return Table.of(
+        samples,
+        {
+            "shipped result": lambda each: each.what,
+            "confirmed here by": lambda each: each.how or "no, only shipped",
+            "compared": lambda each: each.quantity or None,
+            "largest difference": lambda each: each.difference,
+            "at most": lambda each: each.limit,
+            "agrees": lambda each: each.agrees,
+        },
         name=f"{section}-confirmed",
         title="What comes with the package, and what is confirmed on the spot",
-        columns=(
-            "shipped result",
-            "confirmed here by",
-            "compared",
-            "largest difference",
-            "at most",
-            "agrees",
-        ),
-        rows=[
-            (
-                each.what,
-                each.how or "no, only shipped",
-                each.quantity or None,
-                each.difference,
-                each.limit,
-                each.agrees,
-            )
-            for each in samples
-        ],
         note=_origin(section, jobs),
         folded=False,
     )

@@ -3,12 +3,14 @@
 import csv
 import html
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, log10
-from typing import Protocol
+from typing import Any, Protocol, TypeVar
 
 Cell = str | float | int | bool | None
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +66,23 @@ class Table:
                     f"rows must have {len(self.columns)} cells in table {self.name!r}, "
                     f"got {len(row)}"
                 )
+
+    @classmethod
+    def of(
+        cls, items: Iterable[T], columns: Mapping[str, Callable[[T], Cell]], **told: Any
+    ) -> "Table":
+        """Table with a row for each item.
+
+        Parameters
+        ----------
+        items : iterable
+        columns : mapping
+            From headings to functions that make the cells of an item.
+        **told
+            All parameters but `columns` and `rows`.
+        """
+        rows = [[cell(each) for cell in columns.values()] for each in items]
+        return cls(columns=tuple(columns), rows=rows, **told)
 
     def to_csv(self) -> str:
         """Comma-separated text with full precision."""

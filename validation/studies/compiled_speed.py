@@ -66,22 +66,18 @@ def single_runs(milliseconds: Milliseconds) -> Table:
     for case in CASES:
         truth = case.simulate("DOP853", 3e-14)
         for error in ERRORS:
-            taken: list[Cell] = []
-            ladders: dict[Method, Sequence[float]] = {
-                "DOP853": [10.0**-power for power in range(6, 14)],
-                "taylor": COMPILED_TOLERANCES,
-            }
-            for method, ladder in ladders.items():
-                local = _first(case, method, ladder, error, truth)
-                if local is None:
-                    taken.append(None)
-                    continue
-                taken.append(milliseconds(partial(case.simulate, method, local)))
-                if method == "taylor":
-                    taken.append(milliseconds(by_hand(case.scenario, case.form, local)))
-            pure, compiled, hand = [*taken, None, None][:3]
+            pure = compiled = hand = None
+            local = _first(case, "DOP853", [10.0**-power for power in range(6, 14)], error, truth)
+            if local is not None:
+                pure = milliseconds(partial(case.simulate, "DOP853", local))
+            local = _first(case, "taylor", COMPILED_TOLERANCES, error, truth)
+            if local is not None:
+                ours = partial(case.simulate, "taylor", local)
+                compiled, hand = in_turns(
+                    milliseconds, ours, by_hand(case.scenario, case.form, local), calls=10
+                )
             ratios = [
-                above / below if isinstance(above, float) and isinstance(below, float) else None
+                None if above is None or below is None else above / below
                 for above, below in ((pure, compiled), (compiled, hand))
             ]
             cells.append([case.label, error, pure, compiled, hand, *ratios])
@@ -114,14 +110,11 @@ def ensembles(milliseconds: Milliseconds) -> Table:
         checked = partial(_made, case, method="taylor", tolerance=1e-6)
         listed = partial(once, members)
         ours = partial(_made, case, method="taylor", local_tolerance=1e-9)
-        # In turns, so that both find the machine as busy.
-        hand = batches_by_hand(members, case.form, 1e-9)
-        turns = [(milliseconds(ours), milliseconds(hand)) for _ in range(3)]
+        turns = in_turns(milliseconds, ours, batches_by_hand(members, case.form, 1e-9))
         taken = [milliseconds(pure) / len(few)]
         taken += [milliseconds(call) / case.members for call in (checked, listed)]
-        taken += [float(each) / case.members for each in np.median(turns, axis=0)]
-        ratio = float(np.median([above / below for above, below in turns]))
-        cells.append([case.label, *(round(1e3 / each) for each in taken), ratio])
+        taken += [each / case.members for each in turns]
+        cells.append([case.label, *(round(1e3 / each) for each in taken), turns[0] / turns[1]])
     return Table(
         name="compiled-ensembles",
         title="Ensembles of runs of 2 s on one core, in runs per second",
@@ -168,6 +161,39 @@ def basin(milliseconds: Milliseconds) -> Table:
 
 def _made(case: _Case, **how: Any) -> Any:
     return simulate_many(case.ensemble(), TIMES, form=case.form, workers=1, **how)
+
+
+def in_turns(
+    milliseconds: Milliseconds,
+    ours: Callable[[], object],
+    hand: Callable[[], object],
+    calls: int = 1,
+) -> tuple[float, float]:
+    """Times of a call and of one by hand in ms, so that both find the machine alike.
+
+    In turns, for a machine that is busy now and then; and each from four places on the stack:
+    batches keep most numbers there, as wide as registers, and where it happens to lie decides
+    how many of them straddle two lines of the cache, which takes up to a third of the time.
+    The means of both are told.
+    """
+
+    def repeated(call: Callable[[], object]) -> None:
+        for _ in range(calls):
+            call()
+
+    places = [
+        [milliseconds(_from(place, partial(repeated, call))) / calls for call in (ours, hand)]
+        for place in range(4)
+    ]
+    mean = np.mean(places, axis=0)
+    return float(mean[0]), float(mean[1])
+
+
+def _from(place: int, call: Callable[[], object]) -> Callable[[], object]:
+    """The same call from so many frames of C further down the stack."""
+    for _ in range(place):
+        call = partial(sorted, [0], key=lambda _, call=call: call() is None)
+    return call
 
 
 def _first(

@@ -135,21 +135,20 @@ def check_formulation(
 
 def table(checks: Sequence[Check]) -> Table:
     """Every check of a scenario with its criterion and verdict."""
-    return Table(
+    return Table.of(
+        checks,
+        {
+            "formulation": lambda check: check.formulation,
+            "compared": lambda check: check.quantity,
+            "how": lambda check: check.detail,
+            "largest difference": lambda check: check.difference,
+            "at most": lambda check: check.criterion,
+            "agrees": lambda check: (
+                check.verdict if isinstance(check.verdict, bool) else "not defined"
+            ),
+        },
         name="check",
         title="Engine against in-house equations",
-        columns=("formulation", "compared", "how", "largest difference", "at most", "agrees"),
-        rows=[
-            [
-                check.formulation,
-                check.quantity,
-                check.detail,
-                check.difference,
-                check.criterion,
-                check.verdict if isinstance(check.verdict, bool) else "not defined",
-            ]
-            for check in checks
-        ],
     )
 
 

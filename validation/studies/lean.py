@@ -207,28 +207,18 @@ def _alternatives(repeats: int) -> list[Overhead]:
 
 def overhead_table(found: Sequence[Overhead]) -> Table:
     """Table of run times with against without."""
-    return Table(
+    return Table.of(
+        found,
+        {
+            "part carried": lambda each: each.part,
+            "scene": lambda each: each.scene,
+            "run time with in ms": lambda each: 1e3 * each.carried,
+            "without in ms": lambda each: 1e3 * each.left_out,
+            "price in %": lambda each: round(100.0 * (each.carried / each.left_out - 1.0), 1),
+            "scatter in %": lambda each: round(100.0 * (each.spread - 1.0), 1),
+        },
         name="lean-scenes",
         title="The price of carrying what a scene does not need",
-        columns=(
-            "part carried",
-            "scene",
-            "run time with in ms",
-            "without in ms",
-            "price in %",
-            "scatter in %",
-        ),
-        rows=[
-            [
-                each.part,
-                each.scene,
-                1e3 * each.carried,
-                1e3 * each.left_out,
-                round(100.0 * (each.carried / each.left_out - 1.0), 1),
-                round(100.0 * (each.spread - 1.0), 1),
-            ]
-            for each in found
-        ],
         note=f"Engine time of {DURATION:g} s from Table 3 at step {STEP:g} s, sampled every 5 ms, "
         "the fastest of the repeats; scatter is how far their median lies above the fastest. A "
         "price within the scatter is none.",

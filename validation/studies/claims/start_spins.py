@@ -11,7 +11,7 @@ from analysis.data.inversion import STAYING
 from analysis.data.trajectory import Source
 from analysis.stability import linear_reduced
 from analysis.stability.critical import critical_speeds
-from validation.kit.tables import Cell, Table
+from validation.kit.tables import Table
 from validation.run import run
 from validation.studies.claims.claim import Claim, grade, listed
 
@@ -154,38 +154,24 @@ def claim(found: Sequence[LeastSpin]) -> Claim:
 
 def table(found: Sequence[LeastSpin]) -> Table:
     """Least spins and critical speeds by model."""
-    rows: list[list[Cell]] = [
-        [
-            f"Model {each.level}",
-            listed(each.critical, ".4f"),
-            listed(each.lost, ".4f") or "–",
-            each.below,
-            each.outcomes[0],
-            each.above,
-            each.outcomes[1],
-            ", ".join(
+    closed = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
+    return Table.of(
+        found,
+        {
+            "model": lambda each: f"Model {each.level}",
+            "critical speed in rad/s": lambda each: listed(each.critical, ".4f"),
+            "another pair unstable above": lambda each: listed(each.lost, ".4f") or "–",
+            "no inversion at rad/s": lambda each: each.below,
+            "outcome there": lambda each: each.outcomes[0],
+            "inversion at rad/s": lambda each: each.above,
+            "outcome": lambda each: each.outcomes[1],
+            "outcome at further spins in rad/s": lambda each: ", ".join(
                 f"{spin:g}: {result}" for spin, result in zip(SCANNED, each.scan, strict=True)
             ),
-            each.confirmed,
-        ]
-        for each in found
-    ]
-    closed = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
-    return Table(
+            "engine has the same two outcomes": lambda each: each.confirmed,
+        },
         name="start-spins",
         title="Critical speeds of inverted spinning, and least spins from which Table 3 inverts",
-        columns=(
-            "model",
-            "critical speed in rad/s",
-            "another pair unstable above",
-            "no inversion at rad/s",
-            "outcome",
-            "inversion at rad/s",
-            "outcome",
-            "outcome at further spins in rad/s",
-            "engine has the same two outcomes",
-        ),
-        rows=rows,
         note="Critical: above it the slow pair of the model's linearisation has a negative real "
         f"part. The closed form of the reduced system, Eq. (126), is {closed:.4f} rad/s. "
         f"Inverted: within {END:g} s; lost: below the centre again before {END + STAYING:g} s; "

@@ -315,32 +315,20 @@ def delay_law(passages: Sequence[Passage]) -> DelayLaw:
 
 def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
     """When and at which spin the inversion is lost."""
-    return Table(
+    return Table.of(
+        named,
+        {
+            "motion": lambda each: each[0],
+            "source": lambda each: each[1].source,
+            "Hopf point in rad/s": lambda each: each[1].pair.spin,
+            "crossed at s": lambda each: each[1].crossing,
+            "lost at s": lambda each: each[1].lost,
+            "predicted at s": lambda each: each[1].predicted,
+            "lowest spin in rad/s": lambda each: each[1].lowest_spin,
+            "rate of decay in rad/s²": lambda each: each[1].rate,
+        },
         name="passage",
         title="Passage through the critical speed",
-        columns=(
-            "motion",
-            "source",
-            "Hopf point in rad/s",
-            "crossed at s",
-            "lost at s",
-            "predicted at s",
-            "lowest spin in rad/s",
-            "rate of decay in rad/s²",
-        ),
-        rows=[
-            (
-                name,
-                each.source,
-                each.pair.spin,
-                each.crossing,
-                each.lost,
-                each.predicted,
-                each.lowest_spin,
-                each.rate,
-            )
-            for name, each in named
-        ],
         note=(
             "Predicted is from the deviation half a second to a second after the inversion and "
             "the eigenvalues alone, which know nothing of what happens at large deviations."

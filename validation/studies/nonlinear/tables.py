@@ -1,9 +1,7 @@
 """Tables of cycles, of the Hopf point, of the heteroclinic connection and the slow manifold."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
-import numpy as np
+from collections.abc import Sequence
+from math import log
 
 from analysis import Scenario
 from analysis.nonlinear.asymmetric import AsymmetricCycle, AsymmetricFamily, Change
@@ -19,25 +17,27 @@ from validation.kit.tables import Table
 _WORDS = {True: "stable", False: "unstable", None: "undecided"}
 """A verdict's cell would be a check; this one is a property."""
 
+_LN_10 = log(10.0)
+
 _SMALL = 1.05
 """Largest amplitude in rad of the cycles from which the growth is fitted."""
 
 
 def cycle_table(cycles: Sequence[Cycle]) -> Table:
     """Cycles with their multipliers."""
-    return Table(
+    return Table.of(
+        cycles,
+        {
+            "amplitude in rad": lambda each: each.amplitude,
+            "spin in rad/s": lambda each: each.spin,
+            "period in s": lambda each: each.period,
+            "multiplier": lambda each: each.multiplier,
+            "over half a period": lambda each: each.half_multiplier,
+            "log10 of the other": lambda each: each.log_strong / _LN_10,
+            "stable": lambda each: _WORDS[each.stable],
+        },
         name="cycles",
         title="Periodic motions of the reduced system",
-        **_motions(
-            cycles,
-            {
-                "amplitude in rad": "amplitude",
-                "spin in rad/s": "spin",
-                "period in s": "period",
-                "multiplier": "multiplier",
-                "over half a period": "half_multiplier",
-            },
-        ),
         note="The amplitude is the largest deviation of γ from π/2; the third multiplier is 1.",
     )
 
@@ -76,20 +76,20 @@ def rotation_table(family: RotationFamily, turns: Sequence[Rotation]) -> Table:
     )
     if family.reason is not None:
         note += f" The family ends early: {family.reason}."
-    return Table(
+    return Table.of(
+        family.rotations,
+        {
+            "tilt in rad": lambda each: each.tilt,
+            "spin in rad/s": lambda each: each.spin,
+            "period in s": lambda each: each.period,
+            "largest tilt in rad": lambda each: each.largest_tilt,
+            "multiplier": lambda each: each.multiplier,
+            "log10 of the other": lambda each: each.log_strong / _LN_10,
+            "stable": lambda each: _WORDS[each.stable],
+        },
         name="rotations",
         title="Rotating motions of the reduced system, from the connection at "
         f"{family.connection.spin:.9g} rad/s on",
-        **_motions(
-            family.rotations,
-            {
-                "tilt in rad": "tilt",
-                "spin in rad/s": "spin",
-                "period in s": "period",
-                "largest tilt in rad": "largest_tilt",
-                "multiplier": "multiplier",
-            },
-        ),
         note=note,
     )
 
@@ -108,37 +108,22 @@ def asymmetric_table(
     )
     if family.reason is not None:
         note += f" The family ends early: {family.reason}."
-    return Table(
+    return Table.of(
+        family.cycles,
+        {
+            "largest deviation in rad": lambda each: each.amplitude,
+            "least one in rad": lambda each: each.lowest,
+            "spin in rad/s": lambda each: each.spin,
+            "period in s": lambda each: each.period,
+            "multiplier": lambda each: each.multiplier,
+            "log10 of the other": lambda each: each.log_strong / _LN_10,
+            "stable": lambda each: _WORDS[each.stable],
+        },
         name="asymmetric",
         title="Cycles without mirror symmetry of the reduced system, from "
         f"{born.amplitude:.6g} rad and {born.spin:.9g} rad/s on",
-        **_motions(
-            family.cycles,
-            {
-                "largest deviation in rad": "amplitude",
-                "least one in rad": "lowest",
-                "spin in rad/s": "spin",
-                "period in s": "period",
-                "multiplier": "multiplier",
-            },
-        ),
         note=note,
     )
-
-
-def _motions(motions: Sequence[Any], columns: Mapping[str, str]) -> dict[str, Any]:
-    """Columns and rows of a table of periodic motions, from columns to their attributes."""
-    return {
-        "columns": (*columns, "log10 of the other", "stable"),
-        "rows": [
-            (
-                *(getattr(each, name) for name in columns.values()),
-                each.log_strong / float(np.log(10.0)),
-                _WORDS[each.stable],
-            )
-            for each in motions
-        ],
-    }
 
 
 def small_cycles(family: CycleFamily) -> list[Cycle]:

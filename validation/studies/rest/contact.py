@@ -118,28 +118,18 @@ def collect(results: Mapping[Any, Any]) -> list[ContactRun]:
 
 def table(results: Mapping[Any, Any]) -> Table:
     """One row per run."""
-    return Table(
+    return Table.of(
+        collect(results),
+        {
+            "stiffness in N/m": lambda run: run.stiffness,
+            "half thickness in mm": lambda run: 1e3 * run.half_thickness,
+            "step in s": lambda run: run.step,
+            "time per simulated second in s": lambda run: run.seconds,
+            "deviation from the ideal contact in rad": lambda run: run.law_error,
+            "of it by the step": lambda run: run.step_error,
+        },
         name="rest-contact",
         title="Contact law and step on the way to rest",
-        columns=(
-            "stiffness in N/m",
-            "half thickness in mm",
-            "step in s",
-            "time per simulated second in s",
-            "deviation from the ideal contact in rad",
-            "of it by the step",
-        ),
-        rows=[
-            (
-                run.stiffness,
-                1e3 * run.half_thickness,
-                run.step,
-                run.seconds,
-                run.law_error,
-                run.step_error,
-            )
-            for run in collect(results)
-        ],
         note=f"Engine, RK44, from Table 3 over {END:g} s, half of the critical damping. Ideal "
         "contact: in-house Model 1. The step's share: against the in-house equations on the same "
         "contact, DOP853.",

@@ -267,30 +267,19 @@ def _loss(motion: SpatialMotion, begin: float, end: float) -> Loss:
 
 def loss_table(found: Sequence[Loss]) -> Table:
     """How slowly the disk loses energy by sliding alone."""
-    return Table(
+    return Table.of(
+        found,
+        {
+            "time in s": lambda each: f"{each.begin:g} to {each.end:g}",
+            "mean lean in rad": lambda each: each.leaning,
+            "mean slip speed in m/s": lambda each: each.slip,
+            "energy in J": lambda each: each.energy,
+            "loss in W": lambda each: each.loss,
+            "loss by μ λ_N s² / ε in W": lambda each: each.viscous,
+            "energy over loss in s": lambda each: each.energy / each.loss,
+        },
         name="rest-creep",
         title="With sliding friction alone the disk creeps",
-        columns=(
-            "time in s",
-            "mean lean in rad",
-            "mean slip speed in m/s",
-            "energy in J",
-            "loss in W",
-            "loss by μ λ_N s² / ε in W",
-            "energy over loss in s",
-        ),
-        rows=[
-            (
-                f"{each.begin:g} to {each.end:g}",
-                each.leaning,
-                each.slip,
-                each.energy,
-                each.loss,
-                each.viscous,
-                each.energy / each.loss,
-            )
-            for each in found
-        ],
         note="In-house run from Table 3, which goes on creeping. The slip is far below ε, so that "
         "the friction law is viscous with μ/ε and its loss grows with the square of the slip.",
     )

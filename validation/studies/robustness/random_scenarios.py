@@ -116,16 +116,19 @@ def verdict(drawn: Draw) -> tuple[str, str]:
     return "kept" if run.ending is None else "kept up to its ending", detail
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run random scenarios and print them; 1 if a promise is broken."""
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.studies.robustness.random_scenarios"
-    )
+def asked_for(module: str, arguments: Sequence[str] | None) -> list[Draw]:
+    """Draws that the command line of a module asks for."""
+    parser = argparse.ArgumentParser(prog=f"python -m validation.studies.robustness.{module}")
     parser.add_argument("--number", type=int, default=60, help="how many (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (default: %(default)s)")
     options = parser.parse_args(arguments)
+    return draws(options.number, options.seed)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run random scenarios and print them; 1 if a promise is broken."""
     counts: Counter[str] = Counter()
-    for index, drawn in enumerate(draws(options.number, options.seed)):
+    for index, drawn in enumerate(asked_for("random_scenarios", arguments)):
         word, detail = verdict(drawn)
         counts[word] += 1
         print(f"{index:3d} {word}: {drawn}: {detail}", flush=True)

@@ -1,7 +1,7 @@
 """Tables of the study of numerical stability."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import get_args
 
 from validation.kit.tables import Cell, Table
@@ -73,63 +73,45 @@ def _largest(values: Sequence[float | None]) -> float | None:
     return max((value for value in values if value is not None), default=None)
 
 
-_CASE = ("model", "what is extreme", "how", "formulation, integrator", "verdict")
-
-
-def _case(outcome: Outcome) -> list[Cell]:
-    """Cells under `_CASE`."""
-    return [outcome.level, outcome.axis, outcome.label, outcome.way.name, outcome.verdict]
+_CASE: dict[str, Callable[[Outcome], Cell]] = {
+    "model": lambda each: each.level,
+    "what is extreme": lambda each: each.axis,
+    "how": lambda each: each.label,
+    "formulation, integrator": lambda each: each.way.name,
+    "verdict": lambda each: each.verdict,
+}
 
 
 def all_cases(outcomes: Sequence[Outcome]) -> Table:
     """Everything, for a file."""
-    return Table(
+    return Table.of(
+        outcomes,
+        {
+            **_CASE,
+            "error in rad": lambda each: each.error,
+            "error of the ending in s": lambda each: each.ending_error,
+            "promised in rad": lambda each: each.estimate,
+            "doubt of the reference in rad": lambda each: each.doubt,
+            "drift / radius": lambda each: each.drift,
+            "energy error, relative": lambda each: each.energy,
+            "same bits when repeated": lambda each: each.repeatable,
+            "steps": lambda each: each.steps,
+            "seconds": lambda each: each.seconds,
+            "reason": lambda each: each.reason,
+        },
         name="robustness-all-cases",
         title="All hard cases",
-        columns=(
-            *_CASE,
-            "error in rad",
-            "error of the ending in s",
-            "promised in rad",
-            "doubt of the reference in rad",
-            "drift / radius",
-            "energy error, relative",
-            "same bits when repeated",
-            "steps",
-            "seconds",
-            "reason",
-        ),
-        rows=[
-            [
-                *_case(outcome),
-                outcome.error,
-                outcome.ending_error,
-                outcome.estimate,
-                outcome.doubt,
-                outcome.drift,
-                outcome.energy,
-                outcome.repeatable,
-                outcome.steps,
-                outcome.seconds,
-                outcome.reason,
-            ]
-            for outcome in outcomes
-        ],
         file_only=True,
     )
 
 
 def failures(outcomes: Sequence[Outcome]) -> Table:
     """Every case that is not accurate, with its reason."""
-    return Table(
+    return Table.of(
+        [outcome for outcome in outcomes if outcome.verdict not in GOOD],
+        {**_CASE, "reason": lambda each: each.reason or _error(each)},
         name="robustness-failures",
         title="Cases that gave no accurate result",
-        columns=(*_CASE, "reason"),
-        rows=[
-            [*_case(outcome), outcome.reason or _error(outcome)]
-            for outcome in outcomes
-            if outcome.verdict not in GOOD
-        ],
         file_only=True,
     )
 
@@ -180,21 +162,18 @@ def _error(outcome: Outcome) -> str:
 def step_limits(limits: Sequence[StepLimit]) -> Table:
     """Measured and predicted step limits."""
     units = {"smoothing": "m/s", "stiffness": "N/m"}
-    return Table(
+    return Table.of(
+        limits,
+        {
+            "over": lambda limit: f"{limit.axis} {limit.value:g} {units[limit.axis]}",
+            "formulation": lambda limit: limit.formulation,
+            "integrator": lambda limit: limit.integrator,
+            "limit": lambda limit: limit.kind,
+            "step in s": lambda limit: limit.step,
+            "predicted in s": lambda limit: limit.predicted,
+        },
         name="step-limits",
         title="Largest stable and largest accurate steps",
-        columns=("over", "formulation", "integrator", "limit", "step in s", "predicted in s"),
-        rows=[
-            [
-                f"{limit.axis} {limit.value:g} {units[limit.axis]}",
-                limit.formulation,
-                limit.integrator,
-                limit.kind,
-                limit.step,
-                limit.predicted,
-            ]
-            for limit in limits
-        ],
         note="Stable: a small disturbance of inverted spinning does not grow. Accurate: within "
         f"{ACCURACY:g} rad over 0.4 s from Table 3. No step: none of those tried works, or "
         "the spinning itself is as unstable as the step could make it.",
@@ -203,20 +182,17 @@ def step_limits(limits: Sequence[StepLimit]) -> Table:
 
 def conserved(found: Sequence[Conserved]) -> Table:
     """What a frictionless Model 1 conserves."""
-    return Table(
+    return Table.of(
+        found,
+        {
+            "formulation, integrator": lambda each: each.name,
+            "energy / (weight · radius)": lambda each: each.energy,
+            "horizontal momentum / (mass · rim speed)": lambda each: each.momentum,
+            "vertical angular momentum about the COG, relative": lambda each: each.spin,
+            "failure": lambda each: each.failure or None,
+        },
         name="conserved",
         title="Model 1 without friction, 2 s from Table 3: largest changes of what is conserved",
-        columns=(
-            "formulation, integrator",
-            "energy / (weight · radius)",
-            "horizontal momentum / (mass · rim speed)",
-            "vertical angular momentum about the COG, relative",
-            "failure",
-        ),
-        rows=[
-            [each.name, each.energy, each.momentum, each.spin, each.failure or None]
-            for each in found
-        ],
         note="Engine at a step of 1 ms, in-house at a local tolerance of 1e-9. The table's force "
         "is vertical, so that it has no moment about the vertical through the COG.",
     )

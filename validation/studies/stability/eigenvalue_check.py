@@ -177,29 +177,19 @@ def check_set(constraints: ConstraintSet) -> SetCheck:
 
 def sets_table(checks: list[SetCheck]) -> Table:
     """Table of the checks of all sets of constraints."""
-    return Table(
+    return Table.of(
+        checks,
+        {
+            "constraints": lambda check: check.name,
+            "eigenvalues": lambda check: check.eigenvalues,
+            "stable spins from 0 to 60 rad/s": lambda check: check.stable,
+            "formulations": lambda check: check.formulations,
+            "engine against in-house": lambda check: check.difference,
+            f"at most {EIGENVALUE_LIMIT:g}": lambda check: check.passed,
+        },
         name="eigenvalues-of-sets",
         title="Inverted spinning under every possible set of constraints",
         worst="engine against in-house",
-        columns=(
-            "constraints",
-            "eigenvalues",
-            "stable spins from 0 to 60 rad/s",
-            "formulations",
-            "engine against in-house",
-            f"at most {EIGENVALUE_LIMIT:g}",
-        ),
-        rows=[
-            [
-                check.name,
-                check.eigenvalues,
-                check.stable,
-                check.formulations,
-                check.difference,
-                check.passed,
-            ]
-            for check in checks
-        ],
         note="In-house, the index-1 system is linearised along the constraint manifold without "
         "coordinates of its own. The difference is the largest one relative to max(|λ|, 1) over "
         f"all formulations, both motions and {FEW_SPINS.size} spins. Holding the spin changes no "
@@ -209,29 +199,22 @@ def sets_table(checks: list[SetCheck]) -> Table:
 
 def table(checks: list[EigenvalueCheck]) -> Table:
     """Table of eigenvalue checks."""
-    return Table(
+    return Table.of(
+        checks,
+        {
+            "model": lambda check: check.case[0],
+            "formulation": lambda check: check.case[1],
+            "inverted": lambda check: check.inverted,
+            "noninverted": lambda check: check.noninverted,
+            f"at most {EIGENVALUE_LIMIT:g}": lambda check: check.passed,
+            "engine's own ComputeODE2Eigenvalues": lambda check: (
+                "other number of eigenvalues" if check.stock is None else check.stock
+            ),
+        },
         name="eigenvalues",
         title=f"Eigenvalues, engine against in-house, at {CHECKED_SPINS.size} spins from 0 to "
         "60 rad/s: largest difference relative to max(|λ|, 1)",
         worst="inverted",
-        columns=(
-            "model",
-            "formulation",
-            "inverted",
-            "noninverted",
-            f"at most {EIGENVALUE_LIMIT:g}",
-            "engine's own ComputeODE2Eigenvalues",
-        ),
-        rows=[
-            [
-                *check.case,
-                check.inverted,
-                check.noninverted,
-                check.passed,
-                "other number of eigenvalues" if check.stock is None else check.stock,
-            ]
-            for check in checks
-        ],
         note="The engine's accelerations are differentiated along the constraint manifold; the "
         "neutral directions (the angle α and its rate) are left out. The engine's own function is "
         "right for the contact tree, which has no constraints.",

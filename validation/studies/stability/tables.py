@@ -209,20 +209,19 @@ def in_words(found: Sequence[tuple[float, float]]) -> str:
 
 def corner_table(corners: Sequence[Corner]) -> Table:
     """Corners of the region in which inverted spinning is stable."""
-    return Table(
+    return Table.of(
+        corners,
+        {
+            "kind": lambda corner: corner.kind,
+            "spin in rad/s": lambda corner: corner.spin,
+            "μ/ε in s/m": lambda corner: corner.gradient,
+            "ε at μ = 0.3 in m/s": lambda corner: 0.3 / corner.gradient,
+            "frequencies": lambda corner: ", ".join(
+                f"{frequency:.3f}" for frequency in corner.frequencies
+            ),
+        },
         name="corners",
         title="Where the stability boundaries of the full system meet",
-        columns=("kind", "spin in rad/s", "μ/ε in s/m", "ε at μ = 0.3 in m/s", "frequencies"),
-        rows=[
-            [
-                corner.kind,
-                corner.spin,
-                corner.gradient,
-                0.3 / corner.gradient,
-                ", ".join(f"{frequency:.3f}" for frequency in corner.frequencies),
-            ]
-            for corner in corners
-        ],
         note="Between these three points inverted spinning is asymptotically stable in the full "
         "system, against the paper's conclusion that it always has an unstable subspace; at the "
         "paper's own gradient of 3 s/m that conclusion holds at every spin.",

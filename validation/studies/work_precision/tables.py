@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
+from functools import partial
 from statistics import median
 
 import mbs_models
@@ -320,37 +321,30 @@ def failures(study: Study) -> Table:
 def all_runs(study: Study) -> Table:
     """Everything, for a file."""
     counts = sorted({name for run in study.runs for name in run.counts})
-    errors = [field.name for field in fields(Errors)]
-    return Table(
+    return Table.of(
+        study.runs,
+        {
+            "problem": lambda run: run.problem,
+            "formulation": lambda run: run.formulation,
+            "integrator": lambda run: run.scheme,
+            "asked for": lambda run: run.kind,
+            "step in s or tolerance": lambda run: run.setting,
+            "least processor time in s": lambda run: run.seconds if run.errors else None,
+            "median processor time in s": lambda run: run.median_seconds if run.errors else None,
+            "repeats": lambda run: run.repeats,
+            **{each.name.replace("_", " "): partial(_error, each.name) for each in fields(Errors)},
+            **{name.replace("_", " "): partial(_count, name) for name in counts},
+            "failure": lambda run: run.failure,
+        },
         name="work-precision-all-runs",
         title="All runs of the work-precision study",
         file_only=True,
-        columns=(
-            "problem",
-            "formulation",
-            "integrator",
-            "asked for",
-            "step in s or tolerance",
-            "least processor time in s",
-            "median processor time in s",
-            "repeats",
-            *(name.replace("_", " ") for name in errors),
-            *(name.replace("_", " ") for name in counts),
-            "failure",
-        ),
-        rows=[
-            [
-                run.problem,
-                run.formulation,
-                run.scheme,
-                run.kind,
-                run.setting,
-                *((run.seconds, run.median_seconds) if run.errors else (None, None)),
-                run.repeats,
-                *(run.errors.row() if run.errors else [None] * len(errors)),
-                *(run.counts.get(name) for name in counts),
-                run.failure,
-            ]
-            for run in study.runs
-        ],
     )
+
+
+def _error(name: str, run: Run) -> float | None:
+    return getattr(run.errors, name, None)
+
+
+def _count(name: str, run: Run) -> int | None:
+    return run.counts.get(name)
