@@ -11,15 +11,8 @@ import pytest
 import mbs_models
 from analysis import MOTIONS
 from analysis.stability import spectra
-from validation import cli
+from tests.calls import refusal, run
 from validation.parser import groups
-
-
-def run(call: str) -> int:
-    try:
-        return cli.main(call.split())
-    except SystemExit as stop:
-        return int(stop.code or 0)
 
 
 def test_choices_are_those_of_the_packages() -> None:
@@ -136,8 +129,4 @@ BAD = [
 def test_bad_input_is_one_line_and_code_2(
     call: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(call) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert message in shown.err
-    assert shown.err.count("\n") == 1
+    assert message in refusal(capsys, call)

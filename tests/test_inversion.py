@@ -5,13 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import (
-    CENTRED_DISK,
-    Inversion,
-    Scenario,
-    Trajectory,
-    simulate,
-)
+from analysis import CENTRED_DISK, Inversion, Scenario, Trajectory, simulate
 from analysis.data.checks import Array
 from analysis.data.endings import REACHED
 from analysis.data.inversion import DEFINITION, STAYING

@@ -12,8 +12,8 @@ from analysis import MODELS, Scenario
 from analysis.data.checks import Array
 from analysis.data.outcomes import Row
 from analysis.stability.linear_reduced import critical_speed
+from tests.calls import refusal, run
 from tests.sweeps import Direct
-from tests.test_cli import run
 from validation.maps import problems
 from validation.maps import run as maps_run
 from validation.maps.problems import (
@@ -240,10 +240,7 @@ def test_pairs_that_are_not_decided_do_not_count(
 def test_wrong_call_is_told_in_one_line(
     words: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run("map", *words.split(), "--out", str(tmp_path / "maps")) == 2
-    said = capsys.readouterr().err
-    assert message in said
-    assert said.count("\n") == 1
+    assert message in refusal(capsys, "map", words, f"--out={tmp_path / 'maps'}")
     assert list(tmp_path.iterdir()) == []
 
 

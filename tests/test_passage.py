@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analysis import Dissipation, Scenario
-from tests.test_cli_stability import run as call
+from tests.calls import run as call
 from validation.run import run
 from validation.studies.nonlinear.confirm import thinned
 from validation.studies.nonlinear.passage import (

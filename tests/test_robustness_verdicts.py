@@ -9,15 +9,7 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import (
-    MODELS,
-    STEEL_DISK,
-    PenaltyContact,
-    Scenario,
-    SmoothCoulomb,
-    Start,
-    Trajectory,
-)
+from analysis import MODELS, STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.endings import Ending
 from validation.kit.provenance import Provenance
 from validation.studies.robustness import random_scenarios, stored, tables

@@ -12,8 +12,8 @@ from analysis import Start
 from analysis.data.checks import Array
 from analysis.models import reduced
 from analysis.nonlinear.rotating import Rotation, RotationFamily, folds, rotating_family
+from tests.calls import run as call
 from tests.helpers import model
-from tests.test_cli_stability import run as call
 from validation.run import run
 
 PAPER = model(4)

@@ -27,8 +27,8 @@ from validation.studies.nonlinear import confirm as nonlinear
 from validation.studies.rest import section as rest
 from validation.studies.robustness import section as robustness
 from validation.studies.stability import section as stability
-from validation.studies.work_precision import study as work_precision
-from validation.studies.work_precision.jobs import jobs as work_precision_jobs
+from validation.studies.work_precision import jobs as work_precision_jobs
+from validation.studies.work_precision import section as work_precision
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,10 +110,10 @@ STUDIES = (
     Study(name="maps", jobs=maps.jobs, section=maps.section, long=whole_maps.jobs, work=20.0),
     Study(
         name="work-precision",
-        jobs=partial(work_precision_jobs, quick=True),
+        jobs=partial(work_precision_jobs.jobs, quick=True),
         section=partial(work_precision.section, quick=True),
-        long=partial(work_precision_jobs, quick=False),
-        workers=work_precision.WORKERS,
+        long=partial(work_precision_jobs.jobs, quick=False),
+        workers=work_precision_jobs.WORKERS,
         work=95.0,
         timed=True,
     ),

@@ -5,16 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import (
-    LEVELS,
-    LOADS,
-    MODELS,
-    Level,
-    Load,
-    Scenario,
-    SmoothCoulomb,
-    Trajectory,
-)
+from analysis import LEVELS, LOADS, MODELS, Level, Load, Scenario, SmoothCoulomb, Trajectory
 from analysis.data.inversion import DEFINITION
 from analysis.data.trajectory import SOURCES
 from validation.kit import figures, snapshots
