@@ -298,6 +298,12 @@ def test_chunks_take_a_second_and_longer_with_many_workers(workers: int, size: i
     assert sizes == [size] * (2 * workers)
 
 
+def test_cases_that_run_together_fit_in_memory() -> None:
+    wanted = sweep("spin=0:60:100000", method="taylor", end=20.0, spacing=1e-4)
+    # 200,001 samples of 12 numbers each.
+    assert runner._Work(wanted, Direct(), 1.0)._largest == 5
+
+
 @pytest.mark.slow
 def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
