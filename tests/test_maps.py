@@ -131,6 +131,9 @@ def test_each_model_runs_where_it_is_quickest() -> None:
     plans = [quickest_plan(each, 4.0, 0) for each in models_beside(Scenario())]
     assert [plan.source for plan in plans] == ["engine", *["in-house"] * 3]
     assert [plan.formulation for plan in plans] == [None, None, None, "reduced"]
+    compiled = [quickest_plan(each, 4.0, 0, compiled=True) for each in models_beside(Scenario())]
+    assert all(plan.runs_in_batches for plan in compiled)
+    assert [plan.witness_step for plan in compiled] == [problems.ENGINE_STEP, None, None, None]
 
 
 def test_gaps_take_the_class_of_the_nearest_run(tmp_path: Path) -> None:
