@@ -79,7 +79,7 @@ def test_critical_speeds_go_to_csv_plot_and_json(
     assert "<svg" in picture.read_text()
 
 
-def test_critical_says_first_where_the_motion_is_stable(
+def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     shown = printed(capsys, "critical")
@@ -88,13 +88,7 @@ def test_critical_says_first_where_the_motion_is_stable(
     assert re.search(r"^this pair becomes unstable +26\.8736 ", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes stable +30\.1049 ", shown, re.MULTILINE)
     assert shown.index("nowhere") < shown.index("26.8736")
-
-
-def test_critical_prints_computed_beside_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
-    shown = printed(capsys, "critical --system full")
-    assert "26.8736" in shown
-    assert "30.1049" in shown
-    assert "30.9168" in shown
+    assert "Closed form of the reduced system with any friction, Eq. (126): 30.9168 rad/s" in shown
 
 
 def test_critical_says_why_there_is_no_crossing(capsys: pytest.CaptureFixture[str]) -> None:
