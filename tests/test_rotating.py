@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from analysis import Start
 from analysis.data.checks import Array
@@ -14,7 +13,7 @@ from analysis.models import reduced
 from analysis.nonlinear.rotating import Rotation, RotationFamily, folds, rotating_family
 from tests.calls import printed
 from tests.calls import run as call
-from tests.helpers import model
+from tests.helpers import model, reduced_run
 from validation.run import run
 
 PAPER = model(4)
@@ -27,15 +26,8 @@ def family() -> RotationFamily:
 
 def turned(rotation: Rotation, begin: Array) -> Array:
     """State a period later, gamma turned back."""
-    found = solve_ivp(
-        lambda _, x: reduced.right_hand_side(PAPER, rotation.spin, x.tolist()),
-        (0.0, rotation.period),
-        begin,
-        method="LSODA",
-        rtol=1e-12,
-        atol=1e-13,
-    )
-    return np.asarray(found.y[:, -1] - np.array((0.0, 2.0 * np.pi, 0.0)))
+    found = reduced_run(PAPER, rotation.spin, begin, rotation.period)
+    return np.asarray(found - np.array((0.0, 2.0 * np.pi, 0.0)))
 
 
 @pytest.mark.slow
