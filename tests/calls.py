@@ -22,3 +22,9 @@ def refusal(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     assert shown.err.startswith(f"tippedisk {command}: error: ")
     assert shown.err.count("\n") == 1
     return shown.err
+
+
+def printed(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """What a call prints that succeeds."""
+    assert run(*words) == 0
+    return capsys.readouterr().out

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Container, Iterable
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pytest
@@ -25,6 +25,8 @@ from analysis import (
 )
 from analysis.data.checks import Array
 
+T = TypeVar("T")
+
 Generator = np.random.Generator
 
 OUTER_STEP = 8e-3
@@ -37,6 +39,12 @@ def mostly_slow(values: Iterable[Any], quick: Container[Any]) -> list[Any]:
         value if value in quick else pytest.param(value, marks=pytest.mark.slow)
         for value in values
     ]
+
+
+def not_none(value: T | None) -> T:
+    """What must not be None."""
+    assert value is not None
+    return value
 
 
 def assert_close(actual: Any, expected: Any, relative: float = 1e-12) -> None:

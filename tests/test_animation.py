@@ -19,7 +19,7 @@ from analysis import STEEL_DISK, Scenario, SpatialMotion, StoredRun, Trajectory,
 from analysis.data import frames
 from analysis.data.checks import Array
 from tests.calls import refusal, run
-from tests.helpers import mostly_slow, random_trajectory
+from tests.helpers import mostly_slow, not_none, random_trajectory
 from validation.kit import report
 from validation.kit.animation import gif as animation_gif
 from validation.kit.animation.keyframes import keyframes
@@ -79,8 +79,7 @@ MOTIONS: dict[str, Callable[[], StoredRun]] = {"trajectory": inversion, "spatial
 
 def embedded(page: str) -> dict[str, Any]:
     found = re.search(r'<script type="application/json">(.*?)</script>', page, re.DOTALL)
-    assert found is not None
-    data: dict[str, Any] = json.loads(found[1])
+    data: dict[str, Any] = json.loads(not_none(found)[1])
     return data
 
 

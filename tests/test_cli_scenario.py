@@ -29,7 +29,7 @@ from analysis import (
     load_run,
 )
 from analysis.data.scenario_file import load_scenario, scenario_text
-from tests.calls import refusal
+from tests.calls import printed, refusal
 from tests.scenario_texts import with_key
 from validation import cli
 from validation.commands.scenarios import chosen_scenario
@@ -155,8 +155,7 @@ OPTIONS: list[tuple[str, Scenario]] = [
 def test_options_change_what_they_name_and_nothing_else(
     words: str, expected: Scenario, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(["scenario", *words.split()]) == 0
-    assert capsys.readouterr().out == scenario_text(expected)
+    assert printed(capsys, "scenario", *words.split()) == scenario_text(expected)
 
 
 def test_every_field_of_a_scenario_has_an_option() -> None:
@@ -189,8 +188,7 @@ def test_way_to_rest_has_its_own_defaults(
         PAPER.disk, stiffness=1e5
     )
     assert chosen(f"{file(PAPER)}", rest=True) == PAPER
-    assert cli.main(["scenario", "--rest"]) == 0
-    assert capsys.readouterr().out == scenario_text(Scenario.rest())
+    assert printed(capsys, "scenario", "--rest") == scenario_text(Scenario.rest())
 
 
 REFUSED = [
@@ -351,8 +349,7 @@ def test_check_answers_by_its_exit_code(
     ["--model 3 --law tanh", "--constraints contact,no-slip-along --inclination 2deg", RING],
 )
 def test_check_of_ones_own_problem_holds(problem: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["check", *problem.split()]) == 0
-    assert "checks hold" in capsys.readouterr().out
+    assert "checks hold" in printed(capsys, "check", *problem.split())
 
 
 def test_value_that_begins_with_a_minus_needs_no_equals_sign() -> None:

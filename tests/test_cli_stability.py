@@ -11,7 +11,7 @@ import pytest
 import mbs_models
 from analysis import MOTIONS
 from analysis.stability import spectra
-from tests.calls import refusal, run
+from tests.calls import printed, refusal, run
 from validation.parser import groups
 
 
@@ -82,8 +82,7 @@ def test_critical_speeds_go_to_csv_plot_and_json(
 def test_critical_says_first_where_the_motion_is_stable(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert run("critical") == 0
-    shown = capsys.readouterr().out
+    shown = printed(capsys, "critical")
     assert shown.startswith("Model 1: inverted spinning is stable nowhere.\n")
     assert re.search(r"^Model 3 +30\.9168 to 60$", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes unstable +26\.8736 ", shown, re.MULTILINE)
@@ -92,16 +91,14 @@ def test_critical_says_first_where_the_motion_is_stable(
 
 
 def test_critical_prints_computed_beside_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("critical --system full") == 0
-    shown = capsys.readouterr().out
+    shown = printed(capsys, "critical --system full")
     assert "26.8736" in shown
     assert "30.1049" in shown
     assert "30.9168" in shown
 
 
 def test_critical_says_why_there_is_no_crossing(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("critical --system full --mu 0") == 0
-    assert "no friction: undamped" in capsys.readouterr().out
+    assert "no friction: undamped" in printed(capsys, "critical --system full --mu 0")
 
 
 BAD = [

@@ -10,6 +10,7 @@ import pytest
 from analysis import MODELS, Level, Scenario, simulate
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linear_reduced import critical_speed
+from tests.helpers import not_none
 from validation.kit import shipped
 from validation.studies.rest import creep, runs
 from validation.studies.rest import section as rest
@@ -66,8 +67,7 @@ def test_times_of_inversion_are_those_that_come_out(level: Level) -> None:
         Scenario(constraints=MODELS[level]), np.linspace(0.0, 2.0, 201), local_tolerance=1e-6
     )
     found = re.search(r"after (0\.\d\d), (0\.\d\d), (0\.\d\d) and (0\.\d\d) s", README)
-    assert found is not None
-    assert found[level] == f"{run.inversion_time:.2f}"
+    assert not_none(found)[level] == f"{run.inversion_time:.2f}"
 
 
 def test_ways_to_rest_are_those_of_the_shipped_runs() -> None:

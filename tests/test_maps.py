@@ -36,7 +36,7 @@ from validation.sweeps.sweep import Sweep
 REDUCED = Scenario(constraints=MODELS[4])
 
 
-def known(
+def not_none(
     inside: Callable[[int, int], bool], size: int
 ) -> tuple[Callable[[Iterable[int]], dict[int, str]], dict[int, str]]:
     """A run of a map that is known, and what it has run so far."""
@@ -57,7 +57,7 @@ def disc(row: int, column: int) -> bool:
 
 def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
     size = 65
-    run_cases, done = known(disc, size)
+    run_cases, done = not_none(disc, size)
     refine((size, size), 3, run_cases)
     for row in range(size - 1):
         for column in range(size - 1):
@@ -68,7 +68,7 @@ def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
 
 
 def test_uniform_map_stays_coarse() -> None:
-    run_cases, done = known(lambda *_: True, 17)
+    run_cases, done = not_none(lambda *_: True, 17)
     refine((17, 17), 2, run_cases)
     assert len(done) == 25
 

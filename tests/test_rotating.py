@@ -12,6 +12,7 @@ from analysis import Start
 from analysis.data.checks import Array
 from analysis.models import reduced
 from analysis.nonlinear.rotating import Rotation, RotationFamily, folds, rotating_family
+from tests.calls import printed
 from tests.calls import run as call
 from tests.helpers import model
 from validation.run import run
@@ -97,8 +98,7 @@ def test_the_command_tells_and_draws_them(
 ) -> None:
     monkeypatch.setattr("analysis.nonlinear.rotating.rotating_family", lambda *_, **__: family)
     picture = tmp_path / "rotating.svg"
-    assert call(f"cycles --rotating --json --plot {picture}") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(printed(capsys, f"cycles --rotating --json --plot {picture}"))
     assert [each["tilt"] for each in found["rotations"]] == family.values("tilt").tolist()
     assert found["rotations"][-1]["stable"] is False
     assert found["folds"][0]["spin"] == pytest.approx(30.0820066, abs=1e-6)

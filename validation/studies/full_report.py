@@ -204,7 +204,8 @@ def _compute(studies: Sequence[Study], store: Store, folder: Path) -> tuple[floa
     seconds : float
         Processor time in s of those that did before.
     drawings : list of Job
-        For each study the call that makes its section, told apart by the parts it is made of.
+        For each study the call that makes its section, told apart by the parts it is made of and
+        by what is shipped for it.
     """
     ordered = sorted(studies, key=lambda study: not study.timed)
     found = {study.name: study.all_jobs() for study in studies}
@@ -216,7 +217,11 @@ def _compute(studies: Sequence[Study], store: Store, folder: Path) -> tuple[floa
     _announce(folder, store, len(kept), len(jobs), pace)
     run_parts(left, title="report", store=store, tell=pace.tell)
     return sum(kept.values()), [
-        Job(("section", study.name), study.section, (_identities(found[study.name]),))
+        Job(
+            ("section", study.name, shipped.digest(study.name)),
+            study.section,
+            (_identities(found[study.name]),),
+        )
         for study in studies
     ]
 
@@ -233,7 +238,7 @@ def _draw(drawings: Sequence[Job], store: Store) -> tuple[list[Section], float]:
     kept = {job.key: part for job in drawings if (part := store.find(job)) is not None}
     left = {job.key: job for job in drawings if job.key not in kept}
     if left:
-        say(f"report: drawing {', '.join(name for _, name in left)}")
+        say(f"report: drawing {', '.join(name for _, name, _ in left)}")
     calls = [
         Job(key, make_section, (store.folder, job.function, *job.arguments))
         for key, job in left.items()
