@@ -51,6 +51,12 @@ def test_less_than_nine_tenths_is_not_up() -> None:
     assert judged(0.89 * risen(0.5)).outcome == "not inverted"
 
 
+def test_motion_that_ends_where_it_is_up_is_so_whatever_its_last_digit() -> None:
+    for ending in (REACHED, np.nextafter(REACHED, 0.0)):
+        found = Inversion.of_direction(np.array([0.0, 0.5]), np.array([-1.0, ending]))
+        assert found.outcome == "not decided"
+
+
 def test_staying_for_less_than_the_stated_time_is_no_inversion() -> None:
     assert judged(risen(0.5, 0.5 + STAYING)).time == pytest.approx(0.5)
     assert judged(risen(0.5, 0.49 + STAYING)).outcome == "not inverted"
