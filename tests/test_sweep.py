@@ -327,6 +327,13 @@ def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None
     assert ahead.reason == "coefficient must not be negative, got -1"
 
 
+def test_look_ahead_knows_that_compiled_runs_are_fast() -> None:
+    pure, compiled = (
+        look_ahead(sweep("spin=30,40", method=method)).seconds for method in (None, "taylor")
+    )
+    assert compiled < pure / 10.0
+
+
 def test_local_tolerance_of_the_engine_is_that_of_its_step_control() -> None:
     how: Any = {"source": "engine", "tolerance": None, "local_tolerance": 1e-7}
     wanted = sweep("spin=30,40", scenario=Scenario(), **how)

@@ -167,5 +167,6 @@ class Plan:
             formulation=self.formulation,
             tolerance=self.tolerance,
             step=self.step,
-            **(self._local if self.source == "engine" else {}),
+            method=self.method,
+            **self._local,
         )
