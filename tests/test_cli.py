@@ -104,6 +104,17 @@ def test_run_stops_where_it_is_told_to(
     assert not_none(ending).reason == INVERTED
 
 
+def test_what_cannot_be_written_is_refused_before_anything_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "folder.npz").mkdir()
+    assert run("simulate", "--out", str(tmp_path / "folder.npz")) == 2
+    monkeypatch.setattr("os.access", lambda *_: False)
+    assert run("simulate", "--out", str(tmp_path / "run.npz")) == 2
+    shown = capsys.readouterr().err
+    assert shown.count("--out: must be a file that can be written, got") == 2
+
+
 BAD = [
     ("--mu -0.1", "coefficient must not be negative, got -0.1"),
     ("--eps 0", "smoothing must be positive, got 0"),

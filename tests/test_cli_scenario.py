@@ -224,6 +224,13 @@ def test_options_that_do_not_fit_are_refused_in_one_line(
     assert message in refusal(capsys, "scenario", words)
 
 
+def test_a_law_named_again_keeps_its_parameters(file: Callable[[Scenario], str]) -> None:
+    own = file(Scenario(friction=TANH))
+    assert chosen(f"{own} --law tanh").friction == TANH
+    assert chosen(f"{own} --law tanh,smoothing=0.2").friction == replace(TANH, smoothing=0.2)
+    assert chosen(f"{own} --law viscous").friction == ViscousFriction(load=TANH.load)
+
+
 def test_start_told_by_coordinates_takes_no_options(
     file: Callable[[Scenario], str], capsys: pytest.CaptureFixture[str]
 ) -> None:

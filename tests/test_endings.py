@@ -152,13 +152,29 @@ def test_ending_comes_back_from_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("stop_when", "message"),
     [
-        ("asleep", "stop_when must be one of inverted, lost, got 'asleep'"),
+        ("asleep", "stop_when must be one of inverted, lost, module:function, got 'asleep'"),
         ([3], "stop_when must hold names or functions of a State, got 3"),
+        ("math:pi", "stop_when must hold names or functions of a State, got 'math:pi'"),
+        ("no.such:thing", "stop_when 'no.such:thing' cannot be loaded: No module named 'no'"),
     ],
 )
 def test_what_a_run_cannot_end_at_is_named(stop_when: Any, message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}$"):
         analysis.simulate(Scenario(), [0.0, 0.1], stop_when=stop_when)
+
+
+def test_a_condition_goes_by_the_name_of_its_module_too() -> None:
+    named = analysis.simulate(Scenario(), TIMES, tolerance=1e-6, stop_when=f"{__name__}:slow")
+    assert (
+        named.ending == analysis.simulate(Scenario(), TIMES, tolerance=1e-6, stop_when=slow).ending
+    )
+    assert named.ending is not None
+
+
+def test_of_two_conditions_of_one_name_none_is_forgotten() -> None:
+    both: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
+    with pytest.raises(ValueError, match="functions of different names, got <lambda> twice"):
+        analysis.simulate(Scenario(), TIMES, stop_when=both)
 
 
 @pytest.mark.parametrize("reason", ["", 3])

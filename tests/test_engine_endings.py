@@ -65,7 +65,9 @@ def test_ended_runs_have_not_pulled() -> None:
 
 
 def test_what_a_run_cannot_end_at_is_named() -> None:
-    with pytest.raises(ValueError, match="stop_when must be one of inverted, lost, got 'asleep'"):
+    with pytest.raises(
+        ValueError, match="stop_when must be one of inverted, lost, module:function, got 'asleep'"
+    ):
         mbs_models.simulate(Scene(), TIMES, step=5e-3, stop_when="asleep")
 
 

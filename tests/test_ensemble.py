@@ -71,7 +71,7 @@ def test_members_of_a_killed_process_say_so() -> None:
         ({"tolerance": [1e-6, 1e-8]}, "tolerance must be one number or 3 of them, got 2"),
         (
             {"stop_when": "upside down"},
-            "stop_when must be one of inverted, lost, got 'upside down'",
+            "stop_when must be one of inverted, lost, module:function, got 'upside down'",
         ),
     ],
 )

@@ -228,7 +228,8 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     (tmp_path / "rough.py").write_text(text[begin : text.index("```", begin)])
 
     def tippedisk(*words: str) -> subprocess.CompletedProcess[str]:
-        call = [sys.executable, "-m", "validation", *words]
+        # Without the working directory on its path, as an installed command is.
+        call = [sys.executable, "-P", "-m", "validation", *words]
         return subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
 
     law = "--law=rough:SquareRoot,coefficient=0.2"
@@ -237,13 +238,18 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
         load_run(tmp_path / "own.npz", Trajectory)
     # A stored run executes nothing: its law comes from the file of a scenario, or from --law.
     assert "must be imported first" in tippedisk("scenario", "own.npz").stderr
-    again = tippedisk("scenario", "own.npz", law)
+    again = tippedisk("scenario", "own.npz", "--law=rough:SquareRoot")
     (tmp_path / "own.toml").write_text(again.stdout)
     assert tippedisk("scenario", "own.toml").stdout == again.stdout
     assert 'law = "rough:SquareRoot"' in again.stdout
     assert "coefficient = 0.2" in again.stdout
     words = ("simulate", "--scenario=own.toml", "--source=in-house", "--end=0.1")
     assert tippedisk(*words, "--out=again.npz").returncode == 0
+    shown = tippedisk("show", "own.npz", "again.npz", "--law=rough:SquareRoot", "--out=own.png")
+    assert "Differences from own" in shown.stdout
+    assert tippedisk("animate", "own.npz", "--law=rough:SquareRoot").returncode == 0
+    cases = ("spin=30,40", "--scenario=own.toml", "--end=0.1", "--workers=1")
+    assert tippedisk("sweep", *cases, "--out=own.db").stdout == "own.db: 2 cases\n"
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from analysis.data.trajectory import SOURCES, Source
 from tests.helpers import turn_z
 from validation import cli
 from validation.run import run_to_rest
+from validation.sweeps.plan import Plan
 
 SCENARIO = Scenario.rest(start=Start(spin=40.0))
 LIMIT = 1.6
@@ -87,6 +88,13 @@ def test_command_ends_where_the_disk_is_up(
     motion = load_run(out, SpatialMotion)
     assert motion.cog_direction[-1] == pytest.approx(0.9, abs=1e-6)
     assert motion.cog_direction[-2] < 0.9
+
+
+def test_a_sweep_to_rest_ends_where_a_function_of_ones_own_says() -> None:
+    plan = Plan(to_rest=True, end=0.3, stop_when=f"{__name__}:tilted")
+    ending = plan.motion(SCENARIO, time_limit=None).ending
+    assert ending is not None
+    assert ending.reason == "tilted"
 
 
 def test_ending_stays_at_the_sample_where_samples_tell_too_little() -> None:

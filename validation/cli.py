@@ -67,6 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     name, options = "tippedisk", argparse.Namespace()
+    path = sys.path.copy()
     try:
         options = parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
         name = f"tippedisk {options.command.replace('_', '-')}"
@@ -82,6 +83,9 @@ def _run(arguments: Sequence[str] | None) -> int:
     except KeyboardInterrupt:
         _complain(f"{name}: interrupted")
         return 130
+    finally:
+        # A law of one's own lets the working directory be searched.
+        sys.path[:] = path
 
 
 def _joined(words: Iterable[str]) -> list[str]:

@@ -8,6 +8,7 @@ import numpy as np
 from analysis.data import frames
 from analysis.data.checks import Array, choice, number
 from analysis.data.elementary import sin
+from analysis.data.own import is_own, own_object
 from analysis.data.state import State
 
 CONTACT_WOULD_PULL = "contact would pull"
@@ -27,7 +28,8 @@ Condition = Callable[[State], float]
 """From a state to a number; a run ends where that turns negative."""
 
 StopWhen = str | Condition | Iterable[str | Condition]
-"""Conditions of one's own, or names of `CONDITIONS`."""
+"""Conditions of one's own, as functions or by the name `module:function`; or names of
+`CONDITIONS`."""
 
 
 def _above(state: State) -> float:
@@ -100,18 +102,31 @@ def named_conditions(stop_when: StopWhen) -> dict[str, Condition]:
     Raises
     ------
     ValueError
-        If a name is unknown, or something is neither a name nor callable.
+        If a name is unknown or stands for two of them, or something is neither a name nor
+        callable.
     """
     given = [stop_when] if isinstance(stop_when, str) or callable(stop_when) else list(stop_when)
     found: dict[str, Condition] = {}
     for each in given:
-        if isinstance(each, str):
-            found[each] = CONDITIONS[choice("stop_when", each, CONDITIONS)]
-        elif callable(each):
-            found[getattr(each, "__name__", type(each).__name__)] = each
-        else:
-            raise ValueError(f"stop_when must hold names or functions of a State, got {each!r}")
+        name, condition = _named(each)
+        if found.setdefault(name, condition) is not condition:
+            raise ValueError(f"stop_when must hold functions of different names, got {name} twice")
     return found
+
+
+def check_condition_name(name: str) -> str:
+    """Return the name of a condition; `ValueError` if it can be none. Imports nothing."""
+    return name if is_own(name) else choice("stop_when", name, [*CONDITIONS, "module:function"])
+
+
+def _named(given: str | Condition) -> tuple[str, Condition]:
+    """Name of a condition, which it gives as the reason, and the condition."""
+    if isinstance(given, str) and check_condition_name(given) in CONDITIONS:
+        return given, CONDITIONS[given]
+    condition = own_object("stop_when", given) if isinstance(given, str) else given
+    if not callable(condition):
+        raise ValueError(f"stop_when must hold names or functions of a State, got {given!r}")
+    return getattr(condition, "__name__", type(condition).__name__), condition
 
 
 def first_met(

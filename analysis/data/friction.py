@@ -3,12 +3,12 @@
 import sys
 from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass, fields
-from importlib import import_module
 from typing import Any, Literal, get_args
 
 from analysis.data.checks import choice, not_negative, positive, within
 from analysis.data.elementary import exp, tanh
 from analysis.data.limits import LARGEST_FRICTION, SMOOTHING_RANGE, STEEPEST_FRICTION
+from analysis.data.own import is_own, own_object
 
 Load = Literal["weight", "contact"]
 LOADS: tuple[Load, ...] = get_args(Load)
@@ -322,16 +322,14 @@ def law_class(name: Any, *, own: bool = True) -> type[FrictionLaw]:
     """Class of a law by its name; see `law_from`."""
     if isinstance(name, str) and name in LAWS:
         return LAWS[name]
-    module, colon, attribute = str(name).partition(":")
-    if not colon:
+    if not is_own(name):
         listed = ", ".join(LAWS)
         raise ValueError(f"friction law must be one of {listed} or module:class, got {name!r}")
-    if not own and module not in sys.modules:
-        raise ValueError(f"friction law {name!r} must be imported first")
-    try:
-        kind = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError, TypeError, SyntaxError) as error:
-        raise ValueError(f"friction law {name!r} cannot be loaded: {error}") from error
+    if not own and name.partition(":")[0] not in sys.modules:
+        raise ValueError(
+            f"friction law {name!r} must be imported first; on the command line, --law does that"
+        )
+    kind = own_object("friction law", name)
     if not isinstance(kind, type) or not issubclass(kind, FrictionLaw):
         raise ValueError(f"friction law {name!r} must be a class derived from FrictionLaw")
     return kind

@@ -7,6 +7,7 @@ from analysis import load_run
 from analysis.data.checks import number, positive, within
 from analysis.data.files import whole_file
 from analysis.data.limits import PLAYBACK_SPEEDS
+from validation.commands.scenarios import find_own
 from validation.kit.animation.keyframes import Keyframes, keyframes
 
 
@@ -15,6 +16,7 @@ def animate(options: argparse.Namespace) -> int:
     source: Path = options.file
     out: Path = options.out or source.with_suffix(".html")
     _check_numbers(options, out)
+    find_own(options)
     poses = keyframes(load_run(source)).between(options.begin, options.end)
     detail = (
         _write_gif(poses, out, options)

@@ -21,7 +21,9 @@ from analysis import (
 )
 from analysis.data.angles import angle
 from analysis.data.constraint_set import MODELS
-from analysis.data.friction import law_class, law_from
+from analysis.data.endings import named_conditions
+from analysis.data.friction import LAWS, law_class, law_from, law_values
+from analysis.data.own import is_own
 from analysis.data.scenario_file import load_scenario
 from analysis.data.scenario_keys import RING, SIX
 from validation.commands.options import written_number
@@ -56,19 +58,18 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
     ValueError
         If the file is none, or an option is out of range or does not fit the rest.
     """
+    find_own(options)
     with _modules_here():
-        if getattr(options, "law", None) is not None:
-            # A stored run with a law of one's own can be read once that has been imported.
-            law_class(options.law.partition(",")[0])
         file = None if options.scenario is None else read_scenario(options.scenario)
-        base = file or (Scenario.rest() if rest else Scenario())
-        friction = _friction(options, base.friction)
+    base = file or (Scenario.rest() if rest else Scenario())
+    if type(base.friction) not in LAWS.values():
+        _look_here()
     disk = _disk(options, base.disk)
     computed = file is None and rest
     return Scenario(
         constraints=_constraints(options, base),
         disk=disk,
-        friction=friction,
+        friction=_friction(options, base.friction),
         table=replace(base.table, **_given(options, _TABLE)),
         contact=_rounded(options, disk) if computed else _contact(options, base.contact, disk),
         dissipation=_dissipation(options, base.dissipation),
@@ -89,9 +90,36 @@ def read_scenario(path: Path) -> Scenario:
     return load_run(path).scenario if path.suffix == ".npz" else load_scenario(path)
 
 
+def find_own(options: argparse.Namespace) -> None:
+    """Import what --law and --stop-when name of one's own; the working directory is looked in.
+
+    A stored run with a law of one's own can be read then.
+
+    Raises
+    ------
+    ValueError
+        If that cannot be, or a name is unknown.
+    """
+    law, condition = (getattr(options, name, None) for name in ("law", "stop_when"))
+    if is_own(law) or is_own(condition):
+        _look_here()
+    if law is not None:
+        law_class(law.partition(",")[0])
+    if condition is not None:
+        named_conditions(condition)
+
+
+def _look_here() -> None:
+    """Find modules of the working directory for the rest of a command.
+
+    Worker processes take that over: they import laws and conditions again.
+    """
+    sys.path.insert(0, "")
+
+
 @contextmanager
 def _modules_here() -> Iterator[None]:
-    """Find modules of the working directory, for laws of one's own."""
+    """Find modules of the working directory, for the law that a scenario's file may name."""
     sys.path.insert(0, "")
     try:
         yield
@@ -138,7 +166,9 @@ def _friction(options: argparse.Namespace, base: FrictionLaw) -> FrictionLaw:
     law = base
     if options.law is not None:
         name, *parameters = options.law.split(",")
-        values: dict[str, Any] = {"law": name, "load": base.load}
+        told = law_values(base)
+        # The same law keeps what is not given anew, as all else does.
+        values = (told if told["law"] == name else {"load": base.load}) | {"law": name}
         for parameter in parameters:
             key, equals, text = parameter.partition("=")
             if not equals:

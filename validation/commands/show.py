@@ -4,11 +4,13 @@ import argparse
 
 from analysis import load_run
 from validation.commands.output import save
+from validation.commands.scenarios import find_own
 from validation.kit.differences import difference_table
 
 
 def show(options: argparse.Namespace) -> int:
     """Print what stored motions are and how far apart, and plot them over each other."""
+    find_own(options)
     runs = [(file.stem, load_run(file)) for file in options.files]
     for name, run in runs:
         print(f"{name}: {run!r}")

@@ -4,15 +4,16 @@ import argparse
 
 from validation.parser.base import Commands
 from validation.parser.groups import (
-    CONDITIONS,
     FORMS,
     FORMULATIONS,
     MOTIONS,
     SYSTEMS,
+    add_law_name,
     add_output,
     add_problem,
     add_scenario,
     add_source,
+    add_stop_when,
 )
 from validation.parser.nonlinear import add_cycles, add_heteroclinic, add_passage
 from validation.parser.paths import PICTURES, existing, writable
@@ -80,7 +81,7 @@ def _simulate(commands: Commands) -> None:
         "--tolerance", type=float, help="largest error of beta and gamma in rad (1e-8)"
     )
     accuracy.add_argument("--step", type=float, help="engine only: fixed step in s instead")
-    add("--stop-when", choices=CONDITIONS, help="end the run there, at the exact time")
+    add_stop_when(simulate, "end the run there, at the exact time")
     add(
         "--allow-pulling",
         action="store_true",
@@ -113,6 +114,7 @@ def _show(commands: Commands) -> None:
         metavar="PICTURE",
         help="write a .png, .svg or .pdf instead of opening a window",
     )
+    add_law_name(show)
 
 
 def _scenario(commands: Commands) -> None:
@@ -252,7 +254,7 @@ def _rest(commands: Commands) -> None:
     add_source(rest)
     add("--tolerance", type=float, help="largest error in rad and parts of the energy (1e-3)")
     add("--step", type=float, help="engine only: a single run of fixed steps in s instead")
-    add("--stop-when", choices=CONDITIONS, help="end the run there, located between samples")
+    add_stop_when(rest, "end the run there, located between samples")
     add("--time-limit", type=float, help="processor time in s after which it ends as it is")
     add("--end", type=float, default=80.0, help="longest time in s (80)")
     add("--out", type=writable(".npz"), metavar="FILE", help="store the motion, .npz")
@@ -291,6 +293,7 @@ def _animate(commands: Commands) -> None:
     add("--speed", type=float, help="1 for real time (default: 0.1 until the disk is inverted)")
     add("--fps", type=float, help="GIF only: frames per second (20)")
     add("--width", type=int, help="GIF only: width and height in pixels (480)")
+    add_law_name(animate)
 
 
 def _add_system(parser: argparse.ArgumentParser) -> None:

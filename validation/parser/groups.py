@@ -161,3 +161,22 @@ def add_source(parser: argparse.ArgumentParser, default: str = "engine") -> None
     parser.add_argument(
         "--source", choices=SOURCES, default=default, help="who computes (default: %(default)s)"
     )
+
+
+def add_stop_when(parser: argparse.ArgumentParser, what: str) -> None:
+    """A condition to end at; `what` says what happens there."""
+    parser.add_argument(
+        "--stop-when",
+        metavar="CONDITION",
+        help=f"{what}: {', '.join(CONDITIONS)}, or where module:function, a function of the "
+        "State, turns negative",
+    )
+
+
+def add_law_name(parser: argparse.ArgumentParser) -> None:
+    """The law of a stored run, which executes nothing itself."""
+    parser.add_argument(
+        "--law",
+        metavar="MODULE:CLASS",
+        help="friction law of one's own that the motion was run with: imports it",
+    )

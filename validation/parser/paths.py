@@ -1,5 +1,6 @@
 """Paths on the command line, looked at before anything is imported or computed."""
 
+import os
 from argparse import ArgumentTypeError
 from collections.abc import Callable
 from pathlib import Path
@@ -27,6 +28,8 @@ def writable(*suffixes: str) -> Callable[[str], Path]:
         path = _with_suffix(value, suffixes)
         if not path.parent.is_dir():
             raise ArgumentTypeError(f"must lie in an existing folder, got {value!r}")
+        if path.is_dir() or not os.access(path.parent, os.W_OK):
+            raise ArgumentTypeError(f"must be a file that can be written, got {value!r}")
         return path
 
     return checked

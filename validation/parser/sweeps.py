@@ -3,7 +3,13 @@
 import argparse
 
 from validation.parser.base import Commands
-from validation.parser.groups import CONDITIONS, FORMS, FORMULATIONS, add_scenario, add_source
+from validation.parser.groups import (
+    FORMS,
+    FORMULATIONS,
+    add_scenario,
+    add_source,
+    add_stop_when,
+)
 from validation.parser.paths import PICTURES, writable
 
 LAYOUTS = ("grid", "random", "latin-hypercube", "sobol")
@@ -89,7 +95,7 @@ def _add_plan(sweep: argparse.ArgumentParser) -> None:
     )
     add("--end", type=float, default=4.0, help="end of each motion in s (4)")
     add("--spacing", type=float, default=5e-3, help="between samples in s (0.005)")
-    add("--stop-when", choices=CONDITIONS, help="end each run there")
+    add_stop_when(sweep, "end each run there")
     add(
         "--keep",
         default="",

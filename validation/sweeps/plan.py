@@ -7,7 +7,7 @@ import numpy as np
 
 from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, Trajectory
 from analysis.data.checks import choice, positive, within
-from analysis.data.endings import CONDITIONS
+from analysis.data.endings import check_condition_name
 from analysis.data.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.data.trajectory import SOURCES, Source
 from analysis.models.forms import default_form, pose
@@ -37,7 +37,7 @@ class Plan:
     spacing : float
         Between samples in s; outcomes are judged at samples.
     stop_when : str, optional
-        One of `CONDITIONS`.
+        One of `CONDITIONS`, or `module:function`.
     to_rest : bool
         Run until the disk lies still, or until `end`.
     witnesses : int
@@ -77,9 +77,9 @@ class Plan:
             raise ValueError(f"spacing must be less than end = {end:g} s, got {spacing:g}")
         check_storage("spacing", end / spacing, 20)
         if self.stop_when is not None:
-            choice("stop_when", self.stop_when, CONDITIONS)
-        if self.to_rest and (self.stop_when or self.formulation):
-            raise ValueError("stop_when and formulation do not go together with a run to rest")
+            check_condition_name(self.stop_when)
+        if self.to_rest and self.formulation:
+            raise ValueError("formulation does not go together with a run to rest")
         object.__setattr__(self, "keep", series_named(self.keep, to_rest=self.to_rest))
         self._check_accuracy()
         if type(self.witnesses) is not int or self.witnesses < 0:
@@ -149,9 +149,10 @@ class Plan:
         return self._motion(scenario, how, None)
 
     def _motion(self, scenario: Scenario, how: dict[str, Any], formulation: str | None) -> Motion:
+        how["stop_when"] = self.stop_when or ()
         if self.to_rest:
             return run_to_rest(scenario, self.end, spacing=self.spacing, **how)
-        return run(scenario, self.times, formulation=formulation, stop_when=self.stop_when, **how)
+        return run(scenario, self.times, formulation=formulation, **how)
 
     def effort(self, scenario: Scenario) -> Effort:
         """What a case will take; `ValueError` if the plan cannot be carried out."""
