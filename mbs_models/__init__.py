@@ -1,17 +1,8 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
 from mbs_models.formulations import formulations
-from mbs_models.integrators import (
-    INTEGRATORS,
-    Integrator,
-    IntegratorName,
-    integrators,
-)
-from mbs_models.linearization import (
-    eigenvalues,
-    state_matrix,
-    stock_eigenvalues,
-)
+from mbs_models.integrators import INTEGRATORS, Integrator, IntegratorName, integrators
+from mbs_models.linearization import eigenvalues, state_matrix, stock_eigenvalues
 from mbs_models.model import FORMULATIONS, Formulation
 from mbs_models.newton import Newton
 from mbs_models.probe import acceleration

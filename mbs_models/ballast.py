@@ -10,12 +10,7 @@ from typing import Any
 import exudyn as exu
 import exudyn.itemInterface as items
 
-from mbs_models.friction import (
-    UPWARD,
-    connector_force,
-    contact_tree_force,
-    euler_tree_force,
-)
+from mbs_models.friction import UPWARD, connector_force, contact_tree_force, euler_tree_force
 from mbs_models.model import Model
 
 Ballast = Callable[[Model], None]

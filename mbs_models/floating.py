@@ -19,12 +19,7 @@ from analysis.data import frames
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
-from mbs_models.friction import (
-    UPWARD,
-    Force,
-    connector_force,
-    friction_load,
-)
+from mbs_models.friction import UPWARD, Force, connector_force, friction_load
 from mbs_models.loads import Loads
 from mbs_models.model import Formulation, Model
 

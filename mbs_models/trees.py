@@ -12,13 +12,7 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import MODELS
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
-from mbs_models.friction import (
-    Force,
-    Load,
-    contact_tree_force,
-    euler_tree_force,
-    friction_load,
-)
+from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_force, friction_load
 from mbs_models.model import Model, Residual
 from mbs_models.penalty import euler_tree_contact
 

@@ -3,11 +3,12 @@
 from collections.abc import Callable, Container, Iterable
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pytest
 import sympy
+from scipy.integrate import solve_ivp
 
 from analysis import (
     MODELS,
@@ -24,6 +25,9 @@ from analysis import (
     multiplier_names,
 )
 from analysis.data.checks import Array
+from analysis.models import reduced
+
+T = TypeVar("T")
 
 Generator = np.random.Generator
 
@@ -37,6 +41,12 @@ def mostly_slow(values: Iterable[Any], quick: Container[Any]) -> list[Any]:
         value if value in quick else pytest.param(value, marks=pytest.mark.slow)
         for value in values
     ]
+
+
+def not_none(value: T | None) -> T:
+    """What must not be None."""
+    assert value is not None
+    return value
 
 
 def assert_close(actual: Any, expected: Any, relative: float = 1e-12) -> None:
@@ -153,6 +163,19 @@ def random_scenario(
 
 
 all_sets = pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
+
+
+def reduced_run(scenario: Scenario, spin: float, begin: Array, end: float) -> Array:
+    """State of the reduced system at a time in s, shape (3,)."""
+    found = solve_ivp(
+        lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()),
+        (0.0, end),
+        begin,
+        method="LSODA",
+        rtol=1e-12,
+        atol=1e-13,
+    )
+    return np.array(found.y[:, -1])
 
 
 def arc(z: Array, u: Array, a: Array) -> Callable[[float], Array]:

@@ -18,8 +18,8 @@ from PIL.GifImagePlugin import GifImageFile
 from analysis import STEEL_DISK, Scenario, SpatialMotion, StoredRun, Trajectory, simulate
 from analysis.data import frames
 from analysis.data.checks import Array
-from tests.helpers import mostly_slow, random_trajectory
-from validation import cli
+from tests.calls import refusal, run
+from tests.helpers import mostly_slow, not_none, random_trajectory
 from validation.kit import report
 from validation.kit.animation import gif as animation_gif
 from validation.kit.animation.keyframes import keyframes
@@ -79,8 +79,7 @@ MOTIONS: dict[str, Callable[[], StoredRun]] = {"trajectory": inversion, "spatial
 
 def embedded(page: str) -> dict[str, Any]:
     found = re.search(r'<script type="application/json">(.*?)</script>', page, re.DOTALL)
-    assert found is not None
-    data: dict[str, Any] = json.loads(found[1])
+    data: dict[str, Any] = json.loads(not_none(found)[1])
     return data
 
 
@@ -301,16 +300,9 @@ def stored(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def animate(*arguments: str) -> int:
-    try:
-        return cli.main(["animate", *arguments])
-    except SystemExit as stop:
-        return int(stop.code or 0)
-
-
 @pytest.mark.parametrize("name", ["run", "rest"])
 def test_command_writes_a_page_beside_either_kind_of_file(name: str, stored: Path) -> None:
-    assert animate(str(stored / f"{name}.npz"), "--begin", "0.2", "--speed", "0.5") == 0
+    assert run("animate", str(stored / f"{name}.npz"), "--begin", "0.2", "--speed", "0.5") == 0
     data = embedded((stored / f"{name}.html").read_text())
     assert data["begin"] == 0.2
     assert data["speed"] == 0.5
@@ -320,7 +312,7 @@ def test_command_writes_a_page_beside_either_kind_of_file(name: str, stored: Pat
 def test_command_writes_a_gif(stored: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = stored / "run.gif"
     call = f"--out {out} --end 0.2 --speed 1 --fps 20 --width 100"
-    assert animate(str(stored / "run.npz"), *call.split()) == 0
+    assert run("animate", str(stored / "run.npz"), *call.split()) == 0
     assert "0 to 0.2 s, 5 frames" in capsys.readouterr().out
     with GifImageFile(out) as picture:
         assert (picture.n_frames, picture.size) == (5, (100, 100))
@@ -362,12 +354,7 @@ def test_bad_call_is_one_line_and_code_2_and_writes_nothing(
     np.savez(stored / "other.npz", numbers=np.arange(3))
     before = sorted(stored.iterdir())
     monkeypatch.chdir(stored)
-    assert animate(*arguments.split()) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert message in shown.err
-    assert shown.err.startswith("tippedisk animate: error: ")
-    assert shown.err.count("\n") == 1
+    assert message in refusal(capsys, "animate", arguments)
     assert sorted(stored.iterdir()) == before
 
 

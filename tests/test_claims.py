@@ -7,15 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis import (
-    Inversion,
-    Level,
-    Load,
-    Scenario,
-    SmoothCoulomb,
-    Trajectory,
-    simulate,
-)
+from analysis import Inversion, Level, Load, Scenario, SmoothCoulomb, Trajectory, simulate
 from analysis.models import index1
 from tests.helpers import random_trajectory
 from validation.studies.claims import (

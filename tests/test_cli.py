@@ -15,16 +15,10 @@ from analysis import Trajectory, load_run
 from analysis.data.constraint_set import CONSTRAINTS
 from analysis.data.endings import CONDITIONS, INVERTED
 from analysis.data.trajectory import SOURCES
-from validation import cli
+from tests.calls import printed, refusal, run
+from tests.helpers import not_none
 from validation.parser import commands, groups
 from validation.studies import full_report
-
-
-def run(*arguments: str) -> int:
-    try:
-        return cli.main(arguments)
-    except SystemExit as stop:
-        return int(stop.code or 0)
 
 
 def test_choices_are_those_of_the_packages() -> None:
@@ -41,8 +35,7 @@ def test_choices_are_those_of_the_packages() -> None:
 
 
 def test_help_teaches_by_example(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("--help") == 0
-    shown = capsys.readouterr().out
+    shown = printed(capsys, "--help")
     assert "tippedisk simulate --model 1" in shown
     for code in range(4):
         assert f"\n  {code}  " in shown
@@ -97,8 +90,7 @@ def test_run_from_an_unstable_stationary_motion_says_so(
     call = ["simulate", "--source", source, "--end", "0.1", "--out", str(tmp_path / "run.npz")]
     assert run(*call, "--gamma", "pi/2", "--spin", "20") == 0
     assert "start is exactly inverted spinning, which is unstable" in capsys.readouterr().out
-    assert run(*call, "--gamma", "1.57", "--spin", "20") == 0
-    assert "which is unstable" not in capsys.readouterr().out
+    assert "which is unstable" not in printed(capsys, *call, "--gamma", "1.57", "--spin", "20")
 
 
 @pytest.mark.parametrize("source", groups.SOURCES)
@@ -109,8 +101,7 @@ def test_run_stops_where_it_is_told_to(
     assert run("simulate", "--source", source, "--stop-when", "inverted", "--out", str(out)) == 0
     assert "the centre of gravity is up, at 90% of its largest height" in capsys.readouterr().out
     ending = load_run(out, Trajectory).ending
-    assert ending is not None
-    assert ending.reason == INVERTED
+    assert not_none(ending).reason == INVERTED
 
 
 def test_an_error_that_nobody_foresaw_is_no_result(
@@ -169,12 +160,7 @@ def test_bad_input_is_one_line_and_code_2_and_writes_nothing(
     arguments: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "run.npz"
-    assert run("simulate", *arguments.split(), "--out", str(out)) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert message in shown.err
-    assert shown.err.startswith("tippedisk simulate: error: ")
-    assert shown.err.count("\n") == 1
+    assert message in refusal(capsys, "simulate", arguments, f"--out={out}")
     assert not list(tmp_path.iterdir())
 
 
@@ -199,10 +185,7 @@ def test_unreadable_run_is_one_line_and_code_2(
         capsys.readouterr()
     if content is not None:
         path.write_bytes(content)
-    assert run("show", str(path), "--out", str(tmp_path / "picture.png")) == 2
-    shown = capsys.readouterr()
-    assert shown.err.count("\n") == 1
-    assert name in shown.err
+    assert name in refusal(capsys, "show", str(path), f"--out={tmp_path / 'picture.png'}")
     assert not (tmp_path / "picture.png").exists()
 
 
@@ -211,8 +194,7 @@ def test_bad_output_is_refused_before_computing(
     out: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert run("simulate", "--out", out) == 2
-    assert "argument --out: must" in capsys.readouterr().err
+    assert "argument --out: must" in refusal(capsys, "simulate --out", out)
     assert not list(tmp_path.iterdir())
 
 
@@ -252,7 +234,5 @@ def test_folder_that_cannot_be_written_is_refused_before_computing(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "taken").write_text("a file")
-    assert run(command, "--out", str(tmp_path / "taken" / "folder")) == 2
-    shown = capsys.readouterr().err
-    assert "--out must be a folder that can be written to" in shown
-    assert shown.count("\n") == 1
+    said = refusal(capsys, command, f"--out={tmp_path / 'taken' / 'folder'}")
+    assert "--out must be a folder that can be written to" in said

@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.test_cli_stability import run
+from tests.calls import printed, refusal, run
 
 
 def test_json_holds_the_cycle_at_a_spin(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("cycles --spin 30.85 --json") == 0
-    (cycle,) = json.loads(capsys.readouterr().out)["cycles"]
+    (cycle,) = json.loads(printed(capsys, "cycles --spin 30.85 --json"))["cycles"]
     assert cycle["spin"] == pytest.approx(30.85)
     assert cycle["stable"] is True
     assert 0.0 < cycle["multiplier"] < 1.0
@@ -48,21 +47,19 @@ def test_cycles_without_symmetry_are_followed_from_where_they_are_born(
     monkeypatch.setattr("analysis.nonlinear.asymmetric.BEYOND", np.array((0.2, 0.4, 0.6)))
     picture = tmp_path / "asymmetric.svg"
     call = "cycles --asymmetric --mu 0.1 --eps 0.4"
-    assert run(f"{call} --json --plot {picture}") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(printed(capsys, f"{call} --json --plot {picture}"))
     assert found["born"]["amplitude"] == pytest.approx(1.78157, abs=1e-5)
     assert [each["stable"] for each in found["cycles"]] == [True, True, False]
     (change,) = found["changes"]
     assert (change["kind"], round(change["spin"], 3)) == ("period-doubling", 29.969)
     assert "<svg" in picture.read_text()
-    assert run("cycles --asymmetric") == 2
-    assert "no cycle of the family loses its symmetry" in capsys.readouterr().err
+    said = refusal(capsys, "cycles --asymmetric")
+    assert "no cycle of the family loses its symmetry" in said
 
 
 @pytest.mark.slow
 def test_the_connection_is_followed_over_a_parameter(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("heteroclinic --over mu=0.1,0.3 --json") == 0
-    ends = json.loads(capsys.readouterr().out)["ends"]
+    ends = json.loads(printed(capsys, "heteroclinic --over mu=0.1,0.3 --json"))["ends"]
     assert [end["friction.coefficient"] for end in ends] == [0.1, 0.3]
     assert ends[0]["hopf"] == ends[1]["hopf"]
     assert ends[1]["connection"]["spin"] == pytest.approx(30.120961805, abs=1e-8)
@@ -95,8 +92,7 @@ def test_bad_calls_say_why(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("analysis.nonlinear.family.AMPLITUDES", [0.3])
-    assert run(call) == 2
-    assert message in capsys.readouterr().err
+    assert message in refusal(capsys, call)
 
 
 @pytest.mark.slow
@@ -104,8 +100,7 @@ def test_the_connection_is_printed_beside_its_prediction(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     picture = tmp_path / "heteroclinic.svg"
-    assert run(f"heteroclinic --json --plot {picture}") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(printed(capsys, f"heteroclinic --json --plot {picture}"))
     assert found["spin"] == pytest.approx(30.120961805, abs=1e-8)
     assert found["prediction"] == pytest.approx(30.197778035, abs=1e-8)
     assert "<svg" in picture.read_text()
@@ -116,8 +111,7 @@ def test_the_whole_family_is_printed_and_drawn(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("analysis.nonlinear.family.AMPLITUDES", [0.2, 0.4, 0.6, 0.8, 1.0])
-    assert run("cycles") == 0
-    text = capsys.readouterr().out
+    text = printed(capsys, "cycles")
     assert "Hopf bifurcation of inverted spinning is supercritical" in text
     assert "stability does not change" in text
     picture = tmp_path / "cycles.png"

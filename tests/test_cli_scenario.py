@@ -29,6 +29,7 @@ from analysis import (
     load_run,
 )
 from analysis.data.scenario_file import load_scenario, scenario_text
+from tests.calls import printed, refusal
 from tests.scenario_texts import with_key
 from validation import cli
 from validation.commands.scenarios import chosen_scenario
@@ -154,8 +155,7 @@ OPTIONS: list[tuple[str, Scenario]] = [
 def test_options_change_what_they_name_and_nothing_else(
     words: str, expected: Scenario, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(["scenario", *words.split()]) == 0
-    assert capsys.readouterr().out == scenario_text(expected)
+    assert printed(capsys, "scenario", *words.split()) == scenario_text(expected)
 
 
 def test_every_field_of_a_scenario_has_an_option() -> None:
@@ -188,8 +188,7 @@ def test_way_to_rest_has_its_own_defaults(
         PAPER.disk, stiffness=1e5
     )
     assert chosen(f"{file(PAPER)}", rest=True) == PAPER
-    assert cli.main(["scenario", "--rest"]) == 0
-    assert capsys.readouterr().out == scenario_text(Scenario.rest())
+    assert printed(capsys, "scenario", "--rest") == scenario_text(Scenario.rest())
 
 
 REFUSED = [
@@ -222,10 +221,7 @@ REFUSED = [
 def test_options_that_do_not_fit_are_refused_in_one_line(
     words: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(["scenario", *words.split()]) == 2
-    shown = capsys.readouterr()
-    assert message in shown.err
-    assert (shown.out, shown.err.count("\n")) == ("", 1)
+    assert message in refusal(capsys, "scenario", words)
 
 
 def test_a_law_named_again_keeps_its_parameters(file: Callable[[Scenario], str]) -> None:
@@ -241,16 +237,16 @@ def test_start_told_by_coordinates_takes_no_options(
     path = file(replace(PAPER, start=STATE))
     assert cli.main(["scenario", path, "--mu", "0.1"]) == 0
     assert "coordinates = [0.0, 0.0, 0.045, 0.0, 1.5, 0.1]" in capsys.readouterr().out
-    assert cli.main(["scenario", path, "--spin", "30"]) == 2
-    assert "--spin cannot change a start that is told by its coord" in capsys.readouterr().err
+    said = refusal(capsys, "scenario", path, "--spin 30")
+    assert "--spin cannot change a start that is told by its coord" in said
 
 
 def test_option_that_was_not_given_is_not_blamed(
     file: Callable[[Scenario], str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = file(replace(PAPER, start=Start(gamma_rate=5.0)))
-    assert cli.main(["scenario", path, "--model", "3"]) == 2
-    assert "error: gamma_rate must be -2.44929e-15 in Model 3" in capsys.readouterr().err
+    said = refusal(capsys, "scenario", path, "--model 3")
+    assert "error: gamma_rate must be -2.44929e-15 in Model 3" in said
 
 
 COMMANDS = [
@@ -272,12 +268,8 @@ def test_every_command_that_runs_a_problem_says_what_is_wrong_with_its_file(
     path = tmp_path / "my.toml"
     path.write_text(text)
     line = text.split("\n").index("smoothing = 0") + 1
-    words = command.format(out=tmp_path / "run.npz").split()
-    assert cli.main([*words, "--scenario", str(path)]) == 2
-    error = (
-        f"tippedisk {words[0]}: error: {path}, line {line}: smoothing must be positive, got 0\n"
-    )
-    assert capsys.readouterr().err == error
+    said = refusal(capsys, command.format(out=tmp_path / "run.npz"), f"--scenario={path}")
+    assert said.endswith(f": error: {path}, line {line}: smoothing must be positive, got 0\n")
     assert [entry.name for entry in tmp_path.iterdir()] == ["my.toml"]
 
 
@@ -364,8 +356,7 @@ def test_check_answers_by_its_exit_code(
     ["--model 3 --law tanh", "--constraints contact,no-slip-along --inclination 2deg", RING],
 )
 def test_check_of_ones_own_problem_holds(problem: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["check", *problem.split()]) == 0
-    assert "checks hold" in capsys.readouterr().out
+    assert "checks hold" in printed(capsys, "check", *problem.split())
 
 
 def test_value_that_begins_with_a_minus_needs_no_equals_sign() -> None:

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, SpatialMotion, Start, Trajectory, simulate, simulate_to_rest
-from tests.helpers import random_trajectory
+from tests.calls import printed
+from tests.helpers import not_none, random_trajectory
 from validation import cli
 from validation.kit.differences import difference_table
 
@@ -76,13 +77,11 @@ def test_rest_files_are_shown_beside_trajectories(
     for name in order:
         motions[name].save(tmp_path / f"{name}.npz")
     files = [str(tmp_path / f"{name}.npz") for name in order]
-    assert cli.main(["show", *files, "--out", str(tmp_path / "both.png")]) == 0
-    shown = capsys.readouterr().out
+    shown = printed(capsys, "show", *files, "--out", str(tmp_path / "both.png"))
     assert "rest: SpatialMotion(" in shown
     assert "run: Trajectory(" in shown
     found = re.search(r"cog_height +m +(\S+)", shown)
-    assert found is not None
-    assert float(found[1]) < 1e-12
+    assert float(not_none(found)[1]) < 1e-12
     assert "quaternion" not in shown
 
 
@@ -91,7 +90,6 @@ def test_without_a_screen_the_numbers_are_printed(
 ) -> None:
     mpl.use("agg")
     random_trajectory().save(tmp_path / "run.npz")
-    assert cli.main(["show", str(tmp_path / "run.npz")]) == 0
-    shown = capsys.readouterr().out
+    shown = printed(capsys, "show", str(tmp_path / "run.npz"))
     assert shown.startswith("run: Trajectory(")
     assert "--out PICTURE draws" in shown

@@ -11,15 +11,8 @@ import pytest
 import mbs_models
 from analysis import MOTIONS
 from analysis.stability import spectra
-from validation import cli
+from tests.calls import printed, refusal, run
 from validation.parser import groups
-
-
-def run(call: str) -> int:
-    try:
-        return cli.main(call.split())
-    except SystemExit as stop:
-        return int(stop.code or 0)
 
 
 def test_choices_are_those_of_the_packages() -> None:
@@ -86,29 +79,20 @@ def test_critical_speeds_go_to_csv_plot_and_json(
     assert "<svg" in picture.read_text()
 
 
-def test_critical_says_first_where_the_motion_is_stable(
+def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert run("critical") == 0
-    shown = capsys.readouterr().out
+    shown = printed(capsys, "critical")
     assert shown.startswith("Model 1: inverted spinning is stable nowhere.\n")
     assert re.search(r"^Model 3 +30\.9168 to 60$", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes unstable +26\.8736 ", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes stable +30\.1049 ", shown, re.MULTILINE)
     assert shown.index("nowhere") < shown.index("26.8736")
-
-
-def test_critical_prints_computed_beside_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("critical --system full") == 0
-    shown = capsys.readouterr().out
-    assert "26.8736" in shown
-    assert "30.1049" in shown
-    assert "30.9168" in shown
+    assert "Closed form of the reduced system with any friction, Eq. (126): 30.9168 rad/s" in shown
 
 
 def test_critical_says_why_there_is_no_crossing(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("critical --system full --mu 0") == 0
-    assert "no friction: undamped" in capsys.readouterr().out
+    assert "no friction: undamped" in printed(capsys, "critical --system full --mu 0")
 
 
 BAD = [
@@ -136,8 +120,4 @@ BAD = [
 def test_bad_input_is_one_line_and_code_2(
     call: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(call) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert message in shown.err
-    assert shown.err.count("\n") == 1
+    assert message in refusal(capsys, call)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from tests.test_cli import run
+from tests.calls import refusal, run
 from tests.test_cli_scenario import chosen
 from validation.commands.sweep import chosen_design
 from validation.parser import sweeps
@@ -95,10 +95,7 @@ def test_wrong_call_is_told_in_one_line_and_leaves_no_file(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert run("sweep", "--out", "a.db", *words.split()) == 2
-    said = capsys.readouterr().err
-    assert message in said
-    assert said.count("\n") == 1
+    assert message in refusal(capsys, "sweep --out a.db", words)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -107,8 +104,7 @@ def test_store_that_the_disk_cannot_hold_is_refused_before_it_starts(
 ) -> None:
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
     out = tmp_path / "a.db"
-    assert run("sweep", "spin=30:40:5", *SHORT.split(), "--out", str(out)) == 2
-    assert "5 cases may take" in capsys.readouterr().err
+    assert "5 cases may take" in refusal(capsys, "sweep spin=30:40:5", SHORT, f"--out={out}")
     assert not out.exists()
 
 
@@ -122,7 +118,4 @@ def test_missing_extra_is_told_in_one_line(
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
     call = f"sweep spin=30:40:5 {SHORT} --executor {executor} --out {tmp_path / 'a.db'}"
-    assert run(*call.split()) == 2
-    said = capsys.readouterr().err
-    assert f"the executor {executor} needs the extra" in said
-    assert said.count("\n") == 1
+    assert f"the executor {executor} needs the extra" in refusal(capsys, call)

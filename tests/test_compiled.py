@@ -31,10 +31,12 @@ from analysis import (
     simulate,
 )
 from analysis.compiled import code, library, systems
+from analysis.compiled.runs import CompiledScenario
 from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
 from analysis.data.friction import LOADS
 from analysis.models import index1, reduced
+from analysis.models.forms import pose
 from tests.helpers import assert_close, model, mostly_slow, random_disk, random_table
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
@@ -305,6 +307,14 @@ def test_scenarios_alike_in_structure_share_what_is_compiled() -> None:
     assert Structure.of(other, "reduced", {}, allow_pulling=False) == first
     harder = replace(model(4), friction=SmoothCoulomb(load="contact"))
     assert Structure.of(harder, "reduced", {}, allow_pulling=False) != first
+
+
+@pytest.mark.parametrize("rate", [np.nan, np.inf, 1e200])
+def test_state_that_is_not_finite_ends_a_compiled_run(rate: float) -> None:
+    made = CompiledScenario(model(4), "reduced", {}, allow_pulling=False)
+    problem = replace(pose(model(4), "reduced").problem, start=np.array([1.5, 0.1, rate]))
+    with pytest.raises(ArithmeticError, match="no longer finite"):
+        made.integrate(replace(problem, normal_force=lambda _: 1.0), TIMES, 1e-12)
 
 
 def test_time_limit_ends_a_compiled_run() -> None:

@@ -25,7 +25,7 @@ from analysis import (
 from analysis.models import equations, index1
 from analysis.rest import free_disk
 from mbs_models import Formulation, Scene
-from tests.helpers import mostly_slow
+from tests.helpers import mostly_slow, not_none
 from validation.run import run
 from validation.studies import comparisons, crosscheck
 from validation.studies.crosscheck import Check
@@ -104,24 +104,21 @@ def test_drop_is_compared_through_its_impacts(monkeypatch: pytest.MonkeyPatch) -
     assert checks[2].detail == "over 0.2 s"
     assert bent("penalty", monkeypatch).contact is not None
     difference, _ = comparisons.rest_difference(Scene(scenario), 0.2)
-    assert difference is not None
-    assert difference > comparisons.REST_LIMIT
+    assert not_none(difference) > comparisons.REST_LIMIT
 
 
 def test_ending_where_the_contact_would_pull_is_compared() -> None:
     for formulation in mbs_models.formulations(Scenario(start=FAST)):
         scene = Scene(Scenario(start=FAST), formulation)
         difference, detail = comparisons.motion_difference(scene, 2.0)
-        assert difference is not None
-        assert difference < comparisons.ANGLE_LIMIT
+        assert not_none(difference) < comparisons.ANGLE_LIMIT
         assert detail == "over 0.01587 s, where contact would pull"
 
 
 def test_motion_is_compared_up_to_shortly_before_the_disk_lies_flat() -> None:
     scenario = Scenario(constraints=MODELS[4], start=Start(spin=5.0, beta=0.5))
     difference, detail = comparisons.motion_difference(Scene(scenario), 2.0)
-    assert difference is not None
-    assert difference < comparisons.ANGLE_LIMIT
+    assert not_none(difference) < comparisons.ANGLE_LIMIT
     assert detail == "over 0.06118 s"
 
 

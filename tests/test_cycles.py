@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from analysis import CENTRED_DISK, Disk, Scenario, SmoothCoulomb, TanhCoulomb
 from analysis.data.checks import Array
@@ -23,7 +22,7 @@ from analysis.nonlinear.family import (
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.over import cycles_over
 from analysis.nonlinear.shooting import shoot
-from tests.helpers import model
+from tests.helpers import model, reduced_run
 
 PAPER = model(4)
 WEAK = model(4, friction=SmoothCoulomb(coefficient=0.1, smoothing=0.4))
@@ -43,18 +42,6 @@ def weak() -> CycleFamily:
 @pytest.fixture(scope="module")
 def changes(weak: CycleFamily) -> tuple[Bifurcation, ...]:
     return bifurcations(weak)
-
-
-def run(scenario: Scenario, spin: float, begin: Array, end: float) -> Array:
-    found = solve_ivp(
-        lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()),
-        (0.0, end),
-        begin,
-        method="LSODA",
-        rtol=1e-12,
-        atol=1e-13,
-    )
-    return np.array(found.y[:, -1])
 
 
 def shot(cycle: Cycle, off: float = 1e-5) -> Cycle:
@@ -90,7 +77,7 @@ def test_the_reduced_system_comes_back_after_a_period(family: CycleFamily) -> No
     for cycle in family.cycles[::5]:
         begin = cycle.states[0]
         np.testing.assert_allclose(
-            run(PAPER, cycle.spin, begin, cycle.period), begin, rtol=0.0, atol=1e-8
+            reduced_run(PAPER, cycle.spin, begin, cycle.period), begin, rtol=0.0, atol=1e-8
         )
         times, states = cycle.full
         assert times[-1] == pytest.approx(cycle.period)
@@ -101,7 +88,9 @@ def test_a_deviation_shrinks_by_the_multiplier(family: CycleFamily) -> None:
     cycle, size = family.cycles[5], 1e-5
     # After half a period only the weak direction is left, and what lies along the motion.
     ends = [
-        run(PAPER, cycle.spin, cycle.states[0] + np.array((0.0, change, 0.0)), part * cycle.period)
+        reduced_run(
+            PAPER, cycle.spin, cycle.states[0] + np.array((0.0, change, 0.0)), part * cycle.period
+        )
         for part in (0.5, 1.0)
         for change in (size, -size)
     ]

@@ -6,15 +6,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import (
-    MODELS,
-    MOTIONS,
-    POSSIBLE_SETS,
-    ConstraintSet,
-    Motion,
-    Scenario,
-    SmoothCoulomb,
-)
+from analysis import MODELS, MOTIONS, POSSIBLE_SETS, ConstraintSet, Motion, Scenario, SmoothCoulomb
 from analysis.data.constraint_set import set_name
 from analysis.stability import linear_reduced, spectra
 from validation.studies.stability import eigenvalue_check

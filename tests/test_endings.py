@@ -23,7 +23,7 @@ from analysis import (
 )
 from analysis.data.endings import REACHED
 from analysis.models import index1
-from tests.helpers import model
+from tests.helpers import model, not_none
 
 FALLING = Start(beta=1.0, gamma=pi / 2, spin=0.0)
 TIMES = np.linspace(0.0, 0.6, 121)
@@ -77,8 +77,7 @@ def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> N
     solver = index1.solver
     monkeypatch.setattr(index1, "solver", counting)
     run = analysis.simulate(Scenario(start=FALLING), [0.0, 0.5], tolerance=1e-6)
-    assert run.ending is not None
-    assert run.ending.reason == "flat"
+    assert not_none(run.ending).reason == "flat"
     assert next(calls) > 100
 
 
@@ -87,8 +86,7 @@ def test_a_run_ends_where_the_disk_is_inverted(contact: PenaltyContact | None) -
     scenario = Scenario(contact=contact)
     whole = analysis.simulate(scenario, TIMES, tolerance=1e-8)
     ended = analysis.simulate(scenario, TIMES, tolerance=1e-8, stop_when="inverted")
-    assert ended.ending is not None
-    assert ended.ending.reason == "inverted"
+    assert not_none(ended.ending).reason == "inverted"
     assert ended.cog_direction[-1] == pytest.approx(REACHED, abs=1e-9)
     count = ended.times.size - 1
     np.testing.assert_allclose(
@@ -107,8 +105,7 @@ def test_a_run_ends_where_the_inversion_is_lost() -> None:
     assert np.all(ended.cog_direction[:-1] > 0.0)
     assert "below the geometric centre" in str(ended.ending)
     other = mbs_models.simulate(mbs_models.Scene(falling), TIMES, tolerance=1e-8, stop_when="lost")
-    assert other.ending is not None
-    assert other.ending.time == pytest.approx(ended.ending.time, abs=1e-8)
+    assert not_none(other.ending).time == pytest.approx(ended.ending.time, abs=1e-8)
 
 
 def test_a_disk_that_was_never_up_loses_nothing() -> None:
@@ -137,8 +134,7 @@ def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
     other = analysis.simulate(
         model(4), times, form="reduced", tolerance=1e-9, stop_when=[slow, "inverted"]
     )
-    assert other.ending is not None
-    assert other.ending.reason == "inverted"
+    assert not_none(other.ending).reason == "inverted"
 
 
 def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:

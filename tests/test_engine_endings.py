@@ -7,10 +7,10 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import Level, PenaltyContact, Scenario, Start, State
+from analysis import Level, PenaltyContact, Scenario, Start, State, Trajectory
 from analysis.data.endings import REACHED, StopWhen
 from mbs_models import Formulation, Scene, formulations
-from tests.helpers import model, mostly_slow
+from tests.helpers import model, mostly_slow, not_none
 
 TIMES = np.linspace(0.0, 0.5, 51)
 LONG = np.linspace(0.0, 0.6, 121)
@@ -22,8 +22,7 @@ def slow(state: State) -> float:
 
 def test_first_of_several_conditions_ends_the_run() -> None:
     run = mbs_models.simulate(Scene(), TIMES, step=5e-3, stop_when=["inverted", slow])
-    assert run.ending is not None
-    assert run.ending.reason == "slow"
+    assert not_none(run.ending).reason == "slow"
 
 
 def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
@@ -39,9 +38,7 @@ def test_a_condition_ends_the_run_on_a_penalty_contact_too() -> None:
     scenario = Scenario(contact=PenaltyContact(stiffness=1e6, damping=300.0))
     run = mbs_models.simulate(Scene(scenario), TIMES, step=1e-4, stop_when="inverted")
     other = analysis.simulate(scenario, TIMES, tolerance=1e-8, stop_when="inverted")
-    assert run.ending is not None
-    assert other.ending is not None
-    assert run.ending.time == pytest.approx(other.ending.time, abs=1e-4)
+    assert not_none(run.ending).time == pytest.approx(not_none(other.ending).time, abs=1e-4)
 
 
 def test_work_ends_with_the_run() -> None:
@@ -84,6 +81,15 @@ def turning(state: State) -> float:
     return 6 * pi + 1.2 - state.coordinates[5]
 
 
+def check_same_ending(found: Trajectory, expected: Trajectory, apart: float) -> str:
+    """Reason for which both end, at times that differ by so many seconds at most."""
+    assert found.ending is not None
+    assert expected.ending is not None
+    assert found.ending.reason == expected.ending.reason
+    assert found.ending.time == pytest.approx(expected.ending.time, abs=apart)
+    return found.ending.reason
+
+
 @pytest.mark.parametrize("formulation", mostly_slow(ENGINE_WAYS, ["euler-tree"]))
 @pytest.mark.parametrize("condition", ["inverted", slow, turning])
 def test_engine_runs_end_where_the_in_house_ones_do(
@@ -95,10 +101,7 @@ def test_engine_runs_end_where_the_in_house_ones_do(
     found = mbs_models.simulate(
         Scene(scenario, formulation), LONG, tolerance=1e-6, stop_when=condition
     )
-    assert found.ending is not None
-    assert expected.ending is not None
-    assert found.ending.reason == expected.ending.reason
-    assert found.ending.time == pytest.approx(expected.ending.time, abs=1e-9)
+    check_same_ending(found, expected, 1e-9)
     np.testing.assert_allclose(found.coordinates, expected.coordinates, atol=1e-7)
 
 
@@ -112,16 +115,12 @@ def test_a_fall_ends_in_the_engine_as_in_house(level: Level, formulation: Formul
         return
     expected = analysis.simulate(scenario, LONG, tolerance=1e-9)
     found = mbs_models.simulate(Scene(scenario, formulation), LONG, tolerance=1e-6)
-    assert found.ending is not None
-    assert expected.ending is not None
-    assert found.ending.reason == expected.ending.reason == "flat"
-    assert found.ending.time == pytest.approx(expected.ending.time, abs=1e-8)
+    assert check_same_ending(found, expected, 1e-8) == "flat"
     np.testing.assert_allclose(found.coordinates[:, 4], expected.coordinates[:, 4], atol=1e-6)
 
 
 @pytest.mark.parametrize("formulation", ENGINE_WAYS)
 def test_a_single_run_of_fixed_steps_ends_too(formulation: Formulation) -> None:
     run = mbs_models.simulate(Scene(Scenario(), formulation), LONG, step=1e-3, stop_when=slow)
-    assert run.ending is not None
-    assert run.ending.reason == "slow"
+    assert not_none(run.ending).reason == "slow"
     assert run.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-9)

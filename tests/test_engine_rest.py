@@ -24,7 +24,7 @@ from analysis.data.spatial_motion import SpatialMotion
 from analysis.rest.free_disk import FreeDisk
 from mbs_models import Scene
 from mbs_models.loads import Loads
-from tests.helpers import mostly_slow
+from tests.helpers import mostly_slow, not_none
 from tests.scenes import rest_scene, scene_of
 
 EVERYTHING = Dissipation(
@@ -107,8 +107,7 @@ def test_impacts_meet_the_tolerance_and_its_estimate(
 ) -> None:
     scene = rest_scene(start=Start(height=5e-3))
     found = mbs_models.simulate_to_rest(scene, 0.5, tolerance=tolerance, spacing=5e-3)
-    assert found.error_estimate is not None
-    assert found.deviation(impacts) <= found.error_estimate <= (tolerance or 1e-3)
+    assert found.deviation(impacts) <= not_none(found.error_estimate) <= (tolerance or 1e-3)
     assert found.energy_taken("damping")[-1] == pytest.approx(0.0213610, rel=tolerance or 1e-3)
 
 
@@ -200,8 +199,7 @@ def test_engine_energy_budget_closes_and_contact_never_pulls(settled: SpatialMot
     assert np.max(np.abs(settled.energy_residual)) < 1e-4 * settled.energies[0].sum()
     assert np.min(settled.normal_force) >= 0.0
     assert settled.source == "engine"
-    assert settled.rest_time is not None
-    assert settled.times[-1] - settled.rest_time == pytest.approx(0.1, abs=2e-3)
+    assert settled.times[-1] - not_none(settled.rest_time) == pytest.approx(0.1, abs=2e-3)
 
 
 def test_step_beyond_the_predicted_limit_is_refused_before_the_run() -> None:

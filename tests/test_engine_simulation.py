@@ -22,7 +22,7 @@ from mbs_models.build import build
 from mbs_models.extrapolation import Ladder
 from mbs_models.passes import _even_stretches
 from mbs_models.probe import Probe
-from tests.helpers import model, mostly_slow
+from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.5, 51)
@@ -37,16 +37,14 @@ def angle_error(run: Trajectory, other: Trajectory) -> float:
 def test_tolerance_is_met_and_the_estimate_is_honest(scene: Scene, tolerance: float) -> None:
     truth = analysis.simulate(scene.scenario, TIMES, local_tolerance=1e-13)
     run = mbs_models.simulate(scene, TIMES, tolerance=tolerance)
-    assert run.error_estimate is not None
-    assert angle_error(run, truth) <= run.error_estimate <= tolerance
+    assert angle_error(run, truth) <= not_none(run.error_estimate) <= tolerance
 
 
 def test_estimate_is_honest_for_samples_closer_than_the_first_step() -> None:
     times = np.linspace(0.0, 0.5, 201)
     truth = analysis.simulate(Scenario(), times, local_tolerance=1e-13)
     run = mbs_models.simulate(Scene(), times, tolerance=1e-8, integrator="RK44")
-    assert run.error_estimate is not None
-    assert 0.0 < angle_error(run, truth) <= run.error_estimate <= 1e-8
+    assert 0.0 < angle_error(run, truth) <= not_none(run.error_estimate) <= 1e-8
 
 
 def test_unreachable_tolerance_raises_with_the_best_estimate() -> None:

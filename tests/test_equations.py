@@ -72,13 +72,6 @@ def sample(seed: int) -> tuple[Disk, Array, Array]:
 
 
 @seeds
-def test_mass_matrix_belongs_to_the_kinetic_energy(frame: str, seed: int) -> None:
-    disk, z, u = sample(seed)
-    printed = MODULES[frame].mass_matrix(disk, z)
-    assert_close(printed, derived(frame, disk, z, u).mass_matrix)
-
-
-@seeds
 def test_gyroscopic_forces_are_those_of_lagrange(frame: str, seed: int) -> None:
     disk, z, u = sample(seed)
     printed = MODULES[frame].gyroscopic_forces(disk, z, u)
@@ -97,17 +90,18 @@ def test_gravity_is_the_falling_gradient_of_the_cog_height(
 
 
 @seeds
-def test_normal_direction_is_the_gradient_of_the_contact_height(frame: str, seed: int) -> None:
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("mass_matrix", id="mass matrix belongs to the kinetic energy"),
+        pytest.param("normal_direction", id="is the gradient of the contact height"),
+        pytest.param("tangential_directions", id="give the contact point's velocity"),
+    ],
+)
+def test_matrices_and_directions_are_those_derived(name: str, frame: str, seed: int) -> None:
     disk, z, u = sample(seed)
-    printed = MODULES[frame].normal_direction(disk, z)
-    assert_close(printed, derived(frame, disk, z, u).normal_direction)
-
-
-@seeds
-def test_tangential_directions_give_the_contact_points_velocity(frame: str, seed: int) -> None:
-    disk, z, u = sample(seed)
-    printed = MODULES[frame].tangential_directions(disk, z)
-    assert_close(printed, derived(frame, disk, z, u).tangential_directions)
+    printed = getattr(MODULES[frame], name)(disk, z)
+    assert_close(printed, getattr(derived(frame, disk, z, u), name))
 
 
 @seeds

@@ -2,6 +2,7 @@
 
 import argparse
 import subprocess
+from collections.abc import Callable
 from importlib.util import find_spec
 from typing import Any
 
@@ -16,9 +17,9 @@ from mbs_models.integrators import find_integrator
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
 from mbs_models.runs import run
+from tests.calls import printed
 from tests.helpers import model
 from tests.scenes import rest_scene, scene_of
-from validation import cli
 from validation.commands.scene import scene_table
 from validation.parser.top import parser
 from validation.studies import lean
@@ -161,11 +162,10 @@ def test_frictionless_scene_does_not_mention_friction() -> None:
 
 
 def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["scene", "--model", "3", "--formulation", "euler-tree"]) == 0
-    printed = capsys.readouterr().out
-    assert "JointRollingDisc" in printed
-    assert "without slip along the edge" in printed
-    assert "6 coordinates, 6 algebraic equations (4 constraints" in printed
+    shown = printed(capsys, "scene --model 3 --formulation euler-tree")
+    assert "JointRollingDisc" in shown
+    assert "without slip along the edge" in shown
+    assert "6 coordinates, 6 algebraic equations (4 constraints" in shown
 
 
 def test_table_has_one_row_per_item() -> None:
@@ -173,32 +173,28 @@ def test_table_has_one_row_per_item() -> None:
     assert len(scene_table(found).rows) == len(found.items)
 
 
-@pytest.mark.parametrize("part", BALLAST)
-def test_ballast_does_not_change_the_motion(part: str) -> None:
+def change_of_the_end(
+    formulation: Formulation, load: Callable[[Model], object], **fields: Any
+) -> float:
+    """Largest change of the last sample of a short run by what is loaded onto its model."""
     ends = []
     for loaded in (False, True):
-        scene = scene_of(2, "floating", friction=SMOOTH)
-        model = build(scene)
+        model = build(scene_of(2, formulation, **fields))
         if loaded:
-            BALLAST[part](model)
-        samples = run(
-            model, find_integrator("floating", None), spacing=1e-2, intervals=3, substeps=10
-        )
+            load(model)
+        integrator = find_integrator(formulation, None)
+        samples = run(model, integrator, spacing=1e-2, intervals=3, substeps=10)
         ends.append(samples.records[-1])
-    assert abs(ends[0] - ends[1]).max() < 1e-12
+    return float(abs(ends[0] - ends[1]).max())
+
+
+@pytest.mark.parametrize("part", BALLAST)
+def test_ballast_does_not_change_the_motion(part: str) -> None:
+    assert change_of_the_end("floating", BALLAST[part], friction=SMOOTH) < 1e-12
 
 
 def test_joint_with_six_axes_holds_the_same_motion() -> None:
-    ends = []
-    for loaded in (False, True):
-        model = build(scene_of(2))
-        if loaded:
-            six_axes(model)
-        samples = run(
-            model, find_integrator("euler-tree", None), spacing=1e-2, intervals=3, substeps=10
-        )
-        ends.append(samples.records[-1])
-    assert abs(ends[0] - ends[1]).max() < 1e-9
+    assert change_of_the_end("euler-tree", six_axes) < 1e-9
 
 
 def test_cost_of_friction_that_does_nothing_is_measured() -> None:

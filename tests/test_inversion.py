@@ -5,13 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import (
-    CENTRED_DISK,
-    Inversion,
-    Scenario,
-    Trajectory,
-    simulate,
-)
+from analysis import CENTRED_DISK, Inversion, Scenario, Trajectory, simulate
 from analysis.data.checks import Array
 from analysis.data.endings import REACHED
 from analysis.data.inversion import DEFINITION, STAYING
@@ -55,6 +49,12 @@ def test_sinking_below_nine_tenths_but_not_below_the_centre_is_staying() -> None
 
 def test_less_than_nine_tenths_is_not_up() -> None:
     assert judged(0.89 * risen(0.5)).outcome == "not inverted"
+
+
+def test_motion_that_ends_where_it_is_up_is_so_whatever_its_last_digit() -> None:
+    for ending in (REACHED, np.nextafter(REACHED, 0.0)):
+        found = Inversion.of_direction(np.array([0.0, 0.5]), np.array([-1.0, ending]))
+        assert found.outcome == "not decided"
 
 
 def test_staying_for_less_than_the_stated_time_is_no_inversion() -> None:

@@ -12,8 +12,8 @@ from analysis import MODELS, Scenario
 from analysis.data.checks import Array
 from analysis.data.outcomes import Row
 from analysis.stability.linear_reduced import critical_speed
+from tests.calls import refusal, run
 from tests.sweeps import Direct
-from tests.test_cli import run
 from validation.maps import problems
 from validation.maps import run as maps_run
 from validation.maps.problems import (
@@ -36,7 +36,7 @@ from validation.sweeps.sweep import Sweep
 REDUCED = Scenario(constraints=MODELS[4])
 
 
-def known(
+def not_none(
     inside: Callable[[int, int], bool], size: int
 ) -> tuple[Callable[[Iterable[int]], dict[int, str]], dict[int, str]]:
     """A run of a map that is known, and what it has run so far."""
@@ -57,7 +57,7 @@ def disc(row: int, column: int) -> bool:
 
 def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
     size = 65
-    run_cases, done = known(disc, size)
+    run_cases, done = not_none(disc, size)
     refine((size, size), 3, run_cases)
     for row in range(size - 1):
         for column in range(size - 1):
@@ -68,7 +68,7 @@ def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
 
 
 def test_uniform_map_stays_coarse() -> None:
-    run_cases, done = known(lambda *_: True, 17)
+    run_cases, done = not_none(lambda *_: True, 17)
     refine((17, 17), 2, run_cases)
     assert len(done) == 25
 
@@ -131,6 +131,9 @@ def test_each_model_runs_where_it_is_quickest() -> None:
     plans = [quickest_plan(each, 4.0, 0) for each in models_beside(Scenario())]
     assert [plan.source for plan in plans] == ["engine", *["in-house"] * 3]
     assert [plan.formulation for plan in plans] == [None, None, None, "reduced"]
+    compiled = [quickest_plan(each, 4.0, 0, compiled=True) for each in models_beside(Scenario())]
+    assert all(plan.runs_in_batches for plan in compiled)
+    assert [plan.witness_step for plan in compiled] == [problems.ENGINE_STEP, None, None, None]
 
 
 def test_gaps_take_the_class_of_the_nearest_run(tmp_path: Path) -> None:
@@ -237,10 +240,7 @@ def test_pairs_that_are_not_decided_do_not_count(
 def test_wrong_call_is_told_in_one_line(
     words: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run("map", *words.split(), "--out", str(tmp_path / "maps")) == 2
-    said = capsys.readouterr().err
-    assert message in said
-    assert said.count("\n") == 1
+    assert message in refusal(capsys, "map", words, f"--out={tmp_path / 'maps'}")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from analysis import Dissipation, Scenario
-from tests.test_cli_stability import run as call
+from tests.calls import run as call
+from tests.helpers import not_none
 from validation.run import run
 from validation.studies.nonlinear.confirm import thinned
 from validation.studies.nonlinear.passage import (
@@ -108,8 +109,7 @@ def test_the_delay_goes_with_the_root_of_the_rate_of_decay() -> None:
 @pytest.mark.slow
 def test_both_sides_lose_the_inversion_at_the_same_time_and_spin(quick: Passage) -> None:
     engine = slowed(16e-5, "engine")
-    assert quick.lost is not None
-    assert engine.lost == pytest.approx(quick.lost, abs=2.5e-3)
+    assert engine.lost == pytest.approx(not_none(quick.lost), abs=2.5e-3)
     # It is still falling when the disk is lost, at 2.5 rad/s².
     assert engine.lowest_spin == pytest.approx(quick.lowest_spin, abs=5e-3)
     assert len(passage_table([("slowed", quick), ("slowed", engine)]).rows) == 2

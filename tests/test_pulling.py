@@ -29,7 +29,7 @@ from analysis.data.checks import Array
 from analysis.models import index1
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.endings import dips, pulling_times, zero
-from tests.helpers import model
+from tests.helpers import model, not_none
 from tests.scenes import scene_of
 from validation import cli
 
@@ -72,8 +72,7 @@ def test_both_sides_end_where_the_contact_would_pull(
     for run in (engine, in_house):
         assert np.all(run.normal_force[:-1] > 0.0)
         assert abs(run.normal_force[-1]) < 1e-4 * run.scenario.weight
-        assert run.ending is not None
-        assert run.ending.value == run.normal_force[-1]
+        assert not_none(run.ending).value == run.normal_force[-1]
 
 
 def test_reduced_and_full_equations_end_together() -> None:
@@ -82,9 +81,7 @@ def test_reduced_and_full_equations_end_together() -> None:
     full, reduced = (
         analysis.simulate(scenario, TIMES, form=form, tolerance=1e-10) for form in forms
     )
-    assert full.ending is not None
-    assert reduced.ending is not None
-    assert reduced.ending.time == pytest.approx(full.ending.time, abs=1e-9)
+    assert not_none(reduced.ending).time == pytest.approx(not_none(full.ending).time, abs=1e-9)
 
 
 @pytest.mark.parametrize("load", ["weight", "contact"])
@@ -113,9 +110,7 @@ def test_a_penalty_contact_that_holds_down_ends_as_the_ideal_one(formulation: An
     scene = scene_of(1, formulation, contact=contact, friction=CONTACT, start=FAST)
     run = mbs_models.simulate(scene, TIMES, step=5e-5)
     ideal = analysis.simulate(replace(scene.scenario, contact=None), TIMES)
-    assert run.ending is not None
-    assert ideal.ending is not None
-    assert run.ending.time == pytest.approx(ideal.ending.time, abs=2e-4)
+    assert not_none(run.ending).time == pytest.approx(not_none(ideal.ending).time, abs=2e-4)
 
 
 @pytest.mark.parametrize("side", ["engine", "in-house"])
@@ -167,8 +162,7 @@ def test_a_short_dip_between_two_samples_is_found() -> None:
         dip.width * times[1],
         sure=dip.sure,
     )
-    assert found is not None
-    assert begin + found == pytest.approx(0.51, abs=1e-12)
+    assert begin + not_none(found) == pytest.approx(0.51, abs=1e-12)
 
 
 def test_a_minimum_above_zero_is_no_dip() -> None:

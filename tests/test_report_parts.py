@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, Start, simulate
-from validation.kit import clock, parts, reach, report
+from validation.kit import clock, parts, reach, report, shipped
 from validation.kit.parts import Job, Part, Store
 from validation.kit.report import Section
 from validation.kit.tables import Table
@@ -263,6 +263,17 @@ def test_second_report_computes_only_what_the_first_has_not_finished(
     assert f"going on with the unfinished report in {tmp_path}" in said
     assert "3 parts, 2 of them kept" in said
     assert "3 parts, 3 of them kept from before; nothing is to be computed" in said
+
+
+@pytest.mark.usefixtures("small")
+def test_section_is_drawn_again_when_other_results_are_shipped_for_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shipped, "FOLDER", tmp_path)
+    full_report.make(tmp_path / "report")
+    (tmp_path / "two.json").write_text("{}")
+    full_report.make(tmp_path / "report")
+    assert DRAWN == ["one", "two", "two"]
 
 
 @pytest.mark.usefixtures("small")

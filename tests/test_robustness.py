@@ -14,6 +14,7 @@ import mbs_models
 from analysis import MODELS, POSSIBLE_SETS, STEEL_DISK, Scenario
 from mbs_models import Scene
 from mbs_models.linear_stability import STAGES, amplification, largest_step, stability_polynomial
+from tests.helpers import not_none
 from validation.studies.robustness import section as robustness
 from validation.studies.robustness import steps
 from validation.studies.robustness.axes import body, problems, scaled
@@ -92,9 +93,7 @@ def test_implicit_integrator_needs_no_smaller_step_for_a_stiffer_contact() -> No
         steps.accurate_steps("stiffness", value, way, 1e-4)  # type: ignore[arg-type]
         for value in (1e5, 1e7)
     )
-    assert soft[0].step is not None
-    assert stiff[0].step is not None
-    assert stiff[0].step < 0.2 * soft[0].step
+    assert not_none(stiff[0].step) < 0.2 * not_none(soft[0].step)
     assert stiff[1].step == soft[1].step
 
 
@@ -107,9 +106,7 @@ def test_steps_at_which_a_run_leaves_all_bounds_are_no_accurate_ones() -> None:
 def test_easy_case_is_accurate(way: Way) -> None:
     outcome = run_case(EASY, way, reference(EASY))
     assert outcome.verdict == "accurate"
-    assert outcome.error is not None
-    assert outcome.estimate is not None
-    assert outcome.error <= outcome.estimate
+    assert not_none(outcome.error) <= not_none(outcome.estimate)
 
 
 def test_wrong_result_is_called_inaccurate(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -141,8 +138,7 @@ def test_drift_and_energy_count_as_well_as_the_angles(monkeypatch: pytest.Monkey
     for column, amount in ((2, 1e-6), (4, 1e-1)):
         monkeypatch.setattr(mbs_models, "simulate", wrong(column, amount))
         outcome = run_case(EASY, EULER, known)
-        assert outcome.error is not None
-        assert outcome.error < 1e-6
+        assert not_none(outcome.error) < 1e-6
         assert outcome.verdict == "inaccurate"
         assert not outcome.broken
 

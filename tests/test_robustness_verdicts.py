@@ -9,16 +9,9 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import (
-    MODELS,
-    STEEL_DISK,
-    PenaltyContact,
-    Scenario,
-    SmoothCoulomb,
-    Start,
-    Trajectory,
-)
+from analysis import MODELS, STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.endings import Ending
+from tests.helpers import not_none
 from validation.kit.provenance import Provenance
 from validation.studies.robustness import random_scenarios, stored, tables
 from validation.studies.robustness import run as runs
@@ -82,10 +75,8 @@ def test_run_that_ends_where_the_contact_would_pull_has_a_class_of_its_own(
     for way in (TREE, DOP853):
         outcome = run_case(PULLING, way, pulling)
         assert outcome.verdict == "ends: contact would pull"
-        assert outcome.ending_error is not None
-        assert outcome.ending_error < TOLERANCE
-        assert outcome.error is not None
-        assert outcome.error < TOLERANCE
+        assert not_none(outcome.ending_error) < TOLERANCE
+        assert not_none(outcome.error) < TOLERANCE
         assert "would have to pull" in outcome.reason
 
 

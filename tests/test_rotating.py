@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from analysis import Start
 from analysis.data.checks import Array
 from analysis.models import reduced
 from analysis.nonlinear.rotating import Rotation, RotationFamily, folds, rotating_family
-from tests.helpers import model
-from tests.test_cli_stability import run as call
+from tests.calls import printed
+from tests.calls import run as call
+from tests.helpers import model, reduced_run
 from validation.run import run
 
 PAPER = model(4)
@@ -26,15 +26,8 @@ def family() -> RotationFamily:
 
 def turned(rotation: Rotation, begin: Array) -> Array:
     """State a period later, gamma turned back."""
-    found = solve_ivp(
-        lambda _, x: reduced.right_hand_side(PAPER, rotation.spin, x.tolist()),
-        (0.0, rotation.period),
-        begin,
-        method="LSODA",
-        rtol=1e-12,
-        atol=1e-13,
-    )
-    return np.asarray(found.y[:, -1] - np.array((0.0, 2.0 * np.pi, 0.0)))
+    found = reduced_run(PAPER, rotation.spin, begin, rotation.period)
+    return np.asarray(found - np.array((0.0, 2.0 * np.pi, 0.0)))
 
 
 @pytest.mark.slow
@@ -97,8 +90,7 @@ def test_the_command_tells_and_draws_them(
 ) -> None:
     monkeypatch.setattr("analysis.nonlinear.rotating.rotating_family", lambda *_, **__: family)
     picture = tmp_path / "rotating.svg"
-    assert call(f"cycles --rotating --json --plot {picture}") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(printed(capsys, f"cycles --rotating --json --plot {picture}"))
     assert [each["tilt"] for each in found["rotations"]] == family.values("tilt").tolist()
     assert found["rotations"][-1]["stable"] is False
     assert found["folds"][0]["spin"] == pytest.approx(30.0820066, abs=1e-6)

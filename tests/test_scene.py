@@ -7,14 +7,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import (
-    LEVELS,
-    MODELS,
-    STEEL_DISK,
-    SmoothCoulomb,
-    Start,
-    State,
-)
+from analysis import LEVELS, MODELS, STEEL_DISK, SmoothCoulomb, Start, State
 from mbs_models.build import build
 from tests.helpers import model
 from tests.scenes import scene_of

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, Start
+from tests.helpers import not_none
 from validation.kit import reach, report, shipped
 from validation.kit.parts import Job, Part, Store
 from validation.kit.plain import pack, unpack
@@ -154,9 +155,8 @@ def test_shipped_results_can_be_read_and_are_small(study: full_report.Study) -> 
 def test_whole_study_is_shipped(name: str) -> None:
     (study,) = (each for each in LONG if each.name == name)
     found = shipped.of(name)
-    assert found is not None
     keys = [repr(job.key) for job in study.long()]
-    assert [known.rpartition(" ")[0] for known in found.parts] == keys
+    assert [known.rpartition(" ")[0] for known in not_none(found).parts] == keys
 
 
 @pytest.mark.whole

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from analysis import Scenario
+from tests.helpers import not_none
 from tests.stated import missing, rows_below, values
 from validation.maps import stored
 from validation.maps.problems import PROBLEMS
@@ -25,8 +26,7 @@ TABLE = (
 @pytest.fixture(scope="module")
 def study() -> Study:
     found = stored.shipped()
-    assert found is not None
-    return found
+    return not_none(found)
 
 
 def test_shipped_maps_are_those_that_the_script_makes_now(study: Study) -> None:

@@ -25,7 +25,7 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.models import balance
-from tests.helpers import all_sets, assert_close, model, mostly_slow
+from tests.helpers import all_sets, assert_close, model, mostly_slow, not_none
 
 TIMES = np.linspace(0.0, 0.6, 301)
 """The inversion of Model 1 from Table 3."""
@@ -85,8 +85,7 @@ def test_tolerance_and_estimate_bound_the_error(
     level: Level, method: Method, tolerance: float
 ) -> None:
     run = simulate(model(level), TIMES, method=method, tolerance=tolerance)
-    assert run.error_estimate is not None
-    assert difference(run, reference(level)) <= run.error_estimate <= tolerance
+    assert difference(run, reference(level)) <= not_none(run.error_estimate) <= tolerance
 
 
 @pytest.mark.parametrize("form", FORMS_OF_4)
@@ -282,8 +281,7 @@ def test_two_runs_that_are_compared_do_not_share_their_longest_step() -> None:
     # On a stiff contact every step is the longest allowed, whatever the local tolerance.
     stiff = Scenario(contact=PenaltyContact.damped(1e8, STEEL_DISK))
     run = simulate(stiff, [0.0, 0.01], tolerance=1e-4)
-    assert run.error_estimate is not None
-    assert run.error_estimate > 0.0
+    assert not_none(run.error_estimate) > 0.0
 
 
 def test_a_free_body_keeps_turns_and_alpha_of_its_start() -> None:

@@ -79,6 +79,27 @@ def test_witness_is_the_other_side_with_its_difference() -> None:
     assert float(row["other_seconds"] or 0.0) > 0.0
 
 
+@pytest.mark.parametrize(
+    ("how", "kept"),
+    [
+        ({}, {"tolerance": 1e-4, "step": None}),
+        ({"witness_tolerance": 1e-2}, {"tolerance": 1e-2, "step": None}),
+        ({"witness_step": 5e-3}, {"tolerance": None, "step": 5e-3}),
+    ],
+)
+def test_witness_is_as_accurate_as_it_is_told_to_be(
+    how: dict[str, Any], kept: dict[str, Any]
+) -> None:
+    wanted = sweep("spin=40:44:2", scenario=Scenario(), **how)
+    motion = wanted.plan.witness(wanted.scenario_of(0), time_limit=None)
+    assert motion.source == "engine"
+    assert motion.method["tolerance"] == kept["tolerance"]
+    if kept["step"]:
+        assert motion.method["step"] == kept["step"]
+    with pytest.raises(ValueError, match="witness_step must be left out for source 'engine'"):
+        replace(wanted.plan, source="engine", witness_step=1e-3)
+
+
 def test_witnesses_are_spread_evenly() -> None:
     wanted = sweep("spin=0:60:20", "gamma=0:1:20", witnesses=40)
     chosen = [number for number in range(400) if wanted.has_witness(number)]
@@ -277,6 +298,12 @@ def test_chunks_take_a_second_and_longer_with_many_workers(workers: int, size: i
     assert sizes == [size] * (2 * workers)
 
 
+def test_cases_that_run_together_fit_in_memory() -> None:
+    wanted = sweep("spin=0:60:100000", method="taylor", end=20.0, spacing=1e-4)
+    # 200,001 samples of 12 numbers each.
+    assert runner._Work(wanted, Direct(), 1.0)._largest == 5
+
+
 @pytest.mark.slow
 def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -298,6 +325,13 @@ def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None
     ahead = look_ahead(sweep("mu=-1,0.2,0.3"))
     assert (ahead.looked_at, ahead.refused) == (3, 1)
     assert ahead.reason == "coefficient must not be negative, got -1"
+
+
+def test_look_ahead_knows_that_compiled_runs_are_fast() -> None:
+    pure, compiled = (
+        look_ahead(sweep("spin=30,40", method=method)).seconds for method in (None, "taylor")
+    )
+    assert compiled < pure / 10.0
 
 
 def test_local_tolerance_of_the_engine_is_that_of_its_step_control() -> None:

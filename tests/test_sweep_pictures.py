@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from tests.calls import run
 from tests.sweeps import Direct, sweep
-from tests.test_cli import run
 from validation.maps.sweeps import check_drawable, draw
 from validation.sweeps.axes import Design, axis_from_text
 from validation.sweeps.results import Results

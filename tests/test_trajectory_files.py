@@ -69,95 +69,83 @@ def test_file_has_the_permissions_of_any_new_file(tmp_path: Path) -> None:
     assert (tmp_path / "motion.npz").stat().st_mode == (tmp_path / "plain").stat().st_mode
 
 
+def check_named(path: Path, cause: str = ".") -> None:
+    with pytest.raises(ValueError, match=rf"{path.name} is not a readable trajectory: {cause}"):
+        load_run(path, Trajectory)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """File of a trajectory."""
+    random_trajectory().save(tmp_path / "motion.npz")
+    return tmp_path / "motion.npz"
+
+
 @pytest.mark.parametrize("part", [0.0, 0.01, 0.3, 0.6, 0.9, 0.999])
-def test_truncated_file_is_named(part: float, tmp_path: Path) -> None:
-    path = tmp_path / "motion.npz"
-    random_trajectory().save(path)
+def test_truncated_file_is_named(part: float, path: Path) -> None:
     whole = path.read_bytes()
     path.write_bytes(whole[: int(part * len(whole))])
-    with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
-        load_run(path, Trajectory)
+    check_named(path)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_file_of_random_bytes_is_named(seed: int, tmp_path: Path) -> None:
     path = tmp_path / "noise.npz"
     path.write_bytes(np.random.default_rng(seed).bytes(3000))
-    with pytest.raises(ValueError, match=r"noise\.npz is not a readable trajectory: ."):
-        load_run(path, Trajectory)
+    check_named(path)
 
 
 # Flags "encrypted" and "needs ZIP version 25.5" in the archive's own directory: `zipfile` answers
 # with errors that say neither OSError nor BadZipFile.
 @pytest.mark.parametrize(("offset", "value"), [(8, 1), (6, 255)])
-def test_file_with_a_damaged_directory_is_named(offset: int, value: int, tmp_path: Path) -> None:
-    path = tmp_path / "motion.npz"
-    random_trajectory().save(path)
+def test_file_with_a_damaged_directory_is_named(offset: int, value: int, path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[content.index(b"PK\x01\x02") + offset] = value
     path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
-        load_run(path, Trajectory)
+    check_named(path)
 
 
-def test_file_with_a_flipped_bit_is_named(tmp_path: Path) -> None:
-    path = tmp_path / "motion.npz"
-    random_trajectory().save(path)
+def test_file_with_a_flipped_bit_is_named(path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[content.index(random_trajectory().rates.tobytes()) + 17] ^= 1
     path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
-        load_run(path, Trajectory)
+    check_named(path)
 
 
 @pytest.mark.parametrize("key", ["t", "q", "u", "multipliers", "meta"])
-def test_missing_member_is_named(key: str, tmp_path: Path) -> None:
-    path = tmp_path / "motion.npz"
-    random_trajectory().save(path)
+def test_missing_member_is_named(key: str, path: Path) -> None:
     stored = members(path)
     del stored[key]
     np.savez(path, **stored)
-    with pytest.raises(ValueError, match=rf"motion\.npz is not .*: lacks .*\b{key}\b"):
-        load_run(path, Trajectory)
+    check_named(path, rf".*lacks .*\b{key}\b")
 
 
 @pytest.mark.parametrize("key", META)
-def test_missing_piece_of_the_description_is_named(key: str, tmp_path: Path) -> None:
-    path = tmp_path / "motion.npz"
-    random_trajectory().save(path)
-    stored = members(path)
-    meta = json.loads(str(stored["meta"]))
+def test_missing_piece_of_the_description_is_named(key: str, path: Path) -> None:
+    meta = json.loads(str(members(path)["meta"]))
     del meta[key]
-    np.savez(path, **(stored | {"meta": np.array(json.dumps(meta))}))
-    with pytest.raises(ValueError, match=rf"motion\.npz is not .*: lacks '{key}'"):
-        load_run(path, Trajectory)
+    np.savez(path, **(members(path) | {"meta": np.array(json.dumps(meta))}))
+    check_named(path, f"lacks '{key}'")
 
 
 @pytest.mark.parametrize(
     "meta", ["{", "[]", "", '{"format": 2, "scenario": {"disk": {"mass": 1}}}']
 )
-def test_unreadable_description_is_named(meta: str, tmp_path: Path) -> None:
-    path = tmp_path / "motion.npz"
-    random_trajectory().save(path)
+def test_unreadable_description_is_named(meta: str, path: Path) -> None:
     np.savez(path, **(members(path) | {"meta": np.array(meta)}))
-    with pytest.raises(ValueError, match=r"motion\.npz is not a readable trajectory: ."):
-        load_run(path, Trajectory)
+    check_named(path)
 
 
 def test_single_array_is_not_a_trajectory(tmp_path: Path) -> None:
     path = tmp_path / "motion.npy"
     np.save(path, np.arange(3.0))
-    with pytest.raises(ValueError, match=r"motion\.npy is not a readable trajectory: ."):
-        load_run(path, Trajectory)
+    check_named(path)
 
 
-def test_pickled_member_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "motion.npz"
-    random_trajectory().save(path)
+def test_pickled_member_is_refused(path: Path) -> None:
     times = np.array(list(random_trajectory().times), dtype=object)
     np.savez(path, allow_pickle=True, **(members(path) | {"t": times}))
-    with pytest.raises(ValueError, match=r"motion\.npz is not .*allow_pickle"):
-        load_run(path, Trajectory)
+    check_named(path, ".*allow_pickle")
 
 
 def test_missing_file_is_a_missing_file(tmp_path: Path) -> None:
@@ -197,16 +185,12 @@ def test_new_file_replaces_the_old_one(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("stored", "age"), [(3, "a newer"), (1, "an older"), (None, "an older")])
-def test_file_of_another_format_says_so(stored: int | None, age: str, tmp_path: Path) -> None:
-    path = tmp_path / "motion.npz"
-    random_trajectory().save(path)
-    held = members(path)
-    meta = json.loads(str(held["meta"])) | {"format": stored}
+def test_file_of_another_format_says_so(stored: int | None, age: str, path: Path) -> None:
+    meta = json.loads(str(members(path)["meta"])) | {"format": stored}
     if stored is None:
         del meta["format"]
-    np.savez(path, **(held | {"meta": np.array(json.dumps(meta))}))
-    with pytest.raises(ValueError, match=rf"format must be 2, got .* from {age} version"):
-        load_run(path, Trajectory)
+    np.savez(path, **(members(path) | {"meta": np.array(json.dumps(meta))}))
+    check_named(path, rf"format must be 2, got .* from {age} version")
 
 
 def test_save_into_a_missing_folder_fails(tmp_path: Path) -> None:

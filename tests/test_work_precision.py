@@ -13,10 +13,10 @@ import analysis
 import mbs_models
 from analysis import Scenario, Start, Trajectory
 from mbs_models import Integrator, Scene
-from validation.commands import work_precision as commands_work_precision
-from validation.kit.report import Job
+from validation.commands import studies
+from validation.kit.report import Job, Section
 from validation.kit.tables import Table
-from validation.studies.work_precision import measure, study
+from validation.studies.work_precision import measure, section
 from validation.studies.work_precision.jobs import jobs
 from validation.studies.work_precision.measure import ladder_end
 from validation.studies.work_precision.methods import EngineMethod, InHouseMethod, label, methods
@@ -330,14 +330,14 @@ def test_observed_order_takes_four_rungs_that_agree() -> None:
 def test_command_prints_the_tables_and_the_page(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    def make(folder: Path, *, quick: bool, fresh: bool) -> tuple[Path, list[Any]]:
-        assert (quick, fresh) == (True, False)
-        table = Table(name="x", title="Fastest way", columns=("a",), rows=[[1]])
-        return folder / "report.html", [table]
-
-    monkeypatch.setattr(study, "make", make)
-    options = argparse.Namespace(out=str(tmp_path), quick=True, fresh=False)
-    assert commands_work_precision.work_precision(options) == 0
+    table = Table(name="x", title="Fastest way", columns=("a",), rows=[[1]])
+    made = Section(name="x", title="x", paragraphs=[], tables=[table])
+    monkeypatch.setattr(studies, "run_kept", lambda *_, **__: {})
+    monkeypatch.setattr(section, "section", lambda *_, **__: made)
+    options = argparse.Namespace(
+        command="work_precision", out=str(tmp_path), quick=True, fresh=False
+    )
+    assert studies.work_precision(options) == 0
     printed = capsys.readouterr().out
     assert "Fastest way" in printed
     assert printed.rstrip().endswith(f"Open {tmp_path / 'report.html'}")

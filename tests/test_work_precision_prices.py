@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from mbs_models import Integrator
+from tests.helpers import not_none
 from validation.studies.work_precision import prices
 from validation.studies.work_precision.methods import EngineMethod
 from validation.studies.work_precision.problems import PROBLEMS
@@ -35,8 +36,7 @@ def test_price_takes_both_sides_in_turns(monkeypatch: pytest.MonkeyPatch) -> Non
     run = EngineMethod.run
 
     def watched(method: EngineMethod, problem: Any, setting: float) -> Any:
-        assert method.integrator.newton is not None
-        order.append(method.integrator.newton.modified)
+        order.append(not_none(method.integrator.newton).modified)
         return run(method, problem, setting)
 
     monkeypatch.setattr(EngineMethod, "run", watched)

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from mbs_models import Integrator
+from tests.helpers import not_none
 from validation.kit.figures import Picture
 from validation.kit.provenance import Provenance
 from validation.studies.work_precision import confirm, figures, measure, results, section, tables
@@ -86,9 +87,8 @@ def test_run_on_the_spot_confirms_equal_work_and_error_whatever_its_time() -> No
 @pytest.mark.parametrize("what", ["error", "work", "failure"])
 def test_run_on_the_spot_that_differs_is_counted(what: str) -> None:
     first, *others = measured().runs
-    assert first.errors is not None
     changes: dict[str, dict[str, Any]] = {
-        "error": {"errors": dataclasses.replace(first.errors, error=1.1 * first.error)},
+        "error": {"errors": dataclasses.replace(not_none(first.errors), error=1.1 * first.error)},
         "work": {"counts": {"right_hand_sides": round(1.1 * first.work)}},
         "failure": {"errors": None, "failure": "stopped"},
     }
@@ -101,8 +101,7 @@ def test_run_on_the_spot_that_differs_is_counted(what: str) -> None:
 
 def test_errors_below_what_the_references_tell_count_as_the_same() -> None:
     first, *others = measured().runs
-    assert first.errors is not None
-    tiny = [dataclasses.replace(first.errors, error=error) for error in (1e-13, 5e-13)]
+    tiny = [dataclasses.replace(not_none(first.errors), error=error) for error in (1e-13, 5e-13)]
     here, there = (
         made_study(
             dataclasses.replace(

@@ -152,6 +152,8 @@ def run_effort(
     tolerance: float | None = None,
     step: float | None = None,
     integrator: "Integrator | IntegratorName | None" = None,
+    local_tolerance: float | None = None,
+    method: str | None = None,
 ) -> Effort:
     """What `run` will take; the arguments are its own.
 
@@ -160,7 +162,14 @@ def run_effort(
     ValueError
         If an argument is out of range, or belongs to the other side.
     """
-    given = _given(source, step=step, tolerance=tolerance, integrator=integrator)
+    given = _given(
+        source,
+        step=step,
+        tolerance=tolerance,
+        integrator=integrator,
+        local_tolerance=local_tolerance,
+        method=method,
+    )
     times = increasing_times(times)
     if source == "in-house":
         return inhouse_effort.simulation_effort(scenario, times, **given)

@@ -230,8 +230,9 @@ def simulate_ensemble(
             )
             failures |= {int(members[row]): error for row, error in failed.items()}
             left = np.array([row for row in range(members.size) if row not in failed], dtype=int)
-            kept = part.some(left) if failed else part
-            parts.append(replace(kept, rows=members[left]))
+            if left.size:
+                kept = part.some(left) if failed else part
+                parts.append(replace(kept, rows=members[left]))
     return parts, failures, others
 
 

@@ -15,6 +15,9 @@ STAYING = 1.0
 A disk that rolls without slip reaches 0.90, and falls below the centre within 0.2 s.
 """
 
+_LAST_DIGITS = 1e-12
+"""By which a motion that ends at `REACHED`, because it does, may miss it."""
+
 DEFINITION = (
     f"The disk is inverted from the first time at which its centre of gravity has risen to "
     f"{REACHED:.0%} of its largest height above the geometric centre and from which it stays "
@@ -97,7 +100,7 @@ def inversions(times: Array, cog_directions: Array, ends: Array) -> Inversions:
     ends : ndarray, shape (m,)
         Time of the last sample of each in s.
     """
-    high = cog_directions >= REACHED
+    high = cog_directions >= REACHED - _LAST_DIGITS
     outcomes = np.full(len(high), "not inverted", dtype=object)
     inverted, lost = np.full(len(high), np.nan), np.full(len(high), np.nan)
     found = Inversions(outcomes=outcomes, times=inverted, lost=lost)

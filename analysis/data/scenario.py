@@ -84,7 +84,7 @@ class Scenario(_Remembering):
     start: Start | State = TABLE_3
 
     def __post_init__(self) -> None:
-        for name, kind in _KINDS.items():
+        for name, kind in KINDS.items():
             value = getattr(self, name)
             if not isinstance(value, kind) and not (name == "contact" and value is None):
                 raise ValueError(f"{name} must be a {kind.__name__}, got {value!r}")
@@ -226,13 +226,13 @@ class Scenario(_Remembering):
         """
         given = dict(values)
         for name in given:
-            choice("scenario", name, ("constraints", *_KINDS, "start"))
-        for name in (*_KINDS, "start"):
+            choice("scenario", name, ("constraints", *KINDS, "start"))
+        for name in (*KINDS, "start"):
             if not isinstance(given.get(name, {}), Mapping):
                 raise ValueError(f"{name} must be a table, got {given[name]!r}")
         start = given.get("start", {})
         makers: dict[str, Callable[..., Any]] = {
-            **_KINDS,
+            **KINDS,
             "friction": lambda **law: law_from(law, own=own),
             "start": State if "coordinates" in start or "rates" in start else Start,
         }
@@ -259,10 +259,11 @@ def _made(name: str, make: Callable[..., Any], values: Mapping[str, Any]) -> Any
     return make(**values)
 
 
-_KINDS: dict[str, type] = {
+KINDS: dict[str, type] = {
     "disk": Disk,
     "friction": FrictionLaw,
     "table": Table,
     "contact": PenaltyContact,
     "dissipation": Dissipation,
 }
+"""Classes of the tables of a scenario that are told by their fields."""

@@ -11,16 +11,13 @@ from typing import Any
 from analysis.data.angles import angle
 from analysis.data.checks import choice
 from analysis.data.constraint_set import LEVELS, MODELS
-from analysis.data.contact import PenaltyContact
 from analysis.data.disk import DISKS, Disk
-from analysis.data.dissipation import Dissipation
-from analysis.data.friction import FrictionLaw, law_class, law_from
-from analysis.data.scenario import Scenario
+from analysis.data.friction import law_class, law_from
+from analysis.data.scenario import KINDS, Scenario
 from analysis.data.scenario_keys import KEYS, NEEDED, RING, SIX
 from analysis.data.scenario_text import FORMAT, scenario_text
 from analysis.data.start import Start
 from analysis.data.state import State
-from analysis.data.table import Table
 
 __all__ = ["load_scenario", "scenario_text"]
 
@@ -263,11 +260,4 @@ def _value(table: str, key: str, value: Any) -> Any:
     return value
 
 
-_KINDS: dict[str, type] = {
-    "disk": Disk,
-    "friction": FrictionLaw,
-    "table": Table,
-    "contact": PenaltyContact,
-    "dissipation": Dissipation,
-    "start": Start,
-}
+_KINDS = KINDS | {"start": Start}

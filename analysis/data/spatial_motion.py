@@ -16,12 +16,7 @@ from analysis.data.files import whole_file
 from analysis.data.phases import Phases, flat_and_rolling
 from analysis.data.sampled import SampledMotion, stored_meta
 from analysis.data.scenario import Scenario
-from analysis.data.trajectory import (
-    SOURCES,
-    Setting,
-    Source,
-    Trajectory,
-)
+from analysis.data.trajectory import SOURCES, Setting, Source, Trajectory
 
 _COLUMNS = {
     "positions": 3,

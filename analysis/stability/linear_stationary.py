@@ -9,12 +9,7 @@ import numpy as np
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.models import constraints
-from analysis.stability.linear_numeric import (
-    UnitlessFlow,
-    complement,
-    neutral_directions,
-    slope,
-)
+from analysis.stability.linear_numeric import UnitlessFlow, complement, neutral_directions, slope
 from analysis.stability.linear_reduced import ComplexArray
 
 _NO_SLIP = 1e-9

@@ -99,8 +99,7 @@ def call(job: Job) -> str:
     # Another machine's mathematical library may differ in the last digit of an argument.
     known = rounded([pack(job.key), name, pack(job.arguments)], DIGITS)
     text = json.dumps(known, ensure_ascii=False)
-    digest = hashlib.sha256(text.encode()).hexdigest()[:12]
-    return f"{job.key!r} {digest}"
+    return f"{job.key!r} {hashlib.sha256(text.encode()).hexdigest()[:12]}"
 
 
 def gather(jobs: Sequence[Job], parts: dict[Any, Part], provenance: Provenance) -> Shipment:
@@ -162,12 +161,17 @@ def of(section: str) -> Shipment | None:
 
 def taken(section: str, jobs: Sequence[Job]) -> list[Job]:
     """The same jobs, those whose results are shipped replaced by the reading of these."""
-    path = path_of(section)
-    digest = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
+    told_apart = digest(section)
     return [
-        Job(job.key, result_of, (section, call(job), digest)) if holds(section, job) else job
+        Job(job.key, result_of, (section, call(job), told_apart)) if holds(section, job) else job
         for job in jobs
     ]
+
+
+def digest(section: str) -> str:
+    """Hash of what is shipped for a section; empty if nothing is."""
+    path = path_of(section)
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
 
 
 def holds(section: str, job: Job) -> bool:

@@ -213,14 +213,10 @@ def _work_precision(commands: Commands) -> None:
         "work-precision",
         help="measure error against run time of every formulation and integrator",
         description="Run every formulation with every integrator on ladders of steps or "
-        "tolerances and write diagrams, tables and the lesson to one page. An interrupted study "
-        "goes on where it stopped.",
+        f"tolerances and write diagrams, tables and the lesson to one page. {_KEPT}",
     )
-    study.set_defaults(module="work_precision", command="work_precision")
-    add = study.add_argument
-    add("--quick", action="store_true", help="a selection, less than a minute")
-    add("--out", default="work-precision", metavar="DIR", help="folder (default: %(default)s)")
-    add("--fresh", action="store_true", help="measure again what is kept")
+    study.set_defaults(command="work_precision")
+    _add_study(study, "work-precision")
 
 
 def _robustness(commands: Commands) -> None:
@@ -228,12 +224,20 @@ def _robustness(commands: Commands) -> None:
         "robustness",
         help="numerical stability on stiff and extreme cases",
         description="Run a grid of hard cases in separate processes, classify each from its "
-        "measured error, drift and energy, and write tables and figures to one page.",
+        f"measured error, drift and energy, and write tables and figures to one page. {_KEPT}",
     )
-    study.set_defaults(module="robustness")
+    _add_study(study, "robustness")
+
+
+_KEPT = "An interrupted study goes on where it stopped."
+
+
+def _add_study(study: argparse.ArgumentParser, folder: str) -> None:
+    study.set_defaults(module="studies")
     add = study.add_argument
     add("--quick", action="store_true", help="a selection, about a minute")
-    add("--out", default="robustness", metavar="DIR", help="folder (default: %(default)s)")
+    add("--out", default=folder, metavar="DIR", help="folder (default: %(default)s)")
+    add("--fresh", action="store_true", help="run again what is kept")
 
 
 def _rest(commands: Commands) -> None:

@@ -27,8 +27,8 @@ from validation.studies.nonlinear import confirm as nonlinear
 from validation.studies.rest import section as rest
 from validation.studies.robustness import section as robustness
 from validation.studies.stability import section as stability
-from validation.studies.work_precision import study as work_precision
-from validation.studies.work_precision.jobs import jobs as work_precision_jobs
+from validation.studies.work_precision import jobs as work_precision_jobs
+from validation.studies.work_precision import section as work_precision
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,10 +110,10 @@ STUDIES = (
     Study(name="maps", jobs=maps.jobs, section=maps.section, long=whole_maps.jobs, work=20.0),
     Study(
         name="work-precision",
-        jobs=partial(work_precision_jobs, quick=True),
+        jobs=partial(work_precision_jobs.jobs, quick=True),
         section=partial(work_precision.section, quick=True),
-        long=partial(work_precision_jobs, quick=False),
-        workers=work_precision.WORKERS,
+        long=partial(work_precision_jobs.jobs, quick=False),
+        workers=work_precision_jobs.WORKERS,
         work=95.0,
         timed=True,
     ),
@@ -204,7 +204,8 @@ def _compute(studies: Sequence[Study], store: Store, folder: Path) -> tuple[floa
     seconds : float
         Processor time in s of those that did before.
     drawings : list of Job
-        For each study the call that makes its section, told apart by the parts it is made of.
+        For each study the call that makes its section, told apart by the parts it is made of and
+        by what is shipped for it.
     """
     ordered = sorted(studies, key=lambda study: not study.timed)
     found = {study.name: study.all_jobs() for study in studies}
@@ -216,7 +217,11 @@ def _compute(studies: Sequence[Study], store: Store, folder: Path) -> tuple[floa
     _announce(folder, store, len(kept), len(jobs), pace)
     run_parts(left, title="report", store=store, tell=pace.tell)
     return sum(kept.values()), [
-        Job(("section", study.name), study.section, (_identities(found[study.name]),))
+        Job(
+            ("section", study.name, shipped.digest(study.name)),
+            study.section,
+            (_identities(found[study.name]),),
+        )
         for study in studies
     ]
 
@@ -233,7 +238,7 @@ def _draw(drawings: Sequence[Job], store: Store) -> tuple[list[Section], float]:
     kept = {job.key: part for job in drawings if (part := store.find(job)) is not None}
     left = {job.key: job for job in drawings if job.key not in kept}
     if left:
-        say(f"report: drawing {', '.join(name for _, name in left)}")
+        say(f"report: drawing {', '.join(name for _, name, _ in left)}")
     calls = [
         Job(key, make_section, (store.folder, job.function, *job.arguments))
         for key, job in left.items()

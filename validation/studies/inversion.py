@@ -5,16 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis import (
-    LEVELS,
-    LOADS,
-    MODELS,
-    Level,
-    Load,
-    Scenario,
-    SmoothCoulomb,
-    Trajectory,
-)
+from analysis import LEVELS, LOADS, MODELS, Level, Load, Scenario, SmoothCoulomb, Trajectory
+from analysis.data.checks import Array
 from analysis.data.inversion import DEFINITION
 from analysis.data.trajectory import SOURCES
 from validation.kit import figures, snapshots
@@ -115,32 +107,26 @@ def _figure_9(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory]) -> Pi
 
 def agreement(levels: Sequence[tuple[Trajectory, Trajectory]]) -> Table:
     """Engine against in-house in the runs behind the figures."""
-    rows = [
-        [
-            engine.scenario.name,
-            str(engine.method["formulation"]),
-            engine.inversion_time,
-            float(np.max(np.abs(engine.coordinates - inhouse.coordinates)[:, 4:6])),
-            float(np.max(np.abs(engine.rate("alpha") - inhouse.rate("alpha")))),
-            float(np.max(np.abs(engine.normal_force - inhouse.normal_force))),
-            engine.error_estimate,
-        ]
-        for engine, inhouse in levels
-    ]
-    return Table(
+    return Table.of(
+        levels,
+        {
+            "model": lambda pair: pair[0].scenario.name,
+            "formulation": lambda pair: str(pair[0].method["formulation"]),
+            "inverted after s": lambda pair: pair[0].inversion_time,
+            "max difference of β, γ in rad": lambda pair: _apart(
+                *(run.coordinates[:, 4:6] for run in pair)
+            ),
+            "of spin in rad/s": lambda pair: _apart(*(run.rate("alpha") for run in pair)),
+            "of normal force in N": lambda pair: _apart(*(run.normal_force for run in pair)),
+            "engine's own error estimate in rad": lambda pair: pair[0].error_estimate,
+        },
         name="figure-agreement",
         title="Engine against in-house equations in the runs of the paper's Figures 8 and 9",
-        columns=(
-            "model",
-            "formulation",
-            "inverted after s",
-            "max difference of β, γ in rad",
-            "of spin in rad/s",
-            "of normal force in N",
-            "engine's own error estimate in rad",
-        ),
-        rows=rows,
     )
+
+
+def _apart(one: Array, other: Array) -> float:
+    return float(np.max(np.abs(one - other)))
 
 
 def jobs() -> list[Job]:

@@ -43,10 +43,8 @@ START_UPS: dict[str, str] = {
     "sweep": "validation.commands.sweep",
     "map": "validation.commands.maps",
     "scene": "validation.commands.scene",
-    "work-precision": (
-        "validation.commands.work_precision, validation.studies.work_precision.study"
-    ),
-    "robustness": "validation.commands.robustness, validation.studies.robustness.section",
+    "work-precision": ("validation.commands.studies, validation.studies.work_precision.section"),
+    "robustness": "validation.commands.studies, validation.studies.robustness.section",
     "animate": "validation.commands.animate, validation.kit.animation.player",
     "rest --source engine": "validation.commands.rest, mbs_models",
     "rest --source in-house": "validation.commands.rest",

@@ -7,7 +7,6 @@ from math import prod
 from typing import Any, Literal, get_args
 
 import numpy as np
-from scipy.stats import qmc
 
 from analysis.data.checks import Array, choice, number
 from analysis.data.fields import Value, full_name, is_text, is_word, read_value
@@ -237,7 +236,7 @@ def _drawn(design: Design, block: int) -> Array:
         random = np.random.default_rng([design.seed, block])
         return random.random((_BLOCK, axes))
     if design.layout == "sobol":
-        sobol = qmc.Sobol(axes, rng=design.seed)
+        sobol = _qmc().Sobol(axes, rng=design.seed)
         if block:
             sobol.fast_forward(block * _BLOCK)
         drawn: Array = sobol.random(_BLOCK)
@@ -245,9 +244,16 @@ def _drawn(design: Design, block: int) -> Array:
     return _latin_hypercube(axes, design.size, design.seed)[block * _BLOCK :]
 
 
+def _qmc() -> Any:
+    """The module `scipy.stats.qmc`, a third of what a worker would take to start."""
+    from scipy.stats import qmc  # noqa: PLC0415 - few designs need it
+
+    return qmc
+
+
 @lru_cache(maxsize=1)
 def _latin_hypercube(axes: int, size: int, seed: int) -> Array:
-    points: Array = qmc.LatinHypercube(axes, rng=seed).random(size)
+    points: Array = _qmc().LatinHypercube(axes, rng=seed).random(size)
     return points
 
 

@@ -42,6 +42,8 @@ class Plan:
         Run until the disk lies still, or until `end`.
     witnesses : int
         Number of cases, spread over the sweep, that the other side runs as well.
+    witness_tolerance, witness_step : float, optional
+        Of that other side, which otherwise runs to the tolerance; the step is the engine's.
     keep : tuple of str
         Series that are kept of each motion, at its samples: of `SERIES` or, to rest, of
         `REST_SERIES`; names of `GROUPS` stand for several.
@@ -63,6 +65,8 @@ class Plan:
     stop_when: str | None = None
     to_rest: bool = False
     witnesses: int = 0
+    witness_tolerance: float | None = None
+    witness_step: float | None = None
     keep: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -84,7 +88,8 @@ class Plan:
             object.__setattr__(self, "tolerance", 1e-3 if self.to_rest else 1e-6)
 
     def _check_accuracy(self) -> None:
-        foreign: tuple[str, ...] = ("method",) if self.source == "engine" else ("step",)
+        of_engine = ("method", "witness_step")
+        foreign: tuple[str, ...] = of_engine if self.source == "engine" else ("step",)
         if self.source == "engine" and self.to_rest:
             foreign = (*foreign, "local_tolerance")
         for name in foreign:
@@ -92,7 +97,7 @@ class Plan:
                 raise ValueError(f"{name} must be left out for source {self.source!r}")
         if self.method is not None:
             choice("method", self.method, REST_METHODS if self.to_rest else METHODS)
-        for name in ("tolerance", "step"):
+        for name in ("tolerance", "step", "witness_tolerance", "witness_step"):
             if (value := getattr(self, name)) is not None:
                 positive(name, value)
         if self.local_tolerance is not None:
@@ -135,10 +140,12 @@ class Plan:
         return {"local_tolerance": self.local_tolerance}
 
     def witness(self, scenario: Scenario, *, time_limit: float | None) -> Motion:
-        """Motion of the same case from the other side, to the tolerance."""
-        other = SOURCES[self.source == SOURCES[0]]
-        tolerance = self.tolerance or (1e-3 if self.to_rest else 1e-6)
-        how = {"source": other, "tolerance": tolerance, "time_limit": time_limit}
+        """Motion of the same case from the other side."""
+        how: dict[str, Any] = {"time_limit": time_limit, "step": self.witness_step}
+        how["source"] = SOURCES[self.source == SOURCES[0]]
+        if self.witness_step is None:
+            tolerance = self.witness_tolerance or self.tolerance
+            how["tolerance"] = tolerance or (1e-3 if self.to_rest else 1e-6)
         return self._motion(scenario, how, None)
 
     def _motion(self, scenario: Scenario, how: dict[str, Any], formulation: str | None) -> Motion:
@@ -161,5 +168,6 @@ class Plan:
             formulation=self.formulation,
             tolerance=self.tolerance,
             step=self.step,
-            **(self._local if self.source == "engine" else {}),
+            method=self.method,
+            **self._local,
         )

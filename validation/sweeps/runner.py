@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.data.outcomes import DONE, Row, failed
+from analysis.data.state import COORDINATES
 from validation.sweeps.pools import Pool, Processes, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
 from validation.sweeps.sweep import Sweep, run_batch, run_case, sweep_from_text
@@ -27,7 +28,7 @@ MOST_CHUNKS = 100
 LARGEST_CHUNK = 1000
 """Cases in a chunk."""
 
-FIRST_BATCH = 64
+FIRST_BATCH = 32
 """Cases in the first chunks that run together; how long one takes is not known then."""
 
 GRACE = 10.0
@@ -35,6 +36,9 @@ GRACE = 10.0
 
 LARGEST_SERIES = 16_000_000
 """Bytes of series that a chunk may come back with."""
+
+LARGEST_BATCH = 100_000_000
+"""Bytes of samples of cases that run together; some three times as much is held."""
 
 _IDLE = 20
 """Times as much may pass on the clock, on a machine that has other things to do."""
@@ -153,6 +157,8 @@ class _Work:
     def __init__(self, sweep: Sweep, pool: Pool, time_limit: float) -> None:
         self._text = sweep.to_text()
         held = LARGEST_SERIES // max(1, sweep.plan.series_bytes)
+        if sweep.plan.runs_in_batches:
+            held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * sweep.plan.times.size))
         self._largest = max(1, min(LARGEST_CHUNK, held))
         self._pool = pool
         self._limit = time_limit

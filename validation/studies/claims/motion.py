@@ -4,14 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from analysis import (
-    MODELS,
-    Level,
-    Load,
-    Scenario,
-    Trajectory,
-    energies,
-)
+from analysis import MODELS, Level, Load, Scenario, Trajectory, energies
 from validation.run import run as run_scenario
 from validation.studies.claims.claim import Claim, falls, grade, listed
 

@@ -7,14 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import (
-    ConstraintSet,
-    Inversion,
-    Scenario,
-    SmoothCoulomb,
-    Start,
-    Trajectory,
-)
+from analysis import ConstraintSet, Inversion, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
 from validation.kit import figures
 from validation.kit.figures import Picture

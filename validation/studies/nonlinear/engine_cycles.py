@@ -32,6 +32,7 @@ REPEATED = 0.4
 
 _LARGEST = 1e-6
 _LARGEST_MULTIPLIER = 1e-5
+_LIMITS = (_LARGEST, _LARGEST, _LARGEST_MULTIPLIER)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,20 +63,20 @@ def beginning(cycle: Cycle) -> dict[str, Any]:
 
 def witness_table(found: Sequence[Witness]) -> Table:
     """Cycles and multipliers of the engine beside the in-house ones."""
-    return Table(
+    return Table.of(
+        found,
+        {
+            "spin in rad/s": lambda each: each.cycle.spin,
+            "amplitude in rad": lambda each: each.cycle.amplitude,
+            "period in s": lambda each: each.cycle.period,
+            "multiplier": lambda each: each.cycle.multiplier,
+            "amplitude, engine less in-house": lambda each: _differences(each)[0],
+            "period, engine less in-house": lambda each: _differences(each)[1],
+            "multiplier, engine less in-house": lambda each: _differences(each)[2],
+            "agree": lambda each: bool(np.all(np.abs(_differences(each)) < _LIMITS)),
+        },
         name="engine_cycles",
         title="Cycles of Model 4: engine against the reduced system",
-        columns=(
-            "spin in rad/s",
-            "amplitude in rad",
-            "period in s",
-            "multiplier",
-            "amplitude, engine less in-house",
-            "period, engine less in-house",
-            "multiplier, engine less in-house",
-            "agree",
-        ),
-        rows=[_witness_row(each) for each in found],
         note=(
             f"Amplitude and period have to agree to {_LARGEST:g}, the multiplier, which the "
             f"engine has from displaced starts, to {_LARGEST_MULTIPLIER:g}."
@@ -83,19 +84,9 @@ def witness_table(found: Sequence[Witness]) -> Table:
     )
 
 
-def _witness_row(each: Witness) -> tuple[float | bool, ...]:
-    cycle, engine = each.cycle, each.engine
-    differences = (
-        engine.amplitude - cycle.amplitude,
-        engine.period - cycle.period,
-        engine.multiplier - cycle.multiplier,
-    )
-    agree = (
-        abs(differences[0]) < _LARGEST
-        and abs(differences[1]) < _LARGEST
-        and abs(differences[2]) < _LARGEST_MULTIPLIER
-    )
-    return (cycle.spin, cycle.amplitude, cycle.period, cycle.multiplier, *differences, agree)
+def _differences(each: Witness) -> list[float]:
+    names = ("amplitude", "period", "multiplier")
+    return [getattr(each.engine, name) - getattr(each.cycle, name) for name in names]
 
 
 def held_family(name: str, amplitudes: Sequence[float] = AMPLITUDES) -> list[HeldCycle]:

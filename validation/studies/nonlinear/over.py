@@ -6,11 +6,7 @@ from typing import Any
 
 from analysis import Scenario
 from analysis.data.fields import changed, check_field, is_text, unit
-from analysis.nonlinear.heteroclinic import (
-    Connection,
-    NoConnectionError,
-    heteroclinic_connection,
-)
+from analysis.nonlinear.heteroclinic import Connection, NoConnectionError, heteroclinic_connection
 from analysis.nonlinear.over import CyclesOver
 from analysis.stability.linear_reduced import critical_speed
 from validation.kit import figures

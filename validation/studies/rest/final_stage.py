@@ -9,11 +9,7 @@ import numpy as np
 from analysis import CENTRED_DISK as DISK
 from analysis import Dissipation, PenaltyContact, Scenario, SpatialMotion
 from analysis.rest.final_stage import fit_power_law, precession
-from analysis.rest.stationary_rolling import (
-    euler_disk_precession,
-    rolling_start,
-    time_to_flat,
-)
+from analysis.rest.stationary_rolling import euler_disk_precession, rolling_start, time_to_flat
 from validation.kit import figures
 from validation.kit.figures import Picture
 from validation.kit.report import Job

@@ -2,9 +2,9 @@
 
     python -m validation.studies.robustness.random_scenarios --number 60 --seed 1
 
-Spin from 0 to 300 rad/s, half of them to 60, friction up to 3, smoothing from 1e-5 to 10 m/s, any
-tilt, tolerances from 1e-3 to 1e-8 rad, all models, formulations and loads, 1 s long. Each run is
-measured against in-house runs by two methods.
+Spin from 0 to 300 rad/s, half of them to 60, friction from 0.01 to 3, smoothing from 1e-5 to
+10 m/s, any tilt, tolerances from 1e-3 to 1e-8 rad, all models, formulations and loads, 1 s long.
+Each run is measured against in-house runs by two methods.
 """
 
 import argparse
@@ -50,7 +50,7 @@ class Draw:
         assert isinstance(friction, SmoothCoulomb)
         return (
             f"{scenario.name}, {self.formulation}, load {friction.load}, "
-            f"μ {friction.coefficient:.2f}, ε {friction.smoothing:.1e}, "
+            f"μ {friction.coefficient:.2g}, ε {friction.smoothing:.1e}, "
             f"spin {state.rates[3]:.0f}, β {state.coordinates[4]:.2f}, "
             f"tolerance {self.tolerance:.0e}"
         )
@@ -69,7 +69,7 @@ def _draw(rng: np.random.Generator) -> Draw:
     formulation = available[rng.integers(len(available))]
     by_contact = rng.random() < 0.5 and formulation != "contact-tree"
     friction = SmoothCoulomb(
-        coefficient=float(rng.uniform(0.0, 3.0)),
+        coefficient=float(10.0 ** rng.uniform(-2.0, 0.5)),
         smoothing=float(10.0 ** rng.uniform(-5.0, 1.0)),
         load="contact" if by_contact else "weight",
     )

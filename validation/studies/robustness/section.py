@@ -3,14 +3,11 @@
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 from analysis import LOADS
-from validation.kit.clock import Clock
-from validation.kit.report import Job, Section, run_kept, write
+from validation.kit.report import Job, Section
 from validation.kit.samples import age
-from validation.kit.tables import Table
 from validation.studies.robustness import causes, steps, stored, tables
 from validation.studies.robustness import drift as long_runs
 from validation.studies.robustness import figures as draw
@@ -148,38 +145,6 @@ def section(results: Mapping[Any, Any], *, quick: bool) -> Section:
             tables.all_cases(outcomes),
         ],
     )
-
-
-def make(folder: Path, *, quick: bool = False) -> tuple[Path, list[Table], int]:
-    """Run the study and write its page, figures and tables.
-
-    Parameters
-    ----------
-    folder : Path
-        Made if it does not exist. What is finished is kept there, also for
-        `validation.studies.ship`.
-    quick : bool
-        A sample of the cases of Model 1.
-
-    Returns
-    -------
-    page : Path
-    tables : list of Table
-        The tables a terminal should show.
-    wrong : int
-        See `wrong`.
-
-    Raises
-    ------
-    OSError
-        If the folder cannot be written.
-    """
-    clock = Clock()
-    parts = run_kept(jobs(quick=quick), folder, title="robustness")
-    results = {key: part.result for key, part in parts.items()}
-    made = section(results, quick=quick)
-    page = write([made], folder, made=clock.sentence())
-    return page, list(made.tables[:2]), wrong(results)
 
 
 def wrong(results: Mapping[Any, Any]) -> int:

@@ -7,16 +7,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq, linear_sum_assignment
 
 import mbs_models
-from analysis import (
-    LEVELS,
-    MODELS,
-    MOTIONS,
-    ConstraintSet,
-    Level,
-    Motion,
-    Scenario,
-    Start,
-)
+from analysis import LEVELS, MODELS, MOTIONS, ConstraintSet, Level, Motion, Scenario, Start
 from analysis.data.checks import Array
 from analysis.stability import spectra
 from mbs_models import Formulation, Scene

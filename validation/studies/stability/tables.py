@@ -88,33 +88,20 @@ def printed_numbers(engine: Mapping[str, float]) -> Table:
         What the engine gives for some of them, by the names of `found_numbers`.
     """
     steel, rounded = found_numbers(STEEL_DISK), found_numbers(ROUNDED_STEEL_DISK)
-    rows: list[list[Cell]] = [
-        [
-            name,
-            unit,
-            paper,
-            steel[name],
-            rounded[name],
-            engine.get(name),
-            steel[name] - paper,
-            explanation,
-        ]
-        for name, (paper, unit, explanation) in _PRINTED.items()
-    ]
-    return Table(
+    return Table.of(
+        _PRINTED,
+        {
+            "quantity": lambda name: name,
+            "unit": lambda name: _PRINTED[name][1],
+            "paper": lambda name: _PRINTED[name][0],
+            "here, unrounded disk": lambda name: steel[name],
+            "here, Table 1": lambda name: rounded[name],
+            "engine, unrounded disk": engine.get,
+            "difference to the paper": lambda name: steel[name] - _PRINTED[name][0],
+            "explanation": lambda name: _PRINTED[name][2],
+        },
         name="stability-numbers",
         title="Numbers of Sections 3 and 6",
-        columns=(
-            "quantity",
-            "unit",
-            "paper",
-            "here, unrounded disk",
-            "here, Table 1",
-            "engine, unrounded disk",
-            "difference to the paper",
-            "explanation",
-        ),
-        rows=rows,
         digits=6,
     )
 

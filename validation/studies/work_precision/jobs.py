@@ -1,10 +1,18 @@
-"""Everything that the work-precision study computes."""
+"""Error against work and run time of every formulation and integrator.
+
+Every method runs every problem on a ladder of steps or tolerances. What a run costs is counted
+in evaluations and measured in processor time; what it is worth is its largest deviation from a
+reference that two different methods agree on.
+"""
 
 from validation.kit.parts import Job
 from validation.studies.work_precision.measure import measure
 from validation.studies.work_precision.methods import label, methods
 from validation.studies.work_precision.prices import cases, measure_price
 from validation.studies.work_precision.problems import PROBLEMS, agreement
+
+WORKERS = 2
+"""Runs at the same time, each in one thread of a process of its own."""
 
 PREFIX = "work-precision"
 """Name of the section, which the keys of all jobs start with."""

@@ -13,12 +13,7 @@ from math import inf
 import numpy as np
 
 from analysis import Trajectory
-from validation.studies.work_precision.methods import (
-    EngineMethod,
-    Extrapolation,
-    Method,
-    TimedRun,
-)
+from validation.studies.work_precision.methods import EngineMethod, Extrapolation, Method, TimedRun
 from validation.studies.work_precision.problems import (
     PROBLEMS,
     Errors,

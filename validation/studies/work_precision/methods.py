@@ -15,12 +15,7 @@ from mbs_models import Formulation, Integrator, Scene
 from mbs_models.extrapolation import Ladder
 from mbs_models.passes import one_pass
 from mbs_models.simulation import trajectory
-from validation.studies.work_precision.problems import (
-    SPACING,
-    TIMES,
-    ProblemName,
-    StandardProblem,
-)
+from validation.studies.work_precision.problems import SPACING, TIMES, ProblemName, StandardProblem
 
 HALVINGS = 8
 """Of the longest step, the sampling interval; ladders of steps end after so many: 25600 steps.

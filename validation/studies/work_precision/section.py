@@ -1,12 +1,37 @@
 """The section of the report on error against run time."""
 
+from collections.abc import Mapping
+from typing import Any
+
+from validation.kit.provenance import Provenance
 from validation.kit.report import Section
 from validation.kit.samples import age
 from validation.studies.work_precision import confirm, figures, lesson, tables
 from validation.studies.work_precision.jobs import PREFIX, jobs
 from validation.studies.work_precision.methods import QUICK_PROBLEMS
 from validation.studies.work_precision.problems import PROBLEMS, SPACING, TIMES
-from validation.studies.work_precision.stored import Study, shipped
+from validation.studies.work_precision.stored import Study, gathered, shipped
+
+
+def collect(
+    results: Mapping[Any, Any], *, quick: bool, provenance: Provenance | None = None
+) -> Study:
+    """Study from the results of `jobs`, by default made here and now.
+
+    Raises
+    ------
+    KeyError
+        If a result is missing; others beside them do not matter.
+    """
+    found = [results[job.key] for job in jobs(quick=quick)]
+    return gathered(found, provenance=provenance or Provenance.here(), quick=quick)
+
+
+def section(
+    results: Mapping[Any, Any], *, quick: bool, provenance: Provenance | None = None
+) -> Section:
+    """Section of the report from the results of `jobs`; arguments as of `collect`."""
+    return make_section(collect(results, quick=quick, provenance=provenance))
 
 
 def make_section(measured: Study) -> Section:

@@ -1,0 +1,30 @@
+"""Calls of the command line."""
+
+import pytest
+
+from validation import cli
+
+
+def run(*words: str) -> int:
+    """Exit code of a call; text with spaces is several words."""
+    try:
+        return cli.main([word for each in words for word in each.split()])
+    except SystemExit as stop:
+        return int(stop.code or 0)
+
+
+def refusal(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """The one line in which a call is refused, with code 2 and nothing else said."""
+    assert run(*words) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    command = words[0].partition(" ")[0]
+    assert shown.err.startswith(f"tippedisk {command}: error: ")
+    assert shown.err.count("\n") == 1
+    return shown.err
+
+
+def printed(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """What a call prints that succeeds."""
+    assert run(*words) == 0
+    return capsys.readouterr().out
