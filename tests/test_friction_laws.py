@@ -283,6 +283,8 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     assert tippedisk("animate", "own.npz", "--law=rough:SquareRoot").returncode == 0
     cases = ("spin=30,40", "--scenario=own.toml", "--end=0.1", "--workers=1")
     assert tippedisk("sweep", *cases, "--out=own.db").stdout == "own.db: 2 cases\n"
+    cases = ("law=tanh,rough:SquareRoot", "--model=4", "--end=0.1", "--workers=1")
+    assert tippedisk("sweep", *cases, "--out=laws.db").stdout == "laws.db: 2 cases\n"
 
 
 @pytest.mark.parametrize(

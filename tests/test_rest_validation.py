@@ -91,6 +91,14 @@ def test_wrong_calls_answer_in_one_line(
     assert message in refusal(capsys, "rest", *arguments)
 
 
+def test_command_says_that_its_start_is_an_unstable_motion(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    call = ["rest", "--source", "in-house", "--end", "0.02", "--gamma", "pi/2", "--spin", "20"]
+    assert main(call) == 0
+    assert "start is exactly inverted spinning, which is unstable" in capsys.readouterr().out
+
+
 def test_command_names_only_the_losses_that_are_lacking(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

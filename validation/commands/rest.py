@@ -6,6 +6,7 @@ from pathlib import Path
 
 from analysis import CAUSES, Dissipation, SpatialMotion
 from analysis.data.checks import positive
+from analysis.stability.unstable_start import unstable_start
 from validation.commands.options import announce, chosen_end
 from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
@@ -32,10 +33,18 @@ def rest(options: argparse.Namespace) -> int:
         if taken:
             # Below the error it may come out negative; no -0.000000.
             print(f"  {cause.replace('_', ' '):14s} {round(taken, 6) + 0.0:.6f} J")
+    _print_end(motion)
+    return 0
+
+
+def _print_end(motion: SpatialMotion) -> None:
+    """How far the motion can be relied on, and why it ended."""
     if motion.error_estimate is None:
         print("error            not estimated; --tolerance does")
     else:
         print(f"estimated error  {motion.error_estimate:.1e} in rad and in parts of the energy")
+    if warning := unstable_start(motion.scenario):
+        print(warning)
     if motion.ending is not None:
         print(motion.ending)
     elif phases.rest is None:
@@ -43,7 +52,6 @@ def rest(options: argparse.Namespace) -> int:
             f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad"
             + _lacking(motion.scenario.dissipation)
         )
-    return 0
 
 
 def _lacking(losses: Dissipation) -> str:

@@ -38,6 +38,7 @@ _LOSSES = {
     "pivoting": "pivoting",
     "air_drag": "air_drag",
 }
+_LAW_AXES = ("law=", "friction.law=")
 _FRICTION = {"mu": "coefficient", "eps": "smoothing", "load": "load"}
 
 
@@ -93,7 +94,7 @@ def read_scenario(path: Path) -> Scenario:
 def find_own(options: argparse.Namespace) -> None:
     """Import what --law and --stop-when name of one's own; the working directory is looked in.
 
-    A stored run with a law of one's own can be read then.
+    A stored run with a law of one's own can be read then. An axis of a sweep may name one, too.
 
     Raises
     ------
@@ -101,7 +102,8 @@ def find_own(options: argparse.Namespace) -> None:
         If that cannot be, or a name is unknown.
     """
     law, condition = (getattr(options, name, None) for name in ("law", "stop_when"))
-    if is_own(law) or is_own(condition):
+    axes = getattr(options, "axes", None) or ()
+    if is_own(law) or is_own(condition) or any(axis.startswith(_LAW_AXES) for axis in axes):
         _look_here()
     if law is not None:
         law_class(law.partition(",")[0])
