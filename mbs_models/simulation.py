@@ -119,7 +119,7 @@ def simulate(
             f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
         )
     simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
-    conditions = named_conditions(stop_when)
+    conditions = named_conditions(stop_when, scene.scenario.initial_state)
     watch = Watch(time_limit, progress)
 
     def run(way: Integrator, largest: float, halvings: int = 0) -> Pass:

@@ -104,6 +104,19 @@ def test_run_stops_where_it_is_told_to(
     assert not_none(ending).reason == INVERTED
 
 
+def test_an_error_that_nobody_foresaw_is_no_result(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(_: object) -> int:
+        raise KeyError("speed")
+
+    monkeypatch.setattr("validation.commands.scenario.scenario", broken)
+    assert run("scenario") == 2
+    shown = capsys.readouterr().err
+    assert shown.startswith("Traceback")
+    assert shown.endswith("KeyError: 'speed'\n")
+
+
 def test_what_cannot_be_written_is_refused_before_anything_runs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -190,6 +190,20 @@ def test_motions_that_end_otherwise_do_not_agree(monkeypatch: pytest.MonkeyPatch
     assert detail.startswith("engine runs through; in-house ended at t = 0.0158")
 
 
+def test_a_motion_that_runs_out_of_time_is_no_disagreement(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def late(scenario: Scenario, times: object, **options: object) -> object:
+        limit = {} if options.get("source") == "in-house" else {"time_limit": 1e-9}
+        return run(scenario, times, **(options | limit))  # type: ignore[arg-type]
+
+    comparisons.reference.cache_clear()
+    monkeypatch.setattr("validation.studies.comparisons.run", late)
+    difference, detail = comparisons.motion_difference(Scene(), 0.02)
+    assert difference is None
+    assert "time limit" in detail
+
+
 def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
     rng = np.random.default_rng(0)
     for constraints in POSSIBLE_SETS:

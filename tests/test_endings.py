@@ -155,6 +155,8 @@ def test_ending_comes_back_from_a_file(tmp_path: Path) -> None:
         ("asleep", "stop_when must be one of inverted, lost, module:function, got 'asleep'"),
         ([3], "stop_when must hold names or functions of a State, got 3"),
         ("math:pi", "stop_when must hold names or functions of a State, got 'math:pi'"),
+        (lambda _: "low", "stop_when <lambda> must be a finite number, got 'low'"),
+        (lambda _: float("nan"), "stop_when <lambda> must be a finite number, got nan"),
         ("no.such:thing", "stop_when 'no.such:thing' cannot be loaded: No module named 'no'"),
     ],
 )

@@ -69,6 +69,8 @@ def test_what_a_run_cannot_end_at_is_named() -> None:
         ValueError, match="stop_when must be one of inverted, lost, module:function, got 'asleep'"
     ):
         mbs_models.simulate(Scene(), TIMES, step=5e-3, stop_when="asleep")
+    with pytest.raises(ValueError, match="stop_when <lambda> must be a finite number, got None"):
+        mbs_models.simulate(Scene(), TIMES, step=5e-3, stop_when=lambda _: None)  # type: ignore[arg-type,return-value]
 
 
 FALLING = Start(beta=1.0, gamma=pi / 2, spin=0.0)

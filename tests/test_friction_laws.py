@@ -1,5 +1,6 @@
 """Friction laws: their closed properties, both sides under each, files and the command line."""
 
+import re
 import subprocess
 import sys
 from dataclasses import dataclass, replace
@@ -203,6 +204,38 @@ def test_file_runs_no_module_that_it_names() -> None:
 def test_bad_law_is_refused(values: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         law_from(values)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answering(FrictionLaw):
+    """Law that answers with what it is given."""
+
+    answer: Any
+    finest: Any = 0.1
+
+    def per_speed(self, speed: float) -> float:
+        return self.answer(speed) if callable(self.answer) else float(self.answer)
+
+    @property
+    def finest_speed(self) -> float:
+        return float(self.finest)
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        (Answering(answer=nan), "per_speed(0) must be a finite number, got nan"),
+        (Answering(answer=-3.0), "per_speed(0) must not be negative, got -3"),
+        (Answering(answer=lambda speed: 1.0 / speed), "ZeroDivisionError: float division"),
+        (Answering(answer=lambda _: "3"), "per_speed(0) must be a finite number, got '3'"),
+        (Answering(answer=1.0, finest=0.0), "finest_speed must be positive, got 0"),
+    ],
+)
+def test_law_that_says_no_friction_is_refused_before_anything_runs(
+    law: FrictionLaw, message: str
+) -> None:
+    with pytest.raises(ValueError, match=f"friction law '.*:Answering': {re.escape(message)}"):
+        Scenario(friction=law)
 
 
 @pytest.mark.parametrize(

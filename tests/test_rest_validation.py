@@ -91,6 +91,16 @@ def test_wrong_calls_answer_in_one_line(
     assert message in refusal(capsys, "rest", *arguments)
 
 
+def test_command_names_only_the_losses_that_are_lacking(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    call = ["rest", "--source", "in-house", "--end", "0.02", "--rolling-viscous", "5e-3"]
+    assert main(call) == 0
+    shown = capsys.readouterr().out
+    assert "lying still needs --pivoting" in shown
+    assert "lying flat" not in shown
+
+
 @pytest.mark.slow
 def test_final_stage_table_holds_the_predicted_exponents() -> None:
     results = {job.key: job.function(*job.arguments) for job in rest_final.jobs()}

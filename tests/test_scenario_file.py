@@ -43,7 +43,7 @@ class Own(FrictionLaw):
     nothing: float | None = None
 
     def per_speed(self, speed: float) -> float:
-        return self.strength / (1.0 + speed)
+        return 0.3 / (self.order + speed)
 
     @property
     def finest_speed(self) -> float:

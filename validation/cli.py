@@ -13,6 +13,7 @@ from contextlib import redirect_stdout, suppress
 from importlib import import_module
 from io import StringIO
 from pathlib import Path
+from traceback import format_exc
 from typing import TextIO
 
 from validation.parser.top import parser
@@ -79,6 +80,11 @@ def _run(arguments: Sequence[str] | None) -> int:
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         message = " ".join(str(error).split()) or "not enough memory"
         _complain(f"{name}: error: {_blamed_option(options, message)}{message}")
+        return 2
+    except Exception:  # noqa: BLE001 - whatever it is, it is no result
+        # A law of one's own, or this program, is at fault: where, the traceback says. An exit code
+        # of 1 would say that the work was done.
+        _complain(format_exc().rstrip())
         return 2
     except KeyboardInterrupt:
         _complain(f"{name}: interrupted")

@@ -92,18 +92,20 @@ class Ending:
         return f"ended at t = {self.time:.9g} s: {saying}"
 
 
-def named_conditions(stop_when: StopWhen) -> dict[str, Condition]:
+def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[str, Condition]:
     """Conditions by the reason they give.
 
     Parameters
     ----------
     stop_when : str, callable or iterable of them
+    state : State, optional
+        To try them on.
 
     Raises
     ------
     ValueError
-        If a name is unknown or stands for two of them, or something is neither a name nor
-        callable.
+        If a name is unknown or stands for two of them, something is neither a name nor callable,
+        or says no number of the state.
     """
     given = [stop_when] if isinstance(stop_when, str) or callable(stop_when) else list(stop_when)
     found: dict[str, Condition] = {}
@@ -111,6 +113,8 @@ def named_conditions(stop_when: StopWhen) -> dict[str, Condition]:
         name, condition = _named(each)
         if found.setdefault(name, condition) is not condition:
             raise ValueError(f"stop_when must hold functions of different names, got {name} twice")
+        if state is not None:
+            number(f"stop_when {name}", condition(state))
     return found
 
 

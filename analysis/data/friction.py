@@ -335,6 +335,19 @@ def law_class(name: Any, *, own: bool = True) -> type[FrictionLaw]:
     return kind
 
 
+def check_answers(law: FrictionLaw) -> None:
+    """Raise if what a law says is no friction: one of one's own may say anything."""
+    name = law_values(law)["law"]
+    if name in LAWS:
+        return
+    try:
+        positive("finest_speed", law.finest_speed)
+        not_negative("per_speed(0)", law.per_speed(0.0))
+    except Exception as error:
+        said = error if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
+        raise ValueError(f"friction law {name!r}: {said}") from error
+
+
 def check_coefficient(law: FrictionLaw, name: str) -> None:
     """Raise if a coefficient of a law is out of range; keep it as a float."""
     value = not_negative(name, getattr(law, name))

@@ -17,7 +17,7 @@ from analysis.data.constraint_set import (
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import STEEL_DISK, Disk
 from analysis.data.dissipation import Dissipation
-from analysis.data.friction import FrictionLaw, SmoothCoulomb, law_from, law_values
+from analysis.data.friction import FrictionLaw, SmoothCoulomb, check_answers, law_from, law_values
 from analysis.data.start import Start
 from analysis.data.state import State
 from analysis.data.table import Table
@@ -90,6 +90,7 @@ class Scenario(_Remembering):
                 raise ValueError(f"{name} must be a {kind.__name__}, got {value!r}")
         if not isinstance(self.start, Start | State):
             raise ValueError(f"start must be a Start or a State, got {self.start!r}")
+        check_answers(self.friction)
         object.__setattr__(self, "constraints", constraint_set(self.constraints))
         if self.contact is not None:
             if self.model != 1:

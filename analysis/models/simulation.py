@@ -113,7 +113,7 @@ def simulate(
     times = increasing_times(times)
     choice("method", method, METHODS)
     form = default_form(scenario) if form is None else form
-    conditions = named_conditions(stop_when)
+    conditions = named_conditions(stop_when, scenario.initial_state)
     compiled = None
     if method == "taylor":
         compiled = CompiledScenario(scenario, form, conditions, allow_pulling=allow_pulling)

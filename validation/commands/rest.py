@@ -4,7 +4,7 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from analysis import CAUSES, SpatialMotion
+from analysis import CAUSES, Dissipation, SpatialMotion
 from analysis.data.checks import positive
 from validation.commands.options import announce, chosen_end
 from validation.commands.output import save
@@ -40,10 +40,20 @@ def rest(options: argparse.Namespace) -> int:
         print(motion.ending)
     elif phases.rest is None:
         print(
-            f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad; "
-            "lying flat needs --rolling or --rolling-viscous, lying still --pivoting"
+            f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad"
+            + _lacking(motion.scenario.dissipation)
         )
     return 0
+
+
+def _lacking(losses: Dissipation) -> str:
+    """What a disk needs that is to come to rest, and does not have."""
+    needs = []
+    if not losses.rolling_dry and not losses.rolling_viscous:
+        needs.append("lying flat needs --rolling or --rolling-viscous")
+    if not losses.pivoting:
+        needs.append("lying still needs --pivoting")
+    return "".join(f"; {each}" for each in needs)
 
 
 def _simulate(options: argparse.Namespace) -> SpatialMotion:

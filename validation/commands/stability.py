@@ -35,7 +35,7 @@ def eigenvalues(options: argparse.Namespace) -> int:
     ]
     deliver(options, [table], rows)
     if options.plot is not None:
-        save(_draw(found), options.plot)
+        save(_draw(found, f"{options.motion} spinning, {scenario.name},"), options.plot)
     return 0
 
 
@@ -66,7 +66,8 @@ def critical(options: argparse.Namespace) -> int:
         branches = spectra.branches(
             scenario, spectra.helper_spins(low, high), options.system, options.motion
         )
-        save(_draw(branches, where, found.crossings), options.plot)
+        what = f"{options.motion} spinning, {scenario.name},"
+        save(_draw(branches, what, where, found.crossings), options.plot)
     if as_text(options):
         print(_closed_form(closed))
     return 0
@@ -150,6 +151,7 @@ def _table(name: str, found: Branches) -> Table:
 
 def _draw(
     found: Branches,
+    motion: str,
     stable: Sequence[tuple[float, float]] = (),
     crossings: Sequence[Crossing] = (),
 ) -> Any:
@@ -173,11 +175,11 @@ def _draw(
     if crossings:
         spins = [each.spin for each in crossings]
         axes[0].plot(spins, [0.0] * len(spins), "ko", zorder=4, label="crossing")
-        # What crosses is small beside what friction makes decay.
-        axes[0].set_yscale("symlog", linthresh=1.0)
         for sign in (1.0, -1.0):
             axes[1].plot(spins, [sign * each.frequency for each in crossings], "ko", zorder=4)
-    axes[0].set(ylabel="Re λ in 1/s")
-    axes[1].set(ylabel="Im λ in 1/s", xlabel="spinning speed Ω in rad/s")
+    # What decides on stability is small beside what friction makes decay.
+    axes[0].set_yscale("symlog", linthresh=1.0)
+    axes[0].set(ylabel="Re λ in 1/s: unstable above 0")
+    axes[1].set(ylabel="Im λ in 1/s", xlabel=f"Ω of {motion} in rad/s")
     figures.legend_above(axes[0], columns=4)
     return figure

@@ -199,6 +199,9 @@ def _motion_difference(scene: Scene, end: float) -> tuple[float, str]:
         )
     except (mbs_models.EngineError, FlatError) as error:
         return np.inf, f"the engine fails: {error}"
+    for each in (engine, inhouse):
+        if each.ending is not None and each.ending.reason == TIME_LIMIT:
+            raise TimeLimitError(f"{each.source} {each.ending}")
     endings = [None if each.ending is None else each.ending.reason for each in (engine, inhouse)]
     if endings[0] != endings[1] or engine.times.size != inhouse.times.size:
         told = (str(each.ending or "runs through") for each in (engine, inhouse))
