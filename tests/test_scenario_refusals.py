@@ -33,6 +33,8 @@ def refusal(text: str, folder: Path) -> tuple[str, str]:
 REFUSED: list[tuple[list[Entry], str, str]] = [
     # What the file itself says.
     ([("", "format", "2")], "format 2 is newer than this version", "format"),
+    ([("disk", "radius", "1e160")], "radius must lie from 0 to 1e+100, got 1e+160", "radius"),
+    ([("disk", "thickness", "1e308")], "thickness must lie from 0 to 1e+100", "thickness"),
     ([("", "format", "0")], "format must be 1, got 0", "format"),
     ([("", "format", "true")], "format must be 1, got True", "format"),
     ([("", "model", "5")], "model must be one of 1, 2, 3, 4, got 5", "model"),

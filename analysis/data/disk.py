@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from math import pi, sqrt
 
-from analysis.data.checks import not_negative, number, positive
+from analysis.data.checks import not_negative, number, positive, within
+from analysis.data.limits import LARGEST_VALUE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,7 +50,7 @@ class Disk:
 
     def __post_init__(self) -> None:
         for name in ("radius", "mass", "inertia_x", "inertia_y", "inertia_z"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
+            object.__setattr__(self, name, _size(name, getattr(self, name)))
         eccentricity = number("eccentricity", self.eccentricity)
         if not 0.0 <= eccentricity < self.radius:
             raise ValueError(
@@ -121,11 +122,11 @@ class Disk:
         ValueError
             If a length or the density is out of range, or the hole cuts the edge.
         """
-        radius = positive("radius", radius)
+        radius = _size("radius", radius)
         hole_radius = not_negative("hole_radius", hole_radius)
         hole_distance = not_negative("hole_distance", hole_distance)
-        thickness = positive("thickness", thickness)
-        density = positive("density", density)
+        thickness = _size("thickness", thickness)
+        density = _size("density", density)
         if hole_distance + hole_radius >= radius:
             raise ValueError(
                 f"hole_distance + hole_radius must be less than radius = {radius:g}, "
@@ -143,6 +144,11 @@ class Disk:
             inertia_y=full_across - hole_across - hole * hole_distance**2,
             inertia_z=full * radius**2 / 2 - hole * (hole_radius**2 / 2 + hole_distance**2),
         )
+
+
+def _size(name: str, value: float) -> float:
+    """Positive number of which the square does not overflow; `ValueError` otherwise."""
+    return within(name, positive(name, value), 0.0, LARGEST_VALUE)
 
 
 STEEL_RING = {

@@ -47,7 +47,7 @@ def _print_end(motion: SpatialMotion) -> None:
         print(warning)
     if motion.ending is not None:
         print(motion.ending)
-    elif phases.rest is None:
+    elif motion.phases.rest is None:
         print(
             f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad"
             + _lacking(motion.scenario.dissipation)
