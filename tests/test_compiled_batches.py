@@ -1,5 +1,6 @@
 """Compiled batches: members are those of single runs, and each on its own."""
 
+import sys
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -15,7 +16,7 @@ from analysis import (
     simulate,
     simulate_many,
 )
-from analysis.compiled import code
+from analysis.compiled import code, places
 from tests.helpers import assert_close, model
 from validation.studies import compiled_speed
 
@@ -85,6 +86,24 @@ def test_member_that_fails_leaves_its_batch_alone() -> None:
     assert isinstance(first, Trajectory)
     assert isinstance(last, Trajectory)
     np.testing.assert_array_equal(first.coordinates, last.coordinates)
+
+
+@pytest.mark.parametrize("faster", [False, True], ids=["where it is", "deeper"])
+def test_calls_go_on_from_the_place_on_the_stack_that_took_less_time(
+    monkeypatch: pytest.MonkeyPatch, faster: bool
+) -> None:
+    deeper: list[bool] = []
+    clock = [0.0]
+
+    def call() -> int:
+        deeper.append(sys._getframe(1).f_code.co_name == "_called")
+        clock[0] += 1.0 if deeper[-1] == faster else 1.2
+        return len(deeper)
+
+    monkeypatch.setattr(places, "perf_counter", lambda: clock[0])
+    tried = places.Places()
+    assert [tried.call(call) for _ in range(8)] == list(range(1, 9))
+    assert deeper == [False, True] * 2 + [faster] * 4
 
 
 @pytest.mark.slow

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from analysis.compiled.code import Code
 from analysis.compiled.library import heyoka
+from analysis.compiled.places import Places
 from analysis.compiled.systems import ALIVE, REASON, SIGN, SINGULAR, WHEN
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT
@@ -221,6 +223,7 @@ def run(
     """
     found = Reached.nothing(rows.size, times, lot.starts.shape[1])
     failed: list[int] = []
+    places = Places()
     with lot.code.integrator(local_tolerance, batch=True) as solver:
         width = solver.batch_size
         # A batch that is not full repeats its last member.
@@ -237,7 +240,8 @@ def run(
             solver.state[:] = states[:, some]
             solver.pars[:] = parameters[:, some]
             solver.reset_cooldowns()
-            _, samples = solver.propagate_grid(grid, max_delta_t=steps[some], max_steps=MOST_STEPS)
+            propagate = partial(solver.propagate_grid, grid, max_delta_t=steps[some])
+            _, samples = places.call(partial(propagate, max_steps=MOST_STEPS))
             failed += _take(found, solver, samples, first, lot.code.reasons)
     errors: dict[int, Exception] = {}
     for row in failed:

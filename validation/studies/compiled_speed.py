@@ -15,6 +15,7 @@ from analysis import MODELS, Ensemble, Form, Method, Scenario, Start, simulate, 
 from analysis.compiled import systems
 from analysis.compiled.code import code_of, flip
 from analysis.compiled.library import heyoka
+from analysis.compiled.places import deeper
 from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
 from analysis.models.simulation import COMPILED_TOLERANCES
@@ -181,19 +182,13 @@ def in_turns(
         for _ in range(calls):
             call()
 
-    places = [
-        [milliseconds(_from(place, partial(repeated, call))) / calls for call in (ours, hand)]
-        for place in range(4)
-    ]
-    mean = np.mean(places, axis=0)
+    turns: list[list[float]] = []
+    both: list[Callable[[], object]] = [partial(repeated, call) for call in (ours, hand)]
+    for _ in range(4):
+        turns.append([milliseconds(call) / calls for call in both])
+        both = [partial(deeper, call) for call in both]
+    mean = np.mean(turns, axis=0)
     return float(mean[0]), float(mean[1])
-
-
-def _from(place: int, call: Callable[[], object]) -> Callable[[], object]:
-    """The same call from so many frames of C further down the stack."""
-    for _ in range(place):
-        call = partial(sorted, [0], key=lambda _, call=call: call() is None)
-    return call
 
 
 def _first(
