@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +18,7 @@ from validation.studies.claims import (
     pure_rolling,
     start_spins,
 )
-from validation.studies.claims.attraction import RandomStart, Results
+from validation.studies.claims.attraction import Outcome, RandomStart, Results
 from validation.studies.claims.claim import Claim, falls, grade, table
 from validation.studies.claims.start_spins import LeastSpin
 
@@ -46,8 +45,8 @@ def upright(gamma: np.ndarray, times: np.ndarray) -> Trajectory:
     )
 
 
-def test_verdicts_are_four_words() -> None:
-    with pytest.raises(ValueError, match="verdict must be one of yes, partly, no, not tried"):
+def test_verdicts_are_three_words() -> None:
+    with pytest.raises(ValueError, match="verdict must be one of yes, partly, no"):
         Claim(place="", statement="", criterion="", measured="", verdict="maybe")  # type: ignore[arg-type]
     assert grade(yes=True, partly=False) == "yes"
     assert grade(yes=False, partly=True) == "partly"
@@ -296,30 +295,15 @@ def stored(share: float = 1.0) -> Results:
     }
 
 
-def test_outcomes_survive_their_file(tmp_path: Path) -> None:
-    path = tmp_path / "attraction.csv"
-    attraction.store(stored(0.4), path)
-    assert attraction.load(path) == stored(0.4)
-    assert attraction.load(tmp_path / "none.csv") is None
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        ("", "must begin with the columns"),
-        ("model,tilt,spin in rad/s,start,outcome\n1,any tilt,25,0,eaten\n", "is no start"),
-        ("model,tilt,spin in rad/s,start,outcome\n1,any tilt\n", "is no start"),
-    ],
-)
-def test_damaged_file_is_refused(content: str, message: str, tmp_path: Path) -> None:
-    path = tmp_path / "attraction.csv"
-    path.write_text(content)
-    with pytest.raises(ValueError, match=message):
-        attraction.load(path)
+def test_starts_are_collected_from_the_jobs_in_their_order() -> None:
+    jobs = attraction.jobs()
+    found = attraction.collect({job.key: ["inverted", "flat"] for job in jobs})
+    assert len(found) == 2 * len(jobs)
+    first = RandomStart(level=1, tilt="near upright", spin=25.0, number=0)
+    assert (found[first], found[replace(first, number=1)]) == ("inverted", "flat")
 
 
 def test_attraction_is_judged_by_the_worst_supercritical_spin() -> None:
-    assert attraction.claim(None).verdict == "not tried"
     assert attraction.claim(stored()).verdict == "yes"
     assert attraction.claim(stored(0.9)).verdict == "no"
     one = stored()
@@ -332,27 +316,18 @@ def test_attraction_is_judged_by_the_worst_supercritical_spin() -> None:
     assert attraction.claim(one | low).verdict == "yes"
 
 
-def test_confirmation_compares_engine_in_house_and_file() -> None:
+def test_confirmation_compares_engine_in_house_and_shipped() -> None:
     start = attraction.repeated()[0]
     same = attraction.confirmation({start: ("lost", "lost")}, {start: "lost"})
     assert same.rows[0][-1] is True
-    for pair, kept in ((("lost", "flat"), None), (("lost", "lost"), {start: "flat"})):
-        differing = attraction.confirmation({start: pair}, kept)  # type: ignore[dict-item, arg-type]
+    pairs: tuple[tuple[Outcome, Outcome], ...] = (("lost", "flat"), ("flat", "flat"))
+    for pair in pairs:
+        differing = attraction.confirmation({start: pair}, {start: "lost"})
         assert differing.rows[0][-1] is False
 
 
 def test_shares_are_drawn() -> None:
     assert attraction.draw(stored()).png.startswith(b"\x89PNG")
-
-
-def test_study_writes_one_line_for_every_start(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(attraction, "run", lambda count, _: stored() if count == 20 else {})
-    out = tmp_path / "attraction.csv"
-    assert attraction.main(["--starts", "20", "--out", str(out)]) == 0
-    assert attraction.load(out) == stored()
-    assert str(out) in capsys.readouterr().out
 
 
 def test_friction_tends_to_pure_rolling() -> None:

@@ -12,13 +12,13 @@ from tests.helpers import not_none
 from validation.kit.figures import Picture
 from validation.kit.provenance import Provenance
 from validation.studies.work_precision import confirm, figures, measure, results, section, tables
-from validation.studies.work_precision.lesson import paragraphs
+from validation.studies.work_precision.lesson import paragraphs, repeatability
 from validation.studies.work_precision.methods import EngineMethod
 from validation.studies.work_precision.prices import Price
 from validation.studies.work_precision.problems import PROBLEMS, Agreement
 from validation.studies.work_precision.runs import Curve, Run
 from validation.studies.work_precision.section import make_section
-from validation.studies.work_precision.stored import Study, shipped
+from validation.studies.work_precision.stored import Study, gathered, shipped
 
 RESULTS = Path(__file__).parents[1] / "docs" / "results.md"
 
@@ -77,11 +77,38 @@ def made_study(*curves: Curve, quick: bool = False) -> Study:
 
 
 def test_run_on_the_spot_confirms_equal_work_and_error_whatever_its_time() -> None:
-    slower = [dataclasses.replace(run, seconds=3.0 * run.seconds) for run in measured().runs]
+    slower = [dataclasses.replace(run, rounds=(3.0 * run.seconds,)) for run in measured().runs]
     here = made_study(dataclasses.replace(measured(), runs=tuple(slower)), quick=True)
     text = confirm.sentence(here, made_study())
     assert text.startswith("Confirmed on the spot: yes.")
     assert "take 3 times the processor time" in text
+
+
+def test_rounds_of_a_curve_are_joined_into_least_times_and_their_scatter() -> None:
+    slower = dataclasses.replace(
+        measured(),
+        runs=tuple(
+            dataclasses.replace(run, rounds=(1.5 * run.seconds,)) for run in measured().runs
+        ),
+    )
+    study = gathered(
+        [slower, failed(), measured(), failed()],
+        provenance=made_study().provenance,
+        quick=False,
+    )
+    joined, gap = study.curves
+    assert [run.seconds for run in joined.runs] == [run.seconds for run in measured().runs]
+    assert [run.scatter for run in joined.runs] == pytest.approx([1.5] * len(joined.runs))
+    assert gap == failed()
+    assert "differ 1.50 times in the median" in repeatability(study)
+    assert not repeatability(made_study())
+
+
+def test_rounds_that_differ_in_more_than_time_are_refused() -> None:
+    first, *others = measured().runs
+    runs = (dataclasses.replace(first, counts={"right_hand_sides": 1}), *others)
+    with pytest.raises(ValueError, match="rounds differ"):
+        measured().joined(dataclasses.replace(measured(), runs=runs))
 
 
 @pytest.mark.parametrize("what", ["error", "work", "failure"])
@@ -188,7 +215,7 @@ def test_lesson_compares_topology_with_constraints_from_the_runs() -> None:
     slow = with_runs("euler-tree", {"scheme": "trapezoidal"})
     slow = dataclasses.replace(
         slow,
-        runs=tuple(dataclasses.replace(run, seconds=25.0 * run.seconds) for run in slow.runs),
+        runs=tuple(dataclasses.replace(run, rounds=(25.0 * run.seconds,)) for run in slow.runs),
     )
     text = " ".join(paragraphs(made_study(measured(), slow)))
     assert "takes 25 times as long to the same error" in text

@@ -1,29 +1,22 @@
 """Whether inverted spinning attracts nearly all trajectories (Sections 1 and 3.2).
 
-`python -m validation.studies.claims.attraction` runs random starts of Models 1 and 4 over the
-spin and writes what became of each to `attraction.csv` beside this file, which the report reads.
-It takes some minutes on two cores.
+Random starts of Models 1 and 4 over the spin, and what becomes of each.
 """
 
-import argparse
-import csv
-import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import acos, pi
-from pathlib import Path
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from analysis import MODELS, FlatError, Level, Scenario, Start
-from analysis.data.files import whole_file
 from analysis.data.trajectory import Source
 from analysis.stability import linear_reduced
 from validation.kit import figures
 from validation.kit.figures import Picture
-from validation.kit.report import Job, run_jobs
+from validation.kit.report import Job
 from validation.kit.tables import Cell, Table
 from validation.run import run as run_scenario
 from validation.studies.claims.claim import Claim, grade, listed
@@ -46,13 +39,8 @@ STARTS = 100
 END = 10.0
 """End of each run in s."""
 
-STORED = Path(__file__).with_name("attraction.csv")
-"""Where the outcomes are kept."""
-
 CONFIRMED = (31.0, 36.0, 50.0)
 """Spins in rad/s at which the engine repeats starts."""
-
-COLUMNS = ("model", "tilt", "spin in rad/s", "start", "outcome")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,69 +101,35 @@ def known_outcome(name: str) -> Outcome:
     return known[name]
 
 
-def outcomes(level: Level, tilt: Tilt, spin: float, numbers: Sequence[int]) -> list[Outcome]:
-    """Outcomes of several starts."""
+def outcomes(level: Level, tilt: Tilt, spin: float, number: int) -> list[Outcome]:
+    """Outcomes of the first so many starts."""
     return [
-        outcome(RandomStart(level=level, tilt=tilt, spin=spin, number=number))
-        for number in numbers
+        outcome(RandomStart(level=level, tilt=tilt, spin=spin, number=each))
+        for each in range(number)
+    ]
+
+
+def jobs() -> list[Job]:
+    """The starts of each model, tilt and spin."""
+    return [
+        Job(("random starts", level, tilt, spin), outcomes, (level, tilt, spin, STARTS))
+        for level in LEVELS
+        for tilt in TILTS
+        for spin in SPINS
     ]
 
 
 Results = dict[RandomStart, Outcome]
 
 
-def run(count: int, workers: int | None = None) -> Results:
-    """Run `count` starts of every model, tilt and spin, in `workers` processes."""
-    numbers = range(count)
-    cases = [(level, tilt, spin) for level in LEVELS for tilt in TILTS for spin in SPINS]
-    done = run_jobs(
-        [Job(case, outcomes, (*case, numbers)) for case in cases],
-        workers=workers,
-        title="attraction",
-    )
+def collect(results: Mapping[Any, Any]) -> Results:
+    """Outcome of every start, from the results of `jobs`."""
     return {
-        RandomStart(level=level, tilt=tilt, spin=spin, number=number): result
-        for level, tilt, spin in cases
-        for number, result in zip(numbers, done[level, tilt, spin], strict=True)
+        RandomStart(level=level, tilt=tilt, spin=spin, number=number): known_outcome(each)
+        for job in jobs()
+        for _, level, tilt, spin in [job.key]
+        for number, each in enumerate(results[job.key])
     }
-
-
-def store(results: Results, path: Path) -> None:
-    """Write one line for each start; `OSError` if that cannot be done."""
-    lines = [
-        ",".join(COLUMNS),
-        *(f"{s.level},{s.tilt},{s.spin:g},{s.number},{result}" for s, result in results.items()),
-    ]
-    with whole_file(path) as stream:
-        stream.write("".join(f"{line}\n" for line in lines).encode())
-
-
-def load(path: Path = STORED) -> Results | None:
-    """Read what `store` has written; None if there is no such file.
-
-    Raises
-    ------
-    ValueError
-        If the file holds something else.
-    """
-    if not path.exists():
-        return None
-    tilts: dict[str, Tilt] = {name: name for name in TILTS}
-    levels: dict[str, Level] = {str(level): level for level in LEVELS}
-    results: Results = {}
-    with path.open(newline="") as stream:
-        lines = csv.reader(stream)
-        if tuple(next(lines, ())) != COLUMNS:
-            raise ValueError(f"{path} must begin with the columns {', '.join(COLUMNS)}")
-        try:
-            for level, tilt, spin, number, result in lines:
-                start = RandomStart(
-                    level=levels[level], tilt=tilts[tilt], spin=float(spin), number=int(number)
-                )
-                results[start] = known_outcome(result)
-        except (KeyError, ValueError) as error:
-            raise ValueError(f"{path} has a line that is no start: {error}") from error
-    return results
 
 
 def counts(results: Results) -> dict[tuple[Level, Tilt, float], Counter[Outcome]]:
@@ -191,24 +145,13 @@ def share(count: Counter[Outcome]) -> float:
     return (count["inverted"] + count["lost"]) / count.total()
 
 
-def claim(results: Results | None) -> Claim:
+def claim(results: Results) -> Claim:
     """Sections 1 and 3.2: inverted spinning attracts nearly all trajectories."""
     critical = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
     criterion = (
         f"at every spin above {critical:.2f} rad/s at least 95 % of random starts of Model 1, of "
         f"any tilt, are inverted within {END:g} s; partly: of those near upright"
     )
-    shown = {
-        "place": "Sect. 1, 3.2",
-        "statement": "inverted spinning of a fast disk attracts nearly all trajectories",
-        "criterion": criterion,
-    }
-    if results is None:
-        return Claim(
-            **shown,
-            measured="run python -m validation.studies.claims.attraction",
-            verdict="not tried",
-        )
     shares = {
         (level, tilt, spin): share(count)
         for (level, tilt, spin), count in counts(results).items()
@@ -227,7 +170,9 @@ def claim(results: Results | None) -> Claim:
     )
     spins = ", ".join(f"{spin:g}" for spin in SPINS if spin > critical)
     return Claim(
-        **shown,
+        place="Sect. 1, 3.2",
+        statement="inverted spinning of a fast disk attracts nearly all trajectories",
+        criterion=criterion,
         measured=f"at {spins} rad/s: {told}",
         verdict=grade(yes=tilted >= 0.95, partly=upright >= 0.95),
     )
@@ -264,14 +209,12 @@ def confirm(start: RandomStart) -> tuple[Outcome, Outcome]:
     return outcome(start, "engine"), outcome(start)
 
 
-def confirmation(
-    results: dict[RandomStart, tuple[Outcome, Outcome]], stored: Results | None
-) -> Table:
+def confirmation(results: dict[RandomStart, tuple[Outcome, Outcome]], stored: Results) -> Table:
     """Outcomes in the engine and in-house, and what is stored."""
     rows: list[list[Cell]] = []
     for start, (engine, inhouse) in results.items():
-        kept = None if stored is None else stored.get(start)
-        agrees = engine == inhouse and kept in (None, inhouse)
+        kept = stored[start]
+        agrees = engine == inhouse == kept
         rows.append([start.spin, start.number, engine, inhouse, kept, agrees])
     return Table(
         name="attraction-engine",
@@ -306,23 +249,3 @@ def draw(results: Results) -> Picture:
         caption=f"Part of {min(count.total() for count in found.values())} random starts at each "
         f"spin that are inverted within {END:g} s, also if they lose it later.",
     )
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the study and store it."""
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.studies.claims.attraction",
-        description=(__doc__ or "").split("\n")[0],
-    )
-    parser.add_argument("--starts", type=int, default=STARTS, help="at each spin (%(default)s)")
-    parser.add_argument("--workers", type=int, default=2, help="processes (%(default)s)")
-    parser.add_argument("--out", type=Path, default=STORED, metavar="FILE", help="%(default)s")
-    options = parser.parse_args(arguments)
-    results = run(options.starts, options.workers)
-    store(results, options.out)
-    sys.stdout.write(f"{table(results).to_text()}\n\n{claim(results).measured}\n{options.out}\n")
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 from analysis.data.checks import choice
 from validation.kit.tables import Table
 
-Verdict = Literal["yes", "partly", "no", "not tried"]
+Verdict = Literal["yes", "partly", "no"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 
@@ -25,7 +25,7 @@ class Claim:
         What has to be measured for "yes", and for "partly" if that can be.
     measured : str
         Numbers with units.
-    verdict : {"yes", "partly", "no", "not tried"}
+    verdict : {"yes", "partly", "no"}
 
     Raises
     ------

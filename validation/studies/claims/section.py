@@ -36,13 +36,16 @@ REPEATED: Level = 4
 
 def shipped() -> list[Job]:
     """Searches whose results come with the package."""
-    return [Job(("least spin", level), start_spins.find_least_spin, (level,)) for level in LEVELS]
+    searches = [
+        Job(("least spin", level), start_spins.find_least_spin, (level,)) for level in LEVELS
+    ]
+    return [*searches, *attraction.jobs()]
 
 
 def jobs() -> list[Job]:
     """Runs behind the claims, beside those of Figures 7 to 9; the long ones first."""
     return [
-        *(samples.fresh(job) for job in shipped() if job.key[1] == REPEATED),
+        *(samples.fresh(job) for job in shipped() if job.key == ("least spin", REPEATED)),
         *(Job(("slip", mu), pure_rolling.slip, (mu,)) for mu in pure_rolling.COEFFICIENTS),
         *(Job(("long run", level), motion.long_run, (level,)) for level in LEVELS),
         *(Job(("pure rolling", spin), pure_rolling.roll, (spin,)) for spin in pure_rolling.SPINS),
@@ -61,7 +64,7 @@ def claims(results: Mapping[Any, Any]) -> list[Claim]:
     longs = [results["long run", level] for level in LEVELS]
     oscillation, *compared = motion.constraints(levels, longs)
     return [
-        attraction.claim(attraction.load()),
+        attraction.claim(attraction.collect(results)),
         contact_matrix.claim(results["contact run"], contact_matrix.bound()),
         *motion.figure_7(loads),
         *drift.claims(longs[0]),
@@ -96,7 +99,7 @@ def _samples(results: Mapping[Any, Any]) -> list[Sample]:
 
 def section(results: Mapping[Any, Any]) -> Section:
     """Section of the report."""
-    stored = attraction.load()
+    random = attraction.collect(results)
     found = claims(results)
     counted = {name: sum(each.verdict == name for each in found) for name in claim.VERDICTS}
     told = ", ".join(f"{number} {name}" for name, number in counted.items() if number)
@@ -114,7 +117,7 @@ def section(results: Mapping[Any, Any]) -> Section:
         ],
         pictures=[
             pure_rolling.draw(results),
-            *([] if stored is None else [attraction.draw(stored)]),
+            attraction.draw(random),
         ],
         tables=[
             claim.table(found),
@@ -122,9 +125,9 @@ def section(results: Mapping[Any, Any]) -> Section:
             start_spins.table([results["least spin", level] for level in LEVELS]),
             pure_rolling.table(results),
             orders.table(orders.slopes()),
-            *([] if stored is None else [attraction.table(stored)]),
+            attraction.table(random),
             attraction.confirmation(
-                {start: results["repeated", start] for start in starts}, stored
+                {start: results["repeated", start] for start in starts}, random
             ),
         ],
     )

@@ -18,6 +18,10 @@ PREFIX = "work-precision"
 """Name of the section, which the keys of all jobs start with."""
 
 
+ROUNDS = 2
+"""Times at which the full study measures every curve: a machine may be slow for minutes."""
+
+
 def jobs(*, quick: bool) -> list[Job]:
     """Everything that is to be computed, under keys that start with "work-precision".
 
@@ -26,15 +30,18 @@ def jobs(*, quick: bool) -> list[Job]:
     quick : bool
         A selection that takes some 40 s of processor time.
     """
-    first: list[Job] = []
-    curves: list[Job] = []
-    for name, problem in PROBLEMS.items():
-        chosen = methods(problem, quick)
-        if chosen:
-            first.append(Job((PREFIX, "agreement", name), agreement, (name, quick)))
-        curves += [
-            Job((PREFIX, name, label(method)), measure, (name, method, quick)) for method in chosen
-        ]
+    chosen = {name: methods(problem, quick) for name, problem in PROBLEMS.items()}
+    first = [
+        Job((PREFIX, "agreement", name), agreement, (name, quick))
+        for name, found in chosen.items()
+        if found
+    ]
+    curves = [
+        Job((PREFIX, name, label(method), number), measure, (name, method, quick))
+        for number in range(1 if quick else ROUNDS)
+        for name, found in chosen.items()
+        for method in found
+    ]
     compared = [
         Job((PREFIX, "price", case.label), measure_price, (case, quick)) for case in cases(quick)
     ]

@@ -4,7 +4,6 @@ Nothing here looks at a clock to decide anything: ladders end by errors and by c
 that every machine makes the same runs.
 """
 
-import statistics
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -59,7 +58,7 @@ class Effort:
 
 
 QUICK = Effort(goal=1e-6, repeats=2, long_repeats=1)
-FULL = Effort(goal=GOALS[-1], repeats=3, long_repeats=2)
+FULL = Effort(goal=GOALS[-1], repeats=2, long_repeats=1)
 
 
 @dataclass(slots=True)
@@ -211,8 +210,7 @@ def _run(problem: StandardProblem, method: Method, rung: _Rung) -> Run:
     parts = rung.parts or [rung]
     return replace(
         run,
-        seconds=sum(min(part.seconds) for part in parts),
-        median_seconds=sum(statistics.median(part.seconds) for part in parts),
+        rounds=(sum(min(part.seconds) for part in parts),),
         repeats=min(len(part.seconds) for part in parts),
         counts=rung.counts,
         errors=rung.errors,

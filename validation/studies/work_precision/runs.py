@@ -1,7 +1,7 @@
 """What the work-precision study has measured: runs, ladders of them, and what they reach."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import inf, log, nan
 from statistics import median
@@ -64,10 +64,11 @@ class Run:
     kind : str
     setting : float
         Step in s or tolerance.
-    seconds, median_seconds : float
-        Least and median processor time over the repeats; nan if it failed. That of the
+    rounds : tuple of float
+        Least processor time in s over the repeats of each round; empty if it failed. That of the
         integration alone, but for kind "tolerance" that of the whole call.
     repeats : int
+        Of each round.
     counts : dict
         Work, of an extrapolated run that of all runs it is made of.
     errors : Errors, optional
@@ -81,12 +82,21 @@ class Run:
     scheme: str
     kind: Kind
     setting: float
-    seconds: float = nan
-    median_seconds: float = nan
+    rounds: tuple[float, ...] = ()
     repeats: int = 0
     counts: dict[str, int] = field(default_factory=dict)
     errors: Errors | None = None
     failure: str = ""
+
+    @property
+    def seconds(self) -> float:
+        """Least processor time in s; nan if it failed."""
+        return min(self.rounds, default=nan)
+
+    @property
+    def scatter(self) -> float:
+        """Largest time of a round over the smallest; nan if it failed."""
+        return max(self.rounds, default=nan) / self.seconds
 
     @property
     def error(self) -> float:
@@ -137,6 +147,20 @@ class Curve:
     scheme: str
     runs: tuple[Run, ...]
     end: End
+
+    def joined(self, later: "Curve") -> "Curve":
+        """With the times of a later round.
+
+        Raises
+        ------
+        ValueError
+            If the two differ in more than that.
+        """
+        pairs = list(zip(self.runs, later.runs, strict=True))
+        if any(replace(again, rounds=run.rounds) != run for run, again in pairs):
+            raise ValueError(f"{self.problem}, {self.formulation}, {self.scheme}: rounds differ")
+        runs = (replace(run, rounds=run.rounds + again.rounds) for run, again in pairs)
+        return replace(self, runs=tuple(runs))
 
     @property
     def best(self) -> float:

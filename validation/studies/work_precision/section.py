@@ -71,6 +71,10 @@ def make_section(measured: Study) -> Section:
 
 def _how(study: Study) -> str:
     repeats = max((run.repeats for run in study.runs), default=0)
+    rounds = max((len(run.rounds) for run in study.runs), default=0)
+    times = f"least of up to {repeats} repeats of the whole ladder after a warm-up"
+    if rounds > 1:
+        times += f", in each of {rounds} rounds minutes apart"
     return (
         f"Every method runs {TIMES[-1]:g} s from Table 3 on a ladder of steps or tolerances and "
         f"is sampled every {SPACING:g} s: the engine is made to have a step there, SciPy uses its "
@@ -78,13 +82,12 @@ def _how(study: Study) -> str:
         "turns taken out) and of the centre of gravity's position over the radius. Work: "
         "evaluations of the right-hand side, one per Newton iteration; it is the same on every "
         "machine, and so is where a ladder ends. Time: processor time of the integration alone, "
-        f"least of up to {repeats} repeats of the whole ladder after a warm-up; building the "
-        "scene and the normal force of the contact tree, which is computed from the result, do "
-        "not count, but for runs to a tolerance, whose time is that of the whole call. Engine "
-        "and in-house runs solve the same equations: the contact is ideal, in none of the "
-        "problems would it have to pull, and friction in the engine reads the contact force of "
-        "the same iteration. So these are errors of integration alone. Each run has one thread "
-        "of one process, and two run side by side."
+        f"{times}; building the scene and the normal force of the contact tree, which is computed "
+        "from the result, do not count, but for runs to a tolerance, whose time is that of the "
+        "whole call. Engine and in-house runs solve the same equations: the contact is ideal, in "
+        "none of the problems would it have to pull, and friction in the engine reads the "
+        "contact force of the same iteration. So these are errors of integration alone. Each run "
+        f"has one thread of one process, and two run side by side. {lesson.repeatability(study)}"
     )
 
 

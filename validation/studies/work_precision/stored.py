@@ -51,14 +51,15 @@ class Study:
 def gathered(
     results: Iterable[Curve | Agreement | Price], *, provenance: Provenance, quick: bool
 ) -> Study:
-    """Study from the results of its jobs, in their order."""
-    curves: list[Curve] = []
+    """Study from the results of its jobs, in their order; rounds of a curve are joined."""
+    curves: dict[tuple[str, ...], Curve] = {}
     agreements: dict[ProblemName, Agreement] = {}
     prices: list[Price] = []
     for each in results:
         match each:
             case Curve():
-                curves.append(each)
+                name = (each.problem, each.formulation, each.scheme)
+                curves[name] = curves[name].joined(each) if name in curves else each
             case Agreement():
                 agreements[each.problem] = each
             case Price():
@@ -66,7 +67,7 @@ def gathered(
     return Study(
         provenance=provenance,
         quick=quick,
-        curves=tuple(curves),
+        curves=tuple(curves.values()),
         agreements=agreements,
         prices=tuple(prices),
     )
