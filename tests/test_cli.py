@@ -15,6 +15,8 @@ from analysis import Trajectory, load_run
 from analysis.data.constraint_set import CONSTRAINTS
 from analysis.data.endings import CONDITIONS, INVERTED
 from analysis.data.trajectory import SOURCES
+from analysis.models.integration import METHODS
+from mbs_models import INTEGRATORS
 from tests.calls import printed, refusal, run
 from tests.helpers import not_none
 from validation.parser import commands, groups
@@ -24,6 +26,8 @@ from validation.studies import full_report
 def test_choices_are_those_of_the_packages() -> None:
     assert groups.FORMULATIONS == mbs_models.FORMULATIONS
     assert groups.FORMS == analysis.FORMS
+    assert groups.INTEGRATORS == INTEGRATORS
+    assert groups.METHODS == METHODS
     assert groups.LOADS == analysis.LOADS
     assert groups.MODELS == analysis.LEVELS
     assert groups.CONSTRAINTS == CONSTRAINTS
@@ -93,6 +97,24 @@ def test_run_from_an_unstable_stationary_motion_says_so(
     assert "which is unstable" not in printed(capsys, *call, "--gamma", "1.57", "--spin", "20")
 
 
+@pytest.mark.parametrize(
+    ("how", "estimated"),
+    [
+        ("--integrator RK44 --tolerance 1e-6", True),
+        ("--local-tolerance 1e-10", False),
+        ("--source in-house --method Radau --tolerance 1e-6", True),
+        ("--source in-house --local-tolerance 1e-9", False),
+    ],
+)
+def test_solver_can_be_chosen(how: str, estimated: bool, tmp_path: Path) -> None:
+    asked, usual = tmp_path / "asked.npz", tmp_path / "usual.npz"
+    for out, options in ((asked, how), (usual, "")):
+        assert run("simulate --end 0.5 --samples 21", options, "--out", str(out)) == 0
+    found, known = (load_run(out, Trajectory) for out in (asked, usual))
+    assert (found.error_estimate is not None) == estimated
+    assert 0.0 < np.max(np.abs(found.coordinates - known.coordinates)) < 1e-6
+
+
 @pytest.mark.parametrize("source", groups.SOURCES)
 def test_run_stops_where_it_is_told_to(
     source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -152,6 +174,13 @@ BAD = [
     ("--step 1 --end 4 --samples 3 --formulation euler-tree", "engine run stopped at t ="),
     ("--load contact --formulation contact-tree", "has no contact constraint whose force"),
     ("--disk gold", "--disk: invalid choice: 'gold'"),
+    ("--integrator Euler", "--integrator: invalid choice: 'Euler'"),
+    ("--integrator RK44 --model 3", "integrator 'RK44' is explicit and cannot take"),
+    ("--integrator DOPRI5 --tolerance 1e-6", "tolerance must be left out for integrator 'DOPRI5'"),
+    ("--integrator RK44 --local-tolerance 1e-9", "--integrator must be DOPRI5 with --local-tol"),
+    ("--source in-house --integrator RK44", "integrator must be left out for source 'in-house'"),
+    ("--method Radau", "method must be left out for source 'engine'"),
+    ("--local-tolerance 0", "local_tolerance must be positive, got 0"),
 ]
 
 

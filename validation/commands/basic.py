@@ -1,6 +1,7 @@
 """What the subcommands of the command line do; each returns the exit code."""
 
 import argparse
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from analysis.stability.unstable_start import unstable_start
 from validation.commands.options import announce, chosen_end, output_folder
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
-from validation.run import run, run_effort
+from validation.run import run, run_effort, step_controlled
 
 
 def report(options: argparse.Namespace) -> int:
@@ -23,6 +24,20 @@ def report(options: argparse.Namespace) -> int:
     failed = sum(cell is False for table in tables for row in table.rows for cell in row)
     print(f"\n{'All checks hold' if not failed else f'{failed} checks FAIL'}. Open {page}")
     return 0 if not failed else 1
+
+
+def _single_run(options: argparse.Namespace) -> dict[str, Any]:
+    """What `run` takes for --local-tolerance."""
+    if options.local_tolerance is None:
+        return {}
+    if options.source == "in-house":
+        return {"local_tolerance": options.local_tolerance}
+    if options.integrator not in {None, "DOPRI5"}:
+        raise ValueError(
+            "--integrator must be DOPRI5 with --local-tolerance, since the others keep their "
+            f"step, got {options.integrator!r}"
+        )
+    return {"integrator": step_controlled(options.local_tolerance)}
 
 
 def simulate(options: argparse.Namespace) -> int:
@@ -41,6 +56,9 @@ def simulate(options: argparse.Namespace) -> int:
         "formulation": options.formulation,
         "tolerance": options.tolerance,
         "step": options.step,
+        "integrator": options.integrator,
+        "method": options.method,
+        **_single_run(options),
     }
     announce("simulate", run_effort(scenario, times, **how), options.time_limit)
     with progress_bar() as progress:

@@ -6,6 +6,8 @@ from validation.parser.base import Commands
 from validation.parser.groups import (
     FORMS,
     FORMULATIONS,
+    INTEGRATORS,
+    METHODS,
     MOTIONS,
     SYSTEMS,
     add_law_name,
@@ -81,6 +83,18 @@ def _simulate(commands: Commands) -> None:
         "--tolerance", type=float, help="largest error of beta and gamma in rad (1e-8)"
     )
     accuracy.add_argument("--step", type=float, help="engine only: fixed step in s instead")
+    accuracy.add_argument(
+        "--local-tolerance",
+        type=float,
+        help="of a single run whose solver controls its steps, in place of several that agree; no "
+        "error is estimated; engine: DOPRI5, without constraints (Model 1)",
+    )
+    add(
+        "--integrator",
+        choices=INTEGRATORS,
+        help="engine only: RK67, RK44, DOPRI5 without constraints; by default the most accurate",
+    )
+    add("--method", choices=METHODS, help="in-house only: solver (DOP853); taylor runs compiled")
     add_stop_when(simulate, "end the run there, at the exact time")
     add(
         "--allow-pulling",
