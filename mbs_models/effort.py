@@ -113,13 +113,10 @@ def _count(spacings: Array, step: float) -> float:
 def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tuple[str, float]:
     """Step in s that gives the tolerance in rad, and what makes it so short."""
     scenario = scene.scenario
-    disk, friction, start = scenario.disk, scenario.friction, scenario.initial_state
+    disk, start, decay = scenario.disk, scenario.initial_state, scenario.slip_decay
     turning = sum(abs(rate) for rate in start.rates[3:])
     sine = abs(sin(start.coordinates[4]))
     attitude = turning / sine if CLASSES[scene.built_as].has_euler_angles else turning
-    inertia = min(disk.inertia_about_cog[:2])
-    mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
-    decay = friction.gradient * scenario.weight * mobility
     # Angle turned in a step; fall and friction turn even a disk that starts at rest.
     angle = (
         0.025 * (tolerance / 1e-8) ** (1 / 8)
@@ -129,12 +126,12 @@ def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tupl
     turning = max(turning, sqrt(scenario.table.gravity / disk.radius))
     steps = {
         f"tolerance {tolerance:g} rad": angle / turning,
-        f"friction gradient {friction.gradient:g} s/m": (
+        f"friction gradient {scenario.friction.gradient:g} s/m": (
             (0.6 if integrator.implicit else 1.2) / decay if decay else inf
         ),
         f"beta {start.coordinates[4]:g} rad": 1.0 / attitude if attitude else inf,
     }
     if scenario.contact is not None:
-        frequency = sqrt(scenario.contact.stiffness * mobility)
+        frequency = sqrt(scenario.contact.stiffness * disk.contact_mobility)
         steps[f"stiffness {scenario.contact.stiffness:g} N/m"] = 0.3 / frequency
     return min(steps.items(), key=lambda item: item[1])

@@ -60,14 +60,12 @@ def largest_step(scene: Scene, leaning: float = 1.0) -> float:
     scenario, contact = scene.scenario, rounded_contact(scene)
     disk, loss, weight = scenario.disk, scenario.dissipation, scenario.weight
     inertia = min(disk.inertia_about_cog[:2])
-    # The contact point of a disk leaning low carries the least mass.
-    mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
-    frequency = sqrt(contact.stiffness * mobility)
+    frequency = sqrt(contact.stiffness * disk.contact_mobility)
     slope = loss.rolling_viscous + loss.rolling_dry / loss.rolling_smoothing
     reach = disk.radius**2 / hypot(disk.radius * leaning, contact.half_thickness)
     decay = max(
-        contact.damping * mobility,
-        scenario.friction.gradient * weight * mobility,
+        contact.damping * disk.contact_mobility,
+        scenario.slip_decay,
         slope * weight * reach**2 / inertia,
     )
     # Stability limits of the method along the imaginary and the negative real axis.

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -68,7 +69,8 @@ def to_tolerance(
     EngineError, FlatError, ToleranceError, TimeLimitError
         See `mbs_models.simulate`.
     """
-    ladder = Ladder(scene.built_as, integrator.name)
+    empty = partial(Ladder, scene.built_as, integrator.name, scene.scenario.slip_decay)
+    ladder = empty()
     counts: Counter[str] = Counter()
     failure: EngineError | FlatError | None = None
     kind: tuple[str | None, int] = (None, 0)
@@ -86,7 +88,7 @@ def to_tolerance(
             flat = flat + 1 if isinstance(error, FlatError) else 0
             if flat == PATIENCE:
                 raise
-            failure, ladder = error, Ladder(scene.built_as, integrator.name)
+            failure, ladder = error, empty()
             continue
         failure = None
         counts.update(result.counts)
@@ -94,8 +96,8 @@ def to_tolerance(
         if not over and kind != (result.ended, result.times.size):
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
-            ladder = Ladder(scene.built_as, integrator.name)
-        ladder.add(np.column_stack((result.values, result.times)))
+            ladder = empty()
+        ladder.add(np.column_stack((result.values, result.times)), result.step)
         if ladder.estimate <= tolerance:
             values, times = ladder.best[:, :-1], ladder.best[:, -1]
             best = replace(result, times=times, values=values, counts=counts)

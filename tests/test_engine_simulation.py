@@ -19,7 +19,7 @@ from analysis import (
 )
 from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.build import build
-from mbs_models.extrapolation import Ladder
+from mbs_models.extrapolation import BLIND, MOST, Ladder
 from mbs_models.passes import _even_stretches
 from mbs_models.probe import Probe
 from tests.helpers import model, mostly_slow, not_none
@@ -168,12 +168,32 @@ def test_runs_print_nothing_and_write_nothing(
 
 
 def test_lost_order_shows_up_as_a_slow_ladder_and_not_as_a_false_estimate() -> None:
-    ladder = Ladder("euler-tree", "TrapezoidalIndex2")
+    ladder = Ladder("euler-tree", "TrapezoidalIndex2", 0.0)
     for step in (1.0, 0.5, 0.25, 0.125):
         # A first-order error, which the extrapolation in even powers does not expect.
-        ladder.add(np.full((3, 12), 1.0 + 0.1 * step))
+        ladder.add(np.full((3, 12), 1.0 + 0.1 * step), step)
         if ladder.estimate < np.inf:
             assert ladder.estimate >= float(np.max(np.abs(ladder.best - 1.0)))
+
+
+def estimate(decay: float, order: int = 4) -> float:
+    """Estimate after runs with an error of that order at first, and of order 6."""
+    ladder = Ladder("euler-tree", "TrapezoidalIndex2", decay)
+    for step in (0.04, 0.02, 0.01):
+        ladder.add(np.full((3, 12), 1.0 + step**order + step**6), step)
+    return ladder.estimate
+
+
+def test_estimates_grow_where_a_step_hides_how_friction_brakes_and_shrink_where_it_shows() -> None:
+    plain = estimate(1.0 / (BLIND * 0.01))
+    assert estimate(1e6) == MOST * plain
+    # Of the second column, whose error in step^4 falls sixteenfold.
+    assert estimate(0.0) == pytest.approx(plain / 16.0, rel=1e-3)
+    assert estimate(0.5 / (BLIND * 0.01)) == pytest.approx(0.5 * plain)
+
+
+def test_estimates_do_not_shrink_where_differences_do_not() -> None:
+    assert estimate(0.0, order=1) == estimate(1.0 / (BLIND * 0.01), order=1)
 
 
 @pytest.mark.parametrize(

@@ -84,6 +84,12 @@ class Disk:
         return self.inertia_x, self.inertia_y - shift, self.inertia_z - shift
 
     @property
+    def contact_mobility(self) -> float:
+        """Acceleration of the contact point by a force on it, at most, in 1/kg."""
+        inertia = min(self.inertia_about_cog[:2])
+        return 1.0 / self.mass + (self.radius + self.eccentricity) ** 2 / inertia
+
+    @property
     def hole(self) -> tuple[float, float] | None:
         """Radius and distance in m of the round hole that this mass distribution tells of.
 

@@ -142,6 +142,11 @@ class Scenario(_Remembering):
         return self.disk.mass * self.table.pressing
 
     @property
+    def slip_decay(self) -> float:
+        """Rate in 1/s at which friction under the weight brakes slip, at most."""
+        return self.friction.gradient * self.weight * self.disk.contact_mobility
+
+    @property
     def rubs(self) -> bool:
         """Whether friction may act: there is some, and some slip is not held at zero."""
         held = "no-slip-along" in self.constraints and "no-slip-across" in self.constraints

@@ -9,7 +9,6 @@ from math import inf
 from typing import NamedTuple
 
 from analysis.data.checks import Array, positive
-from analysis.data.disk import Disk
 from analysis.data.elementary import sin, sqrt
 from analysis.data.limits import Effort
 from analysis.data.scenario import Scenario
@@ -94,13 +93,13 @@ def simulation_effort(
         (
             "friction gradient {:g} s/m",
             gradient,
-            gradient * scenario.weight * _mobility(scenario.disk) / used.stable,
+            scenario.slip_decay / used.stable,
         ),
         ("beta {:g} rad", start.coordinates[4], turning / abs(sin(start.coordinates[4]))),
     ]
     if scenario.contact is not None:
         stiffness = scenario.contact.stiffness
-        swinging = sqrt(stiffness * _mobility(scenario.disk)) / min(used.stable, 3.0)
+        swinging = sqrt(stiffness * scenario.disk.contact_mobility) / min(used.stable, 3.0)
         rates.append(("stiffness {:g} N/m", stiffness, swinging))
     cause, value, fastest = max(rates, key=lambda each: each[2])
     steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
@@ -121,15 +120,9 @@ def rest_effort(scenario: Scenario, end: float) -> Effort:
     """
     contact = scenario.penalty_contact
     # The method changes to implicit steps where friction is stiff, and follows the contact.
-    evaluations = 3.0 * end * sqrt(contact.stiffness * _mobility(scenario.disk))
+    evaluations = 3.0 * end * sqrt(contact.stiffness * scenario.disk.contact_mobility)
     return Effort(
         steps=evaluations / 2.0,
         seconds=evaluations * _SECONDS,
         cause=f"stiffness {contact.stiffness:g} N/m until end = {end:g} s",
     )
-
-
-def _mobility(disk: Disk) -> float:
-    """Acceleration of the contact point by a force on it, at most, in 1/kg."""
-    inertia = min(disk.inertia_about_cog[:2])
-    return 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia

@@ -285,10 +285,7 @@ class _Task:
 
 def contact_time(model: FreeDisk) -> float:
     """Half a period in s of the disk on its contact: steps no longer find every impact."""
-    disk = model.disk
-    inertia = min(disk.inertia_about_cog[:2])
-    mobility = 1.0 / disk.mass + (disk.radius + disk.eccentricity) ** 2 / inertia
-    return pi / sqrt(model.contact.stiffness * mobility)
+    return pi / sqrt(model.contact.stiffness * model.disk.contact_mobility)
 
 
 def sampled(model: FreeDisk, times: Array, states: Array) -> dict[str, Any]:

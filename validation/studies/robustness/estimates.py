@@ -11,6 +11,7 @@ that knew its error.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -83,7 +84,8 @@ def halved(drawn: Draw) -> Halved | None:
         return None
     truth = known.first.coordinates[:, BETA : GAMMA + 1]
     integrator = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
-    ladder = Ladder(scene.built_as, integrator.name)
+    empty = partial(Ladder, scene.built_as, integrator.name, problem.scenario.slip_decay)
+    ladder = empty()
     count = StepCount(STEPS)
     rungs = []
     for halvings in range(HALVINGS):
@@ -97,7 +99,7 @@ def halved(drawn: Draw) -> Halved | None:
                 watch=Watch(progress=count),
             )
         except (EngineError, ArithmeticError):
-            ladder = Ladder(scene.built_as, integrator.name)
+            ladder = empty()
             continue
         except Exception:
             if count.is_used_up:
@@ -105,7 +107,7 @@ def halved(drawn: Draw) -> Halved | None:
             raise
         if run.ended is not None:
             return None
-        ladder.add(run.values)
+        ladder.add(run.values, run.step)
         if np.isfinite(ladder.estimate):
             error = float(np.max(np.abs(ladder.best[:, BETA : GAMMA + 1] - truth)))
             rungs.append(Rung(count.steps, ladder.estimate, error))

@@ -127,7 +127,7 @@ def _first_sweep(
     joined: list[_Rung] = []
     judged: list[float] = []
     estimate = inf
-    extrapolation, parts = _extrapolation(method), list[_Rung]()
+    extrapolation, parts = _extrapolation(problem, method), list[_Rung]()
     for setting in method.ladder(problem):
         rung = _Rung(setting)
         rungs.append(rung)
@@ -138,7 +138,7 @@ def _first_sweep(
             # A rung that cannot be run is a result: a gap in the curve, with its reason.
             rung.failure = " ".join(str(error).split())
             # Extrapolation needs unbroken halving.
-            extrapolation, parts = _extrapolation(method), []
+            extrapolation, parts = _extrapolation(problem, method), []
             judged.append(inf)
         else:
             rung.counts, rung.seconds = result.counts, [result.seconds]
@@ -181,9 +181,9 @@ def ladder_end(errors: Sequence[float], goal: float, *, fixed_step: bool) -> End
     return None
 
 
-def _extrapolation(method: Method) -> Extrapolation | None:
+def _extrapolation(problem: StandardProblem, method: Method) -> Extrapolation | None:
     if isinstance(method, EngineMethod) and method.fixed_step:
-        return method.extrapolation()
+        return method.extrapolation(problem)
     return None
 
 

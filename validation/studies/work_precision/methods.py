@@ -116,9 +116,10 @@ class EngineMethod:
         """Trajectory of a run."""
         return trajectory(Scene(problem.scenario, self.formulation), self.integrator, run.values)
 
-    def extrapolation(self) -> "Extrapolation":
+    def extrapolation(self, problem: StandardProblem) -> "Extrapolation":
         """Richardson's extrapolation of its runs, with their work added up."""
-        return Extrapolation(Ladder(self.formulation, self.integrator.name))
+        decay = problem.scenario.slip_decay
+        return Extrapolation(Ladder(self.formulation, self.integrator.name, decay))
 
 
 class Extrapolation:
@@ -145,7 +146,7 @@ class Extrapolation:
         self._seconds += run.seconds
         for name, count in run.counts.items():
             self._counts[name] = self._counts.get(name, 0) + count
-        self._ladder.add(run.values.values)
+        self._ladder.add(run.values.values, run.values.step)
         if not np.isfinite(self._ladder.estimate):
             return None
         values = replace(run.values, values=self._ladder.best)

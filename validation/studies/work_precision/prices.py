@@ -92,7 +92,7 @@ class Side:
 
     def outcome(self) -> tuple[int, float]:
         """Iterations or evaluations of its runs, and the error of its result."""
-        extrapolation = self.method.extrapolation()
+        extrapolation = self.method.extrapolation(self.problem)
         work, result = 0, None
         for step in self.steps:
             run = self.method.run(self.problem, step)
@@ -151,7 +151,7 @@ def measure_price(case: Comparison, quick: bool) -> Price:
 
 def _to_goal(side: Side, goal: float) -> tuple[Side, Side]:
     """Coarsest steps whose extrapolation meets a goal, and coarsest step that does so alone."""
-    extrapolation = side.method.extrapolation()
+    extrapolation = side.method.extrapolation(side.problem)
     steps: list[float] = []
     joined: Side | None = None
     for step in side.method.ladder(side.problem):
@@ -159,7 +159,7 @@ def _to_goal(side: Side, goal: float) -> tuple[Side, Side]:
             run = side.method.run(side.problem, step)
         except ArithmeticError:
             # Too long a step; extrapolation needs unbroken halving.
-            extrapolation, steps = side.method.extrapolation(), []
+            extrapolation, steps = side.method.extrapolation(side.problem), []
             continue
         steps.append(step)
         better = extrapolation.add(run)
