@@ -18,17 +18,8 @@ FINEST = CAUTION * ROUNDING
 """Smallest estimate in rad."""
 
 BLIND = 3.0
-"""Factor of an estimate whose step is as long as the time in which friction brakes slip; it is
-proportional to the step,"""
-
-MOST = 4.0
-"""and no larger than this."""
-
-SEEN = 4.0
-"""Factor by which a difference has to shrink before an estimate is made smaller,"""
-
-NOISE = 1e-10
-"""and down to where in rad; below, differences may be those of rounding."""
+"""Factor of an estimate whose step is as long as the time in which friction brakes slip; it falls
+with the step, down to 1."""
 
 
 def error_exponents(formulation: Formulation, integrator: IntegratorName) -> tuple[int, ...]:
@@ -82,10 +73,9 @@ class Ladder:
         convergence from one on, so that an order lost somewhere (to the kink in the friction law,
         say) shows up as a slow run and not as a false estimate. Two values may also agree by
         chance, while steps are too long to be extrapolated: a difference counts for no less than
-        the one before it, or beside it, lets expect. That happens where friction is stiff: a step
-        over which it brakes slip entirely does not see how, so that estimates count for more
-        there. Where steps resolve it and the differences do shrink, they count for less, down to
-        the error of the finer value.
+        the one before it, or beside it, lets expect. That happens most where friction is stiff: a
+        step over which it brakes slip entirely does not see how, so that estimates count for more
+        there.
 
         Parameters
         ----------
@@ -103,14 +93,9 @@ class Ladder:
             for coarse, fine in zip(self._row, row, strict=False)
         ]
         self.estimate = np.inf
-        factor = min(BLIND * self._decay * step, MOST)
+        caution = CAUTION * max(BLIND * min(self._decay * step, 1.0), 1.0)
         for column, difference in enumerate(differences):
-            estimate = CAUTION * max(difference, self._expected(column, differences))
-            if factor > 1.0:
-                estimate *= factor
-            elif self._shrinks(column, differences):
-                finer = estimate / self._shrinking(column)
-                estimate = max(finer, factor * estimate, min(estimate, NOISE))
+            estimate = caution * max(difference, self._expected(column, differences))
             if estimate < self.estimate:
                 self.estimate, self.best = estimate, row[column]
         self._differences = differences
@@ -118,11 +103,6 @@ class Ladder:
         improved = self.estimate < 0.5 * self.best_estimate
         self._worse = 0 if improved or len(row) < 3 else self._worse + 1
         self.best_estimate = min(self.best_estimate, self.estimate)
-
-    def _shrinks(self, column: int, differences: list[float]) -> bool:
-        """Whether the differences of a column, or of the one beside it if it is new, shrink."""
-        known = min(column, len(self._differences) - 1)
-        return known >= 0 and self._differences[known] > SEEN * differences[known]
 
     def _expected(self, column: int, differences: list[float]) -> float:
         """Difference of a column to be expected from that of the run before.

@@ -25,6 +25,12 @@ def test_sharper_estimate_breaks_the_promise_of_the_motion_whose_error_comes_clo
     assert steps == sorted(steps, key=lambda mean: -float(mean or 0.0))
 
 
+def test_promise_is_broken_also_where_the_present_estimate_makes_none() -> None:
+    late = Halved([*TYPICAL.rungs[:2], Rung(700, 1e-6, 9e-7)], 1e-12)
+    rows = {row[0]: row[1:] for row in table([late]).rows}
+    assert [rows[each][1] for each in ("1", "4")] == [0, 1]
+
+
 def test_doubtful_reference_is_not_asked_about_finer_tolerances() -> None:
     doubtful = Halved(TYPICAL.rungs, doubt=1e-6)
     assert table([doubtful]).rows[0][1] < table([TYPICAL]).rows[0][1]  # type: ignore[operator]
