@@ -96,6 +96,12 @@ def test_effort_grows_with_the_time_on_either_side(source: Source) -> None:
     )
 
 
+def test_effort_refuses_what_the_run_would_refuse() -> None:
+    for call in (run, run_effort):
+        with pytest.raises(ValueError, match=r"method must be one of DOP853, .*, got 'Euler'"):
+            call(Scenario(), TIMES, source="in-house", method="Euler")
+
+
 def test_stored_run_of_either_kind_is_read(tmp_path: Path) -> None:
     run(Scenario(), TIMES, source="in-house").save(tmp_path / "run.npz")
     run_to_rest(Scenario.rest(), 0.02, source="in-house").save(tmp_path / "rest.npz")

@@ -30,7 +30,7 @@ class DividedError(Exception):
         self.mask = mask
 
 
-class Members(npt.NDArray[Any]):
+class Members(np.ndarray[Any, np.dtype[Any]]):
     """One number for each member, shape (n,), n > 0; calculates as arrays do.
 
     As a condition it is true or false if it is for all members, and raises `DividedError`

@@ -8,7 +8,7 @@ Euler angles, which turn the faster the flatter the disk leans.
 from math import inf
 from typing import NamedTuple
 
-from analysis.data.checks import Array, positive
+from analysis.data.checks import Array, choice, positive
 from analysis.data.elementary import sin, sqrt
 from analysis.data.limits import Effort
 from analysis.data.scenario import Scenario
@@ -68,15 +68,16 @@ def simulation_effort(
     times : ndarray, shape (n,)
         In s.
     method : str
-        SciPy method.
+        One of `METHODS`.
     tolerance, local_tolerance : float, optional
         As in `analysis.simulate`; a tolerance takes two runs or more.
 
     Raises
     ------
     ValueError
-        If a tolerance is not positive.
+        If a tolerance is not positive, or the method is none.
     """
+    choice("method", method, METHODS)
     used = METHODS[method]
     name, wanted = "tolerance", 1e-8 if tolerance is None else tolerance
     if local_tolerance is not None:
