@@ -22,6 +22,10 @@ from validation.studies.rest.creep import Loss
 SCENARIO = Scenario(start=Start(spin=31.0))
 
 
+def sample(what: str, limit: float) -> Sample:
+    return Sample(what=what, how="", quantity="", difference=0.0, limit=limit)
+
+
 @pytest.mark.parametrize(
     "value",
     [
@@ -34,6 +38,8 @@ SCENARIO = Scenario(start=Start(spin=31.0))
         [SCENARIO],
         (SCENARIO, SCENARIO),
         [nan, inf],
+        [sample("same", 1.0), sample("same", 2.0)],
+        [sample("one", 1.0), sample("other", 1.0)],
     ],
 )
 def test_plain_data_make_the_same_result_again(value: Any) -> None:

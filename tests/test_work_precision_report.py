@@ -92,7 +92,7 @@ def test_rounds_of_a_curve_are_joined_into_least_times_and_their_scatter() -> No
         ),
     )
     study = gathered(
-        [slower, failed(), measured(), failed()],
+        [slower, failed(), measured().times, failed().times],
         provenance=made_study().provenance,
         quick=False,
     )
@@ -108,7 +108,7 @@ def test_rounds_that_differ_in_more_than_time_are_refused() -> None:
     first, *others = measured().runs
     runs = (dataclasses.replace(first, counts={"right_hand_sides": 1}), *others)
     with pytest.raises(ValueError, match="rounds differ"):
-        measured().joined(dataclasses.replace(measured(), runs=runs))
+        measured().joined(dataclasses.replace(measured(), runs=runs).times)
 
 
 @pytest.mark.parametrize("what", ["error", "work", "failure"])

@@ -3,7 +3,8 @@
 What JSON does not know is an object with a single key that says what it is: {"tuple": [...]},
 {"array": [...]}, {"complex": [re, im]} of numbers or arrays, {"dict": [[key, value], ...]},
 {"module:Class": {field: value}}, {"several": ["module:Class", {field: [value, ...]}]} of a list of
-one class, and {"number": "nan"}. Not a number is null in an array.
+one class, {"same": [count, value]} of equal values there, and {"number": "nan"}. Not a number is
+null in an array.
 """
 
 import sys
@@ -78,8 +79,14 @@ def _pack_list(values: Sequence[Any]) -> Any:
         return [pack(each) for each in values]
     # The names of a class and its fields are longer than most values.
     names = [each.name for each in fields(values[0])]
-    columns = {name: _pack_list([getattr(each, name) for each in values]) for name in names}
+    columns = {name: _pack_column([getattr(each, name) for each in values]) for name in names}
     return {"several": [_name(values[0]), columns]}
+
+
+def _pack_column(values: Sequence[Any]) -> Any:
+    if isinstance(values[0], str) and len(set(values)) == 1:
+        return {"same": [len(values), values[0]]}
+    return _pack_list(values)
 
 
 def _name(value: Any) -> str:
@@ -125,7 +132,7 @@ def unpack(stored: Any) -> Any:
         case "several":
             name, columns = content
             kind, names = _known(name), tuple(columns)
-            rows = zip(*map(unpack, columns.values()), strict=True)
+            rows = zip(*map(_unpack_column, columns.values()), strict=True)
             result = [kind(**dict(zip(names, row, strict=True))) for row in rows]
         case "array":
             result = _array(content)
@@ -146,6 +153,13 @@ def unpack(stored: Any) -> Any:
 def _array(content: list[Any]) -> npt.NDArray[Any]:
     values = np.array(content)
     return values.astype(float) if values.dtype.kind == "O" else values
+
+
+def _unpack_column(stored: Any) -> Any:
+    if isinstance(stored, dict) and "same" in stored:
+        count, value = stored["same"]
+        return [value] * count
+    return unpack(stored)
 
 
 def _known(name: str) -> type:

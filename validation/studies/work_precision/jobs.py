@@ -6,7 +6,7 @@ reference that two different methods agree on.
 """
 
 from validation.kit.parts import Job
-from validation.studies.work_precision.measure import measure
+from validation.studies.work_precision.measure import measure, measure_again
 from validation.studies.work_precision.methods import label, methods
 from validation.studies.work_precision.prices import cases, measure_price
 from validation.studies.work_precision.problems import PROBLEMS, agreement
@@ -16,7 +16,6 @@ WORKERS = 2
 
 PREFIX = "work-precision"
 """Name of the section, which the keys of all jobs start with."""
-
 
 ROUNDS = 2
 """Times at which the full study measures every curve: a machine may be slow for minutes."""
@@ -36,9 +35,10 @@ def jobs(*, quick: bool) -> list[Job]:
         for name, found in chosen.items()
         if found
     ]
+    rounds = [measure, *[measure_again] * (ROUNDS - 1)]
     curves = [
-        Job((PREFIX, name, label(method), number), measure, (name, method, quick))
-        for number in range(1 if quick else ROUNDS)
+        Job((PREFIX, name, label(method), number), how, (name, method, quick))
+        for number, how in enumerate(rounds[:1] if quick else rounds)
         for name, found in chosen.items()
         for method in found
     ]

@@ -6,7 +6,7 @@ that every machine makes the same runs.
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from math import inf
 
 import numpy as np
@@ -21,7 +21,15 @@ from validation.studies.work_precision.problems import (
     compare,
     reference,
 )
-from validation.studies.work_precision.runs import GOALS, USEFUL, Curve, End, Run, evaluations
+from validation.studies.work_precision.runs import (
+    GOALS,
+    USEFUL,
+    Curve,
+    End,
+    Run,
+    Times,
+    evaluations,
+)
 
 LONG, VERY_LONG = 30_000, 100_000
 """Evaluations or iterations from which on a run is repeated less often, and not at all.
@@ -29,6 +37,8 @@ LONG, VERY_LONG = 30_000, 100_000
 It then takes so long that a disturbance of the machine matters little.
 """
 
+DIGITS = 4
+"""Significant digits of times and errors, which mean no more."""
 
 NEAR = 1e3
 """Estimated error over a tolerance from which the library takes two rungs or so to get there."""
@@ -117,6 +127,11 @@ def measure(name: ProblemName, method: Method, quick: bool) -> Curve:
         runs=tuple(runs),
         end=end,
     )
+
+
+def measure_again(name: ProblemName, method: Method, quick: bool) -> Times:
+    """Times of a further round of `measure`."""
+    return measure(name, method, quick).times
 
 
 def _first_sweep(
@@ -210,11 +225,15 @@ def _run(problem: StandardProblem, method: Method, rung: _Rung) -> Run:
     parts = rung.parts or [rung]
     return replace(
         run,
-        rounds=(sum(min(part.seconds) for part in parts),),
+        rounds=(_shortened(sum(min(part.seconds) for part in parts)),),
         repeats=min(len(part.seconds) for part in parts),
         counts=rung.counts,
-        errors=rung.errors,
+        errors=Errors(**{name: _shortened(each) for name, each in asdict(rung.errors).items()}),
     )
+
+
+def _shortened(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
 
 
 def _to_tolerance(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from itertools import pairwise
 from math import inf, log, nan
 from statistics import median
@@ -131,6 +132,25 @@ class Run:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Times:
+    """What a further round of a curve brings.
+
+    Parameters
+    ----------
+    curve : tuple of str
+        Its name.
+    rounds : tuple of tuple of float
+        `Run.rounds` of its runs.
+    rest : str
+        Hash of all else, which has to be the same.
+    """
+
+    curve: tuple[ProblemName, str, str]
+    rounds: tuple[tuple[float, ...], ...]
+    rest: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
     """All runs of a formulation with an integrator on a problem, and why there are no more.
 
@@ -148,18 +168,33 @@ class Curve:
     runs: tuple[Run, ...]
     end: End
 
-    def joined(self, later: "Curve") -> "Curve":
+    @property
+    def name(self) -> tuple[ProblemName, str, str]:
+        """Problem, formulation and scheme."""
+        return self.problem, self.formulation, self.scheme
+
+    @property
+    def times(self) -> "Times":
+        """Its times alone."""
+        untimed = [replace(run, rounds=()) for run in self.runs]
+        return Times(
+            curve=self.name,
+            rounds=tuple(run.rounds for run in self.runs),
+            rest=sha256(repr(untimed).encode()).hexdigest()[:12],
+        )
+
+    def joined(self, later: "Times") -> "Curve":
         """With the times of a later round.
 
         Raises
         ------
         ValueError
-            If the two differ in more than that.
+            If that differs in more than times.
         """
-        pairs = list(zip(self.runs, later.runs, strict=True))
-        if any(replace(again, rounds=run.rounds) != run for run, again in pairs):
-            raise ValueError(f"{self.problem}, {self.formulation}, {self.scheme}: rounds differ")
-        runs = (replace(run, rounds=run.rounds + again.rounds) for run, again in pairs)
+        if self.times.rest != later.rest:
+            raise ValueError(f"{', '.join(self.name)}: rounds differ in more than their times")
+        pairs = zip(self.runs, later.rounds, strict=True)
+        runs = (replace(run, rounds=run.rounds + again) for run, again in pairs)
         return replace(self, runs=tuple(runs))
 
     @property

@@ -9,7 +9,7 @@ from validation.kit.provenance import Provenance
 from validation.studies.work_precision.jobs import PREFIX
 from validation.studies.work_precision.prices import Price
 from validation.studies.work_precision.problems import Agreement, ProblemName
-from validation.studies.work_precision.runs import Curve, Run
+from validation.studies.work_precision.runs import Curve, Run, Times
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,7 +49,7 @@ class Study:
 
 
 def gathered(
-    results: Iterable[Curve | Agreement | Price], *, provenance: Provenance, quick: bool
+    results: Iterable[Curve | Times | Agreement | Price], *, provenance: Provenance, quick: bool
 ) -> Study:
     """Study from the results of its jobs, in their order; rounds of a curve are joined."""
     curves: dict[tuple[str, ...], Curve] = {}
@@ -58,8 +58,9 @@ def gathered(
     for each in results:
         match each:
             case Curve():
-                name = (each.problem, each.formulation, each.scheme)
-                curves[name] = curves[name].joined(each) if name in curves else each
+                curves[each.name] = each
+            case Times():
+                curves[each.curve] = curves[each.curve].joined(each)
             case Agreement():
                 agreements[each.problem] = each
             case Price():
