@@ -19,6 +19,8 @@ from validation.studies.rest import creep, runs
 from validation.studies.rest import section as rest
 from validation.studies.robustness import stored
 from validation.studies.robustness.causes import GOOD, cause
+from validation.studies.work_precision import lesson
+from validation.studies.work_precision import stored as work_precision
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -119,6 +121,16 @@ def test_numbers_are_told_from_names() -> None:
     text = "Model 1, λ₃ at 30.92 rad/s to 1e-7, index-1, v2.0, −0.5 and 3."
     assert numbers(text) == ["30.92", "1e-7", "−0.5", "3"]
     assert words("of 25 scenes") == "of # scenes"
+
+
+def test_readme_says_how_careful_runs_to_a_tolerance_are() -> None:
+    stated = not_none(
+        re.search(r"more accurate than asked \((.*?)\) and take (.*?),? since", SAID)
+    )
+    measured = lesson.carefulness(not_none(work_precision.shipped()))
+    for part in stated.groups():
+        assert len(numbers(part)) >= 3
+        assert not missing(part, values(measured)), measured
 
 
 def test_readme_counts_the_judged_statements() -> None:

@@ -29,6 +29,7 @@ def paragraphs(study: Study) -> list[str]:
         _extrapolation(runs),
         _failing(study.runs),
         _prices(study.prices),
+        carefulness(study),
         _stiff(study),
         _drift(runs),
         _in_house(runs),
@@ -47,9 +48,35 @@ def summary(study: Study) -> str:
         else "",
         _failing(study.runs),
         _prices(study.prices),
+        carefulness(study),
         repeatability(study),
     ]
     return " ".join(sentence for sentence in sentences if sentence)
+
+
+def carefulness(study: Study) -> str:
+    """By how much runs to a tolerance do more than they are asked for."""
+    parts = []
+    for goal in GOALS:
+        runs = [run for run in study.runs if (run.kind, run.setting) == ("tolerance", goal)]
+        margins = [goal / run.angle_error for run in runs if run.errors is not None]
+        extra = [excess for run in runs if (excess := study.excess(run)) is not None]
+        if margins and extra:
+            parts.append(
+                f"at {words(goal)} rad {_rounded(margins)} times more accurate than asked, for "
+                f"{median(extra):.2g} times the evaluations"
+            )
+    if not parts:
+        return ""
+    return (
+        "Runs to a tolerance are more careful than they would have to be: in the median, "
+        f"{_list(parts)} They are compared with the cheapest run of the same method that would "
+        "do, which only a reference tells."
+    )
+
+
+def _rounded(margins: Sequence[float]) -> str:
+    return f"{float(f'{median(margins):.2g}'):.0f}"
 
 
 def repeatability(study: Study) -> str:

@@ -47,6 +47,21 @@ class Study:
             if curve.problem == problem and (not formulations or curve.formulation in formulations)
         ]
 
+    def excess(self, asked: Run) -> float | None:
+        """Work of a run to a tolerance over that of the cheapest run that would do.
+
+        That is of the same method, extrapolated or not, and chosen with the reference at hand.
+        None if there is none, or the position of the asked one is worse than the tolerance.
+        """
+        others = [
+            run.work
+            for curve in self.of(asked.problem, asked.formulation)
+            if curve.scheme == asked.scheme
+            for run in curve.runs
+            if run.kind != "tolerance" and run.error <= asked.setting
+        ]
+        return asked.work / min(others) if others and asked.error <= asked.setting else None
+
 
 def gathered(
     results: Iterable[Curve | Times | Agreement | Price], *, provenance: Provenance, quick: bool

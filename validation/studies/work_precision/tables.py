@@ -159,11 +159,7 @@ def tolerances(study: Study) -> Table:
     cells: list[list[Cell]] = []
     for method, runs in grouped(asked, lambda run: f"{run.formulation}, {run.scheme}").items():
         met = [run for run in runs if run.errors is not None]
-        extra = [
-            run.work / best.work
-            for run in met
-            if run.error <= run.setting and (best := _least_work(study, run)) is not None
-        ]
+        extra = [excess for run in met if (excess := study.excess(run)) is not None]
         margins = [run.angle_error / run.setting for run in met]
         cells.append(
             [
@@ -195,17 +191,6 @@ def tolerances(study: Study) -> Table:
         "The least that would do is that of the cheapest run of the same method, extrapolated or "
         "not, chosen with the reference at hand.",
     )
-
-
-def _least_work(study: Study, asked: Run) -> Run | None:
-    others = [
-        run
-        for curve in study.of(asked.problem, asked.formulation)
-        if curve.scheme == asked.scheme
-        for run in curve.runs
-        if run.kind != "tolerance" and run.error <= asked.setting
-    ]
-    return min(others, key=lambda run: run.work, default=None)
 
 
 def agreement_table(agreements: Mapping[ProblemName, Agreement]) -> Table:
