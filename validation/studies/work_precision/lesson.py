@@ -156,16 +156,16 @@ def _extrapolation(runs: Sequence[Run]) -> str:
             alone += plain is None and better is not None
         parts = []
         if gains:
-            parts.append(f"{geometric_mean(gains):.2g} times in {_cases(len(gains))}")
+            parts.append(f"{geometric_mean(gains):.2g} times as many in {_cases(len(gains))}")
         if alone:
-            parts.append(f"on none of its ladders in {alone} where extrapolation gets there")
+            parts.append(f"none that get there in {alone}, where extrapolated ones do")
         if parts:
             texts.append(f"to {words(goal)}, {' and '.join(parts)}")
     if not texts:
         return ""
     return (
-        "The trapezoidal rule alone takes more iterations than extrapolated from halved steps, "
-        f"all of them counted: {_list(texts)}"
+        "Iterations of the trapezoidal rule alone, against all those that it takes extrapolated "
+        f"from halved steps: {_list(texts)}"
     )
 
 
