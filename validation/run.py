@@ -184,17 +184,23 @@ def run_effort(
     return simulation_effort(scene, times, **given)
 
 
-def step_controlled(local_tolerance: float) -> "Integrator":
-    """The engine's integrator that controls its steps, by the error that it allows in one.
+def single_run(source: Source, local_tolerance: float | None) -> dict[str, Any]:
+    """What `run` takes for one run of a side that allows so much error in a step.
+
+    The engine's DOPRI5 controls its steps. Nothing is taken for None.
 
     Raises
     ------
     ValueError
-        If the tolerance is out of range.
+        If the tolerance is out of range for the engine.
     """
+    if local_tolerance is None:
+        return {}
+    if source == "in-house":
+        return {"local_tolerance": local_tolerance}
     from mbs_models import Integrator
 
-    return Integrator(name="DOPRI5", local_tolerance=local_tolerance)
+    return {"integrator": Integrator(name="DOPRI5", local_tolerance=local_tolerance)}
 
 
 def rest_effort(

@@ -1,7 +1,6 @@
 """What the subcommands of the command line do; each returns the exit code."""
 
 import argparse
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from analysis.stability.unstable_start import unstable_start
 from validation.commands.options import announce, chosen_end, output_folder
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
-from validation.run import run, run_effort, step_controlled
+from validation.run import run, run_effort, single_run
 
 
 def report(options: argparse.Namespace) -> int:
@@ -26,18 +25,15 @@ def report(options: argparse.Namespace) -> int:
     return 0 if not failed else 1
 
 
-def _single_run(options: argparse.Namespace) -> dict[str, Any]:
-    """What `run` takes for --local-tolerance."""
-    if options.local_tolerance is None:
-        return {}
-    if options.source == "in-house":
-        return {"local_tolerance": options.local_tolerance}
-    if options.integrator not in {None, "DOPRI5"}:
+def _check_integrator(options: argparse.Namespace) -> None:
+    """Refuse an integrator that takes no --local-tolerance, which would go unused."""
+    if None in {options.integrator, options.local_tolerance} or options.source != "engine":
+        return
+    if options.integrator != "DOPRI5":
         raise ValueError(
             "--integrator must be DOPRI5 with --local-tolerance, since the others keep their "
             f"step, got {options.integrator!r}"
         )
-    return {"integrator": step_controlled(options.local_tolerance)}
 
 
 def simulate(options: argparse.Namespace) -> int:
@@ -51,6 +47,7 @@ def simulate(options: argparse.Namespace) -> int:
     columns = 13 + len(multiplier_names(scenario.constraints))
     check_storage("--samples", options.samples, columns)
     times = np.linspace(0.0, chosen_end(options), options.samples)
+    _check_integrator(options)
     how = {
         "source": options.source,
         "formulation": options.formulation,
@@ -58,7 +55,7 @@ def simulate(options: argparse.Namespace) -> int:
         "step": options.step,
         "integrator": options.integrator,
         "method": options.method,
-        **_single_run(options),
+        **single_run(options.source, options.local_tolerance),
     }
     announce("simulate", run_effort(scenario, times, **how), options.time_limit)
     with progress_bar() as progress:

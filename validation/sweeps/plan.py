@@ -12,7 +12,7 @@ from analysis.data.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.data.trajectory import SOURCES, Source
 from analysis.models.forms import default_form, pose
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
-from validation.run import rest_effort, run, run_effort, run_to_rest, step_controlled
+from validation.run import rest_effort, run, run_effort, run_to_rest, single_run
 from validation.sweeps.outcomes import series_named
 
 Motion = Trajectory | SpatialMotion
@@ -126,18 +126,9 @@ class Plan:
             "step": self.step,
             "method": self.method,
             "time_limit": time_limit,
-            **self._local,
+            **single_run(self.source, self.local_tolerance),
         }
         return self._motion(scenario, how, self.formulation)
-
-    @property
-    def _local(self) -> dict[str, Any]:
-        """The local tolerance as the side takes it."""
-        if self.local_tolerance is None:
-            return {}
-        if self.source == "engine":
-            return {"integrator": step_controlled(self.local_tolerance)}
-        return {"local_tolerance": self.local_tolerance}
 
     def witness(self, scenario: Scenario, *, time_limit: float | None) -> Motion:
         """Motion of the same case from the other side."""
@@ -169,5 +160,5 @@ class Plan:
             tolerance=self.tolerance,
             step=self.step,
             method=self.method,
-            **self._local,
+            **single_run(self.source, self.local_tolerance),
         )

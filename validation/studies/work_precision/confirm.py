@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from statistics import median
 
+from validation.kit.plain import rounded
 from validation.kit.tables import Table
 from validation.studies.work_precision.problems import PROBLEMS
 from validation.studies.work_precision.runs import Run
@@ -58,10 +59,6 @@ def speed(found: list[Pair]) -> float | None:
     return median(ratios) if ratios else None
 
 
-def _short(value: float | None) -> float | None:
-    return None if value is None else float(f"{value:.3g}")
-
-
 def sentence(here: Study, there: Study) -> str:
     """What the runs on the spot say about the shipped ones."""
     found = pairs(here, there)
@@ -94,7 +91,7 @@ def table(here: Study, there: Study) -> Table:
                 len(group),
                 sum(pair.same_work for pair in group),
                 sum(pair.same_error for pair in group),
-                _short(speed(group)),
+                rounded(speed(group), 3),
             ]
             for (problem, method), group in groups.items()
         ],

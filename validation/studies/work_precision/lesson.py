@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from statistics import geometric_mean, median
 
+from validation.kit.plain import rounded
 from validation.studies.work_precision.figures import NAMES
 from validation.studies.work_precision.prices import CONSTRAINED, Price
 from validation.studies.work_precision.problems import PROBLEMS
@@ -63,8 +64,8 @@ def carefulness(study: Study) -> str:
         extra = [excess for run in runs if (excess := study.excess(run)) is not None]
         if margins and extra:
             parts.append(
-                f"at {words(goal)} rad {_rounded(margins)} times more accurate than asked, for "
-                f"{median(extra):.2g} times the evaluations"
+                f"at {words(goal)} rad {rounded(median(margins), 2):.0f} times more accurate than "
+                f"asked, for {median(extra):.2g} times the evaluations"
             )
     if not parts:
         return ""
@@ -73,10 +74,6 @@ def carefulness(study: Study) -> str:
         f"{_list(parts)} They are compared with the cheapest run of the same method that would "
         "do, which only a reference tells."
     )
-
-
-def _rounded(margins: Sequence[float]) -> str:
-    return f"{float(f'{median(margins):.2g}'):.0f}"
 
 
 def repeatability(study: Study) -> str:

@@ -12,6 +12,7 @@ from math import inf
 import numpy as np
 
 from analysis import Trajectory
+from validation.kit.plain import rounded
 from validation.studies.work_precision.methods import EngineMethod, Extrapolation, Method, TimedRun
 from validation.studies.work_precision.problems import (
     PROBLEMS,
@@ -225,15 +226,11 @@ def _run(problem: StandardProblem, method: Method, rung: _Rung) -> Run:
     parts = rung.parts or [rung]
     return replace(
         run,
-        rounds=(_shortened(sum(min(part.seconds) for part in parts)),),
+        rounds=(rounded(sum(min(part.seconds) for part in parts), DIGITS),),
         repeats=min(len(part.seconds) for part in parts),
         counts=rung.counts,
-        errors=Errors(**{name: _shortened(each) for name, each in asdict(rung.errors).items()}),
+        errors=Errors(**rounded(asdict(rung.errors), DIGITS)),
     )
-
-
-def _shortened(value: float) -> float:
-    return float(f"{value:.{DIGITS}g}")
 
 
 def _to_tolerance(

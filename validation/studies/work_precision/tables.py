@@ -6,6 +6,7 @@ from functools import partial
 from statistics import median
 
 import mbs_models
+from validation.kit.plain import rounded
 from validation.kit.tables import Cell, Table
 from validation.studies.work_precision.figures import NAMES
 from validation.studies.work_precision.prices import Price
@@ -78,12 +79,8 @@ def _way(study: Study, name: ProblemName, side: Sequence[str], goal: float) -> l
 
 
 def _milliseconds(run: Run) -> float:
-    return _short(1e3 * run.seconds)
-
-
-def _short(value: float) -> float:
-    """The same to three digits."""
-    return float(f"{value:.3g}")
+    milliseconds: float = rounded(1e3 * run.seconds, 3)
+    return milliseconds
 
 
 def formulation_ways(study: Study) -> Table:
@@ -166,10 +163,10 @@ def tolerances(study: Study) -> Table:
                 method,
                 len(runs),
                 len(runs) - len(met),
-                _short(max(margins)) if margins else None,
-                _short(median(margins)) if margins else None,
+                rounded(max(margins), 3) if margins else None,
+                rounded(median(margins), 3) if margins else None,
                 sum(run.error > run.setting for run in met),
-                _short(median(extra)) if extra else None,
+                rounded(median(extra), 3) if extra else None,
             ]
         )
     return Table(
@@ -252,11 +249,11 @@ def price_table(prices: Sequence[Price]) -> Table:
                 price.what,
                 price.formulation,
                 PROBLEMS[price.problem].title,
-                _short(price.ratio),
+                rounded(price.ratio, 3),
                 f"{low:.3g} to {high:.3g}",
                 "more" if low > 1.0 else "less" if high < 1.0 else "within scatter",
-                _short(price.work),
-                _short(price.error),
+                rounded(price.work, 3),
+                rounded(price.error, 3),
             ]
         )
     pairs = min((len(price.ratios) for price in prices), default=0)
