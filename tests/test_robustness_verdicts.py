@@ -13,7 +13,7 @@ from analysis import MODELS, STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb
 from analysis.data.endings import Ending
 from tests.helpers import not_none
 from validation.kit.provenance import Provenance
-from validation.studies.robustness import random_scenarios, stored, tables
+from validation.studies.robustness import figures, random_scenarios, stored, tables
 from validation.studies.robustness import run as runs
 from validation.studies.robustness.axes import body, problems
 from validation.studies.robustness.cases import TOLERANCE, HardProblem, Way, ways
@@ -320,3 +320,11 @@ def test_random_draw_that_breaks_its_promise_is_found(
         run = replace(moved(easy.first, wrong), error_estimate=1e-6)
         monkeypatch.setattr(mbs_models, "simulate", returning(run))
         assert random_scenarios.verdict(drawn)[0] == word
+
+
+def test_labels_of_further_sets_leave_room_for_what_they_label() -> None:
+    study = not_none(stored.shipped())
+    further = [outcome for outcome in study.outcomes if outcome.level is None]
+    # Labels that take all the room are a warning, and so an error.
+    (picture,) = figures.verdicts(further)
+    assert picture.png.startswith(b"\x89PNG")

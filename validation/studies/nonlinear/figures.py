@@ -280,6 +280,10 @@ def delay_diagram(law: DelayLaw, axes: Any = None) -> Any:
     root = np.sqrt(law.rates) * np.exp(np.mean(np.log(law.delays / np.sqrt(law.rates))))
     axes.loglog(law.rates, root, color=figures.COLOURS[1], label="root of the rate")
     axes.set(xlabel="rate of decay in rad/s²", ylabel="Hopf point less lowest spin in rad/s")
+    # Both go over a decade at most, in which powers of ten say little.
+    axes.set_xticks(law.rates, [f"{each:.2g}" for each in law.rates])
+    axes.set_yticks(law.delays, [f"{each:.2g}" for each in law.delays])
+    axes.minorticks_off()
     figures.legend_above(axes)
     return axes
 

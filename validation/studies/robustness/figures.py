@@ -60,10 +60,12 @@ def _verdicts(level: Level | None, outcomes: Sequence[Outcome]) -> Picture:
         if any(each.verdict == verdict and each.error is None for each in outcomes)
     ]
     bands = {verdict: 10.0 ** (2 * row + 2) for row, verdict in enumerate(failed)}
-    figure = Figure(
-        figsize=(10.5, (len(by_axis) + 2) // 3 * (3.0 + 0.2 * len(failed))), layout="constrained"
-    )
-    panels = figure.subplots((len(by_axis) + 2) // 3, 3, sharey=True, squeeze=False)
+    rows, columns = (len(by_axis) + 2) // 3, min(len(by_axis), 3)
+    # Labels of many lines leave too little of a panel.
+    breaks = max(_broken(outcome.label).count("\n") for outcome in outcomes)
+    height = rows * (3.0 + 0.2 * len(failed) + 0.4 * max(breaks - 1, 0))
+    figure = Figure(figsize=(10.5, height), layout="constrained")
+    panels = figure.subplots(rows, columns, sharey=True, squeeze=False)
     for panel in panels.flat[len(by_axis) :]:
         panel.set_axis_off()
     for panel, (axis, found) in zip(panels.flat, by_axis.items(), strict=False):
@@ -93,6 +95,10 @@ def _verdicts(level: Level | None, outcomes: Sequence[Outcome]) -> Picture:
         "inaccurate in an angle, in the energy or in where they end.",
         stacked=True,
     )
+
+
+def _broken(label: str) -> str:
+    return label.replace(", ", ",\n").replace(" + ", " +\n")
 
 
 def _legend(figure: Figure, panel: Axes, used: set[str]) -> None:
@@ -147,7 +153,7 @@ def _panel(axes: Axes, outcomes: Sequence[Outcome], bands: Mapping[Verdict, floa
     axes.minorticks_off()
     axes.set_xticks(
         range(len(labels)),
-        [each.replace(", ", ",\n") for each in labels],
+        [_broken(each) for each in labels],
         rotation=50,
         ha="right",
         rotation_mode="anchor",
