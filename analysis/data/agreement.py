@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import brentq
 
-from analysis.data.checks import ToleranceError
+from analysis.data.checks import Array, ToleranceError
 from analysis.data.endings import TIME_LIMIT, Condition, Ending
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.state import FlatError
@@ -16,6 +17,9 @@ RUNS = 5
 
 TIGHTEST = 1e-13
 """Local tolerance that no run goes below, because of rounding."""
+
+LEAST_RATE = 1.0
+"""Rate in rad/s by which a difference in the time of an ending counts at least."""
 
 
 def until_agreement(
@@ -63,6 +67,35 @@ def until_agreement(
         f"error in a step differ by {listed}; a motion that depends on its impacts in such a way "
         "cannot be predicted"
     )
+
+
+def error_at_ending(
+    apart: npt.ArrayLike, time_apart: npt.ArrayLike, rates: npt.ArrayLike
+) -> Array:
+    """Difference of two runs where each ends by itself, its time included.
+
+    A condition that ends a run fixes the state there, so that the states of two endings agree
+    however far apart their times are. The later of the two states is at most this far from the
+    earlier run at the same time.
+
+    Parameters
+    ----------
+    apart : array_like, shape (..., k)
+        Differences of beta and gamma between the two endings in rad.
+    time_apart : array_like, shape (...)
+        Difference of their times in s.
+    rates : array_like, shape (..., k)
+        Rates of beta and gamma at an ending in rad/s; `LEAST_RATE` where they are smaller, so
+        that the time is as accurate as the angles where these stand still.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        In rad.
+    """
+    moved = np.maximum(np.abs(rates), LEAST_RATE) * np.abs(time_apart)[..., None]
+    found: Array = np.max(np.abs(apart) + moved, axis=-1)
+    return found
 
 
 def _cut_short(motion: SpatialMotion) -> bool:
