@@ -13,7 +13,7 @@ from analysis.data.checks import Array
 from analysis.data.outcomes import Row
 from analysis.stability.linear_reduced import critical_speed
 from tests.calls import refusal, run
-from tests.sweeps import Direct
+from tests.sweeps import direct
 from validation.maps import problems
 from validation.maps import run as maps_run
 from validation.maps.problems import (
@@ -139,7 +139,7 @@ def test_each_model_runs_where_it_is_quickest() -> None:
 def test_gaps_take_the_class_of_the_nearest_run(tmp_path: Path) -> None:
     problem = PROBLEMS["spin-friction"]
     sweep = sweep_of(problem, REDUCED, count=5, plan=Plan(end=0.05, formulation="reduced"))
-    panel = run_panel(problem, sweep, tmp_path / "a.db", levels=2, pool=Direct())
+    panel = run_panel(problem, sweep, tmp_path / "a.db", levels=2, pool=direct())
     assert sorted(panel.classes) == [0, 4, 20, 24]
     made = replace(panel, classes={0: "a", 4: "b", 20: "a", 24: "a"})
     assert made.filled[1].tolist() == ["a", "a", made.filled[1][2], "b", "b"]
@@ -157,11 +157,11 @@ def test_store_of_a_map_is_refined_where_classes_differ(
         lambda _: lambda _, row: str(float(row["start.spin"]) > 45.0),
     )
     path = tmp_path / "a.db"
-    panel = run_panel(problem, sweep, path, levels=1, pool=Direct())
+    panel = run_panel(problem, sweep, path, levels=1, pool=direct())
     spins = panel.values()[1][panel.places(list(panel.classes))[:, 1]]
     # Left of 40 rad/s the coarse grid alone, on the right every value.
     assert sorted(set(spins)) == [20.0, 40.0, 50.0, 60.0]
-    again = run_panel(problem, sweep, path, levels=1, pool=Direct())
+    again = run_panel(problem, sweep, path, levels=1, pool=direct())
     assert again.classes == panel.classes
     assert Results.load(path).columns["number"].size == 3 + 3 * 5
 
@@ -220,7 +220,7 @@ def test_pairs_that_are_not_decided_do_not_count(
         return "not decided" if row["number"] < 4 else str(int(row["start.spin"]))
 
     monkeypatch.setattr(maps_run, "classify", lambda _: judge)
-    found = run_pairs(problem, pairs, tmp_path, pool=Direct())
+    found = run_pairs(problem, pairs, tmp_path, pool=direct())
     assert found is not None
     # Four pairs are left, all of which the longest shift takes over a whole number.
     assert found.parts[0] == 1.0

@@ -23,7 +23,7 @@ from analysis.models.outcomes import integrals
 from tests.helpers import model
 from tests.sweeps import sweep
 from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
-from validation.sweeps.runner import run_chunk, run_suspect
+from validation.sweeps.runner import run_alone, run_chunk
 
 ENDING: dict[str, np.ndarray[Any, Any]] = {
     "spin": np.array([36.0, 40.0, 44.0, 40.0, 0.0, 40.0]),
@@ -95,7 +95,7 @@ def assert_batch_is_its_cases(*axes: str, **how: Any) -> None:
     numbers = range(wanted.design.size)
     batch = run_chunk(wanted.to_text(), numbers, 60.0, 60.0)
     for number, row in zip(numbers, batch, strict=True):
-        (alone,) = run_suspect(wanted.to_text(), number, 60.0, 60.0)
+        alone = run_alone(wanted.to_text(), number, 60.0, 60.0)
         assert row["number"] == number
         for name in {TIME, *wanted.plan.keep} & {*row, *alone}:
             kept, expected = (

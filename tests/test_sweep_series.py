@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis import MODELS, Scenario, Start, Trajectory, simulate_to_rest
-from tests.sweeps import Direct, sweep
+from tests.sweeps import direct, sweep
 from validation.run import run
 from validation.sweeps import runner
 from validation.sweeps.outcomes import COLUMNS, REST_SERIES, SERIES, TIME, series, series_named
@@ -44,7 +44,7 @@ def test_kept_series_are_those_of_the_run_itself_also_in_a_sweep_that_goes_on(
     wanted, path = sweep(*AXES, keep=KEEP), tmp_path / "a.db"
     for numbers in ([0, 1], None):
         with Store(path, wanted) as kept:
-            run_cases(wanted, kept, Direct(), numbers=numbers)
+            run_cases(wanted, kept, direct(), numbers=numbers)
     found = Results.load(path).series(2)
     made = motion(replace(REDUCED, start=Start(spin=40.0)))
     assert tuple(found) == (TIME, *KEEP)
@@ -57,7 +57,7 @@ def test_case_without_a_motion_has_no_series(tmp_path: Path) -> None:
     pytest.importorskip("xarray")
     wanted, path = sweep(*AXES, keep=KEEP), tmp_path / "a.db"
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, Direct())
+        run_cases(wanted, kept, direct())
     results = Results.load(path)
     with pytest.raises(ValueError, match="holds no series of case 1"):
         results.series(1)
@@ -71,7 +71,7 @@ def test_case_without_a_motion_has_no_series(tmp_path: Path) -> None:
 def test_store_without_series_says_so(tmp_path: Path) -> None:
     wanted, path = sweep(*AXES), tmp_path / "a.db"
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, Direct(), numbers=[0])
+        run_cases(wanted, kept, direct(), numbers=[0])
     with pytest.raises(ValueError, match="holds no series: its sweep was told to keep none"):
         Results.load(path).series(0)
 
@@ -90,5 +90,5 @@ def test_series_count_in_the_size_of_a_store_and_of_a_chunk() -> None:
     plain, kept = sweep("spin=0:60:1000", end=2.0), sweep("spin=0:60:1000", end=2.0, keep=KEEP)
     bytes_of_a_case = 3 * 401 * 8
     assert expected_size(kept) - expected_size(plain) >= 1000 * bytes_of_a_case
-    work = runner._Work(kept, Direct(), 1.0)
+    work = runner._Work(kept, direct(), 1.0)
     assert work._largest * bytes_of_a_case <= runner.LARGEST_SERIES

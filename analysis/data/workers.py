@@ -24,12 +24,13 @@ def process_pool(workers: int | None = None, *, deaf: bool = False) -> ProcessPo
     return ProcessPoolExecutor(
         max_workers=workers or os.cpu_count(),
         mp_context=get_context("spawn"),
-        initializer=_begin,
+        initializer=begin_worker,
         initargs=(deaf,),
     )
 
 
-def _begin(deaf: bool) -> None:
+def begin_worker(deaf: bool = False) -> None:
+    """What each worker process does first: see `process_pool`."""
     if deaf:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()

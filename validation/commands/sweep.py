@@ -19,7 +19,7 @@ from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
 from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
-from validation.sweeps.pools import Pool, open_pool
+from validation.sweeps.pools import Pool, check_executor, open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import Told, run_cases
 from validation.sweeps.store import Store, expected_size
@@ -43,7 +43,7 @@ def sweep(options: argparse.Namespace) -> int:
     if options.plot is not None:
         _check_plot(wanted)
     ahead = look_ahead(wanted)
-    with Store(out, wanted) as store:
+    with Store(out, wanted, accept_other_code=options.accept_other_code) as store:
         left = wanted.design.size - store.count()
         if left:
             _announce(wanted, ahead, left, processes)
@@ -86,6 +86,7 @@ def workers(options: argparse.Namespace) -> int:
     """Number of processes; `ValueError` if it is none."""
     if options.workers is not None and options.workers < 1:
         raise ValueError(f"--workers must be at least 1, got {options.workers}")
+    check_executor(options.executor)
     if options.scheduler is not None and options.executor != "dask":
         raise ValueError(f"--scheduler needs --executor dask, got {options.executor}")
     return options.workers or os.cpu_count() or 1

@@ -23,12 +23,13 @@ COLUMNS: Mapping[str, str | None] = {
     "other_error_estimate": "rad",
     "other_seconds": "s",
     "difference": "rad",
+    "code": None,
 }
 """Columns of a row behind those of the axes, with their units; None for words.
 
 Behind `OUTCOMES` those of the run of the other side, where there is one ("failed" if it gave
 none, with its reason); `difference` is the largest of beta and gamma in rad over the samples of
-both, or `SpatialMotion.deviation`.
+both, or `SpatialMotion.deviation`; `code` names commit and sources that the row comes from.
 """
 
 TIME = "time"
