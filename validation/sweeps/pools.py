@@ -116,18 +116,24 @@ def open_pool(kind: str, *, workers: int, scheduler: str | None = None) -> Itera
     """
     opened = {"processes": _processes, "dask": _dask, "mpi": _mpi}.get(check_executor(kind))
     with opened(workers, scheduler) if opened else _own(kind, workers) as pool:
+        yield pool
+
+
+@contextmanager
+def _ended_at_once(executor: Executor, workers: int) -> Iterator[Pool]:
+    """Its pool; where a context fails, the calls that are being made are lost."""
+    with executor:
         try:
-            yield pool
+            yield Pool(executor, workers)
         except BaseException:
-            # At once: calls that are being made are lost.
-            pool.executor.shutdown(wait=False, cancel_futures=True)
+            executor.shutdown(wait=False, cancel_futures=True)
             raise
 
 
 @contextmanager
 def _processes(workers: int, _: str | None) -> Iterator[Pool]:
-    with Processes(workers) as executor:
-        yield Pool(executor, workers)
+    with _ended_at_once(Processes(workers), workers) as pool:
+        yield pool
 
 
 @contextmanager
@@ -139,8 +145,8 @@ def _own(name: str, workers: int) -> Iterator[Pool]:
             f"executor {name!r} must be a function that returns a concurrent.futures.Executor, "
             f"got {executor!r}"
         )
-    with executor:
-        yield Pool(executor, workers)
+    with _ended_at_once(executor, workers) as pool:
+        yield pool
 
 
 @contextmanager
