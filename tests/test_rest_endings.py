@@ -51,6 +51,19 @@ def test_sides_end_together() -> None:
     assert np.ptp(ends) < 1e-7
 
 
+def test_motion_in_the_papers_coordinates_keeps_its_ending_and_its_error() -> None:
+    motion = simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3, stop_when=tilted)
+    run = motion.to_trajectory()
+    assert run.ending == motion.ending
+    assert "tilted" in repr(run)
+    assert "complete" not in repr(run)
+    assert motion.error_estimate is not None
+    # It is of the vertical's direction, which gamma moves by the sine of the tilt.
+    steepest = motion.error_estimate / np.sin(motion.leaning.min())
+    assert run.error_estimate == pytest.approx(steepest)
+    assert motion.to_trajectory(0.5 * motion.times[-1]).ending is None
+
+
 def test_condition_that_holds_at_the_start_ends_nothing() -> None:
     def always(state: State) -> float:
         return -1.0 - state.coordinates[4]

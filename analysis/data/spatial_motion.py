@@ -287,6 +287,9 @@ class SpatialMotion(SampledMotion):
     ) -> Trajectory:
         """The same motion in the paper's coordinates, as one of Model 1, up to time `end`.
 
+        It keeps the ending, unless `end` lies before. The error estimate grows to what an error
+        of the vertical's direction may come to in gamma where the disk leans least.
+
         Parameters
         ----------
         end : float, optional
@@ -314,6 +317,7 @@ class SpatialMotion(SampledMotion):
             self.angular_velocities[:count],
         )
         frames.follow_turns(self.times[:count], coordinates, rates)
+        estimate = self.error_estimate
         return Trajectory(
             times=self.times[:count],
             coordinates=coordinates,
@@ -321,6 +325,8 @@ class SpatialMotion(SampledMotion):
             multipliers=self.normal_force[:count, None],
             scenario=self.scenario,
             source=self.source,
+            error_estimate=None if estimate is None else estimate / float(np.sin(leaning).min()),
+            ending=self.ending if count == self.times.size else None,
             method=self.method,
             counts=self.counts,
             versions=self.versions,
