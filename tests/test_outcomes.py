@@ -18,6 +18,7 @@ from analysis import (
     simulate_many,
 )
 from analysis.compiled import code
+from analysis.data.constraint_set import PRESCRIBED
 from analysis.data.outcomes import DONE, OUTCOMES, Row
 from analysis.models.outcomes import integrals
 from tests.helpers import model
@@ -103,6 +104,21 @@ def assert_batch_is_its_cases(*axes: str, **how: Any) -> None:
             )
             np.testing.assert_allclose(kept, expected, rtol=1e-9)
         assert_alike(row, alone, 1e-9)
+
+
+def test_sliding_took_what_every_prescribed_rate_brought(monkeypatch: pytest.MonkeyPatch) -> None:
+    motion = simulate(model(4), np.linspace(0.0, 0.2, 41), local_tolerance=1e-6)
+    (before,) = outcomes([motion]).rows()
+    # As if the table moved along at the rate of x.
+    monkeypatch.setitem(PRESCRIBED, "tangential_force", "x")
+    monkeypatch.setitem(cast("dict[str, str]", OUTCOMES), "brought_by_tangential_force", "J")
+    (row,) = outcomes([motion]).rows()
+    brought = simpson(motion.multiplier("tangential_force") * motion.rate("x"), x=motion.times)
+    assert abs(brought) > 1e-5
+    assert row["brought_by_tangential_force"] == pytest.approx(brought)
+    assert row["brought_by_spin_torque"] == before["brought_by_spin_torque"]
+    taken = cast("float", before["taken_sliding"]) + brought
+    assert row["taken_sliding"] == pytest.approx(taken, rel=1e-12)
 
 
 def test_errors_are_rows_that_say_why() -> None:

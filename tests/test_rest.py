@@ -155,7 +155,9 @@ def test_flat_and_rolling_begin_at_the_first_sample_from_which_they_hold(
         return float(np.trapezoid(np.interp(places, times, speeds), places) / np.ptp(ends))
 
     def is_rolling(time: float) -> bool:
-        slip, contour = (mean(each, time) for each in (settled.slip_speeds, settled.contour_speeds))
+        slip, contour = (
+            mean(each, time) for each in (settled.slip_speeds, settled.contour_speeds)
+        )
         return slip < 0.1 * contour
 
     flat = settled.leaning < np.arctan(2.0 * contact.half_thickness / disk.radius)

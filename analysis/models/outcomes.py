@@ -7,7 +7,12 @@ import numpy as np
 
 from analysis.compiled.parts import CompiledPart
 from analysis.data.checks import Array
-from analysis.data.constraint_set import ConstraintSet, multiplier_names
+from analysis.data.constraint_set import (
+    PRESCRIBED,
+    ConstraintSet,
+    multiplier_names,
+    prescribed,
+)
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.ensemble import Ensemble
@@ -16,6 +21,7 @@ from analysis.data.members import Rows
 from analysis.data.outcomes import DONE, OutcomeTable, failed, failure
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
+from analysis.data.state import COORDINATES
 from analysis.data.trajectories import BETA, Samples, Trajectories
 from analysis.data.trajectory import Trajectory
 from analysis.models.balance import energies
@@ -106,7 +112,7 @@ def _put_part(table: OutcomeTable, part: CompiledPart) -> None:
     table.put(part.rows, told | {"error_estimate": part.error_estimates})
     for rows, scenario in _scenarios(part.ensemble):
         members = part.rows[rows]
-        brought = table.columns["brought_by_spin_torque"][members]
+        brought = {name: table.columns[name][members] for name in _brought(constraints)}
         table.put(members, _balance(scenario, ends[0, rows], ends[1, rows], brought))
 
 
@@ -154,8 +160,13 @@ def _plain(motion: Trajectory) -> Mapping[str, Any]:
         # It does not hold what its spring stores and its damper takes.
         return found
     ends = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
-    brought = found.get("brought_by_spin_torque", np.array([np.nan]))
+    brought = {name: found[name] for name in _brought(scenario.constraints)}
     return {**found, **_balance(scenario, *ends, brought)}
+
+
+def _brought(constraints: ConstraintSet) -> tuple[str, ...]:
+    """Columns of what the prescribed rates of a set brought."""
+    return tuple(f"brought_by_{name}" for name in prescribed(constraints))
 
 
 def _sampled(
@@ -171,10 +182,10 @@ def _sampled(
         "cog_direction_end": directions[:, -1],
         "face_end": np.cos(beta[:, -1]),
     }
-    if "constant-spin" in constraints:
-        torque = multiplier_names(constraints).index("spin_torque")
-        power = samples.multipliers[:, :, torque] * spin
-        found["brought_by_spin_torque"] = integrals(times, power)
+    names = multiplier_names(constraints)
+    for name, column in zip(prescribed(constraints), _brought(constraints), strict=True):
+        rate = samples.rates[:, :, COORDINATES.index(PRESCRIBED[name])]
+        found[column] = integrals(times, samples.multipliers[:, :, names.index(name)] * rate)
     return found
 
 
@@ -194,12 +205,12 @@ def _judged(judged: Inversions, times: Array, spin: Array, force: Array) -> dict
 
 
 def _balance(
-    scenario: Scenario, coordinates: Array, rates: Array, brought: Array
+    scenario: Scenario, coordinates: Array, rates: Array, brought: Mapping[str, Array]
 ) -> Mapping[str, Array]:
     """Energies of k motions at their starts and ends, shape (k, 2, 6), and what sliding took."""
     kinetic, potential = energies(scenario, coordinates, rates)
     first, last = np.asarray(kinetic + potential)
-    taken = first - last + np.where(np.isnan(brought), 0.0, brought)
+    taken = sum(brought.values(), first - last)
     return {"energy_start": first, "energy_end": last, "taken_sliding": taken}
 
 
