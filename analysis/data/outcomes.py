@@ -25,7 +25,7 @@ the interpreter down."""
 
 OUTCOMES: Mapping[str, str | None] = {
     **dict.fromkeys(("status", "reason", "inversion")),
-    **dict.fromkeys(("inverted_at", "lost_at"), "s"),
+    **dict.fromkeys(("inverted_at", "inverted_at_error", "lost_at", "lost_at_error"), "s"),
     **dict.fromkeys(("spin_after", "spin_end"), "rad/s"),
     **dict.fromkeys(("cog_direction_end", "face_end"), ""),
     **dict.fromkeys(("force_least", "force_largest"), "N"),
@@ -42,8 +42,8 @@ OUTCOMES: Mapping[str, str | None] = {
 
 status, reason
     "done", or one of `FAILURES` and why.
-inversion, inverted_at, lost_at
-    As `Inversion` says.
+inversion, inverted_at, inverted_at_error, lost_at, lost_at_error
+    As `Inversion` says: when, and how far off the samples may leave that.
 spin_after, spin_end
     Vertical angular velocity: rate of alpha on an ideal contact. When the disk has stayed up for
     `STAYING`, and at the end.

@@ -23,14 +23,16 @@ spheroid's shape rules."""
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Phases:
-    """Times in s at which the phases begin, to the spacing of the samples; None if one never does.
+    """Times in s at which the phases begin; None if one never does.
+
+    The first two lie between samples, see `Inversion`; the others are those of samples.
 
     Parameters
     ----------
     inversion : float, optional
         The disk is inverted; see `analysis.data.inversion.DEFINITION`.
     inversion_lost : float, optional
-        Its centre of gravity first comes below the geometric centre again.
+        Its centre of gravity comes below the geometric centre again.
     rolling : float, optional
         From here until flat, the mean slip speed over half a second is below a tenth of the mean
         contour speed.

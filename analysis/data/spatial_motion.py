@@ -165,6 +165,13 @@ class SpatialMotion(SampledMotion):
         return self.rotations[:, 2, 0]
 
     @property
+    def cog_direction_rate(self) -> Array:
+        """Rate of `cog_direction` in 1/s, shape (n,)."""
+        axis, angular = self.rotations[:, :, 0], self.angular_velocities
+        result: Array = angular[:, 0] * axis[:, 1] - angular[:, 1] * axis[:, 0]
+        return result
+
+    @property
     def spin(self) -> Array:
         """Vertical angular velocity in rad/s, shape (n,)."""
         return self.angular_velocities[:, 2]

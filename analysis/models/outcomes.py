@@ -13,10 +13,11 @@ from analysis.data.constraint_set import (
     multiplier_names,
     prescribed,
 )
+from analysis.data.dense import Numbers
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.ensemble import Ensemble
-from analysis.data.inversion import STAYING, Inversions, inversions
+from analysis.data.inversion import STAYING, Inversions, direction_rates, inversions
 from analysis.data.members import Rows
 from analysis.data.outcomes import DONE, OutcomeTable, failed, failure
 from analysis.data.scenario import Scenario
@@ -54,8 +55,8 @@ def outcomes(
     >>> from analysis import Ensemble, Scenario, outcomes, simulate_many
     >>> spins = Ensemble(scenario=Scenario(), fields={"spin": np.array([10.0, 40.0])})
     >>> table = outcomes(simulate_many(spins, np.linspace(0.0, 2.0, 401), workers=1))
-    >>> table.columns["inversion"].tolist(), table.columns["inverted_at"].tolist()
-    (['not inverted', 'inverted'], [nan, 0.49])
+    >>> table.columns["inversion"].tolist(), table.columns["inverted_at"].round(4).tolist()
+    (['not inverted', 'inverted'], [nan, 0.4852])
     >>> bool(table.columns["taken_sliding"][1] > 0.0), table.units["taken_sliding"]
     (True, 'J')
     """
@@ -137,6 +138,8 @@ def _spatial(motion: SpatialMotion) -> Mapping[str, Any]:
         outcomes=np.array([inversion.outcome], dtype=object),
         times=np.array([inversion.time], dtype=float),
         lost=np.array([inversion.lost], dtype=float),
+        time_errors=np.array([inversion.time_error], dtype=float),
+        lost_errors=np.array([inversion.lost_error], dtype=float),
     )
     return {
         **_judged(judged, motion.times[None], motion.spin[None], motion.normal_force[None]),
@@ -175,8 +178,13 @@ def _sampled(
     """What samples of k motions tell by themselves, each shape (k,)."""
     times, beta, spin = samples.times, samples.coordinates[:, :, BETA], samples.rates[:, :, _ALPHA]
     directions = np.sin(beta) * np.sin(samples.coordinates[:, :, BETA + 1])
+
+    def rates_at(rows: Numbers, columns: Numbers) -> Array:
+        near = rows[:, None], columns
+        return direction_rates(samples.coordinates[near], samples.rates[near])
+
     # The centre of gravity of a disk without eccentricity is never above the centre.
-    judged = inversions(times, directions * (eccentricities > 0.0)[:, None], times[:, -1])
+    judged = inversions(times, directions * (eccentricities > 0.0)[:, None], rates_at)
     found = {
         **_judged(judged, times, spin, samples.multipliers[:, :, 0]),
         "cog_direction_end": directions[:, -1],
@@ -196,7 +204,9 @@ def _judged(judged: Inversions, times: Array, spin: Array, force: Array) -> dict
     return {
         "inversion": judged.outcomes,
         "inverted_at": judged.times,
+        "inverted_at_error": judged.time_errors,
         "lost_at": judged.lost,
+        "lost_at_error": judged.lost_errors,
         "spin_after": after,
         "spin_end": spin[:, -1],
         "force_least": force.min(axis=1),
