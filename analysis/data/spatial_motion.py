@@ -32,6 +32,9 @@ _COLUMNS = {
 }
 """Sampled arrays and how many columns each has; none for 0."""
 
+_SAME_TIME = 1e-12
+"""In s; times of one sample differ by rounding."""
+
 MOTION_COLUMNS = 1 + sum(max(1, columns) for columns in _COLUMNS.values())
 """Numbers in each sample, the time included."""
 
@@ -216,9 +219,16 @@ class SpatialMotion(SampledMotion):
         Parameters
         ----------
         other : SpatialMotion
-            Sampled at the same times.
+            Sampled at the same times, up to their endings.
         """
-        count = min(self.times.size, other.times.size)
+        shorter = min(self.times.size, other.times.size)
+        apart = np.abs(self.times[:shorter] - other.times[:shorter]) > _SAME_TIME
+        count = int(np.argmax(apart)) if apart.any() else shorter
+        if not count:
+            raise ValueError(
+                f"other must be sampled from t = {self.times[0]:g} s on, as this motion is, "
+                f"got {other.times[0]:g} s"
+            )
         one, two = (
             np.column_stack(
                 (
