@@ -235,6 +235,12 @@ def test_runs_that_disagree_are_no_result_and_their_whole_difference_is_the_esti
     assert found.error_estimate == pytest.approx(7.5e-4)
 
 
+def test_deviation_wants_the_same_times(settled: SpatialMotion) -> None:
+    other = settled.resampled(np.linspace(0.0, 1.0, 11))
+    with pytest.raises(ValueError, match=r"other must be sampled at the same times, got t = 0\.1"):
+        settled.deviation(other)
+
+
 def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotion) -> None:
     about_vertical = quaternions_about((0.0, 0.0, 1.0), 0.3)
     tilted = quaternions_about((1.0, 0.0, 0.0), 2e-3)

@@ -33,8 +33,8 @@ _REACH = 2 * NODES
 _GAIN = 0.1
 """Part of the difference of two polynomials that two samples more leave of a smooth motion."""
 
-_LOOKS = 17
-"""Places between two samples at which it is asked whether a crossing may be there."""
+_ROUNDING = 1e-13
+"""Difference of polynomials that is none."""
 
 _STEPS = 60
 """After so many halvings, a bracket is as narrow as rounding."""
@@ -132,8 +132,9 @@ def crossings(
         fewer = [through(max(1, count - left_out)) for left_out in (2, 4)]
         low, high = times[rows, columns[rows] - 1], times[rows, columns[rows]]
         found[rows], slope = _solve(most, level, low, high)
-        error = _error([most, *fewer], low, high)
-        errors[rows] = _left_open(most, level, (low, found[rows], high), error, slope)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            error = _error([most, *fewer], low, high) / np.abs(slope)
+        errors[rows] = np.fmin(error, np.maximum(found[rows] - low, high - found[rows]))
     return found, errors
 
 
@@ -142,28 +143,9 @@ def _error(through: Sequence[Polynomials], low: Array, high: Array) -> Array:
     probes = [(1.0 - part) * low + part * high for part in _PROBES]
     found = [np.array([each(probe)[0][:, 0] for probe in probes]) for each in through]
     apart, before = (np.max(np.abs(one - other), axis=0) for one, other in pairwise(found))
-    # After an impact, or of too few samples, more of them tell no more.
-    error: Array = CAUTION * np.where(apart < _GAIN * before, apart, np.maximum(apart, before))
-    return error
-
-
-def _left_open(
-    polynomial: Polynomials,
-    level: float,
-    places: tuple[Array, Array, Array],
-    error: Array,
-    slope: Array,
-) -> Array:
-    """How far from the middle of three places a level may be passed at this error of the value."""
-    low, place, high = places
-    with np.errstate(divide="ignore", invalid="ignore"):
-        widest = error / np.abs(slope)
-    # Where the value may be the level elsewhere, too, its slope at the place tells too little.
-    for probe in np.linspace(low, high, _LOOKS):
-        is_near = np.abs(polynomial(probe)[0][:, 0] - level) <= error
-        widest = np.fmax(widest, np.where(is_near, np.abs(probe - place), 0.0))
-    found: Array = np.fmin(widest, np.maximum(place - low, high - place))
-    return found
+    # Around an impact, or of too few samples, more of them tell nothing.
+    tells = (apart < _GAIN * before) | (apart < _ROUNDING)
+    return np.where(tells, CAUTION * apart, np.inf)
 
 
 def _solve(polynomial: Polynomials, level: float, low: Array, high: Array) -> tuple[Array, Array]:

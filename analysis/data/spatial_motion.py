@@ -219,15 +219,20 @@ class SpatialMotion(SampledMotion):
         Parameters
         ----------
         other : SpatialMotion
-            Sampled at the same times, up to their endings.
+            Sampled at the same times, but for the endings.
+
+        Raises
+        ------
+        ValueError
+            If it is sampled at other times.
         """
         shorter = min(self.times.size, other.times.size)
         apart = np.abs(self.times[:shorter] - other.times[:shorter]) > _SAME_TIME
         count = int(np.argmax(apart)) if apart.any() else shorter
-        if not count:
+        if count < max(1, shorter - 1):
             raise ValueError(
-                f"other must be sampled from t = {self.times[0]:g} s on, as this motion is, "
-                f"got {other.times[0]:g} s"
+                "other must be sampled at the same times, "
+                f"got t = {other.times[count]:.6g} s for {self.times[count]:.6g} s"
             )
         one, two = (
             np.column_stack(
