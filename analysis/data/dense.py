@@ -112,11 +112,7 @@ def crossings(
     begins = np.clip(columns - _REACH, 0, times.shape[1] - width)
     around = each[:, None], begins[:, None] + np.arange(width)
     times, values, columns = times[around], values[around], columns - begins
-    spacing = np.diff(times, axis=1)
-    typical = (times[:, -1] - times[:, 0]) / np.maximum(1, np.sum(spacing > 0.0, axis=1))
-    kept = np.ones(times.shape, dtype=bool)
-    kept[:, 1:-1] = spacing[:, 1:] >= _CLOSE * typical[:, None]
-    counts, order = kept.sum(axis=1), np.argsort(~kept, axis=1, kind="stable")
+    order, counts, kept = _apart(times)
     before = np.cumsum(kept, axis=1)[each, columns - 1] - 1
     for count in np.unique(np.minimum(counts, NODES)).tolist():
         rows = np.flatnonzero(np.minimum(counts, NODES) == count)
@@ -136,6 +132,18 @@ def crossings(
             error = _error([most, *fewer], low, high) / np.abs(slope)
         errors[rows] = np.fmin(error, np.maximum(found[rows] - low, high - found[rows]))
     return found, errors
+
+
+def _apart(times: Array) -> tuple[Numbers, Numbers, Numbers]:
+    """Columns of each row with those first that are not close to the next one, and how many.
+
+    The last array says which these are. The first and the last column are always among them.
+    """
+    spacing = np.diff(times, axis=1)
+    typical = (times[:, -1] - times[:, 0]) / np.maximum(1, np.sum(spacing > 0.0, axis=1))
+    kept = np.ones(times.shape, dtype=bool)
+    kept[:, 1:-1] = spacing[:, 1:] >= _CLOSE * typical[:, None]
+    return np.argsort(~kept, axis=1, kind="stable"), kept.sum(axis=1), kept
 
 
 def _error(through: Sequence[Polynomials], low: Array, high: Array) -> Array:
