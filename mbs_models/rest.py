@@ -51,7 +51,8 @@ def simulate_to_rest(
     step : float, optional
         Largest step in s. It is cut where rolling resistance makes a nearly flat disk stiff.
     tolerance : float, optional
-        Largest error, see `SpatialMotion.deviation`; 1e-3 if neither is given.
+        Largest error, see `SpatialMotion.deviation`, and by `error_at_ending` where a condition
+        ends the run; 1e-3 if neither is given.
     spacing : float
         Time between samples in s.
     criterion : RestCriterion, optional

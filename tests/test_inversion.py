@@ -66,6 +66,14 @@ def test_motion_that_ends_where_it_is_up_is_so_whatever_its_last_digit() -> None
         assert found.outcome == "not decided"
 
 
+@pytest.mark.parametrize("last", [-1e-14, 0.0, 1e-14])
+def test_motion_that_ends_where_it_is_lost_is_so_whatever_its_last_digit(last: float) -> None:
+    found = Inversion.of_direction(np.array([0.0, 0.5, 2.0]), np.array([-1.0, 1.0, last]))
+    assert (found.outcome, found.lost) == ("lost", 2.0)
+    short = Inversion.of_direction(np.array([0.0, 0.5, 1.0]), np.array([-1.0, 1.0, last]))
+    assert short.outcome == "not inverted"
+
+
 def test_staying_for_less_than_the_stated_time_is_no_inversion() -> None:
     assert judged(risen(0.5, 0.5 + STAYING)).time == pytest.approx(0.5)
     assert judged(risen(0.5, 0.49 + STAYING)).outcome == "not inverted"

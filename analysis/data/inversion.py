@@ -18,7 +18,7 @@ A disk that rolls without slip reaches 0.90, and falls below the centre within 0
 """
 
 _LAST_DIGITS = 1e-12
-"""By which a motion that ends at `REACHED`, because it does, may miss it."""
+"""By which a motion that ends at `REACHED` or at zero, because it does, may miss it."""
 
 DEFINITION = (
     f"The disk is inverted from the first time at which its centre of gravity has risen to "
@@ -170,7 +170,7 @@ class _Risen:
         rates_at: Callable[[Numbers, Numbers], Array] | None,
     ) -> None:
         self._times, self._directions, self._rates_at = times, directions, rates_at
-        self._low, self._ends = directions < 0.0, times[:, -1]
+        self._low, self._ends = directions < _LAST_DIGITS, times[:, -1]
         falls = np.where(self._low, times, np.inf)
         self._next_fall = np.minimum.accumulate(falls[:, ::-1], axis=1)[:, ::-1]
         last = high.shape[1] - 1 - np.argmax(high[:, ::-1], axis=1)

@@ -78,7 +78,8 @@ def simulate_to_rest(
     method : {"LSODA", "DOP853", "RK45"}
         SciPy method. LSODA is fastest; the explicit ones slow down on a flat disk.
     tolerance : float, optional
-        Largest error, see `SpatialMotion.deviation`; 1e-3 if neither tolerance is given.
+        Largest error, see `SpatialMotion.deviation`, and by `error_at_ending` where a condition
+        ends the run; 1e-3 if neither tolerance is given.
     local_tolerance : float, optional
         Relative tolerance of a single step; the absolute one is a hundredth of the number.
     stop_when : str, callable or sequence of them
