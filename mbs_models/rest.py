@@ -5,8 +5,8 @@ from math import hypot
 import numpy as np
 
 from analysis.data import frames
-from analysis.data.agreement import located, until_agreement
-from analysis.data.checks import Array, positive
+from analysis.data.agreement import until_agreement
+from analysis.data.checks import positive
 from analysis.data.dissipation import RestCriterion
 from analysis.data.endings import AT_REST, Ending, StopWhen, named_conditions
 from analysis.data.limits import check_storage
@@ -51,14 +51,15 @@ def simulate_to_rest(
     step : float, optional
         Largest step in s. It is cut where rolling resistance makes a nearly flat disk stiff.
     tolerance : float, optional
-        Largest error, see `SpatialMotion.deviation`; 1e-3 if neither is given.
+        Largest error, see `SpatialMotion.deviation`, and by `error_at_ending` where a condition
+        ends the run; 1e-3 if neither is given.
     spacing : float
         Time between samples in s.
     criterion : RestCriterion, optional
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
-        negative there. They are asked at the samples, but not where the disk lies flat; see
-        `located`.
+        negative there. They are asked at the samples, but not where the disk lies flat, and
+        located by short runs from the sample before.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.
@@ -108,15 +109,14 @@ def simulate_to_rest(
     def run(local: float | None) -> SpatialMotion:
         found = RestRun(scene, spacing, watch, step=step, local_tolerance=local)
         still = found.until_rest(count, wanted, conditions)
-        last = found.last if still is None else still + wanted.samples(spacing) - 1
-        return _motion(found, last + 1, still)
+        size = len(found.times) if still is None else still + wanted.samples(spacing)
+        return _motion(found, size, still)
 
     if step is not None:
         _check_step(scene, positive("step", step))
-        return located(run(None), conditions)
+        return run(None)
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    agreed = until_agreement(run, LOCAL_PART * tolerance, tolerance)
-    return located(agreed, conditions, tolerance)
+    return until_agreement(run, LOCAL_PART * tolerance, tolerance)
 
 
 def _check_step(scene: Scene, step: float) -> None:
@@ -134,8 +134,7 @@ def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
     """Motion over so many samples; at rest from the sample of number `still` on."""
     scenario = run.scene.scenario
     disk = scenario.disk
-    records = run.records[:count]
-    times: Array = np.arange(count, dtype=float) * run.spacing
+    records, times = run.records[:count], run.times[:count]
     rotation = records[:, 3:12].reshape(-1, 3, 3)
     loads = Loads(scenario, rounded_contact(run.scene))
     rows = []

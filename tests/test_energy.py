@@ -20,6 +20,8 @@ from analysis import (
     simulate_to_rest,
 )
 from analysis.data.checks import Array
+from analysis.data.constraint_set import PRESCRIBED, multiplier_names
+from analysis.data.state import COORDINATES
 from analysis.models import balance, equations, index1
 from analysis.models import constraints as rows
 from tests.helpers import (
@@ -59,6 +61,18 @@ def test_multipliers_do_no_work(constraints: ConstraintSet, load: Load, seed: in
     assert np.max(np.abs(virtual)) > 0.1
     work = constraint_force @ virtual
     assert work == pytest.approx(0.0, abs=1e-12 * float(np.max(np.abs(constraint_force))))
+
+
+@all_sets
+@seeds
+def test_forces_that_keep_a_rate_are_all_that_may_bring_energy(
+    constraints: ConstraintSet, seed: int
+) -> None:
+    scenario, z, u = random_scenario(constraints, seed)
+    velocities = rows.directions(constraints, scenario.disk, z) @ u
+    for name, velocity in zip(multiplier_names(constraints), velocities, strict=True):
+        kept = u[COORDINATES.index(PRESCRIBED[name])] if name in PRESCRIBED else 0.0
+        assert velocity == pytest.approx(kept, abs=1e-12)
 
 
 @seeds

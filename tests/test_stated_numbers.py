@@ -157,8 +157,9 @@ def test_times_of_inversion_are_those_that_come_out(level: Level) -> None:
     run = simulate(
         Scenario(constraints=MODELS[level]), np.linspace(0.0, 2.0, 201), local_tolerance=1e-6
     )
-    found = re.search(r"after (0\.\d\d), (0\.\d\d), (0\.\d\d) and (0\.\d\d) s", SAID)
-    assert not_none(found)[level] == f"{run.inversion_time:.2f}"
+    for text in (SAID, SENTENCES):
+        found = re.search(r"after (0\.\d\d), (0\.\d\d), (0\.\d\d) and (0\.\d\d) s", text)
+        assert not_none(found)[level] == f"{run.inversion_time:.2f}"
 
 
 def test_ways_to_rest_are_those_of_the_shipped_runs() -> None:

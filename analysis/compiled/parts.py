@@ -107,6 +107,18 @@ class CompiledPart:
         coordinates, rates = self._expanded(self.judged.reached.last[:, None], passed[:, None])
         return coordinates[:, 0], rates[:, 0]
 
+    def at(self, rows: Rows, columns: Rows) -> tuple[Array, Array]:
+        """Coordinates and rates of rows, shape (j,), at samples, shape (j, p), as in `Samples`."""
+        reached, ends = self.judged.reached, self.ends[rows, None]
+        times = np.append(self.times, np.inf)[columns]
+        inner = np.minimum(columns, self.times.size - 1)
+        over = (times > ends)[..., None]
+        states = np.where(over, reached.last[rows, None], reached.states[rows[:, None], inner])
+        if self.form == "index-1":
+            return states[:, :, :6], states[:, :, 6:]
+        starts, numbers = (each[rows] for each in self.frame)
+        return _expanded(starts, numbers, states, np.minimum(times, ends) - self.times[0])
+
     def samples(self, some: slice) -> Samples:
         """Samples of some of them, with their ends and constraint forces."""
         judged, columns = self.judged.reached, np.arange(self.times.size + 1)

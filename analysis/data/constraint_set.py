@@ -39,6 +39,10 @@ _FORCES: dict[Constraint, tuple[str, ...]] = {
 MULTIPLIERS = tuple(name for names in _FORCES.values() for name in names)
 """Constraint forces in order, all in R-frame axes."""
 
+PRESCRIBED: dict[str, str] = {"spin_torque": "alpha"}
+"""Constraint forces that do work, and the coordinate whose rate each keeps as it is. All others
+hold velocities at zero."""
+
 
 def constraint_set(constraints: Iterable[Constraint]) -> ConstraintSet:
     """Check a set of constraints and put it in order.
@@ -91,6 +95,11 @@ def multiplier_names(constraints: ConstraintSet) -> tuple[str, ...]:
     ('normal_force', 'cog_force_x', 'cog_force_y', 'tangential_force')
     """
     return tuple(name for each in constraints for name in _FORCES[each])
+
+
+def prescribed(constraints: ConstraintSet) -> tuple[str, ...]:
+    """Names of those constraint forces of a set that do work, of `PRESCRIBED`."""
+    return tuple(name for name in multiplier_names(constraints) if name in PRESCRIBED)
 
 
 def model_of(constraints: ConstraintSet) -> Level | None:

@@ -25,8 +25,9 @@ class FrictionLaw(ABC):
     Parameters
     ----------
     load : {"weight", "contact"}
-        What presses the disk on the table: its weight m g, Eq. (81), or the actual normal
-        contact force, Eq. (79).
+        What presses the disk on the table: its weight m g, Eq. (81), whatever the contact does
+        while it is closed, or the actual normal contact force, Eq. (79), and nothing where that
+        pulls.
 
     Raises
     ------

@@ -57,6 +57,11 @@ class SampledMotion(ABC):
     def cog_direction(self) -> Array:
         """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
 
+    @property
+    @abstractmethod
+    def cog_direction_rate(self) -> Array:
+        """Rate of `cog_direction` in 1/s, shape (n,)."""
+
     @abstractmethod
     def columns(self) -> dict[str, tuple[Array, str]]:
         """Every sampled quantity by name: its values, shape (n,), and its unit."""
@@ -74,11 +79,11 @@ class SampledMotion(ABC):
         """What became of the inversion; a disk without eccentricity is never inverted."""
         if not self.scenario.disk.eccentricity:
             return Inversion(outcome="not inverted")
-        return Inversion.of_direction(self.times, self.cog_direction)
+        return Inversion.of_direction(self.times, self.cog_direction, self.cog_direction_rate)
 
     @property
     def inversion_time(self) -> float | None:
-        """Time in s at which the disk is inverted, to the spacing of the samples; None if not."""
+        """Time in s at which the disk is inverted; None if not. `inversion` holds its error."""
         return self.inversion.time
 
     def at(self, time: float, *, tolerance: float | None = None) -> State:

@@ -161,10 +161,12 @@ class Start:
             if across:
                 y_rate = settled("y_rate", -x * self.spin - r * sb * beta_rate, "no lateral slip")
         lift = height if self.height is None else self.height
-        z = hypot(r * sb, half_thickness * cb) + lift
+        over = hypot(r * sb, half_thickness * cb)
+        # In the order in which it is r cos(beta) to the last digit on a sharp rim.
+        per_tilt = r * cb * (1.0 - (half_thickness / r) ** 2) * (r * sb / over)
         return State(
-            coordinates=(x, y, z, self.alpha, self.beta, self.gamma),
-            rates=(x_rate, y_rate, r * cb * beta_rate, self.spin, beta_rate, gamma_rate),
+            coordinates=(x, y, over + lift, self.alpha, self.beta, self.gamma),
+            rates=(x_rate, y_rate, per_tilt * beta_rate, self.spin, beta_rate, gamma_rate),
         )
 
 

@@ -24,6 +24,7 @@ from analysis.data.constraint_set import multiplier_names
 from analysis.data.dense import interpolate, interpolate_values
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
+from analysis.data.inversion import direction_rates
 from analysis.data.sampled import SampledMotion, stored_meta
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES, State
@@ -152,6 +153,11 @@ class Trajectory(SampledMotion):
         """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
         result: Array = np.sin(self.coordinate("beta")) * np.sin(self.coordinate("gamma"))
         return result
+
+    @property
+    def cog_direction_rate(self) -> Array:
+        """Rate of `cog_direction` in 1/s, shape (n,)."""
+        return direction_rates(self.coordinates, self.rates)
 
     @property
     def cog_height(self) -> Array:

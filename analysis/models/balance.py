@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import multiplier_names
+from analysis.data.constraint_set import PRESCRIBED, multiplier_names, prescribed
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory
 from analysis.models import constraints, equations
@@ -71,11 +71,11 @@ def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:
     """
     held, disk = trajectory.scenario.constraints, trajectory.scenario.disk
     names = multiplier_names(held)
-    count = len(names) - ("spin_torque" in names)
     places, rates = trajectory.coordinates.T, trajectory.rates.T
     velocities = [
         sum(part * rate for part, rate in zip(row, rates, strict=True))
-        for row in constraints.direction_rows(held, disk, places)[:count]
+        for name, row in zip(names, constraints.direction_rows(held, disk, places), strict=True)
+        if name not in PRESCRIBED
     ]
     position = np.max(np.abs(constraints.position_rows(held, disk, places)), axis=0)
     return position, np.max(np.abs(velocities), axis=0)
@@ -135,7 +135,7 @@ def _loads(trajectory: Trajectory) -> Array:
 
 
 def power(trajectory: Trajectory) -> Array:
-    """Power of friction and of the prescribed spin at every sample in W, shape (n,).
+    """Power of friction and of prescribed rates at every sample in W, shape (n,).
 
     All other constraints do no work. Friction takes energy; the torque that keeps the spin
     constant may bring some.
@@ -151,8 +151,8 @@ def power(trajectory: Trajectory) -> Array:
     result = _loads(trajectory)
     for row, (z, u) in enumerate(_states(trajectory)):
         result[row] *= friction_per_load(scenario, z, u) @ u
-    if "constant-spin" in scenario.constraints:
-        result += trajectory.multiplier("spin_torque") * trajectory.rate("alpha")
+    for name in prescribed(scenario.constraints):
+        result += trajectory.multiplier(name) * trajectory.rate(PRESCRIBED[name])
     return result
 
 

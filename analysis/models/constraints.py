@@ -12,7 +12,12 @@ from typing import Any
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import MULTIPLIERS, ConstraintSet, multiplier_names
+from analysis.data.constraint_set import (
+    MULTIPLIERS,
+    PRESCRIBED,
+    ConstraintSet,
+    multiplier_names,
+)
 from analysis.data.disk import Disk
 from analysis.data.elementary import cos, sin
 from analysis.data.scenario import Scenario
@@ -133,7 +138,7 @@ def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) 
     )
     for kind, unit, residuals, allowed in checks:
         for name, residual in zip(names, residuals, strict=False):
-            if abs(residual) > allowed and name != "spin_torque":
+            if abs(residual) > allowed and name not in PRESCRIBED:
                 raise ValueError(
                     f"start breaks '{LABELS[name]}' of {scenario.name} on {kind} level "
                     f"by {residual:.3e} {unit}, allowed is {allowed:.1e}"

@@ -148,7 +148,7 @@ def solver(scenario: Scenario) -> Solver:
     """Function that solves `system` at one state after the other, fast.
 
     The equations are recorded on symbols once for each structure, see `Recorder`. A contact that
-    pulls (negative normal force) rubs with no load: friction never gives energy.
+    pulls (negative normal force) is no load: friction never gives energy.
 
     Parameters
     ----------

@@ -79,7 +79,8 @@ def simulate(
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
         negative there.
     allow_pulling : bool
-        Go on where the contact pulls; friction then has no load.
+        Go on where the contact pulls. Friction with the load "contact" rubs with none there;
+        with the load "weight" it rubs under the weight as before.
     time_limit : float, optional
         Processor time in s after which the run ends with what it has reached.
     progress : callable, optional

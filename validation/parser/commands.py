@@ -99,7 +99,8 @@ def _simulate(commands: Commands) -> None:
     add(
         "--allow-pulling",
         action="store_true",
-        help="go on where the ideal contact would have to pull, instead of ending there",
+        help="go on where the ideal contact would have to pull, instead of ending there; friction "
+        "with the load weight still rubs under it, and with the load contact not at all",
     )
     add("--time-limit", type=float, help="processor time in s after which the run ends")
     add("--out", required=True, type=writable(".npz"), metavar="FILE", help="file to write, .npz")
