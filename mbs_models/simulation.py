@@ -86,7 +86,8 @@ def simulate(
     FlatError
         If the disk comes so close to lying flat that the Euler angles cannot be followed.
     ToleranceError
-        If `tolerance` cannot be met.
+        If `tolerance` cannot be met, or the run takes far more steps than it should; with a time
+        limit it may.
     TimeLimitError
         If the limit is met before there is a result.
 
@@ -118,9 +119,10 @@ def simulate(
         raise ToleranceError(
             f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
         )
-    simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
+    effort = simulation_effort(scene, times, chosen, step=step, tolerance=tolerance)
+    effort.check()
     conditions = named_conditions(stop_when, scene.scenario.initial_state)
-    watch = Watch(time_limit, progress)
+    watch = Watch(time_limit, progress, effort.most)
 
     def run(way: Integrator, largest: float, halvings: int = 0) -> Pass:
         return one_pass(

@@ -95,7 +95,8 @@ def simulate(
         If an argument is out of range, the run would take more than `MOST_STEPS`, or the start
         breaks a constraint or needs a contact that pulls.
     ToleranceError
-        If `tolerance` cannot be met.
+        If `tolerance` cannot be met, or the run takes far more steps than it should; with a time
+        limit it may.
     TimeLimitError
         If the limit is met before two runs agree to `tolerance` anywhere.
     ArithmeticError
@@ -118,10 +119,17 @@ def simulate(
     if method == "taylor":
         compiled = CompiledScenario(scenario, form, conditions, allow_pulling=allow_pulling)
     posed = pose(scenario, form, conditions, compiled.multipliers if compiled else None)
-    watch = Watch(time_limit, progress)
-
-    def check_effort(**accuracy: float) -> None:
-        simulation_effort(scenario, times, method=method, **accuracy).check()
+    if local_tolerance is None:
+        tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    elif tolerance is not None:
+        raise ValueError("give either tolerance or local_tolerance, not both")
+    else:
+        local_tolerance = check_local_tolerance("local_tolerance", local_tolerance)
+    effort = simulation_effort(
+        scenario, times, method=method, tolerance=tolerance, local_tolerance=local_tolerance
+    )
+    effort.check()
+    watch = Watch(time_limit, progress, effort.most)
 
     def run(local: float, longest: float = 1.0) -> Run:
         problem = posed.problem.with_steps_up_to(longest)
@@ -136,15 +144,10 @@ def simulate(
             watch=watch,
         )
 
-    if local_tolerance is not None:
-        if tolerance is not None:
-            raise ValueError("give either tolerance or local_tolerance, not both")
-        local_tolerance = check_local_tolerance("local_tolerance", local_tolerance)
-        check_effort(local_tolerance=local_tolerance)
+    if tolerance is None:
+        assert local_tolerance is not None
         result, estimate = run(local_tolerance), None
     else:
-        tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
-        check_effort(tolerance=tolerance)
         result, local_tolerance, estimate = _integrate_to(run, posed.attitudes, tolerance, method)
     if result.ended == TIME_LIMIT:
         result = replace(result, value=watch.seconds)
