@@ -3,7 +3,13 @@
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import TimeLimitError, ToleranceError, increasing_times, positive
+from analysis.data.checks import (
+    TimeLimitError,
+    ToleranceError,
+    increasing_times,
+    positive,
+    switch,
+)
 from analysis.data.endings import (
     CONTACT_WOULD_PULL,
     TIME_LIMIT,
@@ -11,6 +17,7 @@ from analysis.data.endings import (
     StopWhen,
     named_conditions,
 )
+from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models import columns
@@ -25,7 +32,7 @@ from mbs_models.to_tolerance import to_tolerance
 
 
 def simulate(
-    scene: Scene,
+    scene: Scene | Scenario,
     times: npt.ArrayLike,
     *,
     step: float | None = None,
@@ -48,7 +55,8 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or Scenario
+        A scenario stands for its default scene.
     times : array_like, shape (n,)
         Strictly increasing times in s; the motion starts at the first. Each stretch of evenly
         spaced times is one engine run, so even spacing is fastest.
@@ -102,7 +110,8 @@ def simulate(
     >>> bool(np.abs(run.coordinates - check.coordinates)[:, 4:].max() < 1e-6)
     True
     """
-    times = increasing_times(times)
+    scene, times = Scene.of(scene), increasing_times(times)
+    allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene.built_as, integrator, constrained=scene.has_constraints)
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")

@@ -52,16 +52,17 @@ HIDDEN = Scenario(start=Start(spin=0.0, beta=0.1))
 
 def time_of_fall(scenario: Scenario) -> float:
     """Time in s in which a disk falls flat without turning, from its energy, by quadrature."""
-    disk, start, gravity = scenario.disk, scenario.start, scenario.table.gravity
+    disk, gravity = scenario.disk, scenario.table.gravity
+    first = scenario.initial_state.coordinates[4]
     arm = disk.radius - disk.eccentricity
     inertia = disk.inertia_about_cog[1 if disk.eccentricity else 0] / disk.mass
 
     def slowness(root: float) -> float:
-        tilt = start.beta - root**2
-        drop = sin(start.beta) - sin(tilt)
+        tilt = first - root**2
+        drop = sin(first) - sin(tilt)
         return 2.0 * root * sqrt((inertia + (arm * cos(tilt)) ** 2) / (2.0 * gravity * arm * drop))
 
-    found = quad(slowness, 0.0, sqrt(start.beta - LEAST_TILT), epsabs=1e-13, epsrel=1e-13)
+    found = quad(slowness, 0.0, sqrt(first - LEAST_TILT), epsabs=1e-13, epsrel=1e-13)
     return float(found[0])
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from analysis.compiled.lots import Judged, Lot, run_to
 from analysis.compiled.runs import CompiledScenario
 from analysis.data.checks import Array, positive
+from analysis.data.checks import local_tolerance as one_step
 from analysis.data.endings import Condition
 from analysis.data.limits import Effort
 from analysis.data.scenario import Scenario
@@ -18,7 +19,7 @@ from analysis.data.watch import Watch
 from analysis.models.effort import simulation_effort
 from analysis.models.forms import Form, PosedForm, default_form, pose
 from analysis.models.integration import Run, endings, pulls_at_start
-from analysis.models.simulation import check_local_tolerance, local_tolerances, trajectory
+from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE, local_tolerances, trajectory
 
 Outcome = Trajectory | Exception
 """Of one member: its motion, or the error that ended it."""
@@ -138,7 +139,7 @@ def ladder_to(
     if local_tolerance is not None:
         if tolerance is not None:
             raise ValueError("give either tolerance or local_tolerance, not both")
-        return (check_local_tolerance("local_tolerance", local_tolerance),), np.inf
+        return (one_step("local_tolerance", local_tolerance, TIGHTEST_LOCAL_TOLERANCE),), np.inf
     wanted = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
     return tuple(local_tolerances(wanted, "taylor")), wanted
 

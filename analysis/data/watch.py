@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from math import inf
 
-from analysis.data.checks import ToleranceError, positive
+from analysis.data.checks import ToleranceError, function, positive
 from analysis.data.limits import MOST_STEPS
 
 Progress = Callable[[float, float], None]
@@ -34,7 +34,7 @@ class Watch:
     Raises
     ------
     ValueError
-        If the time limit is not positive.
+        If the time limit is not positive, or `progress` is no function.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Watch:
         self._most = int(most if time_limit is None else MOST_STEPS)
         self.steps = 0
         self.flattest = (0.0, inf)
-        self._progress = progress
+        self._progress = None if progress is None else function("progress", progress)
         self._begin = time.process_time()
 
     @property

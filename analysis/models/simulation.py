@@ -14,8 +14,11 @@ from analysis.data.checks import (
     ToleranceError,
     choice,
     increasing_times,
+    instance,
     positive,
+    switch,
 )
+from analysis.data.checks import local_tolerance as one_step
 from analysis.data.endings import FLAT, TIME_LIMIT, Ending, StopWhen, named_conditions
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Setting, Trajectory, versions
@@ -111,7 +114,8 @@ def simulate(
     >>> print(run.ending)
     ended at t = 0.56875... s: the centre of gravity is up, at 90% of its largest height
     """
-    times = increasing_times(times)
+    scenario, times = instance("scenario", scenario, Scenario), increasing_times(times)
+    allow_pulling = switch("allow_pulling", allow_pulling)
     choice("method", method, METHODS)
     form = default_form(scenario) if form is None else form
     conditions = named_conditions(stop_when, scenario.initial_state)
@@ -124,7 +128,7 @@ def simulate(
     elif tolerance is not None:
         raise ValueError("give either tolerance or local_tolerance, not both")
     else:
-        local_tolerance = check_local_tolerance("local_tolerance", local_tolerance)
+        local_tolerance = one_step("local_tolerance", local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
     effort = simulation_effort(
         scenario, times, method=method, tolerance=tolerance, local_tolerance=local_tolerance
     )
@@ -263,11 +267,3 @@ def local_tolerances(tolerance: float, method: Method) -> list[float]:
         local /= 10.0
         tolerances.append(max(local, TIGHTEST_LOCAL_TOLERANCE))
     return tolerances
-
-
-def check_local_tolerance(name: str, value: float) -> float:
-    """Return a local tolerance that SciPy's solvers take; `ValueError` otherwise."""
-    value = positive(name, value)
-    if not TIGHTEST_LOCAL_TOLERANCE <= value < 1.0:
-        raise ValueError(f"{name} must lie in [{TIGHTEST_LOCAL_TOLERANCE:g}, 1), got {value:g}")
-    return value
