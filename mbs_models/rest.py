@@ -6,10 +6,11 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.agreement import until_agreement
-from analysis.data.checks import positive
+from analysis.data.checks import Array, instance, positive
 from analysis.data.dissipation import RestCriterion
 from analysis.data.endings import AT_REST, Ending, StopWhen, named_conditions
 from analysis.data.limits import check_storage
+from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.data.trajectory import versions
 from analysis.data.watch import Progress, Watch
@@ -23,7 +24,7 @@ LOCAL_PART = 1e-4
 
 
 def simulate_to_rest(
-    scene: Scene,
+    scene: Scene | Scenario,
     end: float,
     *,
     step: float | None = None,
@@ -44,7 +45,7 @@ def simulate_to_rest(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or Scenario
         Of formulation "floating-lie" and with a rounded rim, such as `Scene(Scenario.rest())`.
     end : float
         Longest time in s.
@@ -94,15 +95,19 @@ def simulate_to_rest(
     True
     """
     end, spacing = positive("end", end), positive("spacing", spacing)
+    step = None if step is None else positive("step", step)
     if spacing > end:
         raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
+    scene = Scene.of(scene)
     rounded_contact(scene)
     check_storage("end", end / spacing, MOTION_COLUMNS)
     rest_effort(scene, end, SAFETY * largest_step(scene) if step is None else step).check()
     watch = Watch(time_limit, progress)
-    wanted = criterion if criterion is not None else RestCriterion()
+    wanted = RestCriterion()
+    if criterion is not None:
+        wanted = instance("criterion", criterion, RestCriterion)
     conditions = named_conditions(stop_when)
     count = int(np.floor(end / spacing + 1e-9))
 
@@ -113,7 +118,7 @@ def simulate_to_rest(
         return _motion(found, size, still)
 
     if step is not None:
-        _check_step(scene, positive("step", step))
+        _check_step(scene, step)
         return run(None)
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
     return until_agreement(run, LOCAL_PART * tolerance, tolerance)

@@ -3,7 +3,13 @@
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import TimeLimitError, ToleranceError, increasing_times, positive
+from analysis.data.checks import (
+    TimeLimitError,
+    ToleranceError,
+    increasing_times,
+    positive,
+    switch,
+)
 from analysis.data.endings import (
     CONTACT_WOULD_PULL,
     TIME_LIMIT,
@@ -11,6 +17,7 @@ from analysis.data.endings import (
     StopWhen,
     named_conditions,
 )
+from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models import columns
@@ -25,7 +32,7 @@ from mbs_models.to_tolerance import to_tolerance
 
 
 def simulate(
-    scene: Scene,
+    scene: Scene | Scenario,
     times: npt.ArrayLike,
     *,
     step: float | None = None,
@@ -48,7 +55,8 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or Scenario
+        A scenario stands for its default scene.
     times : array_like, shape (n,)
         Strictly increasing times in s; the motion starts at the first. Each stretch of evenly
         spaced times is one engine run, so even spacing is fastest.
@@ -87,7 +95,8 @@ def simulate(
     FlatError
         If the disk comes so close to lying flat that the Euler angles cannot be followed.
     ToleranceError
-        If `tolerance` cannot be met.
+        If `tolerance` cannot be met, or the run takes far more steps than it should; with a time
+        limit it may.
     TimeLimitError
         If the limit is met before there is a result.
 
@@ -102,7 +111,8 @@ def simulate(
     >>> bool(np.abs(run.coordinates - check.coordinates)[:, 4:].max() < 1e-6)
     True
     """
-    times = increasing_times(times)
+    scene, times = Scene.of(scene), increasing_times(times)
+    allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene.built_as, integrator, constrained=scene.has_constraints)
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
@@ -119,9 +129,10 @@ def simulate(
         raise ToleranceError(
             f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
         )
-    simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
+    effort = simulation_effort(scene, times, chosen, step=step, tolerance=tolerance)
+    effort.check()
     conditions = named_conditions(stop_when, scene.scenario.initial_state)
-    watch = Watch(time_limit, progress)
+    watch = Watch(time_limit, progress, effort.most)
 
     def run(way: Integrator, largest: float, halvings: int = 0) -> Pass:
         return one_pass(

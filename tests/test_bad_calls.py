@@ -41,6 +41,8 @@ CALLS = [
     ("rest --stiffness 1e12", "--end: end = 80 s with steps of 2.0e-07 s, at stiffness 1e+12 N/m"),
     ("rest --source in-house --stiffness 1e12", "--stiffness: stiffness 1e+12 N/m until end = 80"),
     ("rest --eps 1e-9", "and friction gradient 3e+08 s/m, would take about"),
+    ("heteroclinic --over mu=0:1:1000000", "must have at most 10000 values here, got 1000000"),
+    ("cycles --over mu=0:1:10001 --amplitude 1", "must have at most 10000 values here, got 10001"),
     # Numbers whose squares or quotients overflow.
     (SIMULATE + "--mu 1e300", "--mu: coefficient must lie from 0 to 1e+09, got 1e+300"),
     (IN_HOUSE + "--mu 1e300", "--mu: coefficient must lie from 0 to 1e+09, got 1e+300"),

@@ -229,7 +229,7 @@ def _small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(full_report, "STUDIES", (_study("one", 1, 2), _study("two", 2, 3)))
     box = Section(name="summary", title="Box")
     monkeypatch.setattr(summary, "section", lambda _: box)
-    monkeypatch.setattr(report, "process_pool", lambda _: ThreadPoolExecutor(1))
+    monkeypatch.setattr(report, "Pool", lambda _: ThreadPoolExecutor(1))
     monkeypatch.setattr(clock, "model_1_seconds", lambda: 0.5)
     monkeypatch.setattr(full_report, "model_1_seconds", lambda: 0.5)
     ticks = count()

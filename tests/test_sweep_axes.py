@@ -144,7 +144,7 @@ def test_case_is_the_scenario_with_its_fields_changed(changes: Any, expected: Sc
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("spim=0:1:2", "such as spin; got 'spim'"),
+        ("spim=0:1:2", "got 'spim'; did you mean spin?"),
         ("spin", "axis must be field=first:last:count"),
         ("spin=", "axis must be field=first:last:count"),
         ("spin=1:2:3:4", "axis start.spin must be first:last:count"),

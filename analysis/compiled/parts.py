@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from analysis.compiled import systems
-from analysis.compiled.batches import PosedMember, check_effort, ladder_to
+from analysis.compiled.batches import PosedMember, checked_effort, ladder_to
 from analysis.compiled.code import Code, values
 from analysis.compiled.lots import RUNNING, Judged, Lot, run_to
 from analysis.compiled.runs import code_for
@@ -208,7 +208,7 @@ def simulate_ensemble(
     def columns(scenario: Scenario) -> tuple[Code, Form, list[Sequence[float]]]:
         form = default_form(scenario) if request.form is None else request.form
         check_form(scenario, form)
-        check_effort(scenario, request.times, least, request.local_tolerance)
+        effort = checked_effort(scenario, request.times, least, request.local_tolerance)
         code = code_for(scenario, form, request.conditions, allow_pulling=False)
         state = scenario.initial_state
         return (
@@ -218,6 +218,7 @@ def simulate_ensemble(
                 start_values(scenario, form),
                 systems.parameters(scenario),
                 (longest_step(scenario),),
+                (effort.most,),
                 state.coordinates + state.rates,
             ],
         )
@@ -229,7 +230,7 @@ def simulate_ensemble(
         code, form, numbers = found
         arrays = [in_columns(each, rows.size) for each in numbers]
         # The force at the start; one that is not a number is looked at again, too.
-        pressed = values(code.multipliers, arrays[3], arrays[1])[:, 0] >= 0.0
+        pressed = values(code.multipliers, arrays[4], arrays[1])[:, 0] >= 0.0
         others += rows[~pressed].tolist()
         for ladder, some in _by_ladder(wanted[rows], np.flatnonzero(pressed), request):
             members = rows[some]
@@ -271,13 +272,13 @@ def _run_part(
     request: Request,
 ) -> tuple[CompiledPart, dict[int, Exception]]:
     code, form, ladder = kind
-    starts, numbers, longest, states = arrays
+    starts, numbers, longest, most, states = arrays
 
     def alone(row: int, *how: float) -> Run | Exception:
         member = PosedMember.of(ensemble[row], form, request.conditions)
         return member.alone(request.times, *how)
 
-    lot = Lot(code, form, starts, numbers, longest[:, 0], alone)
+    lot = Lot(code, form, starts, numbers, longest[:, 0], most[:, 0], alone)
     judged = run_to(lot, request.times, ladder, tolerances)
     part = CompiledPart(
         rows=np.arange(len(ensemble)),

@@ -5,6 +5,7 @@ from itertools import combinations
 from typing import Literal, get_args
 
 from analysis.data.checks import choice
+from analysis.data.names import Named
 
 Constraint = Literal["contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin"]
 CONSTRAINTS: tuple[Constraint, ...] = get_args(Constraint)
@@ -20,12 +21,15 @@ ConstraintSet = tuple[Constraint, ...]
 Level = Literal[1, 2, 3, 4]
 LEVELS: tuple[Level, ...] = get_args(Level)
 
-MODELS: dict[Level, ConstraintSet] = {
-    1: ("contact",),
-    2: ("contact", "fixed-cog"),
-    3: ("contact", "fixed-cog", "no-slip-along"),
-    4: ("contact", "fixed-cog", "no-slip-along", "constant-spin"),
-}
+MODELS: dict[Level, ConstraintSet] = Named(
+    "MODELS",
+    {
+        1: ("contact",),
+        2: ("contact", "fixed-cog"),
+        3: ("contact", "fixed-cog", "no-slip-along"),
+        4: ("contact", "fixed-cog", "no-slip-along", "constant-spin"),
+    },
+)
 """The paper's models, Table 2."""
 
 _FORCES: dict[Constraint, tuple[str, ...]] = {

@@ -3,14 +3,16 @@
 from dataclasses import dataclass
 from math import sqrt
 
-from analysis.data.checks import not_negative, positive, within
+from analysis.data.checks import not_negative, positive, switch, within
 from analysis.data.disk import Disk
 from analysis.data.limits import LARGEST_DAMPING, STIFFEST_CONTACT, THINNEST_RIM
+from analysis.data.names import suggesting_fields
 
 LARGEST_PART = 0.01
 """Largest resting penetration as a part of the radius; beyond, it is another disk's motion."""
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PenaltyContact:
     """Contact through a spring and a damper: stiffness * penetration + damping * its rate.
@@ -54,8 +56,7 @@ class PenaltyContact:
                 f"half_thickness must be 0 or at least {THINNEST_RIM:g} m, got {thickness:g}"
             )
         object.__setattr__(self, "half_thickness", thickness)
-        if not isinstance(self.bilateral, bool):
-            raise ValueError(f"bilateral must be True or False, got {self.bilateral!r}")
+        object.__setattr__(self, "bilateral", switch("bilateral", self.bilateral))
 
     @classmethod
     def damped(

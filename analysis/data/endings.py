@@ -115,7 +115,9 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
         If a name is unknown or stands for two of them, something is neither a name nor callable,
         or says no number of the state.
     """
-    given = [stop_when] if isinstance(stop_when, str) or callable(stop_when) else list(stop_when)
+    given = stop_when if isinstance(stop_when, Iterable) else (stop_when,)
+    if isinstance(given, str):
+        given = (given,)
     found: dict[str, Condition] = {}
     for each in given:
         name, condition = _named(each)

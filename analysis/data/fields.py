@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from difflib import get_close_matches
 from typing import Any
 
 from analysis.data.angles import angle
@@ -10,6 +9,7 @@ from analysis.data.checks import choice
 from analysis.data.constraint_set import LEVELS, MODELS
 from analysis.data.disk import DISKS, STEEL_DISK, STEEL_RING, Disk
 from analysis.data.friction import law_class, law_from
+from analysis.data.names import SHORT, nearest
 from analysis.data.scenario import Scenario
 from analysis.data.scenario_keys import KEYS, RING
 from analysis.data.start import Start
@@ -17,10 +17,8 @@ from analysis.data.start import Start
 Value = float | str | bool
 """What a field may be set to."""
 
-_SHORT = {
-    "mu": "friction.coefficient",
-    "eps": "friction.smoothing",
-    "rolling": "dissipation.rolling_dry",
+_SHORT = {short: f"friction.{name}" for short, name in SHORT.items()} | {
+    "rolling": "dissipation.rolling_dry"
 }
 """Options of the command line that are not named as the key they stand for."""
 
@@ -56,10 +54,9 @@ def full_name(name: str, axis: str = "axis") -> str:
         if found:
             return found[0]
     known = [key for keys in KEYS.values() for key in keys]
-    close = ", ".join(get_close_matches(name.rpartition(".")[2], known)) or "start.spin"
     raise ValueError(
         f"{axis} must be a field of a scenario, as `tippedisk scenario` lists them, such as "
-        f"{close}; got {name!r}"
+        f"start.spin, got {name!r}{nearest(name.rpartition('.')[2], known)}"
     )
 
 

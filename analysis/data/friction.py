@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args
 from analysis.data.checks import choice, not_negative, positive, within
 from analysis.data.elementary import exp, tanh
 from analysis.data.limits import LARGEST_FRICTION, SMOOTHING_RANGE, STEEPEST_FRICTION
+from analysis.data.names import Named, nearest, suggesting_fields
 from analysis.data.own import is_own, own_object
 
 Load = Literal["weight", "contact"]
@@ -103,6 +104,7 @@ class _Regularised(FrictionLaw):
         return self.smoothing
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SmoothCoulomb(_Regularised):
     """Smooth Coulomb friction, Eq. (3): force = -coefficient * load * slip / (|slip| + smoothing).
@@ -131,6 +133,7 @@ class SmoothCoulomb(_Regularised):
         return -self.coefficient / (speed + self.smoothing) ** 2
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stribeck(FrictionLaw):
     """Smooth Coulomb friction whose coefficient falls from a static to a kinetic value.
@@ -194,6 +197,7 @@ class Stribeck(FrictionLaw):
         return min(self.smoothing, self.stribeck_speed)
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TanhCoulomb(_Regularised):
     """Coulomb friction regularised by force = -coefficient * load * tanh(|slip| / smoothing).
@@ -235,6 +239,7 @@ class TanhCoulomb(_Regularised):
         return unit * ((1.0 - high * high) - high / relative) / relative
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ViscousFriction(FrictionLaw):
     """Friction in proportion to slip: force = -viscosity * load * slip.
@@ -275,12 +280,15 @@ class ViscousFriction(FrictionLaw):
         return 1.0
 
 
-LAWS: dict[str, type[FrictionLaw]] = {
-    "smooth-coulomb": SmoothCoulomb,
-    "stribeck": Stribeck,
-    "tanh": TanhCoulomb,
-    "viscous": ViscousFriction,
-}
+LAWS: dict[str, type[FrictionLaw]] = Named(
+    "LAWS",
+    {
+        "smooth-coulomb": SmoothCoulomb,
+        "stribeck": Stribeck,
+        "tanh": TanhCoulomb,
+        "viscous": ViscousFriction,
+    },
+)
 """Laws by name, as files and the command line know them; others are `module:class`."""
 
 
@@ -325,7 +333,10 @@ def law_class(name: Any, *, own: bool = True) -> type[FrictionLaw]:
         return LAWS[name]
     if not is_own(name):
         listed = ", ".join(LAWS)
-        raise ValueError(f"friction law must be one of {listed} or module:class, got {name!r}")
+        raise ValueError(
+            f"friction law must be one of {listed} or module:class, got {name!r}"
+            f"{nearest(name, LAWS)}"
+        )
     if not own and name.partition(":")[0] not in sys.modules:
         raise ValueError(
             f"friction law {name!r} must be imported first; on the command line, --law does that"

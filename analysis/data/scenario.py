@@ -18,6 +18,7 @@ from analysis.data.contact import PenaltyContact
 from analysis.data.disk import STEEL_DISK, Disk
 from analysis.data.dissipation import Dissipation
 from analysis.data.friction import FrictionLaw, SmoothCoulomb, check_answers, law_from, law_values
+from analysis.data.names import suggesting_fields
 from analysis.data.start import Start
 from analysis.data.state import State
 from analysis.data.table import Table
@@ -35,6 +36,7 @@ class _Remembering:
     _initial_state: State
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario(_Remembering):
     """What is to be studied. Nothing in it says how, or with which side.

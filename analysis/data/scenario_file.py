@@ -13,6 +13,7 @@ from analysis.data.checks import choice
 from analysis.data.constraint_set import LEVELS, MODELS
 from analysis.data.disk import DISKS, Disk
 from analysis.data.friction import law_class, law_from
+from analysis.data.names import nearest
 from analysis.data.scenario import KINDS, Scenario
 from analysis.data.scenario_keys import KEYS, NEEDED, RING, SIX
 from analysis.data.scenario_text import FORMAT, scenario_text
@@ -146,7 +147,8 @@ def _stray(key: str) -> str:
     for table, keys in KEYS.items():
         if key in keys:
             return f"{key} must stand in the table [{table}]"
-    return f"unknown key {key!r}; a scenario holds {_listed(_TOP)}"
+    known = [*_TOP, *(name for keys in KEYS.values() for name in keys)]
+    return f"unknown key {key!r}; a scenario holds {_listed(_TOP)}{nearest(key, known)}"
 
 
 def _listed(names: Iterable[str]) -> str:
@@ -199,7 +201,10 @@ def _made(table: str, values: Any, places: _Places) -> Any:
     for key, value in values.items():
         if key not in keys:
             forms = _DISK_FORMS if table == "disk" else _listed(keys)
-            raise places.error(f"{key} is unknown here; [{table}] takes {forms}", table, key)
+            known = KEYS["disk"] if table == "disk" else keys
+            raise places.error(
+                f"{key} is unknown here; [{table}] takes {forms}{nearest(key, known)}", table, key
+            )
         try:
             clean[key] = _value(table, key, value)
         except ValueError as error:

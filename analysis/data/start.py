@@ -9,6 +9,7 @@ from analysis.data.constraint_set import ConstraintSet, set_name
 from analysis.data.disk import Disk
 from analysis.data.elementary import cos, hypot, sin
 from analysis.data.limits import FASTEST_TURN, LARGEST_ANGLE, LEAST_TILT
+from analysis.data.names import suggesting_fields
 from analysis.data.state import State, check_tilt
 
 Motion = Literal["inverted", "noninverted"]
@@ -16,6 +17,7 @@ MOTIONS: tuple[Motion, ...] = get_args(Motion)
 """The stationary motions, Eq. (5): the centre of gravity above or below the geometric centre."""
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Start:
     """A start that meets every constraint; the defaults are those of Table 3.

@@ -83,7 +83,9 @@ class Trajectory(SampledMotion):
 
     ERROR_UNIT: ClassVar[str] = " rad"
     STORED_AS: ClassVar[str] = "trajectory"
-    STORED_ARRAYS: ClassVar[tuple[str, ...]] = ("t", "q", "u", "multipliers", "meta")
+    STORED_ARRAYS: ClassVar[tuple[str, ...]] = (
+        "t", "q", "u", "normal_force", "multipliers", "meta",
+    )  # fmt: skip
 
     times: Array
     coordinates: Array
@@ -236,11 +238,17 @@ class Trajectory(SampledMotion):
     def from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":
         """Trajectory from the arrays of a file; `load_run` reads one."""
         meta = stored_meta(stored["meta"], "pulling")
+        force, multipliers = stored["normal_force"], stored["multipliers"]
+        if not np.array_equal(force, multipliers[..., 0]):
+            raise ValueError(
+                f"normal_force must be the first of the multipliers, shape {multipliers.shape}, "
+                f"got shape {force.shape}"
+            )
         return cls(
             times=stored["t"],
             coordinates=stored["q"],
             rates=stored["u"],
-            multipliers=stored["multipliers"],
+            multipliers=multipliers,
             pulling=tuple((first, last) for first, last in meta.pop("pulling")),
             **meta,
         )

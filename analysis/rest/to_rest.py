@@ -11,7 +11,8 @@ from scipy.integrate import solve_ivp
 
 from analysis.data import frames
 from analysis.data.agreement import TIGHTEST, until_agreement
-from analysis.data.checks import Array, TimeLimitError, choice, positive
+from analysis.data.checks import Array, TimeLimitError, choice, instance, positive
+from analysis.data.checks import local_tolerance as one_step
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
 from analysis.data.endings import (
@@ -120,6 +121,7 @@ def simulate_to_rest(
     >>> motion.phases.rest == motion.rest_time
     True
     """
+    scenario = instance("scenario", scenario, Scenario)
     end, spacing = positive("end", end), positive("spacing", spacing)
     if spacing > end:
         raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
@@ -135,18 +137,15 @@ def simulate_to_rest(
         model=FreeDisk(scenario),
         start=start_vector(scenario.disk, scenario.initial_state),
         times=np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing,
-        criterion=criterion if criterion is not None else RestCriterion(),
+        criterion=RestCriterion()
+        if criterion is None
+        else instance("criterion", criterion, RestCriterion),
         method=method,
         conditions=named_conditions(stop_when),
         watch=Watch(time_limit, progress),
     )
     if local_tolerance is not None:
-        local_tolerance = positive("local_tolerance", local_tolerance)
-        if local_tolerance < TIGHTEST:
-            raise ValueError(
-                f"local_tolerance must not be below {TIGHTEST:g}, got {local_tolerance:g}"
-            )
-        return task.run(local_tolerance)
+        return task.run(one_step("local_tolerance", local_tolerance, TIGHTEST))
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
     return until_agreement(task.run, LOCAL_PART * tolerance, tolerance)
 

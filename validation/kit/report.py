@@ -10,7 +10,7 @@ from typing import Any
 from tqdm import tqdm
 
 from analysis.data.files import whole_file
-from analysis.data.workers import process_pool
+from analysis.data.workers import Pool
 from validation.kit.clock import processor_time
 from validation.kit.page import Section, page
 from validation.kit.parts import FOLDER, Job, Part, Store
@@ -69,7 +69,7 @@ def run_parts(
     errors: list[BaseException] = []
     if not jobs:
         return results
-    with process_pool(workers) as pool:
+    with Pool(workers) as pool:
         futures = {pool.submit(_timed, job.function, job.arguments): job for job in jobs}
         bar = tqdm(total=len(jobs), desc=title, disable=None, leave=False)
         try:

@@ -4,14 +4,13 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
 from typing import Any
 
 from pebble import ProcessPool
 
 from analysis.data.checks import choice
 from analysis.data.own import is_own, own_object
-from analysis.data.workers import begin_worker
+from analysis.data.workers import Spawning
 
 KINDS = ("processes", "dask", "mpi")
 """Executors by name; others by `module:function`."""
@@ -30,11 +29,13 @@ class Processes(Executor):
     """
 
     def __init__(self, workers: int) -> None:
+        spawning = Spawning(deaf=True)
+        self.check_begun = spawning.check_begun
         self._pool = ProcessPool(
             max_workers=workers,
-            context=get_context("spawn"),
-            initializer=begin_worker,
-            initargs=(True,),
+            context=spawning.context,
+            initializer=spawning.initializer,
+            initargs=spawning.arguments,
         )
 
     def submit(

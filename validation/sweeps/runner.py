@@ -88,6 +88,8 @@ def run_cases(
     ------
     OSError
         If the store cannot be written, or the workers are lost.
+    UnguardedScriptError
+        If the processes import a script that starts them without a guard.
     """
     wanted = range(sweep.design.size) if numbers is None else numbers
     work = _Work(sweep, pool, time_limit)
@@ -234,6 +236,8 @@ class _Work:
         return rows
 
     def _run_alone(self, numbers: Iterable[int]) -> None:
+        if isinstance(self._pool.executor, Processes):
+            self._pool.executor.check_begun()
         self._processes = self._processes or Processes(1)
         for number in numbers:
             call = (self._text, number, self._limit, self._hanging)
