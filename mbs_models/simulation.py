@@ -118,7 +118,8 @@ def simulate(
         raise ToleranceError(
             f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
         )
-    simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
+    told = None if integrator is None else chosen
+    simulation_effort(scene, times, told, step=step, tolerance=tolerance).check()
     conditions = named_conditions(stop_when, scene.scenario.initial_state)
     watch = Watch(time_limit, progress)
 
