@@ -8,13 +8,14 @@ import argparse
 import os
 import re
 import sys
-from collections.abc import Iterable, Sequence
-from contextlib import redirect_stdout, suppress
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
 from importlib import import_module
 from io import StringIO
 from pathlib import Path
 from traceback import format_exc
-from typing import TextIO
+from typing import Any, TextIO
 
 from validation.parser.top import parser
 
@@ -74,7 +75,8 @@ def _run(arguments: Sequence[str] | None) -> int:
         name = f"tippedisk {options.command.replace('_', '-')}"
         # Imported late: the commands bring NumPy, SciPy and the engine along.
         commands = import_module(f"validation.commands.{options.module}")
-        return int(getattr(commands, options.command)(options))
+        with _warnings_in_a_line(name):
+            return int(getattr(commands, options.command)(options))
     except SystemExit as stop:
         return int(stop.code or 0)
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
@@ -92,6 +94,25 @@ def _run(arguments: Sequence[str] | None) -> int:
     finally:
         # A law of one's own lets the working directory be searched.
         sys.path[:] = path
+
+
+@contextmanager
+def _warnings_in_a_line(name: str) -> Iterator[None]:
+    """Say of a number that looks as if it were meant in another unit, once, and go on."""
+    from analysis.data.written import UnitWarning
+
+    shown = warnings.showwarning
+
+    def show(message: Any, category: type[Warning], *place: Any) -> None:
+        if category is UnitWarning:
+            _complain(f"{name}: {message}")
+        else:
+            shown(message, category, *place)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("once", UnitWarning)
+        warnings.showwarning = show
+        yield
 
 
 def _joined(words: Iterable[str]) -> list[str]:
