@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.data.outcomes import DONE, Row
-from validation.sweeps.outcomes import COLUMNS, TIME
+from validation.sweeps.outcomes import COLUMNS, IN_ROW, TIME
 from validation.sweeps.sweep import Sweep
 
 FORMAT = 1
@@ -162,7 +162,8 @@ class Store:
         with self._told():
             self._insert("cases", self._names, rows)
             if self._series:
-                self._insert("series", self._series, [row for row in rows if TIME in row])
+                names = ["number", *(IN_ROW.format(name) for name in self._series[1:])]
+                self._insert("series", names, [row for row in rows if names[1] in row])
 
     def _insert(self, table: str, names: Sequence[str], rows: Iterable[Row]) -> None:
         marks = ", ".join("?" * len(names))
