@@ -59,6 +59,10 @@ def simulation_effort(
     if integrator is None:
         integrator = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
     spacings = np.diff(times)
+    if (least := float(np.min(spacings))) < SHORTEST_STEP:
+        raise ValueError(
+            f"times must be {SHORTEST_STEP:g} s apart or more for the engine, got {least:g} s"
+        )
     cost = _SECONDS["implicit" if integrator.implicit else "explicit"]
     until = f"up to t = {times[-1]:g} s"
     if integrator.controls_step:

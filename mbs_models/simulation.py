@@ -11,6 +11,7 @@ from analysis.data.endings import (
     StopWhen,
     named_conditions,
 )
+from analysis.data.friction import check_slipping
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models import columns
@@ -120,6 +121,7 @@ def simulate(
         )
     told = None if integrator is None else chosen
     simulation_effort(scene, times, told, step=step, tolerance=tolerance).check()
+    check_slipping(scene.scenario.friction)
     conditions = named_conditions(stop_when, scene.scenario.initial_state)
     watch = Watch(time_limit, progress)
 

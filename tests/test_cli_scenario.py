@@ -211,6 +211,9 @@ REFUSED = [
     ("--constraints fixed-cog", "--constraints: constraints must hold 'contact'"),
     ("--model 1 --constraints contact", "not allowed with argument --model"),
     ("--law viscous --mu 1", "--mu needs a friction law with a coefficient; ViscousFriction has"),
+    ("--law tanh,coefficient=1,coefficient=2", "--law must hold each parameter once, got coeff"),
+    ("--law tanh,coefficient=1 --mu 2", "--mu and --law both give the coefficient: leave one"),
+    ("--law tanh,smoothing=1 --eps 2", "--eps and --law both give the smoothing: leave one"),
     ("--damping 1", "--damping needs the penalty contact of --stiffness, got 1.0"),
     ("--bilateral", "--bilateral needs the penalty contact of --stiffness, got True"),
     ("--rolling 1e-3", "dissipation acts on a penalty contact alone"),
@@ -262,8 +265,8 @@ def test_units_of_a_file_and_of_an_axis_are_warned_of(
     assert cli.main(["scenario", str(path)]) == 0
     assert "tippedisk scenario: gamma is in rad, and above a turn" in capsys.readouterr().err
     out = str(tmp_path / "out.db")
-    words = "sweep gamma=0,90,180 --model 4 --end 0.01 --workers 1 --out"
-    assert cli.main([*words.split(), out]) == 0
+    # Refused before anything runs.
+    assert cli.main(["sweep", "gamma=0,90,180", "--most", "1", "--out", out]) == 2
     assert capsys.readouterr().err.count("gamma is in rad, and above a turn") == 1
 
 

@@ -17,6 +17,7 @@ from analysis.data.checks import (
     positive,
 )
 from analysis.data.endings import FLAT, TIME_LIMIT, Ending, StopWhen, named_conditions
+from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Setting, Trajectory, versions
 from analysis.data.watch import Progress, Watch
@@ -113,6 +114,7 @@ def simulate(
     times = increasing_times(times)
     choice("method", method, METHODS)
     form = default_form(scenario) if form is None else form
+    check_slipping(scenario.friction)
     conditions = named_conditions(stop_when, scenario.initial_state)
     compiled = None
     if method == "taylor":

@@ -68,7 +68,7 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
         _look_here()
     disk = _disk(options, base.disk)
     computed = file is None and rest
-    scenario = Scenario(
+    chosen = Scenario(
         constraints=_constraints(options, base),
         disk=disk,
         friction=_friction(options, base.friction),
@@ -80,7 +80,9 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
     for field in DOUBTED:
         for name, value in _given(options, (field.rpartition(".")[2],)).items():
             warn_of_unit(field, getattr(options, name), value)
-    return scenario
+    if (condition := getattr(options, "stop_when", None)) is not None:
+        named_conditions(condition, chosen.initial_state)
+    return chosen
 
 
 def read_scenario(path: Path) -> Scenario:
@@ -178,7 +180,7 @@ def _disk(options: argparse.Namespace, base: Disk) -> Disk:
 
 
 def _friction(options: argparse.Namespace, base: FrictionLaw) -> FrictionLaw:
-    law = base
+    law, behind = base, set()
     if options.law is not None:
         name, *parameters = options.law.split(",")
         told = law_values(base)
@@ -190,13 +192,19 @@ def _friction(options: argparse.Namespace, base: FrictionLaw) -> FrictionLaw:
                 raise ValueError(
                     f"--law must hold parameter=value behind its name, got {parameter!r}"
                 )
-            values[key.strip()] = written_number(f"--law: {key.strip()}", text)
+            key = key.strip()
+            if key in behind:
+                raise ValueError(f"--law must hold each parameter once, got {key} twice")
+            behind.add(key)
+            values[key] = written_number(f"--law: {key}", text)
         law = law_from(values)
     changes = {}
     for option, name in _FRICTION.items():
         value = getattr(options, option)
         if value is None:
             continue
+        if name in behind:
+            raise ValueError(f"--{option} and --law both give the {name}: leave one of them out")
         known = [field.name for field in fields(law)]
         if name not in known:
             raise ValueError(

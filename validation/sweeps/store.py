@@ -105,7 +105,7 @@ class Store:
         about = _about(self._file, self.path)
         for name, ours in (("sweep", self._sweep.to_values()), ("code", self._sweep.code())):
             # Both through JSON, which knows no tuples.
-            there, here = _flat(json.loads(about[name])), _flat(json.loads(json.dumps(ours)))
+            there, here = _flat(about[name]), _flat(json.loads(json.dumps(ours)))
             differing = [key for key in {**there, **here} if there.get(key) != here.get(key)]
             if differing:
                 key = differing[0]
@@ -220,11 +220,12 @@ def read_about(path: str | os.PathLike[str]) -> tuple[sqlite3.Connection, Sweep]
     with told(place):
         file = sqlite3.connect(f"{place.absolute().as_uri()}?mode=ro", uri=True, timeout=_PATIENCE)
         try:
-            sweep = Sweep.from_values(json.loads(_about(file, place)["sweep"]), own=False)
-        except BaseException:
+            return file, Sweep.from_values(_about(file, place)["sweep"], own=False)
+        except BaseException as error:
             file.close()
+            if isinstance(error, KeyError | TypeError | AttributeError):
+                raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
             raise
-        return file, sweep
 
 
 def expected_size(sweep: Sweep) -> int:
@@ -235,14 +236,18 @@ def expected_size(sweep: Sweep) -> int:
     return sweep.design.size * (row + series)
 
 
-def _about(file: sqlite3.Connection, path: Path) -> dict[str, str]:
+def _about(file: sqlite3.Connection, path: Path) -> dict[str, Any]:
+    """What a store says of itself: its format, and the plain data of its sweep and its code."""
     if file.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise ValueError(f"{path} is no store of a sweep, but another SQLite file")
     about: dict[str, str] = dict(file.execute("SELECT name, value FROM sweep"))
     if about.get("format") != str(FORMAT):
         raise ValueError(f"{path} has format {about.get('format')}, and this version reads "
                          f"{FORMAT}")  # fmt: skip
-    return about
+    try:
+        return about | {name: json.loads(about[name]) for name in ("sweep", "code")}
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
+        raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
 
 
 def _flat(values: Any, name: str = "") -> dict[str, Any]:
