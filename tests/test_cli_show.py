@@ -96,7 +96,7 @@ def test_without_a_screen_the_numbers_are_printed(
     assert "--out PICTURE draws" in shown
 
 
-@pytest.mark.parametrize("name", ["a$b$c_{", "$x", os.fsdecode(b"odd\xff"), "new\nline\x07"])
+@pytest.mark.parametrize("name", ["a$_{$b", "$x", os.fsdecode(b"odd\xff"), "new\nline\x07"])
 def test_any_name_of_a_file_can_be_shown_and_played(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
