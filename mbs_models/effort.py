@@ -41,7 +41,7 @@ def simulation_effort(
     times : ndarray, shape (n,)
         In s.
     integrator : Integrator, optional
-        By default that of `mbs_models.simulate`.
+        By default that of `mbs_models.simulate`, which may change to step control on the way.
     step : float, optional
         In s.
     tolerance : float, optional
@@ -55,9 +55,14 @@ def simulation_effort(
     if step is not None:
         step = within("step", positive("step", step), SHORTEST_STEP, inf)
     tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    may_change = integrator is None and not scene.has_constraints
     if integrator is None:
         integrator = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
     spacings = np.diff(times)
+    if (least := float(np.min(spacings))) < SHORTEST_STEP:
+        raise ValueError(
+            f"times must be {SHORTEST_STEP:g} s apart or more for the engine, got {least:g} s"
+        )
     cost = _SECONDS["implicit" if integrator.implicit else "explicit"]
     until = f"up to t = {times[-1]:g} s"
     if integrator.controls_step:
@@ -73,6 +78,10 @@ def simulation_effort(
     shortest = min(integrator.first_step, float(np.min(spacings)))
     halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
     doubt = ""
+    if halvings >= HALVINGS and may_change:
+        # Two runs or three, of steps about as much longer.
+        steps = float(times[-1] - times[0]) / needed
+        return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}")
     if halvings >= HALVINGS:
         halvings = HALVINGS - 1
         tried = shortest / 2.0**halvings

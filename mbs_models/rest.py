@@ -6,9 +6,10 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.agreement import until_agreement
-from analysis.data.checks import Array, instance, positive
+from analysis.data.checks import instance, positive
 from analysis.data.dissipation import RestCriterion
 from analysis.data.endings import AT_REST, Ending, StopWhen, named_conditions
+from analysis.data.friction import check_slipping
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
@@ -104,11 +105,12 @@ def simulate_to_rest(
     rounded_contact(scene)
     check_storage("end", end / spacing, MOTION_COLUMNS)
     rest_effort(scene, end, SAFETY * largest_step(scene) if step is None else step).check()
+    check_slipping(scene.scenario.friction)
     watch = Watch(time_limit, progress)
     wanted = RestCriterion()
     if criterion is not None:
         wanted = instance("criterion", criterion, RestCriterion)
-    conditions = named_conditions(stop_when)
+    conditions = named_conditions(stop_when, scene.scenario.initial_state)
     count = int(np.floor(end / spacing + 1e-9))
 
     def run(local: float | None) -> SpatialMotion:

@@ -17,6 +17,7 @@ from analysis.data.endings import (
     StopWhen,
     named_conditions,
 )
+from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
@@ -129,8 +130,10 @@ def simulate(
         raise ToleranceError(
             f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
         )
-    effort = simulation_effort(scene, times, chosen, step=step, tolerance=tolerance)
+    told = None if integrator is None else chosen
+    effort = simulation_effort(scene, times, told, step=step, tolerance=tolerance)
     effort.check()
+    check_slipping(scene.scenario.friction)
     conditions = named_conditions(stop_when, scene.scenario.initial_state)
     watch = Watch(time_limit, progress, effort.most)
 

@@ -196,12 +196,24 @@ REFUSED = [
         "--hole-radius 0.01",
         "a disk with a round hole needs --radius, --hole-distance, --th",
     ),
+    (
+        "--radius 0.04",
+        "--radius would keep mass and moments of inertia of another disk: give with",
+    ),
+    ("--radius 0.04 --mass 1", "they follow, or --eccentricity, --inertia-x, --inertia-y, --in"),
+    (
+        "--disk steel-rounded --radius 0.04",
+        "--hole-radius, --hole-distance, --thickness, --density, ",
+    ),
     (f"{RING} --mass 1", "--mass does not go together with --density"),
     (f"{RING} --disk steel", "--disk does not go together with --density"),
     ("--constraints glue", "--constraints: constraints must be one of contact, fixed-cog"),
     ("--constraints fixed-cog", "--constraints: constraints must hold 'contact'"),
     ("--model 1 --constraints contact", "not allowed with argument --model"),
     ("--law viscous --mu 1", "--mu needs a friction law with a coefficient; ViscousFriction has"),
+    ("--law tanh,coefficient=1,coefficient=2", "--law must hold each parameter once, got coeff"),
+    ("--law tanh,coefficient=1 --mu 2", "--mu and --law both give the coefficient: leave one"),
+    ("--law tanh,smoothing=1 --eps 2", "--eps and --law both give the smoothing: leave one"),
     ("--damping 1", "--damping needs the penalty contact of --stiffness, got 1.0"),
     ("--bilateral", "--bilateral needs the penalty contact of --stiffness, got True"),
     ("--rolling 1e-3", "dissipation acts on a penalty contact alone"),
@@ -222,6 +234,40 @@ def test_options_that_do_not_fit_are_refused_in_one_line(
     words: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert message in refusal(capsys, "scenario", words)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--gamma 90", "gamma is in rad, and above a turn; degrees are written with"),
+        ("--gamma=-90 --alpha 1", "gamma is in rad, and above a turn; degrees are written with"),
+        (RING.replace("0.05", "40", 1), "radius is in m, and above 1 m"),
+        ("--gamma 450deg --alpha 10*pi", ""),
+        ("--gamma 6 --spin 100", ""),
+    ],
+)
+def test_units_that_are_in_doubt_are_warned_of_once(
+    words: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["scenario", *words.split()]) == 0
+    shown = capsys.readouterr()
+    lines = shown.err.splitlines()
+    assert len(lines) == bool(said)
+    assert all(line.startswith(f"tippedisk scenario: {said}") for line in lines)
+    assert "[start]" in shown.out
+
+
+def test_units_of_a_file_and_of_an_axis_are_warned_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(scenario_text(PAPER).replace('gamma = "-pi/2 + 0.1"', "gamma = 90"))
+    assert cli.main(["scenario", str(path)]) == 0
+    assert "tippedisk scenario: gamma is in rad, and above a turn" in capsys.readouterr().err
+    out = str(tmp_path / "out.db")
+    # Refused before anything runs.
+    assert cli.main(["sweep", "gamma=0,90,180", "--most", "1", "--out", out]) == 2
+    assert capsys.readouterr().err.count("gamma is in rad, and above a turn") == 1
 
 
 def test_a_law_named_again_keeps_its_parameters(file: Callable[[Scenario], str]) -> None:

@@ -1,5 +1,6 @@
 """`tippedisk show`: how far stored motions are apart, and their picture."""
 
+import os
 import re
 from dataclasses import replace
 from functools import cache
@@ -93,3 +94,19 @@ def test_without_a_screen_the_numbers_are_printed(
     shown = printed(capsys, "show", str(tmp_path / "run.npz"))
     assert shown.startswith("run: Trajectory(")
     assert "--out PICTURE draws" in shown
+
+
+@pytest.mark.parametrize("name", ["a$_{$b", "$x", os.fsdecode(b"odd\xff"), "new\nline\x07"])
+def test_any_name_of_a_file_can_be_shown_and_played(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / f"{name}.npz"
+    try:
+        random_trajectory().save(file)
+    except OSError:
+        pytest.skip("no such name here")
+    for command, made in (("show", "made.svg"), ("animate", "made.html")):
+        assert cli.main([command, str(file), "--out", str(tmp_path / made)]) == 0
+        assert capsys.readouterr().err == ""
+    if "$" in name:
+        assert name in (tmp_path / "made.svg").read_text(encoding="utf-8")

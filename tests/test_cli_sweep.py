@@ -7,12 +7,15 @@ from types import SimpleNamespace
 
 import pytest
 
+from analysis.compiled import library
 from tests.calls import refusal, run
+from tests.sweeps import sweep
 from tests.test_cli_scenario import chosen
 from validation.commands.sweep import chosen_design
 from validation.parser import sweeps
 from validation.sweeps.axes import LAYOUTS, MOST_CASES
 from validation.sweeps.results import Results
+from validation.sweeps.runner import run_sweep
 
 SHORT = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1"
 
@@ -107,6 +110,25 @@ def test_store_that_the_disk_cannot_hold_is_refused_before_it_starts(
     out = tmp_path / "a.db"
     assert "5 cases may take" in refusal(capsys, "sweep spin=30:40:5", SHORT, f"--out={out}")
     assert not out.exists()
+
+
+def test_a_method_that_is_not_installed_is_refused_before_anything_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(library, "find_spec", lambda _: None)
+    out = tmp_path / "a.db"
+    said = refusal(capsys, f"sweep spin=30:40:5 {SHORT} --method taylor --out {out}")
+    assert "--method: method 'taylor' needs heyoka, which is not installed: pip install" in said
+    with pytest.raises(ValueError, match=r"^method 'taylor' needs heyoka, which is not"):
+        run_sweep(sweep("spin=30,31", method="taylor"), out)
+    assert not out.exists()
+
+
+def test_cases_that_would_take_too_many_steps_count_as_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    call = "sweep eps=1e-11,1e-12 --end 4 --workers 1 --out"
+    assert "s/m up to t = 4 s would take about" in refusal(capsys, call, str(tmp_path / "a.db"))
 
 
 @pytest.mark.parametrize(("executor", "module"), [("dask", "distributed"), ("mpi", "mpi4py")])

@@ -23,7 +23,7 @@ from analysis.data.outcomes import DONE, OUTCOMES, Row
 from analysis.models.outcomes import integrals
 from tests.helpers import model
 from tests.sweeps import sweep
-from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
+from validation.sweeps.outcomes import COLUMNS, IN_ROW, NUMBERS, TIME
 from validation.sweeps.runner import run_alone, run_chunk
 
 ENDING: dict[str, np.ndarray[Any, Any]] = {
@@ -98,7 +98,7 @@ def assert_batch_is_its_cases(*axes: str, **how: Any) -> None:
     for number, row in zip(numbers, batch, strict=True):
         alone = run_alone(wanted.to_text(), number, 60.0, 60.0)
         assert row["number"] == number
-        for name in {TIME, *wanted.plan.keep} & {*row, *alone}:
+        for name in {*map(IN_ROW.format, (TIME, *wanted.plan.keep))} & {*row, *alone}:
             kept, expected = (
                 np.frombuffer(cast("bytes", each.pop(name)), NUMBERS) for each in (row, alone)
             )

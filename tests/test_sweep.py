@@ -2,10 +2,12 @@
 
 import json
 import os
+import re
 import sqlite3
 import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import closing
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -270,6 +272,22 @@ def test_foreign_database_is_refused(tmp_path: Path) -> None:
     other.close()
     with pytest.raises(ValueError, match="is no store of a sweep, but another SQLite file"):
         Store(path, sweep(*SPINS))
+
+
+@pytest.mark.parametrize("damaged", ["", "{", "[]", '{"scenario": 1}', "[" * 100_000])
+def test_damaged_description_in_a_store_is_blamed_on_the_store(
+    damaged: str, tmp_path: Path
+) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    run_all(wanted, path)
+    with closing(sqlite3.connect(path)) as file, file:
+        file.execute("UPDATE sweep SET value = ? WHERE name = 'sweep'", (damaged,))
+    with pytest.raises(
+        ValueError, match=rf"^{re.escape(str(path))} is no readable store of a swe"
+    ):
+        Results.load(path)
+    with pytest.raises(ValueError, match=rf"^{re.escape(str(path))} (is no readable|holds res)"):
+        Store(path, wanted)
 
 
 def test_truncated_store_is_told_from_a_whole_one(tmp_path: Path) -> None:

@@ -10,8 +10,16 @@ import pytest
 from analysis import MODELS, Scenario, Start, Trajectory, simulate_to_rest
 from tests.sweeps import direct, sweep
 from validation.run import run
-from validation.sweeps import runner
-from validation.sweeps.outcomes import COLUMNS, REST_SERIES, SERIES, TIME, series, series_named
+from validation.sweeps import outcomes, runner
+from validation.sweeps.outcomes import (
+    COLUMNS,
+    IN_ROW,
+    REST_SERIES,
+    SERIES,
+    TIME,
+    series,
+    series_named,
+)
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store, expected_size
@@ -34,7 +42,7 @@ def test_what_can_be_kept_is_all_that_a_motion_holds() -> None:
     # The one constraint that Model 4 does not have has this force.
     assert {TIME, *SERIES} - made.columns().keys() == {"lateral_force"}
     assert made.columns().keys() <= {TIME, *SERIES}
-    # They share the row on its way to the store.
+    # They share a dataset.
     assert not {"number", *COLUMNS} & {TIME, *SERIES, *REST_SERIES}
 
 
@@ -78,7 +86,24 @@ def test_store_without_series_says_so(tmp_path: Path) -> None:
 
 def test_force_that_a_case_does_not_have_is_left_out() -> None:
     pushed = motion(Scenario(), formulation="index-1")
-    assert set(series(pushed, ("beta", "spin_torque"))) == {TIME, "beta"}
+    kept = series(pushed, ("beta", "spin_torque"))
+    assert set(kept) == {IN_ROW.format(name) for name in (TIME, "beta")}
+
+
+def test_a_series_named_like_an_outcome_is_kept_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    columns = Trajectory.columns
+    monkeypatch.setattr(outcomes, "SERIES", (*SERIES, "seconds"))
+    monkeypatch.setattr(
+        Trajectory, "columns", lambda run: columns(run) | {"seconds": columns(run)["time"]}
+    )
+    wanted, path = sweep("spin=30,40", keep=("seconds",)), tmp_path / "a.db"
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, direct())
+    results = Results.load(path)
+    assert np.all(results.columns["seconds"] > 0.0)
+    np.testing.assert_array_equal(results.series(0)["seconds"], results.series(0)["time"])
 
 
 def test_groups_stand_for_their_series_each_once() -> None:

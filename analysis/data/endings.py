@@ -124,8 +124,19 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
         if found.setdefault(name, condition) is not condition:
             raise ValueError(f"stop_when must hold functions of different names, got {name} twice")
         if state is not None:
-            number(f"stop_when {name}", condition(state))
+            _try(name, condition, state)
     return found
+
+
+def _try(name: str, condition: Condition, state: State) -> None:
+    """Raise if a condition says no number of a state."""
+    try:
+        value = condition(state)
+    except (Exception, SystemExit) as error:
+        raise ValueError(
+            f"stop_when {name} must say a number of a State: {type(error).__name__}: {error}"
+        ) from error
+    number(f"stop_when {name}", value)
 
 
 def check_condition_name(name: str) -> str:

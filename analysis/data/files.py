@@ -111,6 +111,12 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         os.umask(mask)
         draft.chmod(0o666 & ~mask)
         draft.replace(target)
+    except OSError as error:
+        draft.unlink()
+        if error.errno is None or error.filename is not None:
+            raise
+        # A full disk does not say where it is full.
+        raise OSError(error.errno, error.strerror, str(target)) from error
     except BaseException:
         draft.unlink()
         raise

@@ -323,8 +323,11 @@ def law_from(values: dict[str, Any], *, own: bool = True) -> FrictionLaw:
         choice(f"parameter of the friction law {name}", parameter, known)
     try:
         return kind(**parameters)
-    except TypeError as error:
-        raise ValueError(f"friction law {name!r} cannot be made: {error}") from error
+    except ValueError:
+        raise
+    except (Exception, SystemExit) as error:
+        said = error if isinstance(error, TypeError) else f"{type(error).__name__}: {error}"
+        raise ValueError(f"friction law {name!r} cannot be made: {said}") from error
 
 
 def law_class(name: Any, *, own: bool = True) -> type[FrictionLaw]:
@@ -354,10 +357,26 @@ def check_answers(law: FrictionLaw) -> None:
         return
     try:
         positive("finest_speed", law.finest_speed)
-        not_negative("per_speed(0)", law.per_speed(0.0))
-    except Exception as error:
+        gradient = not_negative("per_speed(0)", law.per_speed(0.0))
+        within("per_speed(0)", gradient, 0.0, STEEPEST_FRICTION)
+    except (Exception, SystemExit) as error:
         said = error if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
         raise ValueError(f"friction law {name!r}: {said}") from error
+
+
+_SPEEDS = tuple(10.0**power for power in range(-6, 2))
+"""Slip speeds in m/s at which a law of one's own is tried before a run."""
+
+
+def check_slipping(law: FrictionLaw) -> None:
+    """Raise if what a law says where the disk slips is no friction; what it raises goes on.
+
+    A scenario is made without that: a law of one's own may take long, and a run has a limit.
+    """
+    name = law_values(law)["law"]
+    if name not in LAWS:
+        for speed in _SPEEDS:
+            not_negative(f"per_speed({speed:g}) of friction law {name!r}", law.per_speed(speed))
 
 
 def check_coefficient(law: FrictionLaw, name: str) -> None:

@@ -147,7 +147,9 @@ def failure(error: BaseException) -> Row:
         status = "crashed"
     else:
         status = "refused" if isinstance(error, ValueError) else "failed"
-    return failed(status, str(error) or type(error).__name__)
+    # What ends a program, such as SystemExit, says little by itself.
+    told = str(error) if isinstance(error, Exception) else f"{type(error).__name__} {error}"
+    return failed(status, told or type(error).__name__)
 
 
 def failed(status: str, reason: str) -> Row:

@@ -27,7 +27,7 @@ def own_object(what: str, name: str) -> Any:
     module, _, attribute = name.partition(":")
     try:
         return getattr(import_module(module), attribute)
-    except Exception as error:  # a module of one's own may fail in any way
+    except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
         kind = type(error).__name__
         said = error if isinstance(error, ImportError | AttributeError) else f"{kind}: {error}"
         raise ValueError(f"{what} {name!r} cannot be loaded: {said}") from error

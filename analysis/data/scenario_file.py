@@ -19,6 +19,7 @@ from analysis.data.scenario_keys import KEYS, NEEDED, RING, SIX
 from analysis.data.scenario_text import FORMAT, scenario_text
 from analysis.data.start import Start
 from analysis.data.state import State
+from analysis.data.written import warn_of_unit
 
 __all__ = ["load_scenario", "scenario_text"]
 
@@ -212,9 +213,12 @@ def _made(table: str, values: Any, places: _Places) -> Any:
     if missing := [key for key, needed in keys.items() if needed and key not in values]:
         raise places.error(f"[{table}] lacks {_listed(missing)}", table)
     try:
-        return make(**clean)
+        made = make(**clean)
     except ValueError as error:
         raise places.error(str(error), table, _first_word(str(error))) from None
+    for key, value in values.items():
+        warn_of_unit(f"{table}.{key}", value, clean[key])
+    return made
 
 
 def _first_word(message: str) -> str:

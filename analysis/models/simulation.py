@@ -20,6 +20,7 @@ from analysis.data.checks import (
 )
 from analysis.data.checks import local_tolerance as one_step
 from analysis.data.endings import FLAT, TIME_LIMIT, Ending, StopWhen, named_conditions
+from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Setting, Trajectory, versions
 from analysis.data.watch import Progress, Watch
@@ -119,6 +120,7 @@ def simulate(
     allow_pulling = switch("allow_pulling", allow_pulling)
     choice("method", method, METHODS)
     form = default_form(scenario) if form is None else form
+    check_slipping(scenario.friction)
     conditions = named_conditions(stop_when, scenario.initial_state)
     compiled = None
     if method == "taylor":

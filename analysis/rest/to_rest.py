@@ -26,6 +26,7 @@ from analysis.data.endings import (
     first_met,
     named_conditions,
 )
+from analysis.data.friction import check_slipping
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
@@ -132,6 +133,7 @@ def simulate_to_rest(
         raise ValueError("half_thickness must be positive for the disk to lie flat, got 0")
     check_storage("end", end / spacing, MOTION_COLUMNS)
     rest_effort(scenario, end).check()
+    check_slipping(scenario.friction)
     task = _Task(
         scenario=scenario,
         model=FreeDisk(scenario),
@@ -141,7 +143,7 @@ def simulate_to_rest(
         if criterion is None
         else instance("criterion", criterion, RestCriterion),
         method=method,
-        conditions=named_conditions(stop_when),
+        conditions=named_conditions(stop_when, scenario.initial_state),
         watch=Watch(time_limit, progress),
     )
     if local_tolerance is not None:

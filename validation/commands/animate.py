@@ -7,6 +7,7 @@ from analysis import load_run
 from analysis.data.checks import number, positive, within
 from analysis.data.files import whole_file
 from analysis.data.limits import PLAYBACK_SPEEDS
+from validation.commands.output import name_of
 from validation.commands.scenarios import find_own
 from validation.kit.animation.keyframes import Keyframes, keyframes
 
@@ -47,7 +48,7 @@ def _check_numbers(options: argparse.Namespace, out: Path) -> None:
 def _write_page(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
     from validation.kit.animation.player import player
 
-    title = f"The tippedisk: {options.file.stem}"
+    title = f"The tippedisk: {name_of(options.file)}"
     page = player(poses, name="tippedisk", title=title, speed=options.speed).page.encode()
     with whole_file(out) as stream:
         stream.write(page)

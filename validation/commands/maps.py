@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from analysis.compiled.library import is_installed
+from analysis.compiled.library import require_heyoka
 from analysis.data.checks import positive
 from validation.commands.options import chosen_end, output_folder
 from validation.commands.output import save
@@ -22,6 +22,9 @@ from validation.maps.uncertainty import Uncertainty, shifted_sweeps
 from validation.parser.paths import PICTURES
 from validation.sweeps.sweep import Sweep
 
+_SHORTEST = 0.02
+"""Of a motion in s: two samples as they are on the way to rest."""
+
 
 def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's name
     """Run a map and draw it."""
@@ -32,10 +35,10 @@ def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's na
         options.end = problem.end
     if options.pairs < 0:
         raise ValueError(f"--pairs must be a number of starts, got {options.pairs}")
-    scenario, end = chosen_scenario(options), chosen_end(options)
+    scenario, end = chosen_scenario(options), chosen_end(options, _SHORTEST)
     size = {"cells": options.cells, "levels": options.levels, "witnesses": options.witnesses}
-    if options.compiled and not is_installed():
-        raise ValueError("--compiled needs heyoka: pip install 'tippedisk[fast]'")
+    if options.compiled:
+        require_heyoka()
     how = {"end": end, "compiled": options.compiled}
     wanted = panels(problem, scenario, **size, **how)
     pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)

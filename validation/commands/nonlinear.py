@@ -169,9 +169,9 @@ def _connections_over(options: argparse.Namespace, scenario: Scenario) -> int:
 
 def passage(options: argparse.Namespace) -> int:
     """Print, store or plot when an inverted disk is lost."""
-    from validation.studies.nonlinear.passage import follow, passage_table
+    from validation.studies.nonlinear.passage import SPACING, follow, passage_table
 
-    end = chosen_end(options)
+    end = chosen_end(options, SPACING)
     found = follow(chosen_scenario(options, rest=options.rest), end, options.source)
     values = {
         "hopf": found.pair.spin,

@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from analysis.data.checks import number, positive, within
-from analysis.data.limits import LONGEST_MOTION, Effort
+from analysis.data.limits import LONGEST_MOTION, SHORTEST_STEP, Effort
 
 PATIENCE = 60.0
 """Processor time in s from which on a run is announced before it starts."""
@@ -79,12 +79,18 @@ def written_number(name: str, text: str) -> float:
     return number(name, value)
 
 
-def chosen_end(options: argparse.Namespace) -> float:
+def chosen_end(options: argparse.Namespace, least: float = SHORTEST_STEP) -> float:
     """Time in s from --end.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+    least : float
+        In s, such as the spacing of the samples.
 
     Raises
     ------
     ValueError
-        If it is not positive or beyond `LONGEST_MOTION`.
+        If it is not positive, below `least` or beyond `LONGEST_MOTION`.
     """
-    return within("--end", positive("--end", options.end), 0.0, LONGEST_MOTION)
+    return within("--end", positive("--end", options.end), least, LONGEST_MOTION)

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -39,6 +40,12 @@ def deliver(
         for table in shown:
             parts = (table.title, table.to_text() if table.rows else "none", table.note)
             print("\n".join(part for part in parts if part), end="\n\n")
+
+
+def name_of(path: Path) -> str:
+    """Name of a file without its suffix, with a mark in place of what cannot be shown."""
+    name = os.fsencode(path.stem).decode("utf-8", "replace")
+    return "".join(each if each.isprintable() else "\N{REPLACEMENT CHARACTER}" for each in name)
 
 
 def save(figure: Any, path: Path) -> None:

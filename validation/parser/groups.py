@@ -73,7 +73,7 @@ def _add_disk(parser: argparse.ArgumentParser) -> None:
         "disk", "One by name, some of whose values may be replaced; or one with a round hole."
     ).add_argument
     add("--disk", choices=DISKS, help="the paper's, unrounded (default) or as printed")
-    add("--radius", type=float, metavar="M", help="in m")
+    add("--radius", type=float, metavar="M", help="in m, with the next five or with a hole")
     add("--mass", type=float, metavar="KG", help="in kg")
     add("--eccentricity", type=float, metavar="M", help="of the centre of gravity in m")
     for axis in "xyz":

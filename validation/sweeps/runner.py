@@ -18,7 +18,7 @@ from analysis.data.outcomes import DONE, Row, failed
 from analysis.data.state import COORDINATES
 from validation.sweeps.pools import Pool, Processes, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
-from validation.sweeps.sweep import Sweep, run_batch, run_case, sweep_from_text
+from validation.sweeps.sweep import Sweep, look_ahead, run_batch, run_case, sweep_from_text
 
 CHUNK_TIME = 1.0
 """Time in s that a chunk of cases should take: handing one out takes 1 ms here, 18 ms on Dask."""
@@ -130,9 +130,10 @@ def run_sweep(
     Raises
     ------
     OSError, ValueError
-        If the store cannot be written, or is another's.
+        If the store cannot be written, or is another's; or as `look_ahead` says.
     """
     workers = workers or os.cpu_count() or 1
+    look_ahead(sweep)
     with Store(path, sweep) as store, open_pool("processes", workers=workers) as pool:
         run_cases(sweep, store, pool, time_limit=time_limit)
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from analysis.data.outcomes import DONE, Row
 from validation.kit.provenance import commit
-from validation.sweeps.outcomes import COLUMNS, TIME
+from validation.sweeps.outcomes import COLUMNS, IN_ROW, TIME
 from validation.sweeps.sweep import Sweep
 
 FORMAT = 2
@@ -121,8 +121,7 @@ class Store:
     def _check(self) -> None:
         about = _about(self._file, self.path)
         # Through JSON, which knows no tuples.
-        wanted = json.loads(self._sweep.to_text())
-        self._refuse("another sweep", json.loads(about["sweep"]), wanted)
+        self._refuse("another sweep", about["sweep"], json.loads(self._sweep.to_text()))
         if about["format"] != str(FORMAT):
             raise ValueError(
                 f"{self.path} was written by an earlier version, in format {about['format']}: it "
@@ -191,7 +190,8 @@ class Store:
         with self._told():
             self._insert("cases", self._names, rows)
             if self._series:
-                self._insert("series", self._series, [row for row in rows if TIME in row])
+                names = ["number", *(IN_ROW.format(name) for name in self._series[1:])]
+                self._insert("series", names, [row for row in rows if names[1] in row])
 
     def _insert(self, table: str, names: Sequence[str], rows: Iterable[Row]) -> None:
         marks = ", ".join("?" * len(names))
@@ -248,11 +248,12 @@ def read_about(path: str | os.PathLike[str]) -> tuple[sqlite3.Connection, Sweep]
     with told(place):
         file = sqlite3.connect(f"{place.absolute().as_uri()}?mode=ro", uri=True, timeout=_PATIENCE)
         try:
-            sweep = Sweep.from_values(json.loads(_about(file, place)["sweep"]), own=False)
-        except BaseException:
+            return file, Sweep.from_values(_about(file, place)["sweep"], own=False)
+        except BaseException as error:
             file.close()
+            if isinstance(error, KeyError | TypeError | AttributeError):
+                raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
             raise
-        return file, sweep
 
 
 def expected_size(sweep: Sweep) -> int:
@@ -263,7 +264,8 @@ def expected_size(sweep: Sweep) -> int:
     return sweep.design.size * (row + series)
 
 
-def _about(file: sqlite3.Connection, path: Path) -> dict[str, str]:
+def _about(file: sqlite3.Connection, path: Path) -> dict[str, Any]:
+    """What a store says of itself: its format, and the plain data of its sweep and its code."""
     if file.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise ValueError(f"{path} is no store of a sweep, but another SQLite file")
     about: dict[str, str] = dict(file.execute("SELECT name, value FROM sweep"))
@@ -272,7 +274,10 @@ def _about(file: sqlite3.Connection, path: Path) -> dict[str, str]:
             f"{path} has format {about.get('format')}, and this version reads "
             f"{' and '.join(READABLE)}"
         )
-    return about
+    try:
+        return about | {"sweep": json.loads(about["sweep"])}
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
+        raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
 
 
 def _flat(values: Any, name: str = "") -> dict[str, Any]:

@@ -21,6 +21,7 @@ from analysis import (
     outcomes,
     simulate_many,
 )
+from analysis.compiled.library import require_heyoka
 from analysis.data.fields import changed, check_field
 from analysis.data.outcomes import DONE, Row, failure
 from analysis.data.trajectory import versions
@@ -123,7 +124,7 @@ def run_case(sweep: Sweep, index: int, time_limit: float | None) -> Row:
     try:
         scenario = sweep.scenario_of(index)
         motion = sweep.plan.motion(scenario, time_limit=time_limit)
-    except Exception as error:  # noqa: BLE001 - a law of one's own may raise anything
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - a law of one's own may raise any
         return _row(sweep, index, error, begin, time_limit)
     return _row(sweep, index, motion, begin, time_limit)
 
@@ -167,16 +168,16 @@ def _together(plan: Plan, ensemble: Ensemble) -> Trajectories:
 
 
 def _row(
-    sweep: Sweep, index: int, found: Motion | Exception, begin: float, time_limit: float | None
+    sweep: Sweep, index: int, found: Motion | BaseException, begin: float, time_limit: float | None
 ) -> Row:
     """Row of a case from its motion or from the error that it ended in.
 
     `begin` is the processor time in s at which its run began.
     """
     row: Row = {"number": index, **sweep.design.values_of(index)}
-    row |= failure(found) if isinstance(found, Exception) else outcome(found)
+    row |= failure(found) if isinstance(found, BaseException) else outcome(found)
     row["seconds"] = time.process_time() - begin
-    if not isinstance(found, Exception) and row["status"] == DONE:
+    if not isinstance(found, BaseException) and row["status"] == DONE:
         row |= _besides(sweep, index, found, time_limit)
     return row
 
@@ -239,14 +240,18 @@ def look_ahead(sweep: Sweep) -> LookAhead:
     Raises
     ------
     ValueError
-        If all of them would be refused.
+        If all of them would be refused, or what the method needs is not installed.
     """
+    if sweep.plan.runs_in_batches:
+        require_heyoka()
     size = sweep.design.size
     numbers = sorted({round(part * (size - 1)) for part in np.linspace(0.0, 1.0, _LOOKED_AT)})
     reasons, seconds = [], []
     for number in numbers:
         try:
-            seconds.append(sweep.plan.effort(sweep.scenario_of(number)).seconds)
+            effort = sweep.plan.effort(sweep.scenario_of(number))
+            effort.check()
+            seconds.append(effort.seconds)
         except ValueError as error:
             reasons.append(str(error))
     if not seconds:
