@@ -160,11 +160,24 @@ def test_store_gives_back_what_it_was_given(tmp_path: Path) -> None:
     run = simulate(Scenario(), np.linspace(0.0, 0.1, 3))
     job = Job("run", simulate, (1.0,))
     assert store.find(job) is None
-    store.keep(job, Part({"run": run, "set": frozenset({1j})}, 2.5))
+    values: dict[str, Any] = {
+        "complex": np.array((1.0 / 3.0 + 2.0j, complex(np.inf, -0.0))),
+        "missing": np.array((np.nan, 2.0**0.5)),
+        "empty": np.zeros((0, 3), dtype=bool),
+        "picture": b"\x89PNG\xff",
+        "table": Table(name="t", title="T", columns=("a",), rows=[[1.0], [None]]),
+        "section": Section(name="one", title="One"),
+    }
+    store.keep(job, Part({"run": run, **values}, 2.5))
     found = store.find(job)
     assert found is not None
     assert found.seconds == 2.5
-    assert found.result["set"] == {1j}
+    for name, value in values.items():
+        again = found.result[name]
+        assert type(again) is type(value)
+        np.testing.assert_array_equal(again, value)
+        if isinstance(value, np.ndarray):
+            assert (again.shape, again.dtype) == (value.shape, value.dtype)
     np.testing.assert_array_equal(found.result["run"].coordinates, run.coordinates)
     store.forget_all_but([Job("other", simulate)])
     assert store.find(job) is None
@@ -176,7 +189,18 @@ class Harmful:
         return Path.touch, (Path("harm"),)
 
 
-@pytest.mark.parametrize("content", [b"", b"damaged", pickle.dumps((Harmful(), 1.0))])
+ON_A_CLASS = b"(cvalidation.kit.parts\nStore\n(N(dS'harm'\nI1\nstbF1.0\nt."
+"""Pickle that sets an attribute of a class of the project."""
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"", b"damaged", pickle.dumps((Harmful(), 1.0)), ON_A_CLASS, b"[1]", b"[[], []]",
+        b'[{"pathlib:Path": {}}, 1.0]', b'[{"validation.kit.parts:Store": {"folder": "x"}}, 1.0]',
+        b'[{"tuple": 1}, 1.0]', b"[" * 100_000,
+    ],
+)  # fmt: skip
 def test_damaged_or_foreign_part_is_made_anew_and_does_nothing(
     content: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -188,6 +212,7 @@ def test_damaged_or_foreign_part_is_made_anew_and_does_nothing(
     assert store.find(job) is None
     assert store.unreadable == 1
     assert not (tmp_path / "harm").exists()
+    assert not hasattr(Store, "harm")
 
 
 CALLS: list[int] = []

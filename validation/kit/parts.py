@@ -7,6 +7,7 @@ are run times.
 
 import hashlib
 import io
+import json
 import os
 import pickle
 from collections.abc import Callable, Iterable
@@ -18,18 +19,13 @@ from typing import Any
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
 from validation.kit import reach
+from validation.kit.plain import pack, unpack
 from validation.kit.provenance import machine
 
 FOLDER = ".parts"
 """Folder of the parts inside that of the report."""
 
 _SUFFIX = ".part"
-
-_NUMPY = {
-    "_reconstruct", "ndarray", "dtype", "scalar", "_frombuffer", "bool", "bool_",
-    "float64", "int64", "complex128",
-}  # fmt: skip
-_BUILT_IN = {"complex", "set", "frozenset", "slice", "range"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +89,7 @@ class Store:
             return self.read(identity(job))
         except KeyError:
             return None
-        except pickle.UnpicklingError:
+        except ValueError:
             self.unreadable += 1
             return None
 
@@ -104,24 +100,24 @@ class Store:
         ------
         KeyError
             If there is none.
-        UnpicklingError
+        ValueError
             If its file is damaged or holds something else.
         """
         path = self.folder / f"{name}{_SUFFIX}"
         if not path.is_file():
             raise KeyError(name)
         try:
-            with path.open("rb") as stream:
-                result, seconds = _Unpickler(stream).load()
-            return Part(result, float(seconds))
+            result, seconds = json.loads(path.read_bytes())
+            return Part(unpack(result), float(seconds))
         except Exception as error:
-            # Damaged bytes make a loader raise anything.
-            raise pickle.UnpicklingError(f"{path} is no part of a report: {error}") from error
+            # What is not of its kind may raise anything in the class that is to be made of it.
+            raise ValueError(f"{path} is no part of a report: {error}") from error
 
     def keep(self, job: Job, part: Part) -> None:
-        """Write the part of a job, whole or not at all."""
+        """Write the part of a job as plain data, whole or not at all."""
+        text = json.dumps([pack(part.result, exact=True), part.seconds], separators=(",", ":"))
         with whole_file(self._path(job)) as stream:
-            pickle.dump((part.result, part.seconds), stream)
+            stream.write(text.encode())
 
     def forget(self, jobs: Iterable[Job]) -> None:
         """Remove the parts of some jobs."""
@@ -171,26 +167,3 @@ class _Pickler(pickle.Pickler):
         """Called for every object; all are written as they are."""
         if hasattr(thing, "__qualname__") and hasattr(thing, "__module__"):
             self.seen.add(thing)
-
-
-class _Unpickler(pickle.Unpickler):
-    """Makes nothing but numbers, arrays and the project's classes.
-
-    A report's folder may come from somebody else, and a pickle can name any function to call.
-    """
-
-    def find_class(self, module: str, name: str) -> Any:
-        package = module.partition(".")[0]
-        allowed = (
-            package in reach.PROJECT
-            or (package == "numpy" and name in _NUMPY)
-            or (module == "builtins" and name in _BUILT_IN)
-        )
-        found = super().find_class(module, name) if allowed and "." not in name else None
-        # A module also holds functions, and what it imports from elsewhere.
-        ours = package not in reach.PROJECT or (
-            isinstance(found, type) and found.__module__.partition(".")[0] in reach.PROJECT
-        )
-        if found is None or not ours:
-            raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
-        return found

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.data.outcomes import DONE, Row
+from analysis.data.own import foreign_names
 from validation.sweeps.outcomes import COLUMNS, TIME
 from validation.sweeps.sweep import Sweep
 
@@ -219,7 +220,8 @@ def read_about(path: str | os.PathLike[str]) -> tuple[sqlite3.Connection, Sweep]
     with told(place):
         file = sqlite3.connect(f"{place.absolute().as_uri()}?mode=ro", uri=True, timeout=_PATIENCE)
         try:
-            sweep = Sweep.from_values(json.loads(_about(file, place)["sweep"]), own=False)
+            with foreign_names():
+                sweep = Sweep.from_values(json.loads(_about(file, place)["sweep"]))
         except BaseException:
             file.close()
             raise

@@ -86,10 +86,10 @@ class Sweep:
         }
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Any], *, own: bool = True) -> "Sweep":
-        """Sweep from what `to_values` has returned; `own` as in `Scenario.from_values`."""
+    def from_values(cls, values: Mapping[str, Any]) -> "Sweep":
+        """Sweep from what `to_values` has returned."""
         return cls(
-            scenario=Scenario.from_values(values["scenario"], own=own),
+            scenario=Scenario.from_values(values["scenario"]),
             design=Design.from_values(values["design"]),
             plan=Plan(**values["plan"]),
         )
