@@ -5,11 +5,12 @@ and wrong calls answer at once; each subcommand imports what it needs when it ru
 """
 
 import argparse
+import logging
 import os
 import re
 import sys
-from collections.abc import Iterable, Sequence
-from contextlib import redirect_stdout, suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
 from importlib import import_module
 from io import StringIO
 from pathlib import Path
@@ -72,9 +73,11 @@ def _run(arguments: Sequence[str] | None) -> int:
     try:
         options = parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
         name = f"tippedisk {options.command.replace('_', '-')}"
+        logging.getLogger("matplotlib").addFilter(_is_of_no_folder)
         # Imported late: the commands bring NumPy, SciPy and the engine along.
         commands = import_module(f"validation.commands.{options.module}")
-        return int(getattr(commands, options.command)(options))
+        with _text_beside(options):
+            return int(getattr(commands, options.command)(options))
     except SystemExit as stop:
         return int(stop.code or 0)
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
@@ -92,6 +95,22 @@ def _run(arguments: Sequence[str] | None) -> int:
     finally:
         # A law of one's own lets the working directory be searched.
         sys.path[:] = path
+
+
+@contextmanager
+def _text_beside(options: argparse.Namespace) -> Iterator[None]:
+    """What is printed goes to standard error where standard output is to take a file."""
+    from analysis.data.files import is_standard_output
+
+    paths = [each for each in vars(options).values() if isinstance(each, Path)]
+    beside = sys.stderr if any(map(is_standard_output, paths)) else sys.stdout
+    with redirect_stdout(beside):
+        yield
+
+
+def _is_of_no_folder(record: logging.LogRecord) -> bool:
+    """Let Matplotlib take a temporary folder, where it can make no other, without a word."""
+    return record.funcName != "_get_config_or_cache_dir"
 
 
 def _joined(words: Iterable[str]) -> list[str]:
@@ -127,7 +146,9 @@ def _deliver(text: str) -> bool:
         _complain("tippedisk: standard output is closed; what was to be printed is lost")
         return False
     try:
-        sys.stdout.write(text)
+        # What an output cannot show, such as λ in ASCII, is replaced; all else is worth having.
+        encoding = sys.stdout.encoding or "utf-8"
+        sys.stdout.write(text.encode(encoding, "replace").decode(encoding))
         sys.stdout.flush()
     except (OSError, ValueError) as error:
         _complain(f"tippedisk: standard output could not be written to: {error}")
