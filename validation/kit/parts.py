@@ -10,7 +10,9 @@ import io
 import json
 import os
 import pickle
-from collections.abc import Callable, Iterable
+import sqlite3
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -26,6 +28,8 @@ FOLDER = ".parts"
 """Folder of the parts inside that of the report."""
 
 _SUFFIX = ".part"
+
+_LOCK = ".lock"
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +137,31 @@ class Store:
 
     def _path(self, job: Job) -> Path:
         return self.folder / f"{identity(job)}{_SUFFIX}"
+
+
+@contextmanager
+def open_store(folder: Path) -> Iterator[Store]:
+    """Parts of a report in a folder of its own, which no other process works in meanwhile.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the report; the parts lie in its `FOLDER`.
+
+    Raises
+    ------
+    OSError
+        If another process works in it, or it cannot be made.
+    """
+    store = Store(folder / FOLDER)
+    # A lock of SQLite's is known on every system and ends with its process, however that ends.
+    with closing(sqlite3.connect(store.folder / _LOCK, timeout=0.0, isolation_level=None)) as lock:
+        try:
+            lock.execute("BEGIN EXCLUSIVE")
+        except sqlite3.OperationalError as error:
+            reason = "another process works in it" if "locked" in str(error) else error
+            raise OSError(f"{folder} cannot be written to now: {reason}") from error
+        yield store
 
 
 def identity(job: Job) -> str:

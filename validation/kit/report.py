@@ -13,7 +13,7 @@ from analysis.data.files import whole_file
 from analysis.data.workers import process_pool
 from validation.kit.clock import processor_time
 from validation.kit.page import Section, page
-from validation.kit.parts import FOLDER, Job, Part, Store
+from validation.kit.parts import Job, Part, Store, open_store
 
 __all__ = ["Job", "Section", "run_jobs", "run_kept", "run_parts", "write"]
 
@@ -121,14 +121,14 @@ def run_kept(
     Raises
     ------
     OSError
-        If the folder cannot be made.
+        If the folder cannot be made, or another process works in it.
     """
-    store = Store(folder / FOLDER)
-    if fresh:
-        store.forget(jobs)
-    kept = {job.key: part for job in jobs if (part := store.find(job)) is not None}
-    left = [job for job in jobs if job.key not in kept]
-    return kept | run_parts(left, workers=workers, title=title, store=store)
+    with open_store(folder) as store:
+        if fresh:
+            store.forget(jobs)
+        kept = {job.key: part for job in jobs if (part := store.find(job)) is not None}
+        left = [job for job in jobs if job.key not in kept]
+        return kept | run_parts(left, workers=workers, title=title, store=store)
 
 
 def _timed(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Part:

@@ -55,6 +55,11 @@ def _report(commands: Commands) -> None:
     report.add_argument(
         "--out", default="report", metavar="DIR", help="folder to write to (default: %(default)s)"
     )
+    report.add_argument(
+        "--verbose",
+        action="store_true",
+        help="print the tables of the page below the verdicts, too",
+    )
 
 
 def _simulate(commands: Commands) -> None:
