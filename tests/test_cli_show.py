@@ -11,6 +11,7 @@ import pytest
 
 from analysis import (
     Scenario,
+    SmoothCoulomb,
     SpatialMotion,
     Start,
     Trajectory,
@@ -108,7 +109,7 @@ def test_motions_of_different_problems_are_told_apart_first(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     one = simulate(Scenario(), [0.0, 0.1], local_tolerance=1e-6)
-    friction = replace(one.scenario.friction, coefficient=0.2)
+    friction = SmoothCoulomb(coefficient=0.2)
     start = Start(gamma=float(np.nextafter(Start().gamma, 0.0)))
     other = replace(one, scenario=replace(one.scenario, friction=friction, start=start))
     files = [str(tmp_path / f"{name}.npz") for name in ("one", "other")]

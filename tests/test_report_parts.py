@@ -20,7 +20,7 @@ from tests.helpers import not_none
 from validation.kit import clock, parts, reach, report, shipped
 from validation.kit.parts import Job, Part, Store, open_store
 from validation.kit.report import Section
-from validation.kit.tables import Table
+from validation.kit.tables import Cell, Table
 from validation.studies import full_report, inversion, summary
 from validation.studies.full_report import Study
 from validation.studies.rest import runs as rest
@@ -386,7 +386,7 @@ class Judging:
     def __call__(self, _: dict[Any, Any]) -> Section:
         columns = ("statement", "criterion", "measured", "verdict")
         words = ["it turns over", "within 1 s " + 30 * "or so ", "much " * 30, "yes"]
-        checks = [["one", True], ["other", self.last]]
+        checks: list[list[Cell]] = [["one", True], ["other", self.last]]
         tables = [
             Table(name="said", title="What is said", columns=columns, rows=[words]),
             Table(name="told", title="Agreement", columns=("run", "at most 1e-9"), rows=checks),

@@ -18,7 +18,8 @@ from typing import Any
 from validation.kit import shipped
 from validation.kit.clock import Clock, model_1_seconds
 from validation.kit.parts import Job, Store, identity, open_store
-from validation.kit.report import PAGE, Section, contents, foreign, run_parts, say, write
+from validation.kit.progress import duration, say
+from validation.kit.report import PAGE, Section, contents, foreign, run_parts, write
 from validation.maps import ship as whole_maps
 from validation.studies import crosscheck, inversion, lean, maps, modelled, paper_numbers, summary
 from validation.studies.claims import section as claims
@@ -63,6 +64,13 @@ class Study:
     workers: int | None = None
     work: float = 0.0
     timed: bool = False
+
+    def expected_seconds(self, *, quick: bool) -> float:
+        """Processor time in s of its quick jobs, or of those shipped; 0 if that is not known."""
+        if quick:
+            return self.work * model_1_seconds()
+        shipment = shipped.of(self.name)
+        return 0.0 if shipment is None else shipment.seconds
 
     def all_jobs(self) -> list[Job]:
         """All jobs, the shipped ones replaced by the reading of their results."""
@@ -313,7 +321,7 @@ class _Pace:
             return "nothing is to be computed"
         cores = os.cpu_count() or 1
         seconds = self._total * model_1_seconds() / cores
-        return f"the others take some {_duration(seconds)} on {cores} idle cores"
+        return f"the others take some {duration(seconds)} on {cores} idle cores"
 
     def tell(self, job: Job) -> None:
         """Note a finished job; say so where it is the last one of a section."""
@@ -323,10 +331,4 @@ class _Pace:
         if not self._left[name]:
             passed = time.perf_counter() - self._begin
             ahead = passed * (self._total / self._done - 1.0) if self._done else 0.0
-            say(
-                f"report: {name} computed after {_duration(passed)}, some {_duration(ahead)} to go"
-            )
-
-
-def _duration(seconds: float) -> str:
-    return f"{max(seconds, 1.0):.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.1f} min"
+            say(f"report: {name} computed after {duration(passed)}, some {duration(ahead)} to go")

@@ -4,6 +4,7 @@ import json
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from hashlib import sha256
@@ -226,7 +227,7 @@ class LookAhead:
     reason : str
         Why the first of them is refused.
     seconds : float
-        Processor time of a case in s, roughly.
+        Processor time of a case in s, roughly, with the part that the other side has in it.
     """
 
     looked_at: int
@@ -248,9 +249,16 @@ def look_ahead(sweep: Sweep) -> LookAhead:
     reasons, seconds = [], []
     for number in numbers:
         try:
-            seconds.append(sweep.plan.effort(sweep.scenario_of(number)).seconds)
+            scenario = sweep.scenario_of(number)
+            seconds.append(sweep.plan.effort(scenario).seconds)
         except ValueError as error:
             reasons.append(str(error))
+            continue
+        if sweep.plan.witnesses:
+            # A case that the other side cannot run takes it no time.
+            with suppress(ValueError):
+                part = sweep.plan.witnesses / size
+                seconds[-1] += part * sweep.plan.witness_effort(scenario).seconds
     if not seconds:
         raise ValueError(reasons[0])
     return LookAhead(
