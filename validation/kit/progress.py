@@ -18,6 +18,9 @@ DELAY = 2.0
 EVERY = 10.0
 """Time in s between lines at first; each comes no sooner than after a tenth of what passed."""
 
+_TELLING = 0.01
+"""Part that has to be done before the rest is reckoned from it; the first may be a compilation."""
+
 
 def bar(what: str = "", *, reached: str = "", unit: str = "", **how: Any) -> "tqdm[Any]":
     """A bar that is to be updated and closed.
@@ -57,9 +60,10 @@ class _Lines(tqdm):  # type: ignore[misc] # it brings no types
         count = f"{n:g} of {total:g} {self.unit}" if total else f"{n:g} {self.unit}"
         line = self._reached.format(n=n, total=total) if self._reached else count.rstrip()
         parts = [f"{self.desc}: {line}" if self.desc else line, self.postfix]
+        parts.append(f"after {duration(passed)}")
         done = n - self.initial
-        ahead = f", some {duration(passed * (total - n) / done)} to go" if total and done else ""
-        parts.append(f"after {duration(passed)}{ahead}")
+        if total and done > _TELLING * (total - self.initial):
+            parts.append(f"some {duration(passed * (total - n) / done)} to go")
         say(", ".join(part for part in parts if part))
         self.mininterval = max(EVERY, 0.1 * passed)
         return True

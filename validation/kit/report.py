@@ -20,6 +20,9 @@ PAGE = "report.html"
 CONTENTS = ".contents"
 """File with the names of all files of a report, one a line."""
 
+_UNFINISHED = b"<!doctype html><title>Unfinished</title><p>This report is being written.</p>"
+"""In place of a page while the files beside it are written."""
+
 _SUFFIXES = {".html", ".png", ".svg", ".csv"}
 """Of the files of a report."""
 
@@ -144,8 +147,8 @@ def _timed(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Part:
 def write(sections: Sequence[Section], folder: Path, *, made: str, whole: bool = True) -> Path:
     """Write the page, the animations as pages, the figures as PNG and SVG and tables as CSV.
 
-    The page of an earlier report goes first and the new one comes last, so that a page never
-    stands beside files of another report.
+    The page of an earlier report goes first and the new one comes last, so that no page stands
+    beside files of another report.
 
     Parameters
     ----------
@@ -170,7 +173,8 @@ def write(sections: Sequence[Section], folder: Path, *, made: str, whole: bool =
     """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / PAGE
-    path.unlink(missing_ok=True)
+    if path.exists():
+        _write(path, _UNFINISHED)
     files = dict(_files(sections))
     earlier = contents(folder)
     if whole:
