@@ -17,6 +17,7 @@ def _clock(monkeypatch: pytest.MonkeyPatch) -> None:
     """A clock by which a second passes whenever it is looked at."""
     seconds = count()
     monkeypatch.setattr("tqdm.std.time", lambda: float(next(seconds)))
+    monkeypatch.setattr(progress, "monotonic", lambda: float(next(seconds)))
 
 
 def test_short_work_is_silent(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import io
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from time import monotonic
 from typing import Any, TypeVar
 
 from tqdm import tqdm
@@ -17,6 +18,9 @@ DELAY = 2.0
 
 EVERY = 10.0
 """Time in s between lines at first; each comes no sooner than after a tenth of what passed."""
+
+_LOOK = 0.1
+"""Time in s between looks at how far a run is."""
 
 _TELLING = 0.01
 """Part that has to be done before the rest is reckoned from it; the first may be a compilation."""
@@ -88,9 +92,15 @@ def progress_bar(reached: str = "t = {n:.4g} of {total:.4g} s") -> Iterator[Prog
 
     A run that begins anew, as tolerance-controlled runs do, takes the bar back.
     """
+    due = 0.0
     with bar(reached=reached, total=0.0) as shown:
 
         def show(now: float, end: float) -> None:
+            nonlocal due
+            # Runs tell at every step, of which the shortest take no longer than the bar does.
+            if (passed := monotonic()) < due:
+                return
+            due = passed + _LOOK
             shown.total = end
             shown.n = min(shown.n, now)
             shown.update(now - shown.n)
