@@ -18,6 +18,7 @@ from analysis import Scenario, Start, simulate
 from tests.calls import refusal, run
 from tests.helpers import not_none
 from validation.kit import clock, parts, reach, report, shipped
+from validation.kit.page import Verdict
 from validation.kit.parts import Job, Part, Store, open_store
 from validation.kit.report import Section
 from validation.kit.tables import Cell, Table
@@ -391,7 +392,10 @@ class Judging:
             Table(name="said", title="What is said", columns=columns, rows=[words]),
             Table(name="told", title="Agreement", columns=("run", "at most 1e-9"), rows=checks),
         ]
-        return Section(name="one", title="What it does", tables=tables)
+        found = Verdict(
+            statement="Does it?", answer="yes", numbers="In 1 s.", certainty="very", section="one"
+        )
+        return Section(name="one", title="What it does", verdicts=[found], tables=tables)
 
 
 @pytest.mark.usefixtures("small")
@@ -408,7 +412,7 @@ def test_report_prints_verdicts_with_their_criteria_in_lines_of_a_terminal(
     *lines, last = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) < 100
     shown = " ".join(" ".join(lines).split())
-    assert "What it does yes: it turns over [within 1 s or so or so" in shown
+    assert "What it does Does it? Yes: In 1 s. yes: it turns over [within 1 s or so or so" in shown
     assert "much" not in shown
     assert f"{1 + holds} of 2 hold: Agreement [at most 1e-9]" in shown
     assert ("FAILS: run: other; at most 1e-9: NO" in shown) == (not holds)

@@ -33,7 +33,8 @@ def _wrapped(text: str) -> str:
 
 def _items(section: Section) -> Iterator[str]:
     for each in section.verdicts:
-        yield f"{each.answer}: {each.statement} {each.numbers}"
+        answer = each.answer[:1].upper() + each.answer[1:]
+        yield f"{each.statement} {answer}: {each.numbers}"
     for table in section.tables:
         if set(_JUDGED) <= set(table.columns):
             for row in table.rows:
