@@ -130,8 +130,8 @@ def is_standard_output(path: str | os.PathLike[str]) -> bool:
     """Whether a path is a name of standard output: `STANDARD_OUTPUT`, or where that leads."""
     if Path(path) == STANDARD_OUTPUT:
         return True
-    held = _held(path)
     try:
+        held = _held(path)
         return held is not None and os.path.samestat(held, os.fstat(_output()))
     except OSError:
         return False

@@ -35,8 +35,8 @@ def writable(*suffixes: str) -> Callable[[str], Path]:
             # A link leads to the file that is replaced.
             path = _with_suffix(value, suffixes)
             target = Path(os.path.realpath(path)).parent
-        if not target.exists():
-            raise ArgumentTypeError(f"must lie in an existing folder, got {value!r}")
+            if not target.is_dir():
+                raise ArgumentTypeError(f"must lie in an existing folder, got {value!r}")
         if path.is_dir() or not os.access(target, os.W_OK):
             raise ArgumentTypeError(f"must be a file that can be written, got {value!r}")
         return path
