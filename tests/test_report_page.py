@@ -1,7 +1,9 @@
 """The report's page: its box of verdicts, figure numbers, folded tables and links."""
 
 import dataclasses
+import os
 import re
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -183,6 +185,18 @@ def test_page_links_every_file_beside_it(tmp_path: Path) -> None:
     assert {"coordinates.svg", "parameters.csv", "long.csv", "p.png", "p.svg"} <= beside
     linked = set(re.findall(r'href="([^"#:]+)"', text))
     assert linked == beside
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links and modes of POSIX")
+def test_page_is_written_through_a_link_and_keeps_its_mode(tmp_path: Path) -> None:
+    (tmp_path / "report").mkdir()
+    target, link = tmp_path / "page.html", tmp_path / "report" / "report.html"
+    target.touch(mode=0o600)
+    link.symlink_to(target)
+    write(made_sections(), tmp_path / "report", made="in a year")
+    assert link.is_symlink()
+    assert stat.S_IMODE(target.stat().st_mode) == 0o600
+    assert "in a year" in target.read_text()
 
 
 def test_page_names_the_sources_that_the_citation_file_names() -> None:

@@ -5,6 +5,7 @@ and wrong calls answer at once; each subcommand imports what it needs when it ru
 """
 
 import argparse
+import logging
 import os
 import re
 import sys
@@ -76,8 +77,9 @@ def _run(arguments: Sequence[str] | None) -> int:
     path = sys.path.copy()
     try:
         # Imported late: the commands bring NumPy, SciPy and the engine along.
+        logging.getLogger("matplotlib").addFilter(_is_of_no_folder)
         commands = import_module(f"validation.commands.{options.module}")
-        with _warnings_in_a_line(name):
+        with _warnings_in_a_line(name), _text_beside(options):
             return int(getattr(commands, options.command)(options))
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         message = " ".join(str(error).split()) or "not enough memory"
@@ -126,6 +128,22 @@ def _warnings_in_a_line(name: str) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def _text_beside(options: argparse.Namespace) -> Iterator[None]:
+    """What is printed goes to standard error where standard output is to take a file."""
+    from analysis.data.files import is_standard_output
+
+    paths = [each for each in vars(options).values() if isinstance(each, Path)]
+    beside = sys.stderr if any(map(is_standard_output, paths)) else sys.stdout
+    with redirect_stdout(beside):
+        yield
+
+
+def _is_of_no_folder(record: logging.LogRecord) -> bool:
+    """Let Matplotlib take a temporary folder, where it can make no other, without a word."""
+    return record.funcName != "_get_config_or_cache_dir"
+
+
 def _joined(words: Iterable[str]) -> list[str]:
     """Words of which a value such as -pi/2 or -1e-3, which may look like an option, is joined.
 
@@ -159,7 +177,9 @@ def _deliver(text: str) -> bool:
         _complain("tippedisk: standard output is closed; what was to be printed is lost")
         return False
     try:
-        sys.stdout.write(text)
+        # What an output cannot show, such as λ in ASCII, is replaced; all else is worth having.
+        encoding = sys.stdout.encoding or "utf-8"
+        sys.stdout.write(text.encode(encoding, "replace").decode(encoding))
         sys.stdout.flush()
     except (OSError, ValueError) as error:
         _complain(f"tippedisk: standard output could not be written to: {error}")

@@ -1,6 +1,5 @@
 """Friction laws of the contact."""
 
-import sys
 from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal, get_args
@@ -299,16 +298,14 @@ def law_values(law: FrictionLaw) -> dict[str, Any]:
     return {"law": name} | asdict(law)
 
 
-def law_from(values: dict[str, Any], *, own: bool = True) -> FrictionLaw:
+def law_from(values: dict[str, Any]) -> FrictionLaw:
     """Law from its name and parameters.
 
     Parameters
     ----------
     values : dict
-        `law`, one of `LAWS` or `module:class`, and the parameters of that law.
-    own : bool
-        Whether a module that `values` names may be imported, which runs it. Otherwise a law of
-        one's own must have been imported before.
+        `law`, one of `LAWS` or `module:class`, and the parameters of that law. A module that is
+        named is imported, which runs it, but within `analysis.data.own.foreign_names`.
 
     Raises
     ------
@@ -317,7 +314,7 @@ def law_from(values: dict[str, Any], *, own: bool = True) -> FrictionLaw:
     """
     parameters = dict(values)
     name = parameters.pop("law", "smooth-coulomb")
-    kind = law_class(name, own=own)
+    kind = law_class(name)
     known = [field.name for field in fields(kind)]
     for parameter in parameters:
         choice(f"parameter of the friction law {name}", parameter, known)
@@ -330,7 +327,7 @@ def law_from(values: dict[str, Any], *, own: bool = True) -> FrictionLaw:
         raise ValueError(f"friction law {name!r} cannot be made: {said}") from error
 
 
-def law_class(name: Any, *, own: bool = True) -> type[FrictionLaw]:
+def law_class(name: Any) -> type[FrictionLaw]:
     """Class of a law by its name; see `law_from`."""
     if isinstance(name, str) and name in LAWS:
         return LAWS[name]
@@ -339,10 +336,6 @@ def law_class(name: Any, *, own: bool = True) -> type[FrictionLaw]:
         raise ValueError(
             f"friction law must be one of {listed} or module:class, got {name!r}"
             f"{nearest(name, LAWS)}"
-        )
-    if not own and name.partition(":")[0] not in sys.modules:
-        raise ValueError(
-            f"friction law {name!r} must be imported first; on the command line, --law does that"
         )
     kind = own_object("friction law", name)
     if not isinstance(kind, type) or not issubclass(kind, FrictionLaw):

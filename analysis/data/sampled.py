@@ -24,6 +24,7 @@ from analysis.data.checks import (
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
 from analysis.data.inversion import Inversion
+from analysis.data.own import foreign_names
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 
@@ -331,8 +332,10 @@ def stored_meta(text: Any, *further: str) -> dict[str, Any]:
     names = (*_META, *further)
     for name in meta:
         choice("meta", name, (*names, "scenario", "ending"))
+    with foreign_names():
+        scenario = Scenario.from_values(meta["scenario"])
     return {name: meta[name] for name in names} | {
-        "scenario": Scenario.from_values(meta["scenario"], own=False),
+        "scenario": scenario,
         "ending": None if meta["ending"] is None else Ending(**meta["ending"]),
     }
 

@@ -216,15 +216,13 @@ class Scenario(_Remembering):
         return values
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Any], *, own: bool = True) -> "Scenario":
+    def from_values(cls, values: Mapping[str, Any]) -> "Scenario":
         """Scenario from what `values` has returned.
 
         Parameters
         ----------
         values : mapping
             Any of its keys may be missing and then stands for the default.
-        own : bool
-            Whether the module of a friction law of one's own may be imported; see `law_from`.
 
         Raises
         ------
@@ -240,7 +238,7 @@ class Scenario(_Remembering):
         start = given.get("start", {})
         makers: dict[str, Callable[..., Any]] = {
             **KINDS,
-            "friction": lambda **law: law_from(law, own=own),
+            "friction": lambda **law: law_from(law),
             "start": State if "coordinates" in start or "rates" in start else Start,
         }
         fields: dict[str, Any] = {

@@ -9,6 +9,7 @@ from typing import Any
 
 from analysis.data.files import whole_file
 from validation.kit.tables import Table
+from validation.parser.paths import PICTURES
 
 
 def as_text(options: argparse.Namespace) -> bool:
@@ -32,8 +33,7 @@ def deliver(
         Index of the table for the file.
     """
     if options.csv is not None:
-        with whole_file(options.csv) as stream:
-            stream.write(shown[stored].to_csv().encode())
+        write(shown[stored], options.csv)
     if options.json:
         print(json.dumps(values))
     if as_text(options):
@@ -48,7 +48,15 @@ def name_of(path: Path) -> str:
     return "".join(each if each.isprintable() else "\N{REPLACEMENT CHARACTER}" for each in name)
 
 
-def save(figure: Any, path: Path) -> None:
-    """Write a figure in the format that its file's name ends in."""
+def write(table: Table, path: Path) -> None:
+    """Write a table as comma-separated text with all digits."""
     with whole_file(path) as stream:
-        figure.savefig(stream, format=path.suffix[1:], dpi=150)
+        stream.write(table.to_csv().encode())
+
+
+def save(figure: Any, path: Path) -> None:
+    """Write a figure in the format that its file's name ends in; a pipe gets a PNG."""
+    suffix = path.suffix.lower()
+    kind = suffix if suffix in PICTURES else PICTURES[0]
+    with whole_file(path) as stream:
+        figure.savefig(stream, format=kind[1:], dpi=150)

@@ -95,7 +95,7 @@ def read_scenario(path: Path) -> Scenario:
     ValueError
         If it is neither.
     """
-    return load_run(path).scenario if path.suffix == ".npz" else load_scenario(path)
+    return load_run(path).scenario if path.suffix.lower() == ".npz" else load_scenario(path)
 
 
 def find_own(options: argparse.Namespace) -> None:

@@ -7,7 +7,7 @@ of the data types. Angles stay text until the data types read them.
 import argparse
 from typing import Any
 
-from validation.parser.paths import PICTURES, existing, writable
+from validation.parser.paths import PICTURES, existing, table, writable
 
 SOURCES = ("engine", "in-house")
 MODELS = (1, 2, 3, 4)
@@ -154,7 +154,7 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     """Where the numbers go; they are printed as a table if none of these is given."""
     add = parser.add_argument
     add("--json", action="store_true", help="print everything as JSON")
-    add("--csv", type=writable(".csv"), metavar="FILE", help="write a table of all digits, .csv")
+    add("--csv", type=table, metavar="FILE", help="write a table of all digits, .csv or -")
     add("--plot", type=writable(*PICTURES), metavar="PICTURE", help="write a .png, .svg or .pdf")
 
 

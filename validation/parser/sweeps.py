@@ -10,7 +10,7 @@ from validation.parser.groups import (
     add_source,
     add_stop_when,
 )
-from validation.parser.paths import PICTURES, writable
+from validation.parser.paths import PICTURES, store, table, writable
 
 LAYOUTS = ("grid", "random", "latin-hypercube", "sobol")
 MOST = 10_000_000
@@ -50,11 +50,11 @@ def add_sweep(commands: Commands) -> None:
     add(
         "--out",
         required=True,
-        type=writable(".db"),
+        type=store,
         metavar="FILE",
         help="store, .db; made if there is none",
     )
-    add("--csv", type=writable(".csv"), metavar="FILE", help="write all rows to a .csv at the end")
+    add("--csv", type=table, metavar="FILE", help="write all rows to a .csv (or -) at the end")
     add(
         "--plot",
         type=writable(*PICTURES),

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.data.outcomes import DONE, Row
+from analysis.data.own import foreign_names
 from validation.kit.provenance import commit
 from validation.sweeps.outcomes import COLUMNS, IN_ROW, TIME
 from validation.sweeps.sweep import Sweep
@@ -248,7 +249,8 @@ def read_about(path: str | os.PathLike[str]) -> tuple[sqlite3.Connection, Sweep]
     with told(place):
         file = sqlite3.connect(f"{place.absolute().as_uri()}?mode=ro", uri=True, timeout=_PATIENCE)
         try:
-            return file, Sweep.from_values(_about(file, place)["sweep"], own=False)
+            with foreign_names():
+                return file, Sweep.from_values(_about(file, place)["sweep"])
         except BaseException as error:
             file.close()
             if isinstance(error, KeyError | TypeError | AttributeError):

@@ -4,6 +4,7 @@ import json
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.util import find_spec
@@ -83,10 +84,10 @@ class Sweep:
         }
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Any], *, own: bool = True) -> "Sweep":
-        """Sweep from what `to_values` has returned; `own` as in `Scenario.from_values`."""
+    def from_values(cls, values: Mapping[str, Any]) -> "Sweep":
+        """Sweep from what `to_values` has returned."""
         return cls(
-            scenario=Scenario.from_values(values["scenario"], own=own),
+            scenario=Scenario.from_values(values["scenario"]),
             design=Design.from_values(values["design"]),
             plan=Plan(**values["plan"]),
         )
@@ -225,7 +226,7 @@ class LookAhead:
     reason : str
         Why the first of them is refused.
     seconds : float
-        Processor time of a case in s, roughly.
+        Processor time of a case in s, roughly, with the part that the other side has in it.
     """
 
     looked_at: int
@@ -249,11 +250,18 @@ def look_ahead(sweep: Sweep) -> LookAhead:
     reasons, seconds = [], []
     for number in numbers:
         try:
-            effort = sweep.plan.effort(sweep.scenario_of(number))
+            scenario = sweep.scenario_of(number)
+            effort = sweep.plan.effort(scenario)
             effort.check()
             seconds.append(effort.seconds)
         except ValueError as error:
             reasons.append(str(error))
+            continue
+        if sweep.plan.witnesses:
+            # A case that the other side cannot run takes it no time.
+            with suppress(ValueError):
+                part = sweep.plan.witnesses / size
+                seconds[-1] += part * sweep.plan.witness_effort(scenario).seconds
     if not seconds:
         raise ValueError(reasons[0])
     return LookAhead(
