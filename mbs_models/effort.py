@@ -50,7 +50,8 @@ def simulation_effort(
     Raises
     ------
     ValueError
-        If step or tolerance is not positive, or the step shorter than `SHORTEST_STEP`.
+        If step or tolerance is not positive, or the step or one between times shorter than
+        `SHORTEST_STEP`.
     """
     if step is not None:
         step = within("step", positive("step", step), SHORTEST_STEP, inf)
@@ -58,11 +59,7 @@ def simulation_effort(
     may_change = integrator is None and not scene.has_constraints
     if integrator is None:
         integrator = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
-    spacings = np.diff(times)
-    if (least := float(np.min(spacings))) < SHORTEST_STEP:
-        raise ValueError(
-            f"times must be {SHORTEST_STEP:g} s apart or more for the engine, got {least:g} s"
-        )
+    spacings = _spacings(times)
     cost = _SECONDS["implicit" if integrator.implicit else "explicit"]
     until = f"up to t = {times[-1]:g} s"
     if integrator.controls_step:
@@ -112,6 +109,15 @@ def rest_effort(scene: Scene, end: float, step: float) -> Effort:
         cause=f"end = {end:g} s with steps of {step:.1e} s, at stiffness {stiffness:g} N/m and "
         f"friction gradient {friction.gradient:g} s/m,",
     )
+
+
+def _spacings(times: Array) -> Array:
+    spacings: Array = np.diff(times)
+    if (least := float(np.min(spacings))) < SHORTEST_STEP:
+        raise ValueError(
+            f"times must be {SHORTEST_STEP:g} s apart or more for the engine, got {least:g} s"
+        )
+    return spacings
 
 
 def _count(spacings: Array, step: float) -> float:

@@ -366,10 +366,11 @@ def check_slipping(law: FrictionLaw) -> None:
 
     A scenario is made without that: a law of one's own may take long, and a run has a limit.
     """
+    if type(law) in LAWS.values():
+        return
     name = law_values(law)["law"]
-    if name not in LAWS:
-        for speed in _SPEEDS:
-            not_negative(f"per_speed({speed:g}) of friction law {name!r}", law.per_speed(speed))
+    for speed in _SPEEDS:
+        not_negative(f"per_speed({speed:g}) of friction law {name!r}", law.per_speed(speed))
 
 
 def check_coefficient(law: FrictionLaw, name: str) -> None:
