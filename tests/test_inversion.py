@@ -11,6 +11,7 @@ from analysis import (
     Inversion,
     Level,
     Scenario,
+    Start,
     Trajectory,
     simulate,
     simulate_to_rest,
@@ -114,6 +115,25 @@ def test_time_of_inversion_is_right_to_its_error_however_far_apart_the_samples_a
         found = run(np.arange(0.0, 3.0 + 0.5 * spacing, spacing)).inversion
         assert abs(not_none(found.time) - truth) <= not_none(found.time_error) + 1e-10
         assert not_none(found.time_error) < enough
+
+
+@pytest.mark.parametrize(
+    ("level", "start", "spacing"),
+    [
+        # It rises, and sinks again before the next sample; it rises, and falls between two.
+        (3, Start(beta=1.183, gamma=-0.9917, spin=46.525), 0.2),
+        (2, Start(beta=2.258, gamma=-2.3827, spin=54.78), 0.1),
+    ],
+)
+def test_error_covers_what_no_sample_shows(level: Level, start: Start, spacing: float) -> None:
+    scenario = model(level, start=start)
+    fine, coarse = (
+        simulate(scenario, np.arange(0.0, 4.0, each), local_tolerance=1e-8).inversion
+        for each in (0.005, spacing)
+    )
+    apart = abs(not_none(coarse.time) - not_none(fine.time))
+    assert spacing < apart <= not_none(coarse.time_error)
+    assert not_none(fine.time_error) < 1e-8
 
 
 @pytest.mark.parametrize("count", [11, 16, 26, 51, 501])

@@ -134,6 +134,26 @@ def crossings(
     return found, errors
 
 
+def extremes(times: Array, values: Array, rates: Array) -> tuple[Array, Array]:
+    """Least and largest value between samples, by cubic polynomials, each shape (k, n - 1).
+
+    Both are taken to go beyond the samples by half as much again, which stands for the error.
+
+    Parameters
+    ----------
+    times, values, rates : ndarray, shape (k, n)
+    """
+    width, first, last = np.diff(times, axis=1), values[:, :-1], values[:, 1:]
+    least, most = np.minimum(first, last), np.maximum(first, last)
+    low, high = least, most
+    for part in np.linspace(0.0, 1.0, 9)[1:-1].tolist():
+        rest = 1.0 - part
+        value = (1.0 + 2.0 * part) * rest**2 * first + part**2 * (3.0 - 2.0 * part) * last
+        value += width * part * rest * (rest * rates[:, :-1] - part * rates[:, 1:])
+        low, high = np.minimum(low, value), np.maximum(high, value)
+    return low + 0.5 * (low - least), high + 0.5 * (high - most)
+
+
 def _apart(times: Array) -> tuple[Numbers, Numbers, Numbers]:
     """Columns of each row with those first that are not close to the next one, and how many.
 

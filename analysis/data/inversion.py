@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array, increasing_times
-from analysis.data.dense import Numbers, crossings
+from analysis.data.dense import Numbers, crossings, extremes
 from analysis.data.endings import REACHED
 
 STAYING = 1.0
@@ -19,6 +19,9 @@ A disk that rolls without slip reaches 0.90, and falls below the centre within 0
 
 _LAST_DIGITS = 1e-12
 """By which a motion that ends at `REACHED` or at zero, because it does, may miss it."""
+
+_COARSE = 0.25
+"""Change between two samples from which on more may happen between them than they show."""
 
 DEFINITION = (
     f"The disk is inverted from the first time at which its centre of gravity has risen to "
@@ -45,9 +48,9 @@ class Inversion:
     lost : float, optional
         When the centre of gravity came below the geometric centre again in s.
     time_error, lost_error : float, optional
-        How far off the samples may leave these times in s, as estimated; at most their spacing.
-        The error of the motion itself comes beside it, and what rises and falls between two
-        samples is not seen: let these be close against the oscillations of the disk.
+        How far off the samples may leave these times in s, as estimated: at most their spacing,
+        and the first of them more where the disk may have been up or down between two samples
+        unseen. The error of the motion itself comes beside it.
     """
 
     outcome: Outcome
@@ -198,7 +201,30 @@ class _Risen:
             self._may_stay[rows] &= self._times[rows] > fall[:, None]
             rows = rows[self._may_stay[rows].any(axis=1)]
         rows = np.flatnonzero(~np.isnan(settled[0]))
+        settled[2, rows] = np.maximum(settled[2, rows], self._unseen(rows, settled[0, rows]))
         return rows, settled[:, rows]
+
+    def _unseen(self, rows: Numbers, risen: Array) -> Array:
+        """How far off a rise or a fall that no sample shows may put the times of some rows.
+
+        Only samples that are far apart are looked between: by cubic polynomials, with a margin.
+        """
+        errors = np.zeros(rows.size)
+        coarse = np.max(np.abs(np.diff(self._directions[rows], axis=1)), axis=1) > _COARSE
+        if self._rates_at is None or not coarse.any():
+            return errors
+        rows, risen = rows[coarse], risen[coarse, None]
+        times, directions = self._times[rows], self._directions[rows]
+        columns = np.broadcast_to(np.arange(times.shape[1]), times.shape)
+        lowest, highest = extremes(times, directions, self._rates_at(rows, columns))
+        begins, ends, falls = times[:, :-1], times[:, 1:], self._next_fall[rows]
+        # Up before, and not down since; or down within the time for which it has to stay up.
+        before = (highest >= REACHED) & (ends <= risen) & (falls[:, 1:] > risen)
+        after = (lowest < 0.0) & (begins >= risen) & (begins < risen + STAYING)
+        earliest = np.min(np.where(before, begins, risen), axis=1)
+        latest = np.max(np.where(after, np.minimum(ends + STAYING, times[:, -1:]), risen), axis=1)
+        errors[coarse] = np.maximum(risen[:, 0] - earliest, latest - risen[:, 0])
+        return errors
 
     def _passed(self, rows: Numbers, columns: Numbers, level: float) -> tuple[Array, Array]:
         """Times at which a level was passed before these samples, and their errors."""
