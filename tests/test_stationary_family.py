@@ -177,7 +177,7 @@ def test_a_search_is_refused_where_it_means_nothing() -> None:
     ):
         with pytest.raises(ValueError, match=message):
             stationary_motions(scenario, spin)
-    with pytest.raises(ValueError, match="starts must be 1 or more"):
+    with pytest.raises(ValueError, match="starts must be at least 1"):
         stationary_motions(Scenario(), 10.0, starts=0)
     upright = stationary_motions(Scenario(), 10.0, starts=1)[0]
     with pytest.raises(ValueError, match="start must be tilted"):

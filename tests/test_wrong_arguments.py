@@ -14,18 +14,27 @@ import pytest
 import analysis
 import mbs_models
 from analysis import (
+    MODELS,
     Ensemble,
     PenaltyContact,
     Scenario,
+    State,
     load_run,
     simulate,
     simulate_many,
     simulate_to_rest,
 )
+from analysis.nonlinear.heteroclinic import fall, saddle
+from analysis.nonlinear.stationary import stationary_motions
+from analysis.stability.chart import stability_chart
+from analysis.stability.critical import critical_speeds
+from analysis.stability.hopf_curves import hopf_curves
+from analysis.stability.spectra import eigenvalues
 from mbs_models import Integrator, Newton, Scene
 from tests.helpers import random_trajectory
 
 TIMES = [0.0, 0.01]
+MODEL_4 = Scenario(constraints=MODELS[4])
 MASKED = np.ma.array([0.0, 0.005, 0.01], mask=[False, True, False])
 
 CALLS: dict[str, Callable[..., Any]] = {
@@ -44,6 +53,14 @@ CALLS: dict[str, Callable[..., Any]] = {
     "newton": Newton,
     "contact": lambda **how: PenaltyContact(**{"stiffness": 1e5} | how),
     "spins": lambda spin: Ensemble(scenario=Scenario(), fields={"spin": spin}),
+    "state": lambda rates: State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.0), rates=rates),
+    "eigenvalues": lambda spins: eigenvalues(Scenario(), spins),
+    "chart": lambda gradients: stability_chart(Scenario(), [30.0], gradients),
+    "curves": lambda seeds: hopf_curves(Scenario(), seeds=seeds),
+    "critical": lambda interval: critical_speeds(MODEL_4, interval),
+    "stationary": lambda starts: stationary_motions(Scenario(), 30.0, starts),
+    "fall": lambda tolerance: fall(MODEL_4, 30.0, tolerance),
+    "saddle": lambda spin: saddle(MODEL_4, spin),
     "acceleration": lambda state: mbs_models.acceleration(Scene(), state),
 }
 
@@ -78,6 +95,16 @@ WRONG = [
     ("contact", "bilateral", 1, "must be True or False, got 1"),
     ("spins", "spin", np.ma.array([1.0, 2.0], mask=[True, False]), "must hold no masked values"),
     ("spins", "spin", [True, False], "must be an array of real numbers, got bool"),
+    ("state", "rates", 5, "must hold 6 numbers, got 5"),
+    ("eigenvalues", "spins", MASKED, "must hold no masked values"),
+    ("eigenvalues", "spins", True, "must be an array of real numbers, got bool values"),
+    ("eigenvalues", "spins", ["30"], "must be an array of real numbers, got <U2 values"),
+    ("chart", "gradients", [True], "must be an array of real numbers, got bool values"),
+    ("curves", "seeds", 1.5, "must be a whole number, got 1.5"),
+    ("critical", "interval", 5.0, "must be lowest and highest spin, got 5.0"),
+    ("stationary", "starts", True, "must be a whole number, got True"),
+    ("fall", "tolerance", float("nan"), "must be a finite number, got nan"),
+    ("saddle", "spin", True, "must be a finite number, got True"),
     ("acceleration", "state", 5, "must be a State, got 5"),
 ]  # fmt: skip
 

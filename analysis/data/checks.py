@@ -137,14 +137,14 @@ def choice(name: str, value: T, allowed: Iterable[T]) -> T:
     return value
 
 
-def real_array(name: str, values: npt.ArrayLike) -> Array:
-    """Return a new array of floats from real numbers.
+def float_array(name: str, values: npt.ArrayLike) -> Array:
+    """Return a new array of floats from real numbers, which may be infinite or no numbers.
 
     Raises
     ------
     ValueError
-        If they are complex, text, truth values or objects, if rows differ in length, if one is
-        masked, or if a number is not finite or larger than `LARGEST_VALUE`.
+        If they are complex, text, truth values or objects, if rows differ in length, or if one is
+        masked.
     """
     unmasked(name, values)
     try:
@@ -153,7 +153,18 @@ def real_array(name: str, values: npt.ArrayLike) -> Array:
         raise ValueError(f"{name} must be an array of real numbers, got {values!r}") from None
     if given.dtype.kind not in "fiu":
         raise ValueError(f"{name} must be an array of real numbers, got {given.dtype} values")
-    result = np.array(given, dtype=float)
+    return np.array(given, dtype=float)
+
+
+def real_array(name: str, values: npt.ArrayLike) -> Array:
+    """Return a new array of floats from real numbers.
+
+    Raises
+    ------
+    ValueError
+        As in `float_array`, or if a number is not finite or larger than `LARGEST_VALUE`.
+    """
+    result = float_array(name, values)
     # Its size is not finite if one of its numbers is not: one pass, for the shortest runs.
     largest = np.abs(result).max(initial=0.0)
     if not isfinite(largest):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 MOST_STEPS = 100_000_000
 """Steps of a run, of all its repetitions together; each takes 30 µs or more."""
 
-OVERRUN = 5.0
+OVERRUN = 3.0
 """Times the steps that a run was expected to take, and"""
 
 SPARE_SECONDS = 20.0

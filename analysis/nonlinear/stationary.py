@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from analysis.data.checks import Array, number, positive
+from analysis.data.checks import Array, number, positive, whole
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
 from analysis.models import index1
@@ -135,8 +135,7 @@ def stationary_motions(
         raise ValueError("eccentricity must be positive: without it every gamma is stationary")
     if number("spin", spin) == 0.0:
         raise ValueError("spin must not be 0")
-    if starts < 1:
-        raise ValueError(f"starts must be 1 or more, got {starts}")
+    starts = whole("starts", starts)
     random = np.random.default_rng(0)
     begins = [np.array((0.0, 0.0, np.pi / 2, gamma)) for gamma in (np.pi / 2, -np.pi / 2)]
     begins.extend(random.uniform(*_ANYWHERE, (starts - starts // 2, 4)))
