@@ -249,7 +249,7 @@ def _worst(checks: Sequence[Check]) -> Check:
     """
 
     def rank(check: Check) -> tuple[int, float]:
-        order = {True: 0, False: 2}.get(check.verdict, 1)  # type: ignore[call-overload]
+        order = 1 if isinstance(check.verdict, str) else 0 if check.verdict else 2
         return order, largest([check.difference])
 
     counted = [check.counted for check in checks if check.counted is not None]

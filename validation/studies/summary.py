@@ -16,7 +16,6 @@ from validation.studies import agreement, crosscheck
 from validation.studies.claims.claim import VERDICTS
 from validation.studies.rest import runs as rest
 from validation.studies.robustness import stored as robustness
-from validation.studies.robustness.cases import TOLERANCE
 from validation.studies.robustness.causes import GOOD
 from validation.studies.stability.tables import stable_range
 from validation.studies.work_precision import stored as work_precision
@@ -216,17 +215,20 @@ def _hard_cases(tables: Tables) -> Verdict:
     outcomes = () if study is None else study.outcomes
     counts = Counter[str](outcome.verdict for outcome in outcomes)
     broken = sum(outcome.broken for outcome in outcomes)
-    rest_of_them = len(outcomes) - sum(counts[each] for each in GOOD)
+    ends = sum(counts[each] for each in GOOD[1:])
+    rest_of_them = len(outcomes) - counts[GOOD[0]] - ends
+    asked = sorted({outcome.tolerance for outcome in outcomes})
+    accuracy = " to ".join(f"{each:g}" for each in dict.fromkeys((*asked[:1], *asked[-1:])))
     known, same = (
         sum(tables.numbers("robustness-confirmation", heading))
         for heading in ("of them in the full study", "same verdict")
     )
     return Verdict(
         statement="What becomes of stiff and extreme cases?",
-        answer="none crashes or breaks its promise" if not broken else f"{broken} break",
-        numbers=f"Of {len(outcomes)} cases asked for {TOLERANCE:g} rad, {counts[GOOD[0]]} are "
-        f"accurate and {counts[GOOD[1]]} end, accurately, where the contact would pull; "
-        f"{rest_of_them} give no accurate result and say why.",
+        answer=f"of these cases {broken or 'none'} crashes or breaks its promise",
+        numbers=f"Of {len(outcomes)} cases asked for {accuracy} rad, {counts[GOOD[0]]} are "
+        f"accurate and {ends} end early, accurately, as where the contact would pull; "
+        f"{rest_of_them} give no accurate result, for reasons that are counted below.",
         good=not broken,
         certainty=f"each is measured against another method; {same:.0f} of {known:.0f} of them "
         "repeated in this run have the same verdict.",

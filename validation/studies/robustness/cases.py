@@ -13,7 +13,7 @@ from mbs_models import Formulation, IntegratorName, Scene
 from validation.run import run
 
 TOLERANCE = 1e-6
-"""Accuracy asked for in rad."""
+"""Accuracy asked for in rad where a problem says nothing else."""
 
 STIFF = 1e-3
 """Finest speed of friction in m/s below which explicit in-house methods are not tried."""
@@ -36,6 +36,12 @@ class HardProblem:
     cover : {"all", "first", "fastest"}
         Whether all integrators of each formulation are tried, the first of each, or that of the
         first formulation alone, for motions that are too long for the others.
+    tolerance : float
+        Accuracy asked for in rad; of the time of an ending, in s.
+    ends : bool
+        Whether it is looked at how the motion ends: the reference finds that by itself.
+    stop_when : tuple of str
+        What ends it besides a contact that would have to pull.
     """
 
     axis: str
@@ -44,6 +50,9 @@ class HardProblem:
     end: float = 0.5
     samples: int = 101
     cover: Literal["all", "first", "fastest"] = "first"
+    tolerance: float = TOLERANCE
+    ends: bool = False
+    stop_when: tuple[str, ...] = ()
 
     @property
     def times(self) -> Array:
