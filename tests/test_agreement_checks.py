@@ -133,7 +133,8 @@ def test_formulation_that_lacks_a_check_is_told(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(crosscheck, "check_formulation", check)
     with pytest.raises(ValueError, match="zip"):
         crosscheck.check_set(MODELS[2])
-    for others in ({}, {("a",): [CHECK]}):
+    first: dict[tuple[str, ...], list[Check]] = {("a",): [CHECK]}
+    for others in ({}, first):
         with pytest.raises(ValueError, match="same checks for all, and some, got others for b"):
             crosscheck.overview("name", "title", ("case",), {**others, ("b",): []})
 

@@ -16,7 +16,7 @@ from tests.helpers import not_none
 from validation.studies.robustness import ended, section, tables
 from validation.studies.robustness import run as runs
 from validation.studies.robustness.axes import QUICK, problems
-from validation.studies.robustness.cases import HardProblem, Way, ways
+from validation.studies.robustness.cases import EndedProblem, Way, ways
 from validation.studies.robustness.causes import cause
 from validation.studies.robustness.located import up_to_ending
 from validation.studies.robustness.reference import Reference, deviation, reference
@@ -24,14 +24,13 @@ from validation.studies.robustness.run import Outcome, run_case
 
 TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
 DOP853 = Way(source="in-house", formulation="index-1", integrator="DOP853")
-ENDED = HardProblem(
+ENDED = EndedProblem(
     axis=ended.AXIS,
     label="",
     scenario=Scenario(),
     end=1.0,
     samples=2,
     tolerance=1e-6,
-    ends=True,
     stop_when=("inverted",),
 )
 
@@ -184,10 +183,12 @@ def passes_zero(state: Any) -> float:
 
 def test_condition_is_located_where_it_is_met_first() -> None:
     found = not_none(located(made(pi / 2), (passes_zero, "inverted")))
-    assert (found.reason, found.time) == ("passes_zero", pytest.approx(0.5, abs=1e-13))
+    assert found.reason == "passes_zero"
+    assert found.time == pytest.approx(0.5, abs=1e-13)
     found = not_none(located(made(pi / 2), ("inverted",)))
     expected = 0.5 + 0.5 * float(np.arcsin(0.9))
-    assert (found.reason, found.time) == ("inverted", pytest.approx(expected, abs=1e-12))
+    assert found.reason == "inverted"
+    assert found.time == pytest.approx(expected, abs=1e-12)
     assert located(made(0.5), ("inverted",)) is None
 
 

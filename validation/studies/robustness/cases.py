@@ -36,12 +36,6 @@ class HardProblem:
     cover : {"all", "first", "fastest"}
         Whether all integrators of each formulation are tried, the first of each, or that of the
         first formulation alone, for motions that are too long for the others.
-    tolerance : float
-        Accuracy asked for in rad; of the time of an ending, in s.
-    ends : bool
-        Whether it is looked at how the motion ends: the reference finds that by itself.
-    stop_when : tuple of str
-        What ends it besides a contact that would have to pull.
     """
 
     axis: str
@@ -50,14 +44,35 @@ class HardProblem:
     end: float = 0.5
     samples: int = 101
     cover: Literal["all", "first", "fastest"] = "first"
-    tolerance: float = TOLERANCE
-    ends: bool = False
-    stop_when: tuple[str, ...] = ()
+
+    @property
+    def tolerance(self) -> float:
+        """Accuracy asked for in rad, and of the time of an ending in s."""
+        return TOLERANCE
+
+    @property
+    def stop_when(self) -> tuple[str, ...]:
+        """What ends the motion besides a contact that would have to pull."""
+        return ()
 
     @property
     def times(self) -> Array:
         """Times asked for in s, shape (n,)."""
         return np.linspace(0.0, self.end, self.samples)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EndedProblem(HardProblem):
+    """A motion of which is looked at how it ends; its reference finds the ending by itself.
+
+    Parameters
+    ----------
+    tolerance, stop_when
+        See the properties of `HardProblem`, from which come the others.
+    """
+
+    tolerance: float = TOLERANCE
+    stop_when: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from analysis import LEVELS, LOADS, MODELS, Scenario, SmoothCoulomb, Start, State
-from validation.studies.robustness.cases import HardProblem
+from validation.studies.robustness.cases import EndedProblem
 
 AXIS = "ended by a condition, or a pull"
 
@@ -21,11 +21,11 @@ FEW = 0.7
 """Part of the random motions that is sampled at its two ends alone."""
 
 QUICK = (
-    "pull, 1e-8, 2 samples, 139 rad/s",
-    "pull, 1e-3, 2 samples, 140 rad/s",
-    "inverted, 1e-3, 2 samples, 36.348 rad/s",
+    "pull 139 rad/s 1e-8",
+    "pull 140 rad/s 1e-3",
+    "inverted 36.35 rad/s 1e-3",
 )
-"""Labels of the sample in Model 1 that the quick version runs."""
+"""Labels of the sample in Model 1 that the quick version runs: how it ends, spin, accuracy."""
 
 SEED = 5
 """Of the random starts."""
@@ -44,7 +44,7 @@ def falls_low(state: State) -> float:
     return float(np.sin(state.coordinates[4]) - 0.85)
 
 
-def problems() -> Iterator[HardProblem]:
+def problems() -> Iterator[EndedProblem]:
     """Known hard ones, then random ones of every model, condition, tolerance and sampling."""
     for spin, gamma, beta, digits in (
         (45.2112, -1.467538, 1.356142, 8),
@@ -72,23 +72,23 @@ def _problem(
     samples: int = 2,
     end: float = 1.5,
     cover: Literal["first", "fastest"] = "fastest",
-) -> HardProblem:
+) -> EndedProblem:
     name = condition.removeprefix(OWN).replace("_", " ") or "pull"
     spin = scenario.initial_state.rates[3]
-    return HardProblem(
+    return EndedProblem(
         axis=AXIS,
-        label=f"{name}, 1e-{digits}, {samples} samples, {spin:g} rad/s",
+        # A line each in a figure with many of them.
+        label=f"{name} {spin:.4g} rad/s 1e-{digits}{' sampled' if samples > 2 else ''}",
         scenario=scenario,
         end=end,
         samples=samples,
         cover=cover,
         tolerance=10.0**-digits,
-        ends=True,
         stop_when=(condition,) if condition else (),
     )
 
 
-def _drawn(rng: np.random.Generator, number: int) -> HardProblem:
+def _drawn(rng: np.random.Generator, number: int) -> EndedProblem:
     """A random start, so that the condition is met in most of them."""
     condition = ("inverted", "lost", f"{OWN}passes_sideways", f"{OWN}falls_low", "")[number % 5]
     # What is lost or falls is up at first, and slow.

@@ -6,6 +6,7 @@ one may lie, the run is made again from the sample before, with finer and finer 
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -50,19 +51,20 @@ def up_to_ending(
     asked = np.isin(run.times, (*times, run.times[-1]))
     found = _first_ending(plain, run, named_conditions(stop_when))
     if found is None:
-        return _merged(run, asked)
-    return replace(_merged(run, asked & (run.times < found.times[-1]), found), ending=found.ending)
+        return _sampled(run, _rows(run, asked), run.ending)
+    kept = _rows(run, asked & (run.times < found.times[-1]))
+    ends = {name: np.append(kept[name], each[-1:], axis=0) for name, each in _rows(found).items()}
+    return _sampled(run, ends, found.ending)
 
 
-def _merged(run: Trajectory, kept: Array, found: Trajectory | None = None) -> Trajectory:
-    """Some rows of a run, and the last one of another behind them."""
-    rows = {name: getattr(run, name)[kept] for name in _SAMPLED}
-    if found is not None:
-        rows = {
-            name: np.concatenate((values, getattr(found, name)[-1:]))
-            for name, values in rows.items()
-        }
-    return replace(run, pulling=(), **rows)
+def _rows(run: Trajectory, kept: Any = slice(None)) -> dict[str, Array]:
+    """What is sampled of a run, at some of its rows."""
+    return {name: getattr(run, name)[kept] for name in _SAMPLED}
+
+
+def _sampled(run: Trajectory, rows: dict[str, Any], ending: Ending | None) -> Trajectory:
+    """A run with other samples and another ending."""
+    return replace(run, **rows, pulling=(), ending=ending)
 
 
 def _first_ending(
@@ -109,10 +111,9 @@ def _crossing(run: Trajectory, begin: int, reason: str, values: Array) -> Trajec
         return None
     part = first / (first - last)
 
-    def ends(name: str) -> Array:
-        before, after = getattr(run, name)[begin : begin + 2]
-        return np.array((before, before + part * (after - before)))
-
-    rows = {name: ends(name) for name in _SAMPLED}
+    rows = {
+        name: np.array((before, before + part * (after - before)))
+        for name, (before, after) in _rows(run, slice(begin, begin + 2)).items()
+    }
     ending = Ending(reason=reason, time=float(rows["times"][-1]), value=0.0)
-    return replace(run, pulling=(), ending=ending, **rows)
+    return _sampled(run, rows, ending)

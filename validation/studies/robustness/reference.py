@@ -14,7 +14,7 @@ from analysis.data.endings import FLAT
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
 from mbs_models import EngineError, Integrator
 from validation.kit.limits import largest
-from validation.studies.robustness.cases import STIFF, HardProblem, Way
+from validation.studies.robustness.cases import STIFF, EndedProblem, HardProblem, Way
 from validation.studies.robustness.located import up_to_ending
 from validation.studies.robustness.work import StepCount
 
@@ -179,7 +179,7 @@ def _within(problem: HardProblem, way: Way, spacing: float, **how: Any) -> Traje
         return way.run(scenario, times, progress=count, allow_pulling=True, **how)
 
     try:
-        if problem.ends:
+        if isinstance(problem, EndedProblem):
             scenario, times = problem.scenario, problem.times
             return up_to_ending(plain, scenario, times, problem.stop_when, spacing)
         return way.run(problem.scenario, problem.times, progress=count, **how)

@@ -12,7 +12,7 @@ import analysis
 from analysis import Level, Trajectory
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
 from validation.kit.limits import holds, largest
-from validation.studies.robustness.cases import TOLERANCE, HardProblem, Way
+from validation.studies.robustness.cases import TOLERANCE, EndedProblem, HardProblem, Way
 from validation.studies.robustness.isolated import Failure, run_isolated
 from validation.studies.robustness.reference import (
     NoReference,
@@ -205,7 +205,7 @@ def run_case(problem: HardProblem, way: Way, known: Reference | NoReference) -> 
         steps=count.steps,
         seconds=time.perf_counter() - begin,
     )
-    if problem.samples <= FEW and not problem.ends:
+    if problem.samples <= FEW and not isinstance(problem, EndedProblem):
         again = simulate(problem, way, StepCount(count.limit))
         blank = replace(blank, repeatable=_same(run, again))
     if isinstance(known, NoReference):

@@ -13,7 +13,7 @@ from validation.studies.robustness import causes, ended, steps, stored, tables
 from validation.studies.robustness import drift as long_runs
 from validation.studies.robustness import figures as draw
 from validation.studies.robustness.axes import problems
-from validation.studies.robustness.cases import TOLERANCE, ways
+from validation.studies.robustness.cases import TOLERANCE, EndedProblem, ways
 from validation.studies.robustness.located import STRAIGHT
 from validation.studies.robustness.penalty_limit import STIFFNESSES, PenaltyError, penalty_error
 from validation.studies.robustness.reference import SPACINGS
@@ -71,7 +71,13 @@ def case_jobs(*, quick: bool) -> list[Job]:
     count = _QUICK_BATCHES if quick else len(found)
     if not quick:
         # What takes longest comes first, so that nothing is waited for at the end.
-        found.sort(key=lambda each: (-each.end, each.scenario.friction.finest_speed))
+        found.sort(
+            key=lambda each: (
+                isinstance(each, EndedProblem),
+                -each.end,
+                each.scenario.friction.finest_speed,
+            )
+        )
     batches = [found[index::count] for index in range(count)]
     return [
         Job(
@@ -229,11 +235,12 @@ def _ended(outcomes: Sequence[Outcome]) -> list[str]:
     spacings = " and ".join(f"{1e3 * each:g}" for each in SPACINGS)
     return [
         (
-            f"{len(found)} cases end by themselves and ask for {least:g} to {most:g} rad, most of "
-            "them with two samples. A condition fixes the state at an ending, so that the states "
-            "of two endings agree however far apart their times are. What is promised there is "
-            "the reason, the time, and the state at one time: the angles' difference at the "
-            f"endings and that of their times multiplied by the rates, or {LEAST_RATE:g} rad/s. "
+            f"{len(found)} cases end by themselves and ask for {least:g} to {most:g} rad, as "
+            "their labels say; those not called sampled have two samples alone. A condition fixes "
+            "the state at an ending, so that the states of two endings agree however far apart "
+            "their times are. What is promised there is the reason, the time, and the state at "
+            "one time: the angles' difference at the endings and that of their times multiplied "
+            f"by the rates, or {LEAST_RATE:g} rad/s. "
             "The references know of no ending. The two are sampled every "
             f"{spacings} ms, and where the normal force or a condition turns negative, or comes "
             f"close to it, they are run again finer and finer, to {STRAIGHT:g} s."
