@@ -12,7 +12,7 @@ from validation.kit.page import ENGINE, PAPER, Drawing, Section, Verdict, page
 from validation.kit.report import write
 from validation.kit.tables import LONG, SHOWN, Table
 from validation.studies import modelled, summary
-from validation.studies.work_precision.runs import Run
+from validation.studies.work_precision import runs
 
 ROOT = Path(__file__).parent.parent
 
@@ -148,10 +148,10 @@ def test_box_finds_the_fastest_way_by_the_runs(monkeypatch: pytest.MonkeyPatch) 
         return next(each for each in found if each.section == "work-precision")
 
     assert (way().answer, way().good) == ("the one without constraints, where there is one", True)
-    fastest = summary.fastest
+    fastest = runs.fastest
 
-    def constrained(runs: list[Run], goal: float) -> Run | None:
-        return fastest([run for run in runs if run.formulation != "contact-tree"], goal)
+    def constrained(found: list[runs.Run], goal: float) -> runs.Run | None:
+        return fastest([run for run in found if run.formulation != "contact-tree"], goal)
 
     monkeypatch.setattr(summary, "fastest", constrained)
     assert way().answer.startswith("not the one without constraints")
