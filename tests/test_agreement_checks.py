@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import MODELS, MOTIONS, Scenario, SmoothCoulomb
+from analysis import MODELS, MOTIONS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import SOURCES
 from mbs_models import Formulation, Scene
@@ -19,6 +19,7 @@ from validation.kit.limits import holds, largest
 from validation.kit.report import Section
 from validation.kit.samples import Sample
 from validation.kit.tables import Table, Tables
+from validation.run import run
 from validation.studies import comparisons, crosscheck
 from validation.studies.crosscheck import Check
 from validation.studies.nonlinear import confirm as nonlinear_confirm
@@ -90,6 +91,24 @@ def test_states_without_a_solution_on_either_side_are_not_counted() -> None:
     easy = accelerations(20)
     assert easy.counted == 20
     assert easy.detail == "relative, at 20 random states"
+
+
+@pytest.mark.parametrize(("seconds", "agree"), [(0.0, True), (1e-6, False)])
+def test_motion_that_ends_later_in_the_same_state_does_not_agree(
+    seconds: float, agree: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def late(scenario: Scenario, times: object, **options: Any) -> Trajectory:
+        found = run(scenario, times, **options)  # type: ignore[arg-type]
+        if options.get("source") == "in-house" or found.ending is None:
+            return found
+        ending = replace(found.ending, time=found.ending.time + seconds)
+        return replace(found, times=found.times + seconds, ending=ending)
+
+    comparisons.reference.cache_clear()
+    monkeypatch.setattr(comparisons, "run", late)
+    pulling = Scenario(start=Start(spin=100.0, beta=1.0))
+    difference, _ = comparisons.motion_difference(Scene(pulling), 0.1)
+    assert holds(difference, comparisons.ANGLE_LIMIT) is agree
 
 
 OTHERS = {

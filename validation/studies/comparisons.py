@@ -27,6 +27,7 @@ from analysis.stability import spectra
 from mbs_models import Scene
 from validation.kit.limits import largest
 from validation.run import run, run_effort, run_to_rest
+from validation.studies.robustness.reference import deviation
 from validation.studies.stability.eigenvalue_check import distance
 
 ANGLE_LIMIT = 1e-7
@@ -216,7 +217,7 @@ def _motion_difference(scene: Scene, end: float) -> tuple[float, str]:
         told = (str(each.ending or "runs through") for each in (engine, inhouse))
         return np.inf, "engine {}; in-house {}".format(*told)
     detail = f"over {engine.times[-1]:.4g} s" + (f", where {endings[0]}" if endings[0] else "")
-    return angle_error(engine, inhouse), detail
+    return deviation(engine, inhouse), detail
 
 
 def _comparable(scene: Scene, end: float) -> tuple[tuple[float, ...], Trajectory]:
@@ -245,12 +246,6 @@ def _times(end: float) -> tuple[float, ...]:
 def reference(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
     """In-house run, two digits better than what is compared with it."""
     return run(scenario, times, source="in-house", tolerance=REFERENCE_TOLERANCE, time_limit=LIMIT)
-
-
-def angle_error(trajectory: Trajectory, other: Trajectory) -> float:
-    """Largest difference of beta and gamma in rad."""
-    apart = np.abs(trajectory.coordinates - other.coordinates)[:, 4:6]
-    return largest(apart.ravel().tolist())
 
 
 def goes_to_rest(scene: Scene) -> bool:
