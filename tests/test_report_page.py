@@ -10,10 +10,11 @@ from typing import Any
 import pytest
 
 from validation.kit.figures import Picture
-from validation.kit.page import ENGINE, PAPER, Drawing, Section, page
+from validation.kit.page import ENGINE, PAPER, Drawing, Section, Verdict, page
 from validation.kit.report import write
 from validation.kit.tables import LONG, SHOWN, Table
 from validation.studies import modelled, summary
+from validation.studies.work_precision import runs
 
 ROOT = Path(__file__).parent.parent
 
@@ -126,8 +127,37 @@ def test_box_changes_its_answers_with_the_numbers() -> None:
     for place, change in changes.items():
         changed = answers(*change)
         assert changed[place] != usual[place], change
+    undefined = answers("crosscheck-models", "agrees", "not defined: no eigenvalues")
+    assert undefined[4] == "no"
     failed = summary.section(replaced("crosscheck-models", "agrees", False))
     assert "Checks FAIL in: crosscheck-models" in failed.paragraphs[1]
+
+
+def test_box_says_that_a_model_is_unstable_at_all_where_no_region_is_found() -> None:
+    (section,) = made_sections()
+    tables = [
+        dataclasses.replace(each, rows=[]) if each.name == "corners" else each
+        for each in section.tables
+    ]
+    region = summary.section([dataclasses.replace(section, tables=tables)]).verdicts[3]
+    assert region.answer == "yes"
+    assert region.numbers.endswith("No region is found in which it is stable.")
+
+
+def test_box_finds_the_fastest_way_by_the_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    def way() -> Verdict:
+        found = summary.section(made_sections()).verdicts
+        return next(each for each in found if each.section == "work-precision")
+
+    assert (way().answer, way().good) == ("the one without constraints, where there is one", True)
+    fastest = runs.fastest
+
+    def constrained(found: list[runs.Run], goal: float) -> runs.Run | None:
+        return fastest([run for run in found if run.formulation != "contact-tree"], goal)
+
+    monkeypatch.setattr(summary, "fastest", constrained)
+    assert way().answer.startswith("not the one without constraints")
+    assert not way().good
 
 
 def test_figures_are_numbered_as_they_are_read_and_name_the_papers() -> None:

@@ -25,7 +25,7 @@ def report(options: argparse.Namespace) -> int:
         for table in tables:
             if not table.file_only:
                 print(f"\n{table.title}\n{table.to_text()}")
-    failed = sum(cell is False for table in tables for row in table.rows for cell in row)
+    failed = sum(table.checks().count(False) for table in tables)
     print(f"\n{'All checks hold' if not failed else f'{failed} checks FAIL'}. Open {page}")
     return 0 if not failed else 1
 

@@ -11,6 +11,7 @@ from analysis import MODELS, Scenario
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import cycle_at
 from analysis.stability.critical import critical_speeds
+from validation.kit.limits import holds
 from validation.kit.tables import Table
 from validation.studies.nonlinear.held_spin import HELD, HeldCycle, find, small_cycle
 from validation.studies.nonlinear.tables import WORDS
@@ -75,7 +76,7 @@ def witness_table(found: Sequence[Witness]) -> Table:
             "amplitude, engine less in-house": lambda each: _differences(each)[0],
             "period, engine less in-house": lambda each: _differences(each)[1],
             "multiplier, engine less in-house": lambda each: _differences(each)[2],
-            "agree": lambda each: bool(np.all(np.abs(_differences(each)) < _LIMITS)),
+            "agree": lambda each: all(map(holds, map(abs, _differences(each)), _LIMITS)),
         },
         name="engine_cycles",
         title="Cycles of Model 4: engine against the reduced system",
@@ -205,7 +206,7 @@ def repeated_table(pairs: Sequence[tuple[str, tuple[HeldCycle, HeldCycle]]]) -> 
     for name, (inhouse, engine) in pairs:
         spin, period = engine.spin - inhouse.spin, engine.period - inhouse.period
         multiplier = engine.multiplier - inhouse.multiplier
-        agree = max(abs(spin), abs(period)) < _LARGEST and abs(multiplier) < _LARGEST_MULTIPLIER
+        agree = all(map(holds, map(abs, (spin, period, multiplier)), _LIMITS))
         rows.append((name, inhouse.amplitude, inhouse.spin, spin, period, multiplier, agree))
     return Table(
         name="repeated_cycles",
