@@ -331,3 +331,19 @@ def test_labels_of_further_sets_leave_room_for_what_they_label() -> None:
     # Labels that take all the room are a warning, and so an error.
     (picture,) = figures.verdicts(further)
     assert picture.png.startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("steps", "verdict"), [(0, "refused"), (1, "crashed")])
+def test_value_error_on_the_way_is_no_refusal(
+    steps: int, verdict: str, easy: Reference, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def failing(_problem: HardProblem, _way: Way, count: StepCount) -> Trajectory:
+        for step in range(steps):
+            count(float(step), 1.0)
+        raise ValueError("beta must lie in the open interval (0, pi)")
+
+    monkeypatch.setattr(runs, "simulate", failing)
+    outcome = run_case(EASY, DOP853, easy)
+    assert outcome.verdict == verdict
+    assert outcome.broken is (steps > 0)
+    assert "beta must lie" in outcome.reason

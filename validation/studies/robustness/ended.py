@@ -56,9 +56,12 @@ def problems() -> Iterator[EndedProblem]:
         yield _problem(Scenario(constraints=MODELS[4], start=start), "inverted", digits)
     falling = Start(spin=10.0, gamma=-1.5, beta=0.9)
     yield _problem(Scenario(constraints=MODELS[4], start=falling), "inverted", 6)
-    # The contact would pull for two milliseconds, long before the second sample.
+    # The contact would pull for two milliseconds, far from the next sample.
     for spin, digits in ((139.0, 8), (140.0, 3)):
         yield _problem(Scenario(start=Start(spin=spin)), "", digits, end=1.0)
+    rising = Start(beta=0.63878, beta_rate=5.14286)
+    scenario = Scenario(constraints=MODELS[4], start=rising)
+    yield _problem(scenario, "", 6, samples=31, end=0.3)
     rng = np.random.default_rng(SEED)
     for number in range(RANDOM):
         yield _drawn(rng, number)

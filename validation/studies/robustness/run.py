@@ -84,7 +84,8 @@ class Outcome:
         reason. `inaccurate`: a result came back, and is beyond that. `reference in
         doubt`: a result came back, and no reference is good enough. `diverged`: the run said
         itself that it failed. `refused`: it did not start. `not finished in the limit`: it took
-        `STEPS`. `time limit` and `crashed`: the process had to be ended, or ended itself.
+        `STEPS`. `time limit` and `crashed`: the process had to be ended, or ended itself, or the
+        run raised a `ValueError` on its way.
     tolerance : float
         Asked for in rad, and of the time of an ending in s.
     error : float, optional
@@ -236,7 +237,8 @@ def _verdict_of(error: Exception, count: StepCount) -> Verdict | None:
     if count.is_used_up:
         return "not finished in the limit"
     if isinstance(error, ValueError):
-        return "refused"
+        # What is refused is so before anything is computed.
+        return "crashed" if count.steps else "refused"
     return "diverged" if isinstance(error, ArithmeticError) else None
 
 
