@@ -129,7 +129,7 @@ def test_file_says_which_key_is_meant(old: str, new: str, message: str, tmp_path
         ("scenario --law tahn", "; did you mean tanh?"),
         ("scenario --law tanh,coeficient=1", "; did you mean coefficient?"),
         ("scenario --constraints contact,fixed-cg", "; did you mean fixed-cog?"),
-        ("map spin-fricton", "; did you mean spin-friction or spin-eccentricity?"),
+        ("map spin-fricton", "; did you mean spin-friction?"),
         ("heteroclinic --over mju=0:1:3", "got 'mju'"),
     ],
 )

@@ -1,5 +1,6 @@
 """Names that are nearly right: what a user may have meant by one that nobody knows."""
 
+import re
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from functools import wraps
@@ -10,6 +11,9 @@ K = TypeVar("K")
 V = TypeVar("V")
 F = TypeVar("F", bound=Callable[..., Any])
 C = TypeVar("C", bound=type)
+
+_MOST = 3
+"""Names that are offered at once."""
 
 SHORT = {"mu": "coefficient", "eps": "smoothing"}
 """Names of the paper's, by which the command line knows these parameters of friction."""
@@ -26,10 +30,13 @@ def nearest(name: Any, known: Iterable[Any]) -> str:
     ''
     """
     names = {str(each).lstrip("-"): str(each) for each in known}
-    other = SHORT.get(str(name))
-    close = [other] if other in names else get_close_matches(str(name).lstrip("-"), names, 2, 0.62)
-    close = [names[each] for each in close]
-    return f"; did you mean {' or '.join(close)}?" if close else ""
+    word = str(name).lstrip("-")
+    parts = [each for each in names if word in re.split(r"[-_]", each)]
+    close = [*get_close_matches(word, names, 2, 0.7), *parts]
+    if SHORT.get(word) in names:
+        close = [SHORT[word]]
+    listed = " or ".join(names[each] for each in list(dict.fromkeys(close))[:_MOST])
+    return f"; did you mean {listed}?" if listed else ""
 
 
 def suggesting(function: F) -> F:
