@@ -30,8 +30,8 @@ from analysis.models.balance import energies
 _ALPHA = 3
 """Column of the rates."""
 
-_BLOCK = 64
-"""Motions that are judged at once: their samples take some 10 MB."""
+_BLOCK = 2**14
+"""Samples of motions that are judged at once: they take some 5 MB."""
 
 
 def outcomes(
@@ -104,8 +104,9 @@ def _put_part(table: OutcomeTable, part: CompiledPart) -> None:
     eccentric = part.ensemble.numbers(lambda scenario: scenario.disk.eccentricity)
     constraints = part.ensemble[0].constraints
     ends = np.empty((2, len(part.rows), 2, 6))
-    for first in range(0, len(part.rows), _BLOCK):
-        some = slice(first, first + _BLOCK)
+    size = max(1, _BLOCK // part.times.size)
+    for first in range(0, len(part.rows), size):
+        some = slice(first, first + size)
         samples = part.samples(some)
         table.put(part.rows[some], _sampled(constraints, samples, eccentric[some]))
         ends[0, some], ends[1, some] = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
