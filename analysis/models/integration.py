@@ -4,19 +4,19 @@
 its solvers are stepped here.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
-from scipy.optimize import brentq
 
 from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.watch import Watch
+from analysis.models.lookout import Found, Lookout, Step
 
 Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -124,7 +124,8 @@ def integrate(
     ValueError
         If the contact would have to pull at the start and must not.
     """
-    lookout = _Lookout(problem, float(times[0]), allow_pulling)
+    pulls_at_start(problem, allow_pulling=allow_pulling)
+    lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
     solver = _SOLVERS[method](
         problem.right_hand_side,
         times[0],
@@ -135,37 +136,26 @@ def integrate(
         max_step=problem.longest_step,
         **_jacobian(problem, method),
     )
-    ended: str | None = None
+    found: Found | None = None
     states, row = [problem.start], 1
-    while row < times.size and ended is None:
+    while row < times.size and found is None:
         message = solver.step()
         if solver.status == "failed":
             raise ArithmeticError(f"{method} stopped after t = {solver.t:g} s: {message}")
-        within = times[row : np.searchsorted(times, solver.t, side="right")]
-        for moment, state in _states(solver, within):
-            if lookout.ends(moment, state, solver):
-                ended = lookout.reason
-                break
-            if row < times.size and moment == times[row]:
-                states.append(state)
-                row += 1
-        else:
-            if watch.is_over(solver.t, times[-1]) and row < times.size:
-                ended = TIME_LIMIT
+        step = Step(solver)
+        found = lookout.ending(step)
+        count = int(np.searchsorted(times, step.end, side="right"))
+        states += step.states(times[row:count])
+        row = count
+        if found is None and watch.is_over(step.end, times[-1]) and row < times.size:
+            found = Found(TIME_LIMIT, 0.0)
     reached = times[:row]
-    if ended is not None:
-        last, state = lookout.end or (solver.t, solver.y)
-        if last > reached[-1]:
-            reached = np.append(reached, last)
-            states.append(state)
-    return Run(
-        reached,
-        np.array(states),
-        _evaluations(solver),
-        ended,
-        lookout.pulling(reached[-1]),
-        lookout.value,
-    )
+    if found is not None and step.end > reached[-1]:
+        reached = np.append(reached, step.end)
+        states.append(step.last)
+    ended, value = found or (None, 0.0)
+    pulling = lookout.pulling(reached[-1])
+    return Run(reached, np.array(states), _evaluations(solver), ended, pulling, value)
 
 
 def _evaluations(solver: Any) -> int:
@@ -196,14 +186,6 @@ def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
     return {"jac": jacobian}
 
 
-def _states(solver: Any, within: Array) -> Iterator[tuple[float, Array]]:
-    """Times and states within the last step, and those at its end."""
-    before = within[within < solver.t]
-    if before.size:
-        yield from zip(before.tolist(), solver.dense_output()(before).T, strict=True)
-    yield solver.t, solver.y
-
-
 def pulls_at_start(problem: InitialValueProblem, *, allow_pulling: bool) -> bool:
     """Whether the contact pulls at the start; `ValueError` if it does and must not."""
     force = problem.normal_force(problem.start)
@@ -222,80 +204,3 @@ def endings(problem: InitialValueProblem) -> dict[str, Callable[[Array], float]]
         CONTACT_WOULD_PULL: problem.normal_force,
         **problem.conditions,
     }
-
-
-def intervals(edges: list[float], last: float) -> tuple[tuple[float, float], ...]:
-    """Intervals between edges in turns, the last one open up to `last`."""
-    closed = [*edges, last] if len(edges) % 2 else edges
-    return tuple(zip(closed[::2], closed[1::2], strict=True))
-
-
-class _Lookout:
-    """Looks out for what ends a motion, and for a contact that pulls.
-
-    Parameters
-    ----------
-    problem : InitialValueProblem
-    begin : float
-        Time of the start in s.
-    allow_pulling : bool
-
-    Attributes
-    ----------
-    reason : str
-        Why the motion ends.
-    end : tuple of time and state, or None
-        Where it does.
-    value : float
-        What the condition says there.
-    """
-
-    def __init__(self, problem: InitialValueProblem, begin: float, allow_pulling: bool) -> None:
-        pulls = pulls_at_start(problem, allow_pulling=allow_pulling)
-        self._conditions = endings(problem)
-        self._allow, self._time = allow_pulling, begin
-        self._values = {name: says(problem.start) for name, says in self._conditions.items()}
-        self._edges = [begin] if pulls else []
-        self.reason, self.value = "", 0.0
-        self.end: tuple[float, Array] | None = None
-
-    def ends(self, moment: float, state: Array, solver: Any) -> bool:
-        """Look at a state within the last step; returns whether the motion ends up to there."""
-        if moment <= self._time:
-            return False
-        crossings: list[tuple[float, str]] = []
-        for name, says in self._conditions.items():
-            before, here = self._values[name], says(state)
-            self._values[name] = here
-            crosses = here < 0.0 <= before
-            lets = self._allow and name == CONTACT_WOULD_PULL
-            if crosses or (lets and before < 0.0 <= here):
-                path = solver.dense_output()
-                edge = _root(_along(path, says), self._time, moment)
-                if lets:
-                    self._edges.append(edge)
-                else:
-                    crossings.append((edge, name))
-        self._time = moment
-        if not crossings:
-            return False
-        edge, self.reason = min(crossings)
-        self.end = (edge, solver.dense_output()(edge))
-        self.value = self._conditions[self.reason](self.end[1])
-        return True
-
-    def pulling(self, last: float) -> tuple[tuple[float, float], ...]:
-        """Times between which the contact has pulled, up to `last`."""
-        return intervals(self._edges, last)
-
-
-def _along(path: Any, function: Callable[[Array], float]) -> Callable[[float], float]:
-    """Function of the state as one of time, over the last step of a solver."""
-    return lambda time: function(path(time))
-
-
-def _root(function: Callable[[float], float], first: float, last: float) -> float:
-    """Where a function that is not negative at `first` and not positive at `last` is zero."""
-    if function(first) * function(last) >= 0.0:
-        return last
-    return float(brentq(function, first, last, xtol=1e-14, rtol=1e-14))
