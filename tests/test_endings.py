@@ -213,17 +213,25 @@ def errors_at_ending(run: Trajectory, stop_when: tuple[str, ...]) -> tuple[float
     return late, float(np.max(np.abs(run.coordinates - whole.coordinates)[:, 4:]))
 
 
-def test_tolerance_covers_the_time_of_an_ending_and_the_state_there() -> None:
-    # Its two first runs end in nearly the same state, half a microsecond apart.
-    start = Start(spin=45.2112, gamma=-1.467538, beta=1.356142)
-    run = analysis.simulate(
-        model(4, start=start), [0.0, 2.0], tolerance=1e-6, stop_when="inverted"
-    )
-    assert not_none(run.ending).time == pytest.approx(0.743089983348, abs=1e-7)
+@pytest.mark.parametrize(
+    ("start", "tolerance", "time"),
+    [
+        # The first two runs end in nearly the same state, half a microsecond apart.
+        (Start(spin=45.2112, gamma=-1.467538, beta=1.356142), 1e-6, 0.743089983348),
+        # Two runs of an early reversal of slip, where friction has a kink, agree by chance.
+        (Start(spin=37.25768, gamma=-1.761848, beta=1.823287), 1e-8, 0.469902896322),
+    ],
+)
+def test_tolerance_covers_the_time_of_an_ending_and_the_state_there(
+    start: Start, tolerance: float, time: float
+) -> None:
+    scenario = model(4, start=start)
+    run = analysis.simulate(scenario, [0.0, 2.0], tolerance=tolerance, stop_when="inverted")
+    assert not_none(run.ending).time == pytest.approx(time, abs=tolerance / 3.0)
     whole = analysis.simulate(
-        model(4, start=start), run.times, form="reduced", method="Radau", local_tolerance=1e-9
+        scenario, run.times, form="reduced", method="Radau", local_tolerance=1e-9
     )
-    assert np.max(np.abs(run.coordinates - whole.coordinates)[:, 4:]) < 1e-6
+    assert np.max(np.abs(run.coordinates - whole.coordinates)[:, 4:]) < tolerance
 
 
 @pytest.mark.slow

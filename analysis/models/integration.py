@@ -4,13 +4,14 @@
 its solvers are stepped here.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
+from scipy.optimize import brentq
 
 from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
@@ -30,6 +31,9 @@ _SOLVERS: dict[str, Any] = {
     "LSODA": LSODA,
 }
 
+
+STILL = 1e-9
+"""Slip in m/s that has no sign."""
 
 NEARLY_FLAT = LEAST_TILT
 """Sine of the angle between disk and table at which a motion in Euler angles ends."""
@@ -52,6 +56,9 @@ class InitialValueProblem:
         In s.
     conditions : mapping
         From reasons to functions of a state; the motion ends where one turns negative.
+    slip : callable, optional
+        From a state to the slip in the one direction there is, in m/s; friction has a kink where
+        that changes its sign.
     """
 
     right_hand_side: Callable[[float, Array], npt.ArrayLike]
@@ -60,6 +67,7 @@ class InitialValueProblem:
     normal_force: Callable[[Array], float]
     longest_step: float
     conditions: Mapping[str, Callable[[Array], float]] = field(default_factory=dict)
+    slip: Callable[[Array], float] | None = None
 
     def with_steps_up_to(self, part: float) -> "InitialValueProblem":
         """The same problem with this part of its longest step."""
@@ -126,36 +134,89 @@ def integrate(
     """
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
-    solver = _SOLVERS[method](
-        problem.right_hand_side,
-        times[0],
-        problem.start,
-        times[-1],
-        rtol=local_tolerance,
-        atol=local_tolerance,
-        max_step=problem.longest_step,
-        **_jacobian(problem, method),
-    )
+    solvers: list[Any] = []
+
+    def started(moment: float, state: Array, end: float, first_step: float | None = None) -> Any:
+        solver = _SOLVERS[method](
+            problem.right_hand_side,
+            moment,
+            state,
+            end,
+            rtol=local_tolerance,
+            atol=local_tolerance,
+            max_step=problem.longest_step,
+            first_step=first_step,
+            **_jacobian(problem, method),
+        )
+        solvers.append(solver)
+        return solver
+
     found: Found | None = None
     states, row = [problem.start], 1
-    while row < times.size and found is None:
-        message = solver.step()
-        if solver.status == "failed":
-            raise ArithmeticError(f"{method} stopped after t = {solver.t:g} s: {message}")
-        step = Step(solver)
+    for step in _steps(started, problem, times):
         found = lookout.ending(step)
         count = int(np.searchsorted(times, step.end, side="right"))
         states += step.states(times[row:count])
         row = count
         if found is None and watch.is_over(step.end, times[-1]) and row < times.size:
             found = Found(TIME_LIMIT, 0.0)
+        if found is not None:
+            break
     reached = times[:row]
     if found is not None and step.end > reached[-1]:
         reached = np.append(reached, step.end)
         states.append(step.last)
     ended, value = found or (None, 0.0)
     pulling = lookout.pulling(reached[-1])
-    return Run(reached, np.array(states), _evaluations(solver), ended, pulling, value)
+    return Run(reached, np.array(states), sum(map(_evaluations, solvers)), ended, pulling, value)
+
+
+def _steps(
+    started: Callable[..., Any], problem: InitialValueProblem, times: Array
+) -> Iterator[Step]:
+    """Steps of a run, none of which goes across a kink of friction.
+
+    A step that does is taken again up to there: its error would be larger than it shows.
+
+    Parameters
+    ----------
+    started : callable
+        From a time, a state, a last time and the length of a first step to a solver.
+    problem : InitialValueProblem
+    times : ndarray, shape (n,)
+    """
+    slip = problem.slip or (lambda _: 0.0)
+    solver, before = started(times[0], problem.start, times[-1]), slip(problem.start)
+    while solver.status == "running":
+        state = solver.y.copy()
+        step = _step(solver)
+        after = slip(step.last)
+        turn = _turn(slip, before, step, after)
+        if step.begin < turn < step.end:
+            upto = started(step.begin, state, turn, turn - step.begin)
+            while upto.status == "running":
+                yield _step(upto)
+            length = min(step.end - step.begin, times[-1] - turn)
+            solver = started(turn, upto.y, times[-1], length)
+            before = slip(upto.y)
+        else:
+            yield step
+            before = after
+
+
+def _turn(slip: Callable[[Array], float], before: float, step: Step, after: float) -> float:
+    """Time at which slip changes its sign within a step, or its end."""
+    if before * after >= 0.0 or min(abs(before), abs(after)) <= STILL:
+        return step.end
+    return float(brentq(lambda time: slip(step.path(time)), step.begin, step.end))
+
+
+def _step(solver: Any) -> Step:
+    message = solver.step()
+    if solver.status == "failed":
+        name = type(solver).__name__
+        raise ArithmeticError(f"{name} stopped after t = {solver.t:g} s: {message}")
+    return Step(solver)
 
 
 def _evaluations(solver: Any) -> int:
