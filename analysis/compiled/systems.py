@@ -134,8 +134,9 @@ def disk_numbers(numbers: Array) -> dict[str, Array]:
     return {name: numbers[..., 5 + place] for place, name in enumerate(_DISK)}
 
 
-SIGN, ALIVE, REASON, WHEN = range(4)
-"""Numbers of parameters: sign of the slip, and whether, why and when a run of a batch ended."""
+SIGN, ALIVE, REASON, WHEN, SPIN = range(5)
+"""Numbers of parameters: sign of the slip, whether, why and when a run of a batch ended, and the
+spinning speed at the start."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,15 +147,19 @@ class System:
     ----------
     variables, derivatives : list of symbols
         State and its time derivative.
-    slip : symbol, optional
-        Slip in the one direction there is, if the friction has a kink where it changes sign.
+    kink : symbol, optional
+        What is zero where the friction has a kink: the slip in the one direction there is, or
+        half the rate of its squared speed, which rises through zero where the slip is least.
+    flips : bool
+        Whether it is the slip in one direction.
     endings : mapping
         From reasons to symbols; a run ends where one turns negative.
     """
 
     variables: list[Any]
     derivatives: list[Any]
-    slip: Any
+    kink: Any
+    flips: bool
     endings: dict[str, Any]
 
 
@@ -225,22 +230,37 @@ def _index1(scenario: _Symbolic, structure: Structure) -> tuple[System, Any, Any
     z, u = _variables()
     slips: list[Any] = []
 
-    def signed(slip_x: Any, slip_y: Any) -> Any:
-        slips.append(slip_y if "no-slip-along" in structure.constraints else slip_x)
-        return scenario.sign * slips[0]
+    def size(slip_x: Any, slip_y: Any) -> Any:
+        if structure.flips:
+            slips.append(slip_y if "no-slip-along" in structure.constraints else slip_x)
+            return scenario.sign * slips[0]
+        slips.extend((slip_x, slip_y))
+        return _size(FAINT)(slip_x, slip_y)
 
-    speed = signed if structure.flips else _size(FAINT)
-    solution, feedback = _solution(scenario, z, u, speed)
+    solution, feedback = _solution(scenario, z, u, size)
     endings = {CONTACT_WOULD_PULL: solution[6]}
     if feedback is not None:
         endings[SINGULAR] = 1.0 - feedback
+    variables, derivatives = [*z, *u], [*u, *solution[:6]]
+    kink = None
+    if structure.flips:
+        kink = slips[0]
+    elif structure.rubs and structure.kinked:
+        kink = sum(slip * _rate(slip, variables, derivatives) for slip in slips)
     system = System(
-        variables=[*z, *u],
-        derivatives=[*u, *solution[:6]],
-        slip=slips[0] if structure.flips else None,
+        variables=variables,
+        derivatives=derivatives,
+        kink=kink,
+        flips=structure.flips,
         endings=endings,
     )
     return system, tuple(z), tuple(u), z[4]
+
+
+def _rate(symbol: Any, variables: list[Any], derivatives: list[Any]) -> Any:
+    """Time derivative of a symbol along a motion."""
+    parts = zip(variables, derivatives, strict=True)
+    return sum(heyoka().diff(symbol, variable) * rate for variable, rate in parts)
 
 
 def _reduced(scenario: _Symbolic, structure: Structure) -> tuple[System, Any, Any, Any]:
@@ -262,7 +282,8 @@ def _reduced(scenario: _Symbolic, structure: Structure) -> tuple[System, Any, An
     system = System(
         variables=[beta, gamma, rate],
         derivatives=[rate, -spin * trig[1], second],
-        slip=slips[0] if structure.flips else None,
+        kink=slips[0] if structure.flips else None,
+        flips=structure.flips,
         endings={CONTACT_WOULD_PULL: force},
     )
     coordinates, rates = reduced.expanded(scenario.disk, spin, 0.0, (beta, gamma, rate))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from math import hypot, sin
+from math import cos, hypot, sin
 from typing import Literal, get_args
 
 import numpy as np
@@ -147,6 +147,19 @@ def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
         # Where friction knows that force, a system without solution is told from here.
         return solved(*state.tolist())[6]
 
+    held = {"no-slip-along", "no-slip-across"} & set(scenario.constraints)
+
+    def slip(state: Array) -> float:
+        values, parts = state.tolist(), [0.0]
+
+        def noted(slip_x: float, slip_y: float) -> float:
+            # The one that is held is zero.
+            parts.append(slip_x + slip_y)
+            return 0.0
+
+        index1.friction_rows(scenario, values[:6], values[6:], noted)
+        return float(parts[-1])
+
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
         return states[:, :6], states[:, 6:], multipliers(states)
 
@@ -157,6 +170,7 @@ def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
             lambda state: sin(state[4]),
             normal_force,
             longest_step(scenario),
+            slip=slip if scenario.rubs and len(held) == 1 else None,
         ),
         expand,
         lambda state: _state(state[:6], state[6:]),
@@ -177,6 +191,18 @@ def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
         coordinates, rates = reduced.expand(scenario.disk, spin, turned, states)
         return coordinates, rates, multipliers(np.hstack((coordinates, rates)))
 
+    def slip(values: Array) -> float:
+        beta, gamma, beta_rate = values.tolist()
+        parts = [0.0]
+
+        def noted(lateral: float) -> float:
+            parts.append(lateral)
+            return 0.0
+
+        trig = sin(beta), cos(beta), sin(gamma), cos(gamma)
+        reduced.acceleration_from(scenario, spin, trig, beta_rate, noted)
+        return parts[-1]
+
     def state(values: Array) -> State:
         return _state(*_first(reduced.expand(scenario.disk, spin, np.zeros(1), values[None])))
 
@@ -187,6 +213,7 @@ def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
             lambda state: sin(state[0]),
             lambda state: reduced.normal_force(scenario, spin, state.tolist()),
             longest_step(scenario),
+            slip=slip if scenario.rubs else None,
         ),
         expand,
         state,

@@ -155,7 +155,9 @@ class Extrapolation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InHouseMethod:
-    """In-house equations with a method of SciPy.
+    """In-house equations with a method of SciPy as it is.
+
+    It goes across a reversal of slip, where the library ends a step.
 
     Parameters
     ----------
