@@ -12,8 +12,8 @@ from analysis.data.start import Start
 from analysis.data.state import COORDINATES, State
 from mbs_models.build import build
 from mbs_models.probe import Probe, acceleration
-from mbs_models.quiet import quiet
 from mbs_models.scene import Scene
+from mbs_models.solving import solving
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -88,7 +88,7 @@ def stock_eigenvalues(scene: Scene) -> ComplexArray:
     (8,)
     """
     model = build(scene)
-    with quiet():
+    with solving(model.system):
         values, _ = model.system.ComputeODE2Eigenvalues(
             computeComplexEigenvalues=True, useAbsoluteValues=False
         )
