@@ -179,11 +179,9 @@ def _accelerations(scene: Scene) -> Callable[[State], Array]:
     probe = Probe(model)
 
     def at(state: State) -> Array:
-        place = model.encode(state)
-        if place is None:
+        if not probe.moved_to(state):
             return acceleration(scene, state)[0]
-        probe.set_state(*place)
-        return model.decode_accelerations(probe.solve()[0])
+        return model.decode_accelerations(probe.solve()[0], state)
 
     return at
 
