@@ -1,10 +1,8 @@
 """Finished parts of a report: kept, found again, and made anew when what they hang on changes."""
 
-import importlib
 import pickle
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import count
@@ -17,7 +15,7 @@ import pytest
 from analysis import Scenario, Start, simulate
 from tests.calls import refusal, run
 from tests.helpers import not_none
-from validation.kit import clock, parts, reach, report, shipped
+from validation.kit import clock, parts, report, shipped, sources
 from validation.kit.page import Verdict
 from validation.kit.parts import Job, Part, Store, open_store
 from validation.kit.report import Section
@@ -26,123 +24,44 @@ from validation.studies import full_report, inversion, summary
 from validation.studies.full_report import Study
 from validation.studies.rest import runs as rest
 
-TOY = '''
-"""A module."""
-from toy.inner import helper, other as unused
-from toy import inner as bare
-
-FACTOR = 2.0
-
-
-def compute(value, caption=""):
-    """Docstring."""
-    return FACTOR * helper(value)
-
-
-def lazily(value):
-    from toy.late import late
-    return late(value) + bare.constant
-
-
-def draw(value):
-    return unused(value) + compute(value)
-
-
-def hidden(draw):
-    return draw
-'''
-
-INNER = """
-constant = 1.0
-
-
-def helper(value):
-    return Scale().times * value
-
-
-class Scale:
-    times = 3.0
-
-
-def other(value):
-    return value
-"""
-
-
-@pytest.fixture
-def toy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., str]]:
-    """Fingerprint of a function of a small package, some of whose text is replaced."""
-    folder = tmp_path / "toy"
-    folder.mkdir()
-    files = {"__init__.py": "", "outer.py": TOY, "inner.py": INNER, "late.py": INNER.replace(
-        "helper", "late")}  # fmt: skip
-    monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr(reach, "PROJECT", ("toy",))
-
-    def print_of(name: str, *changes: tuple[str, str, str]) -> str:
-        for file, text in files.items():
-            for changed, old, new in changes:
-                if changed == file:
-                    assert old in text
-                    text = text.replace(old, new)  # noqa: PLW2901
-            (folder / file).write_text(text)
-        _forget()
-        importlib.invalidate_caches()
-        return reach.fingerprint([getattr(importlib.import_module("toy.outer"), name)])
-
-    yield print_of
-    for name in [name for name in sys.modules if name.partition(".")[0] == "toy"]:
-        del sys.modules[name]
-    _forget()
-
-
-def _forget() -> None:
-    for each in vars(reach).values():
-        if hasattr(each, "cache_clear"):
-            each.cache_clear()
-
-
-@pytest.mark.parametrize(
-    ("name", "change"),
-    [
-        ("compute", ("outer.py", "FACTOR = 2.0", "FACTOR = 2.5")),
-        ("compute", ("inner.py", "times = 3.0", "times = 4.0")),
-        ("compute", ("__init__.py", "", "print()")),
-        ("lazily", ("late.py", "times = 3.0", "times = 4.0")),
-        ("lazily", ("inner.py", "constant = 1.0", "constant = 2.0")),
-        ("draw", ("inner.py", "    return value\n", "    return -value\n")),
-    ],
-)
-def test_change_of_what_a_function_reaches_changes_its_fingerprint(
-    toy: Callable[..., str], name: str, change: tuple[str, str, str]
-) -> None:
-    assert toy(name, change) != toy(name)
-
-
-@pytest.mark.parametrize(
-    ("name", "change"),
-    [
-        ("compute", ("outer.py", '"""Docstring."""', '"""Other words."""')),
-        ("compute", ("outer.py", "FACTOR = 2.0", "FACTOR = 2.0  # a comment")),
-        ("compute", ("inner.py", "    return value\n", "    return -value\n")),
-        ("compute", ("late.py", "times = 3.0", "times = 4.0")),
-        ("hidden", ("outer.py", "FACTOR = 2.0", "FACTOR = 2.5")),
-    ],
-)
-def test_change_of_words_and_of_what_it_does_not_reach_leaves_it(
-    toy: Callable[..., str], name: str, change: tuple[str, str, str]
-) -> None:
-    assert toy(name, change) == toy(name)
-
 
 def test_runs_hang_on_mechanics_and_not_on_what_shows_them() -> None:
     for function in (rest.run_in_house, rest.run_engine, inversion.run_pair):
-        reached = {module for module, _ in reach.reach([(function.__module__, function.__name__)])}
-        assert "analysis.data.friction" in reached
-        assert not any(module.startswith("validation.kit") for module in reached)
-        assert not any(module.endswith(("figures", "summary")) for module in reached)
-    engine = reach.reach([("validation.studies.rest.runs", "run_engine")])
-    assert any(module.startswith("mbs_models.") for module, _ in engine)
+        behind = sources.modules(function.__module__)
+        assert function.__module__ in behind
+        shown = {module for module in behind if module.startswith("validation.studies")}
+        assert not any(module.endswith(("figures", "summary", "section")) for module in shown)
+
+
+def test_code_behind_a_result_is_the_mechanics_and_what_its_module_imports(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = {"outer": "from tests.toy import inner\n", "inner": "FACTOR = 2.0\n", "other": "\n"}
+    folder = tmp_path / "tests" / "toy"
+    folder.mkdir(parents=True)
+
+    def file(module: str) -> Path | None:
+        found = folder / f"{module.removeprefix('tests.toy.')}.py"
+        if module in sources.MECHANICS:
+            found = tmp_path / module / "__init__.py"
+        return found if found.is_file() else None
+
+    def found(**changes: str) -> str:
+        for name in sources.MECHANICS:
+            (tmp_path / name).mkdir(exist_ok=True)
+            (tmp_path / name / "__init__.py").write_text(changes.get(name, ""))
+        for name, usual in text.items():
+            (folder / f"{name}.py").write_text(changes.get(name, usual))
+        sources.modules.cache_clear()
+        sources._text.cache_clear()
+        return sources.behind("tests.toy.outer")
+
+    monkeypatch.setattr(sources, "_file", file)
+    before = found()
+    assert found(inner="FACTOR = 2.5\n") != before
+    assert found(analysis="print()\n") != before
+    assert found(inner="FACTOR = 2.0  # as always\n", other="print()\n") == before
+    sources.modules.cache_clear()
 
 
 def test_parts_of_all_studies_can_be_told_apart() -> None:
@@ -378,24 +297,27 @@ def test_folder_is_free_again_when_the_process_in_it_was_killed(tmp_path: Path) 
         assert store.folder.parent == tmp_path
 
 
-@dataclass(frozen=True)
-class Judging:
-    """Makes a section with statements, a check that holds and one that may not."""
+def judged(last: bool) -> Section:
+    """Section with statements, a check that holds and one that may not."""
+    columns = ("statement", "criterion", "measured", "verdict")
+    words = ["it turns over", "within 1 s " + 30 * "or so ", "much " * 30, "yes"]
+    checks: list[list[Cell]] = [["one", True], ["other", last]]
+    tables = [
+        Table(name="said", title="What is said", columns=columns, rows=[words]),
+        Table(name="told", title="Agreement", columns=("run", "at most 1e-9"), rows=checks),
+    ]
+    found = Verdict(
+        statement="Does it?", answer="yes", numbers="In 1 s.", certainty="very", section="one"
+    )
+    return Section(name="one", title="What it does", verdicts=[found], tables=tables)
 
-    last: bool
 
-    def __call__(self, _: dict[Any, Any]) -> Section:
-        columns = ("statement", "criterion", "measured", "verdict")
-        words = ["it turns over", "within 1 s " + 30 * "or so ", "much " * 30, "yes"]
-        checks: list[list[Cell]] = [["one", True], ["other", self.last]]
-        tables = [
-            Table(name="said", title="What is said", columns=columns, rows=[words]),
-            Table(name="told", title="Agreement", columns=("run", "at most 1e-9"), rows=checks),
-        ]
-        found = Verdict(
-            statement="Does it?", answer="yes", numbers="In 1 s.", certainty="very", section="one"
-        )
-        return Section(name="one", title="What it does", verdicts=[found], tables=tables)
+def holding(_: dict[Any, Any]) -> Section:
+    return judged(True)
+
+
+def failing(_: dict[Any, Any]) -> Section:
+    return judged(False)
 
 
 @pytest.mark.usefixtures("small")
@@ -406,7 +328,7 @@ def test_report_prints_verdicts_with_their_criteria_in_lines_of_a_terminal(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    study = Study(name="one", jobs=list, section=Judging(holds))
+    study = Study(name="one", jobs=list, section=holding if holds else failing)
     monkeypatch.setattr(full_report, "STUDIES", (study,))
     assert run("report --out", str(tmp_path)) == (0 if holds else 1)
     *lines, last = capsys.readouterr().out.splitlines()

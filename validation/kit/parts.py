@@ -1,15 +1,13 @@
 """Finished parts of a report, kept in files and found again while nothing they hang on changes.
 
-A part is the result of one job. Its file is named by a hash of the call, of all code the call can
-reach, of the versions of Python and the packages below, and of the machine, since some results
-are run times.
+A part is the result of one job. Its file is named by a hash of the call, of the code behind it,
+of the versions of Python and the packages below, and of the machine, since some results are run
+times.
 """
 
 import hashlib
-import io
 import json
 import os
-import pickle
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
@@ -20,9 +18,9 @@ from typing import Any
 
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
-from validation.kit import reach
 from validation.kit.plain import pack, unpack
 from validation.kit.provenance import machine
+from validation.kit.sources import behind, everything
 
 FOLDER = ".parts"
 """Folder of the parts inside that of the report."""
@@ -41,11 +39,12 @@ class Job:
     key : hashable
         Its result is found by it.
     function : callable
-        Importable by its name, or a `functools.partial` of one that is.
+        Importable by its name.
     arguments : tuple
+        What `pack` takes.
     on_all_code : bool
-        Whether the result depends on all code, not just on what the function can reach by name,
-        as that of one that starts other programs does.
+        Whether the result depends on all code, not just on what its module imports, as that of
+        one that starts other programs does.
     """
 
     key: Any
@@ -166,33 +165,18 @@ def open_store(folder: Path) -> Iterator[Store]:
 
 def identity(job: Job) -> str:
     """Hash of a call and of everything its result depends on."""
-    stream = io.BytesIO()
-    pickler = _Pickler(stream)
-    pickler.dump((job.function, job.arguments))
-    code = reach.all_code() if job.on_all_code else _code(frozenset(pickler.seen))
-    text = "\n".join((repr(job.key), code, _surroundings()))
-    return hashlib.sha256(text.encode() + stream.getvalue()).hexdigest()[:32]
+    code = everything() if job.on_all_code else _code(job.function.__module__)
+    # What can be called without being a function says by its representation what it is.
+    name = getattr(job.function, "__qualname__", None) or repr(job.function)
+    call = [job.key, job.function.__module__, name, job.arguments]
+    text = json.dumps([pack(call, exact=True), code, _surroundings()])
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
-@cache
-def _code(seeds: frozenset[Callable[..., Any]]) -> str:
-    return reach.fingerprint(seeds)
+_code = cache(behind)
 
 
 @cache
 def _surroundings() -> str:
     packages = versions("exudyn", "numpy", "scipy", "matplotlib")
     return f"{packages}, {machine()}, {os.environ.get('EXUDYN_MODULE', '')}"
-
-
-class _Pickler(pickle.Pickler):
-    """Notes the classes and functions of what it writes."""
-
-    def __init__(self, stream: io.BytesIO) -> None:
-        super().__init__(stream)
-        self.seen: set[Callable[..., Any]] = set()
-
-    def persistent_id(self, thing: Any) -> None:
-        """Called for every object; all are written as they are."""
-        if hasattr(thing, "__qualname__") and hasattr(thing, "__module__"):
-            self.seen.add(thing)

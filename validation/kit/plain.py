@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.own import foreign_names
-from validation.kit.reach import PROJECT
+from validation.kit.sources import PROJECT
 
 DIGITS = 12
 """Significant digits of the numbers in arrays; single ones keep all of theirs."""

@@ -92,18 +92,9 @@ def _origin(section: str, jobs: Sequence[Job]) -> str:
 
 
 def age(section: str, jobs: Sequence[Job]) -> str:
-    """In what the code has changed since the results of a section were shipped, if any are."""
+    """Whether the code has changed since the results of a section were shipped, if any are."""
     found = shipped.of(section)
     if found is None:
         return ""
-    changed = found.changed(jobs)
-    since = {
-        None: "cannot be compared on another version of Python",
-        True: "has not changed since",
-        False: f"has changed since in {_some(changed or [])}",
-    }[None if changed is None else not changed]
+    since = "has not changed since" if found.is_of_this_code(jobs) else "has changed since"
     return f"The code that they come from {since}. Made anew by: {COMMAND} DIR {section}."
-
-
-def _some(names: list[str]) -> str:
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more modules" if names[3:] else "")

@@ -1,23 +1,23 @@
 """Results of jobs that come with the package: stored by one command, taken by the report.
 
 A file holds the results of a section's long jobs, with machine, versions, date and commit, and a
-hash of every module that they come from. A job whose call is in the file is not run again; any
+digest of the code that they come from. A job whose call is in the file is not run again; any
 other one is, so that a new job needs nothing but time until it is shipped.
 """
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from analysis.data.files import whole_file
-from validation.kit import reach
 from validation.kit.parts import Job, Part
 from validation.kit.plain import DIGITS, pack, rounded, unpack
 from validation.kit.provenance import Provenance
+from validation.kit.sources import behind
 
 FOLDER = Path(__file__).parents[1] / "studies" / "shipped"
 """Where the files lie, one for each section."""
@@ -30,15 +30,15 @@ class Shipment:
     Parameters
     ----------
     provenance : Provenance
-    code : dict
-        Hash of what the jobs reach in each module.
+    code : str
+        Digests of the code behind the jobs.
     parts : dict
         From `call` of each job to its result as plain data and its processor time in s, None if
         that was not noted.
     """
 
     provenance: Provenance
-    code: dict[str, str]
+    code: str
     parts: dict[str, tuple[Any, float | None]]
 
     @property
@@ -56,19 +56,9 @@ class Shipment:
         """
         return [unpack(result) for result, _ in self.parts.values()]
 
-    def changed(self, jobs: Iterable[Job]) -> list[str] | None:
-        """Modules in which something that the jobs reach is not as it was for the results.
-
-        None on another version of Python, which reads sources into other trees.
-        """
-        here, there = (
-            each.packages["python"].rpartition(".")[0]
-            for each in (Provenance.here(), self.provenance)
-        )
-        if here != there:
-            return None
-        now = reach.by_module(_functions(jobs))
-        return sorted({name for name, _ in self.code.items() ^ now.items()})
+    def is_of_this_code(self, jobs: Iterable[Job]) -> bool:
+        """Whether the code behind the jobs is what it was for the results."""
+        return self.code == _code(jobs)
 
     def write(self, path: Path) -> None:
         """Write it, one result a line.
@@ -114,7 +104,7 @@ def gather(jobs: Sequence[Job], parts: dict[Any, Part], provenance: Provenance) 
     """
     return Shipment(
         provenance=provenance,
-        code=reach.by_module(_functions(jobs)),
+        code=_code(jobs),
         parts={
             call(job): (pack(parts[job.key].result), round(parts[job.key].seconds, 2))
             for job in jobs
@@ -122,8 +112,9 @@ def gather(jobs: Sequence[Job], parts: dict[Any, Part], provenance: Provenance) 
     )
 
 
-def _functions(jobs: Iterable[Job]) -> set[Callable[..., Any]]:
-    return {job.function for job in jobs}
+def _code(jobs: Iterable[Job]) -> str:
+    """Digest of the code behind some jobs."""
+    return " ".join(sorted({behind(job.function.__module__) for job in jobs}))
 
 
 def path_of(section: str) -> Path:
