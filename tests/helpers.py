@@ -25,7 +25,7 @@ from analysis import (
     multiplier_names,
 )
 from analysis.data.checks import Array
-from analysis.models import reduced
+from analysis.mechanics import reduced
 
 T = TypeVar("T")
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from analysis import SmoothCoulomb
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear.asymmetric import AsymmetricCycle, asymmetric_family, changes
 from analysis.nonlinear.family import Bifurcation, bifurcations, cycle_family
 from tests.helpers import model, reduced_run

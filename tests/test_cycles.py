@@ -8,7 +8,7 @@ import pytest
 from analysis import CENTRED_DISK, Disk, Scenario, SmoothCoulomb, TanhCoulomb
 from analysis.data.checks import Array
 from analysis.data.disk import STEEL_RING
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear import family as families
 from analysis.nonlinear.collocation import Mesh, NoCycleError
 from analysis.nonlinear.cycle import INVERTED, Cycle

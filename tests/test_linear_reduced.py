@@ -17,7 +17,7 @@ from analysis import (
     SmoothCoulomb,
     Table,
 )
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices
 
 PAPER = Scenario(constraints=MODELS[4])

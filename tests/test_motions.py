@@ -36,7 +36,7 @@ from analysis import (
 )
 from analysis.data import sampled
 from analysis.data.checks import Array
-from analysis.models.index1 import accelerations
+from analysis.mechanics.recorded import accelerations
 from tests.helpers import centre, cog, contact_arm, not_none, random_trajectory, turn_z
 
 TIMES = np.linspace(0.0, 0.5, 51)
@@ -50,7 +50,7 @@ def every(motion: Trajectory, count: int) -> Trajectory:
 
 @pytest.fixture(scope="module")
 def fine() -> Trajectory:
-    return simulate(Scenario(), np.linspace(0.0, 0.5, 5001))
+    return simulate(Scenario(), np.linspace(0.0, 0.5, 5001), tolerance=1e-10)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,8 @@ import sympy
 
 from analysis import MODELS, STEEL_DISK, Scenario, SmoothCoulomb, Table
 from analysis.data.checks import Array
-from analysis.models import constraints, index1, reduced
+from analysis.mechanics import paper, reduced
+from analysis.mechanics.recorded import accelerations
 from tests.helpers import (
     assert_close,
     derivative,
@@ -94,31 +95,31 @@ def test_index_1_system_of_model_4_accelerates_like_the_reduced_one(
     if large:
         scenario, spin = replace(scenario, disk=STEEL_DISK), 40.0 + spin
     z, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
-    accelerations, _ = index1.accelerations(scenario, z[0], u[0])
+    found, _ = accelerations(scenario, z[0], u[0])
     expected = reduced.acceleration(scenario, spin, x)
-    assert accelerations[4] == pytest.approx(expected, rel=1e-10)
+    assert found[4] == pytest.approx(expected, rel=1e-10)
 
 
 @seeds
 def test_index_1_system_of_model_4_follows_the_reduced_kinematics(seed: int) -> None:
     scenario, spin, x = sample(seed)
     z, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
-    accelerations, _ = index1.accelerations(scenario, z[0], u[0])
+    found, _ = accelerations(scenario, z[0], u[0])
     right = np.array(reduced.right_hand_side(scenario, spin, x))
 
     def rates(t: float) -> Array:
         _, rows = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]) + t * right)
         return rows.ravel()
 
-    assert_close(accelerations, derivative(rates), relative=1e-11)
+    assert_close(found, derivative(rates), relative=1e-11)
 
 
 @seeds
 def test_expanded_states_meet_all_constraints(seed: int) -> None:
     scenario, spin, x = sample(seed)
     z, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
-    residuals = constraints.directions(MODELS[4], scenario.disk, z[0]) @ u[0]
-    positions = constraints.positions(MODELS[4], scenario.disk, z[0])
+    residuals = paper.constraint_directions(MODELS[4], scenario.disk, z[0]) @ u[0]
+    positions = paper.constraint_positions(MODELS[4], scenario.disk, z[0])
     np.testing.assert_allclose(positions, 0.0, rtol=0, atol=1e-15)
     np.testing.assert_allclose(residuals[:4], 0.0, rtol=0.0, atol=1e-14)
     assert residuals[4] == spin

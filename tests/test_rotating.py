@@ -9,7 +9,7 @@ import pytest
 
 from analysis import Start
 from analysis.data.checks import Array
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear.rotating import Rotation, RotationFamily, folds, rotating_family
 from tests.calls import printed
 from tests.calls import run as call

@@ -19,7 +19,8 @@ from analysis import (
     simulate,
 )
 from analysis.data.checks import Array
-from analysis.models import reduced, simulation
+from analysis.mechanics import reduced
+from analysis.models import simulation
 from analysis.models.integration import Run
 from tests.helpers import model
 

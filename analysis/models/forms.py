@@ -13,8 +13,9 @@ from analysis.data.checks import Array, choice
 from analysis.data.endings import Condition
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
-from analysis.models import index1, reduced
-from analysis.models.constraints import check_admissible
+from analysis.mechanics import recorded, reduced
+from analysis.mechanics.constraints import check_admissible
+from analysis.mechanics.states import paper_arrays, state_of
 from analysis.models.effort import longest_step
 from analysis.models.integration import InitialValueProblem
 from analysis.rest.free_disk import FreeDisk, vertical
@@ -130,25 +131,27 @@ def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
     start = scenario.initial_state
     if form == "reduced":
         return *start.coordinates[4:6], start.rates[4]
-    return start.coordinates + start.rates
+    return state_of(scenario.disk, start.coordinates, start.rates)
 
 
 def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
-    multipliers = compiled or partial(_multipliers, scenario)
-    solved = index1.solver(scenario)
+    start, solved = scenario.initial_state, recorded.solver(scenario)
+    multipliers = compiled or partial(_multipliers, solved)
 
-    def derivative(_: float, state: Array) -> list[float]:
-        values = state.tolist()
-        return [*values[6:], *solved(*values)[:6]]
+    def derivative(_: float, state: Array) -> tuple[float, ...]:
+        return solved(*state.tolist())[:12]
 
     def normal_force(state: Array) -> float:
         if compiled is not None and scenario.friction.load == "weight":
             return float(compiled(state[None])[0, 0])
         # Where friction knows that force, a system without solution is told from here.
-        return solved(*state.tolist())[6]
+        return solved(*state.tolist())[12]
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
-        return states[:, :6], states[:, 6:], multipliers(states)
+        coordinates, rates = paper_arrays(scenario.disk, states)
+        # The first sample is the start itself, without the rounding on the way to it and back.
+        coordinates[0], rates[0] = start.coordinates, start.rates
+        return coordinates, rates, multipliers(states)
 
     return PosedForm(
         InitialValueProblem(
@@ -159,13 +162,13 @@ def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
             longest_step(scenario),
         ),
         expand,
-        lambda state: _state(state[:6], state[6:]),
+        lambda state: _state(*paper_arrays(scenario.disk, state)),
         lambda states: states[:, 4:6],
     )
 
 
 def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
-    multipliers = compiled or partial(_multipliers, scenario)
+    multipliers = compiled or partial(_multipliers, recorded.solver(scenario))
     start = scenario.initial_state
     spin, alpha = start.rates[3], start.coordinates[3]
 
@@ -175,7 +178,8 @@ def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
     def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
         turned = alpha + spin * (times - times[0])
         coordinates, rates = reduced.expand(scenario.disk, spin, turned, states)
-        return coordinates, rates, multipliers(np.hstack((coordinates, rates)))
+        states = np.array(state_of(scenario.disk, coordinates.T, rates.T)).T
+        return coordinates, rates, multipliers(states)
 
     def state(values: Array) -> State:
         return _state(*_first(reduced.expand(scenario.disk, spin, np.zeros(1), values[None])))
@@ -243,7 +247,6 @@ def _first(rows: tuple[Array, ...]) -> tuple[Array, Array]:
     return rows[0][0], rows[1][0]
 
 
-def _multipliers(scenario: Scenario, states: Array) -> Array:
-    """Constraint forces at coordinates and rates, shape (n, 12); shape (n, k)."""
-    solved = index1.solver(scenario)
-    return np.array([solved(*values)[6:] for values in states.tolist()])
+def _multipliers(solved: recorded.Solver, states: Array) -> Array:
+    """Constraint forces at states of the index-1 system, shape (n, 12); shape (n, k)."""
+    return np.array([solved(*values)[12:] for values in states.tolist()])

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from analysis.data.checks import Array, number, positive
 from analysis.data.scenario import Scenario
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear import flow
 from analysis.nonlinear.cycle import Cycle
 from analysis.stability.linear_reduced import ComplexArray, critical_speed, reduced_matrices

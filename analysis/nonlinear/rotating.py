@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear.collocation import (
     NoCycleError,
     collocated_period,

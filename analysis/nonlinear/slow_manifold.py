@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from analysis.data.checks import Array, positive, real_array
 from analysis.data.scenario import Scenario
-from analysis.models.reduced import acceleration_from, right_hand_side
+from analysis.mechanics.reduced import acceleration_from, right_hand_side
 from analysis.nonlinear import flow
 from analysis.nonlinear.shooting import open_amplitude
 from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices

@@ -20,7 +20,7 @@ from analysis import (
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.data.trajectory import Source
-from analysis.models import index1
+from analysis.mechanics.recorded import accelerations
 from analysis.rest.free_disk import FreeDisk
 from analysis.rest.to_rest import start_vector
 from analysis.stability import spectra
@@ -103,7 +103,7 @@ def _ideal_differences(scene: Scene, state: State) -> tuple[float, float]:
     found: list[tuple[Array, Array] | None] = []
     sides: tuple[Callable[[], tuple[Array, Array]], ...] = (
         lambda: mbs_models.acceleration(scene, state),
-        lambda: index1.accelerations(scene.scenario, state.coordinates, state.rates),
+        lambda: accelerations(scene.scenario, state.coordinates, state.rates),
     )
     for side in sides:
         try:

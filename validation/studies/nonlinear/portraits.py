@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from analysis import Scenario
 from analysis.data.checks import Array
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear.cycle import INVERTED
 from analysis.nonlinear.family import cycle_at
 from analysis.nonlinear.heteroclinic import saddle

@@ -1,28 +1,37 @@
-"""The index-1 systems against Newton's and Euler's laws and their constraints."""
+"""The equations of motion against Newton's, Euler's and Lagrange's laws, and the paper's."""
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
+from itertools import product
 from math import hypot
 
 import numpy as np
 import pytest
+import sympy
 
 from analysis import (
+    LAWS,
     LOADS,
     MODELS,
     MULTIPLIERS,
     POSSIBLE_SETS,
     STEEL_DISK,
     ConstraintSet,
+    FrictionLaw,
     Load,
     Scenario,
     SmoothCoulomb,
     Start,
     Table,
+    ViscousFriction,
     multiplier_names,
 )
 from analysis.data.checks import Array
-from analysis.models import equations, index1
+from analysis.mechanics import paper
+from analysis.mechanics.recorded import accelerations, solver
+from analysis.mechanics.recorded import jacobian as exact_jacobian
+from analysis.mechanics.states import paper_of, state_of
 from tests.helpers import (
     OUTER_STEP,
     all_sets,
@@ -32,9 +41,13 @@ from tests.helpers import (
     cog,
     contact_arm,
     derivative,
+    jacobian,
+    parameter_values,
     random_disk,
     random_scenario,
     random_state,
+    random_table,
+    rigid_body,
     second_derivative,
     slip,
     spin_momentum,
@@ -59,7 +72,7 @@ def solved(
     scenario: Scenario, z: Array, u: Array
 ) -> tuple[Callable[[float], Array], dict[str, float]]:
     """Path of the disk around time 0 and all multipliers, those that are missing as zeros."""
-    a, forces = index1.accelerations(scenario, z, u)
+    a, forces = accelerations(scenario, z, u)
     multipliers = dict.fromkeys(MULTIPLIERS, 0.0)
     names = multiplier_names(scenario.constraints)
     multipliers.update(zip(names, forces.tolist(), strict=True))
@@ -91,6 +104,138 @@ def contact_force(
     holding = (multipliers["tangential_force"], multipliers["lateral_force"], normal)
     force: Array = rubbing + np.array(holding)
     return force
+
+
+@cache
+def lagrange() -> Callable[..., list[Array]]:
+    """Terms of Lagrange's equations, and directions of all constraints, of order `MULTIPLIERS`."""
+    body = rigid_body(rotating=True)
+    held = [
+        body.normal_direction,
+        body.cog.jacobian(body.coordinates)[:2, :].T,
+        body.tangential_directions,
+        sympy.eye(6)[:, 3],
+    ]
+    terms = [body.mass_matrix, body.gyroscopic_forces + body.gravity_forces, *held]
+    arguments = [body.parameters, body.coordinates, body.rates]
+    function: Callable[..., list[Array]] = sympy.lambdify(arguments, terms, cse=True)
+    return function
+
+
+@all_sets
+@loads
+@seeds
+def test_accelerations_and_forces_meet_lagranges_equations(
+    constraints: ConstraintSet, load: Load, seed: int
+) -> None:
+    scenario, z, u = sample(constraints, load, seed)
+    acceleration, forces = accelerations(scenario, z, u)
+    M, others, *held = lagrange()(parameter_values(scenario.disk, scenario.table), z, u)
+    every = dict(zip(MULTIPLIERS, np.hstack(held).T, strict=True))
+    W = np.array([every[name] for name in multiplier_names(constraints)])
+    pressing = max(0.0, forces[0]) if load == "contact" else scenario.weight
+    across = np.array((every["tangential_force"], every["lateral_force"]))
+    rubbing = friction_in_frame(scenario, pressing, *(across @ u))[:2]
+    known = others[:, 0] + W.T @ forces + across.T @ rubbing
+    assert_close(M @ acceleration, known, relative=1e-12)
+
+
+def by_lapack(scenario: Scenario, z: Array, u: Array) -> Array | None:
+    """The paper's system solved with row pivots; None if it has no solution."""
+    columns = np.linalg.solve(*paper.index_1_system(scenario, z, u)).T
+    if len(columns) == 1:
+        alone: Array = columns[0]
+        return alone
+    if columns[1, 6] >= 1.0:
+        return None
+    loaded: Array = columns[0] + max(0.0, columns[0, 6]) / (1.0 - columns[1, 6]) * columns[1]
+    return loaded
+
+
+@all_sets
+@loads
+def test_printed_systems_have_the_same_solution_under_every_law(
+    constraints: ConstraintSet, load: Load
+) -> None:
+    random, found = np.random.default_rng(len(constraints)), 0
+    for law, table in product(LAWS.values(), (Table(), random_table(random))):
+        disk, friction = random_disk(random), law(load=load)
+        scenario = Scenario(constraints=constraints, disk=disk, table=table, friction=friction)
+        for _ in range(5):
+            # Slips are what drift leaves, and change nothing; a held centre of gravity is held.
+            state = np.array(state_of(disk, *random_state(random)))
+            if "fixed-cog" in constraints:
+                state[[0, 1, 6, 7]] = 0.0
+            z, u = (np.array(each) for each in paper_of(disk, state))
+            expected = by_lapack(scenario, z, u)
+            if expected is None:
+                with pytest.raises(ArithmeticError, match="each newton of normal force"):
+                    accelerations(scenario, z, u)
+            else:
+                assert_close(np.concatenate(accelerations(scenario, z, u)), expected, 1e-11)
+                found += 1
+    assert found > 20
+
+
+@seeds
+def test_states_are_the_papers_coordinates_with_the_motion_of_the_centre_of_gravity(
+    seed: int,
+) -> None:
+    random = np.random.default_rng(seed)
+    disk, (z, u) = random_disk(random), random_state(random)
+    state = np.array(state_of(disk, z, u))
+    path = arc(z, u, np.zeros(6))
+    into_frame = turn_z(-z[3])
+    assert_close(state[:3], into_frame @ cog(disk, z))
+    assert_close(state[6:9], into_frame @ derivative(lambda t: cog(disk, path(t))))
+    np.testing.assert_array_equal(state[9:], u[3:])
+    assert_close(np.concatenate(paper_of(disk, state)), np.concatenate((z, u)))
+
+
+@all_sets
+@seeds
+@pytest.mark.parametrize("tilt", [1e-6, 1e-3])
+def test_a_nearly_flat_disk_loses_no_more_digits_than_its_angles(
+    constraints: ConstraintSet, seed: int, tilt: float
+) -> None:
+    scenario, _, _ = sample(constraints, "weight", seed)
+    assert isinstance(scenario.start, Start)
+    start = replace(scenario.start, beta=tilt)
+    level = replace(scenario, start=start, table=Table())
+    state = level.initial_state
+    found = np.concatenate(accelerations(level, state.coordinates, state.rates))
+    matrix, right = paper.index_1_system(level, state.coordinates, state.rates)
+    error = np.linalg.norm(matrix @ found - right[:, 0]) / np.linalg.norm(matrix * found)
+    # The angular velocity tells the rates of alpha and gamma apart by the sine of beta alone.
+    assert error < 1e-15 / tilt
+
+
+@all_sets
+@loads
+@seeds
+def test_jacobian_is_the_slope_of_the_time_derivative(
+    constraints: ConstraintSet, load: Load, seed: int
+) -> None:
+    scenario, z, u = sample(constraints, load, seed)
+    solve, state = solver(scenario), np.array(state_of(scenario.disk, z, u))
+    slopes = jacobian(lambda x: np.array(solve(*x.tolist())[:12]), state)
+    assert_close(exact_jacobian(scenario)(state), slopes, relative=1e-9)
+
+
+@pytest.mark.parametrize("law", LAWS.values())
+def test_friction_has_its_slope_at_no_slip(law: type[FrictionLaw]) -> None:
+    # Differences err by the kink of the law, however small their step.
+    scenario = Scenario(friction=law())
+    found = exact_jacobian(scenario)(np.array(state_of(scenario.disk, *upright(scenario))))
+    viscous = replace(scenario, friction=ViscousFriction(viscosity=law().gradient))
+    state = np.array(state_of(scenario.disk, *upright(scenario)))
+    assert_close(found, exact_jacobian(viscous)(state))
+
+
+def upright(scenario: Scenario) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Coordinates and rates of inverted spinning."""
+    state = replace(scenario, start=Start(gamma=np.pi / 2, spin=30.0)).initial_state
+    return state.coordinates, state.rates
 
 
 @all_sets
@@ -182,7 +327,7 @@ def test_no_slip_across_the_track_is_gained(
 @seeds
 def test_a_constant_spin_is_kept(constraints: ConstraintSet, load: Load, seed: int) -> None:
     scenario, z, u = sample(constraints, load, seed)
-    acceleration, _ = index1.accelerations(scenario, z, u)
+    acceleration, _ = accelerations(scenario, z, u)
     assert acceleration[3] == pytest.approx(0.0, abs=1e-11)
 
 
@@ -192,26 +337,12 @@ def test_contact_load_is_the_weight_load_with_its_coefficient_scaled(
     constraints: ConstraintSet, seed: int
 ) -> None:
     scenario, z, u = sample(constraints, "contact", seed)
-    accelerations, forces = index1.accelerations(scenario, z, u)
+    found, forces = accelerations(scenario, z, u)
     coefficient = 0.3 * max(0.0, forces[0]) / scenario.weight
     scaled = replace(scenario, friction=SmoothCoulomb(coefficient=coefficient))
-    expected = index1.accelerations(scaled, z, u)
-    assert_close(accelerations, expected[0])
+    expected = accelerations(scaled, z, u)
+    assert_close(found, expected[0])
     assert_close(forces, expected[1])
-
-
-@sets_with("no-slip-along")
-@seeds
-def test_what_does_not_slip_does_not_rub(constraints: ConstraintSet, seed: int) -> None:
-    # A state that slips along the track, as numerical drift leaves it.
-    random = np.random.default_rng(seed)
-    scenario = Scenario(constraints=constraints, disk=random_disk(random))
-    z, u = random_state(random)
-    force = index1.friction_per_load(scenario, z, u)
-    across = slip(scenario.disk, arc(z, u, np.zeros(6)))[1]
-    expected = friction_in_frame(scenario, 1.0, 0.0, across)
-    np.testing.assert_allclose(force[:3], expected, rtol=1e-11, atol=1e-14)
-    assert force[5] == 0.0
 
 
 @all_sets
@@ -222,8 +353,8 @@ def test_motion_does_not_depend_on_the_direction_it_is_seen_from(
     leaning, z, u = sample(constraints, "contact", seed)
     scenario = replace(leaning, table=Table())
     turned = z + np.array([0.0, 0.0, 0.0, 2.0, 0.0, 0.0])
-    seen = index1.accelerations(scenario, z, u)
-    elsewhere = index1.accelerations(scenario, turned, u)
+    seen = accelerations(scenario, z, u)
+    elsewhere = accelerations(scenario, turned, u)
     np.testing.assert_array_equal(seen[0], elsewhere[0])
     np.testing.assert_array_equal(seen[1], elsewhere[1])
 
@@ -234,8 +365,8 @@ def test_a_leaning_table_turns_with_what_lies_on_it(constraints: ConstraintSet, 
     scenario, z, u = sample(constraints, "contact", seed)
     downhill = scenario.table.downhill + 2.0
     turned = replace(scenario, table=replace(scenario.table, downhill=downhill))
-    seen = index1.accelerations(scenario, z, u)
-    elsewhere = index1.accelerations(turned, z + np.array([0.0, 0.0, 0.0, 2.0, 0.0, 0.0]), u)
+    seen = accelerations(scenario, z, u)
+    elsewhere = accelerations(turned, z + np.array([0.0, 0.0, 0.0, 2.0, 0.0, 0.0]), u)
     assert_close(elsewhere[0], seen[0], relative=1e-11)
     assert_close(elsewhere[1], seen[1], relative=1e-11)
 
@@ -267,7 +398,7 @@ def test_motion_does_not_depend_on_the_place_on_the_table(load: Load, seed: int)
 def test_a_still_standing_disk_rests_on_its_weight() -> None:
     scenario = Scenario(start=Start(gamma=np.pi / 2, spin=0.0))
     state = scenario.initial_state
-    acceleration, forces = index1.accelerations(scenario, state.coordinates, state.rates)
+    acceleration, forces = accelerations(scenario, state.coordinates, state.rates)
     np.testing.assert_allclose(acceleration, 0.0, rtol=0.0, atol=1e-11)
     assert forces[0] == pytest.approx(STEEL_DISK.mass * 9.81, rel=1e-12)
 
@@ -282,7 +413,7 @@ def test_a_disk_slides_down_a_leaning_table_like_a_block() -> None:
         start=Start(spin=0.0, alpha=1.1),
     )
     state = scenario.initial_state
-    acceleration, forces = index1.accelerations(scenario, state.coordinates, state.rates)
+    acceleration, forces = accelerations(scenario, state.coordinates, state.rates)
     along = turn_z(1.1) @ np.array([*acceleration[:2], 0.0])
     expected = 9.81 * np.sin(lean) * np.array([np.cos(0.4), np.sin(0.4), 0.0])
     np.testing.assert_allclose(along, expected, rtol=0.0, atol=1e-12)
@@ -292,18 +423,4 @@ def test_a_disk_slides_down_a_leaning_table_like_a_block() -> None:
 def test_a_flat_disk_is_called_singular() -> None:
     centred = Scenario(disk=replace(STEEL_DISK, eccentricity=0.0))
     with pytest.raises(ArithmeticError, match="singular index-1 system of Model 1"):
-        index1.accelerations(centred, np.zeros(6), np.ones(6))
-
-
-@all_sets
-@seeds
-def test_friction_acts_along_the_papers_directions(constraints: ConstraintSet, seed: int) -> None:
-    law = SmoothCoulomb(coefficient=0.4, smoothing=0.02)
-    scenario, z, u = random_scenario(constraints, seed, law)
-    W = equations.tangential_directions(scenario.disk, z)
-    velocity = W.T @ u
-    velocity[0] *= "no-slip-along" not in constraints
-    velocity[1] *= "no-slip-across" not in constraints
-    expected = -0.4 * W @ velocity / (np.linalg.norm(velocity) + 0.02)
-    force = index1.friction_per_load(scenario, z, u)
-    np.testing.assert_allclose(force, expected, rtol=1e-12, atol=1e-14)
+        accelerations(centred, np.zeros(6), np.ones(6))

@@ -56,7 +56,8 @@ def acceleration_from(
     """
     disk, weight = scenario.disk, scenario.weight
     m, r, e = disk.mass, disk.radius, disk.eccentricity
-    A, B_bar, Omega = disk.inertia_x, disk.inertia_y - m * e * e, spin
+    A, B_bar, _ = disk.inertia_about_cog
+    Omega = spin
     sb, cb, sg, cg = directions
     height = r + e * sg
     M = A * cg * cg + B_bar * sg * sg + m * height**2 * cb * cb
