@@ -21,10 +21,9 @@ from analysis import (
     Start,
     Table,
 )
-from analysis.mechanics import newton_euler, recorded
+from analysis.mechanics import newton_euler, penalty, recorded
 from analysis.mechanics.constraints import Direction
 from analysis.mechanics.vectors import scaled
-from analysis.rest import free_disk
 from mbs_models import Formulation, Scene
 from tests.helpers import mostly_slow, not_none
 from validation.run import run
@@ -128,11 +127,9 @@ def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
     if name == "gyroscopic forces":
         free = newton_euler.free_acceleration
 
-        def backwards(disk: Any, gravity: Any, *moving: Any) -> Any:
-            fall, _ = free(disk, gravity, 0.0, *moving[1:])
-            turned, turning = free(disk, gravity, *moving)
-            linear = tuple(2.0 * a - b for a, b in zip(fall, turned, strict=True))
-            return linear, tuple(-each for each in turning)
+        def backwards(disk: Any, gravity: Any, moving: Any) -> Any:
+            linear, turning = free(disk, gravity, moving._replace(spin=-moving.spin))
+            return linear, scaled(-1.0, turning)
 
         monkeypatch.setattr(newton_euler, "free_acceleration", backwards)
     if name == "friction":
@@ -152,13 +149,13 @@ def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
         )
         return Scenario(table=SLOPE)
     if name == "penalty":
-        touch = free_disk.FreeDisk.touch
+        touch = penalty.YieldingTable.touch
 
-        def wrong(self: free_disk.FreeDisk, state: list[float]) -> free_disk.Contact:
-            found = touch(self, state)
-            return found._replace(slip=tuple(-part for part in found.slip))  # type: ignore[arg-type]
+        def wrong(self: penalty.YieldingTable, moving: Any) -> penalty.Touch:
+            found = touch(self, moving)
+            return found._replace(slip=tuple(-part for part in found.slip))
 
-        monkeypatch.setattr(free_disk.FreeDisk, "touch", wrong)
+        monkeypatch.setattr(penalty.YieldingTable, "touch", wrong)
         return Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK))
     return Scenario()
 

@@ -23,6 +23,7 @@ from analysis import (
 )
 from analysis.data.endings import REACHED
 from analysis.mechanics import recorded
+from analysis.mechanics.free_body import Solver
 from tests.helpers import model, not_none
 
 FALLING = Start(beta=1.0, gamma=pi / 2, spin=0.0)
@@ -65,7 +66,7 @@ def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> N
     # Beyond beta = 0 the equations go on to the next singular tilt and get stuck there.
     calls = count()
 
-    def counting(scenario: Scenario) -> recorded.Solver:
+    def counting(scenario: Scenario) -> Solver:
         solve = solver(scenario)
 
         def within_budget(*state: float) -> tuple[float, ...]:

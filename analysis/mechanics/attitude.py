@@ -29,10 +29,54 @@ class Frame(NamedTuple):
         return dot(x, vector), dot(y, vector), dot(z, vector)
 
 
-class EulerAngles:
-    """The paper's angles alpha, beta, gamma in z-x-z order; the frame is R, turned by alpha."""
+class Moving(NamedTuple):
+    """A state taken apart.
 
-    size = 3
+    Position and velocity of S in axes of the frame, which turns with `spin`; the attitude as a
+    chart tells it, and its rates; the angular velocity in axes of the body.
+    """
+
+    position: Vector
+    attitude: Numbers
+    rates: Numbers
+    velocity: Vector
+    angular: Vector
+    frame: Frame
+    spin: Any
+
+
+class EulerAngles:
+    """The paper's angles alpha, beta, gamma in z-x-z order; the frame is R, turned by alpha.
+
+    A state holds the position of S, the angles, the velocity of S and the rates of the angles.
+    """
+
+    @staticmethod
+    def moving(state: Numbers) -> Moving:
+        """A state of 12 numbers taken apart."""
+        position, angles, velocity, rates = (tuple(state[k : k + 3]) for k in (0, 3, 6, 9))
+        angular = EulerAngles.angular_velocity(angles, rates)
+        frame = EulerAngles.frame(angles)
+        return Moving(position, angles, rates, velocity, angular, frame, rates[0])
+
+    @staticmethod
+    def derivative(moving: Moving, acceleration: tuple[Vector, Vector]) -> list[Any]:
+        """Time derivative of the state, with these changes of its velocities."""
+        x, y, _ = moving.position
+        u, v, w = moving.velocity
+        place = u + moving.spin * y, v - moving.spin * x, w
+        linear, turning = acceleration
+        second = EulerAngles.accelerations(moving.attitude, moving.rates, turning)
+        return [*place, *moving.rates, *linear, *second]
+
+    @staticmethod
+    def gravity(moving: Moving, gravity: Vector) -> Vector:
+        """Gravity in axes of the frame, from that in axes of the table."""
+        x, y, z = gravity
+        if isinstance(x, float) and isinstance(y, float) and x == y == 0.0:
+            return gravity
+        sa, ca = sin(moving.attitude[0]), cos(moving.attitude[0])
+        return ca * x + sa * y, ca * y - sa * x, z
 
     @staticmethod
     def frame(angles: Numbers) -> Frame:
@@ -74,9 +118,29 @@ class EulerAngles:
 
 
 class Quaternion:
-    """A quaternion, scalar part first, of any length; the frame is the inertial one."""
+    """A quaternion, scalar part first, of any length; the frame is the inertial one.
 
-    size = 4
+    A state holds the position of S, the quaternion, the velocity of S and the angular velocity.
+    """
+
+    @staticmethod
+    def moving(state: Numbers) -> Moving:
+        """A state of 13 numbers taken apart."""
+        quaternion = tuple(state[3:7])
+        position, velocity, angular = (tuple(state[k : k + 3]) for k in (0, 7, 10))
+        rates, frame = Quaternion.rates(quaternion, angular), Quaternion.frame(quaternion)
+        return Moving(position, quaternion, rates, velocity, angular, frame, 0.0)
+
+    @staticmethod
+    def derivative(moving: Moving, acceleration: tuple[Vector, Vector]) -> list[Any]:
+        """Time derivative of the state, with these changes of its velocities."""
+        linear, turning = acceleration
+        return [*moving.velocity, *moving.rates, *linear, *turning]
+
+    @staticmethod
+    def gravity(_: Moving, gravity: Vector) -> Vector:
+        """Gravity in axes of the frame, which are those of the table."""
+        return gravity
 
     @staticmethod
     def frame(quaternion: Numbers) -> Frame:
@@ -100,3 +164,6 @@ class Quaternion:
             s * q + z * p - x * r,
             s * r + x * q - y * p,
         )
+
+
+Chart = type[EulerAngles] | type[Quaternion]

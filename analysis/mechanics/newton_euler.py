@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from analysis.data.constraint_set import ConstraintSet
-from analysis.data.elementary import cos, sin
 from analysis.data.friction import Load
-from analysis.mechanics.attitude import EulerAngles
+from analysis.mechanics.attitude import EulerAngles, Moving
 from analysis.mechanics.constraints import (
     Direction,
     at_point,
@@ -69,15 +68,13 @@ class IdealContact:
         state : sequence of 12 numbers
             See `states`.
         """
-        x, y, _, *angles = state[:6]
-        velocity, rates = tuple(state[6:9]), tuple(state[9:12])
-        angular = EulerAngles.angular_velocity(angles, rates)
-        gravity = _seen_from(angles[0], self.gravity)
-        acceleration = free_acceleration(self.disk, gravity, rates[0], velocity, angular)
-        held = directions(self.constraints, self.disk, angles)
+        moving = EulerAngles.moving(state)
+        gravity = EulerAngles.gravity(moving, self.gravity)
+        acceleration = free_acceleration(self.disk, gravity, moving)
+        held = directions(self.constraints, self.disk, moving.attitude)
         responses = [response(self.disk, each) for each in held]
         matrix = [[each.along(*other) for other in responses] for each in held]
-        changes = self._changes(angles, rates, angular)
+        changes = self._changes(moving)
         sides = [
             [
                 -(each.along(*acceleration) + change)
@@ -87,28 +84,26 @@ class IdealContact:
         if self.load is None:
             (forces,) = solve(matrix, sides)
         else:
-            rubbing = response(self.disk, friction(self, angles, velocity, angular))
+            rubbing = response(self.disk, friction(self, moving))
             sides.append([-each.along(*rubbing) for each in held])
             alone, added = solve(matrix, sides)
             load = self._load(alone[0], added[0])
             forces = [force + load * more for force, more in zip(alone, added, strict=True)]
-            acceleration = _plus(acceleration, load, rubbing)
+            acceleration = together(acceleration, load, rubbing)
         for force, by_force in zip(forces, responses, strict=True):
-            acceleration = _plus(acceleration, force, by_force)
-        moving = velocity[0] + rates[0] * y, velocity[1] - rates[0] * x, velocity[2]
+            acceleration = together(acceleration, force, by_force)
         multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
-        turning = EulerAngles.accelerations(angles, rates, acceleration[1])
-        return [*moving, *rates, *acceleration[0], *turning], multipliers
+        return EulerAngles.derivative(moving, acceleration), multipliers
 
-    def _changes(self, angles: Numbers, rates: Vector, angular: Vector) -> list[Any]:
+    def _changes(self, moving: Moving) -> list[Any]:
         """Changes of what the constraints hold, by the turning of their directions alone."""
 
         def held(angles: Numbers) -> list[Any]:
             every = directions(self.constraints, self.disk, angles)
             # One with a scale keeps the spin what it is.
-            return [dot(each.turning, angular) - each.scale * rates[0] for each in every]
+            return [dot(each.turning, moving.angular) - each.scale * moving.spin for each in every]
 
-        return rate(held, angles, rates)
+        return rate(held, moving.attitude, moving.rates)
 
     def _load(self, alone: Any, added: Any) -> Any:
         if self.load == "contact":
@@ -116,28 +111,25 @@ class IdealContact:
         return self.disk.mass * -self.gravity[2]
 
 
-def friction(
-    contact: IdealContact, angles: Numbers, velocity: Vector, angular: Vector
-) -> Direction:
+def friction(contact: IdealContact, moving: Moving) -> Direction:
     """Friction for each newton of load; the disk slides where it is not held."""
-    frame, held = EulerAngles.frame(angles), contact.constraints
+    frame, held = moving.frame, contact.constraints
     ahead, across, _ = at_point(contact_point(contact.disk, frame), frame)
-    slip_x = 0.0 if "no-slip-along" in held else ahead.along(velocity, angular)
-    slip_y = 0.0 if "no-slip-across" in held else across.along(velocity, angular)
+    along, sideways = (way.along(moving.velocity, moving.angular) for way in (ahead, across))
+    slip_x = 0.0 if "no-slip-along" in held else along
+    slip_y = 0.0 if "no-slip-across" in held else sideways
     factor = -contact.per_speed(contact.speed(slip_x, slip_y))
     x, y = factor * slip_x, factor * slip_y
     return Direction((x, y, 0.0), add(scaled(x, ahead.turning), scaled(y, across.turning)))
 
 
-def free_acceleration(
-    disk: Any, gravity: Vector, spin: Any, velocity: Vector, angular: Vector
-) -> tuple[Vector, Vector]:
-    """Acceleration by gravity and inertia alone, in axes that turn with `spin` and of the body."""
-    p, q, s = angular
+def free_acceleration(disk: Any, gravity: Vector, moving: Moving) -> tuple[Vector, Vector]:
+    """Acceleration by gravity and inertia alone, in axes of the frame and of the body."""
+    p, q, s = moving.angular
     a, b, c = disk.inertia_about_cog
-    x, y, z = gravity
-    linear = x + spin * velocity[1], y - spin * velocity[0], z
-    return linear, ((b - c) / a * (q * s), (c - a) / b * (s * p), (a - b) / c * (p * q))
+    (x, y, z), (u, v, _), spin = gravity, moving.velocity, moving.spin
+    turning = (b - c) / a * (q * s), (c - a) / b * (s * p), (a - b) / c * (p * q)
+    return (x + spin * v, y - spin * u, z), turning
 
 
 def kinetic_energy(disk: Any, velocity: Vector, angular: Vector) -> Any:
@@ -154,17 +146,9 @@ def response(disk: Any, direction: Direction) -> tuple[Vector, Vector]:
     return (x / m, y / m, z / m), (p / a, q / b, s / c)
 
 
-def _plus(
+def together(
     acceleration: tuple[Vector, Vector], force: Any, by_force: tuple[Vector, Vector]
 ) -> tuple[Vector, Vector]:
+    """An acceleration and what is added to it by a force."""
     linear, turning = acceleration
     return add(linear, scaled(force, by_force[0])), add(turning, scaled(force, by_force[1]))
-
-
-def _seen_from(alpha: Any, gravity: Vector) -> Vector:
-    """Gravity in axes of the frame R."""
-    x, y, z = gravity
-    if isinstance(x, float) and isinstance(y, float) and x == y == 0.0:
-        return gravity
-    sa, ca = sin(alpha), cos(alpha)
-    return ca * x + sa * y, ca * y - sa * x, z

@@ -15,13 +15,11 @@ from analysis.data.friction import Load
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.mechanics.dual import Dual, derivatives, dual, rate
+from analysis.mechanics.free_body import Solver, free_solver
 from analysis.mechanics.newton_euler import IdealContact
 from analysis.mechanics.recorder import Recorder, call
 from analysis.mechanics.states import paper_of, state_of
 from analysis.mechanics.vectors import Numbers
-
-Solver = Callable[..., tuple[float, ...]]
-"""From a state, 12 floats, to its time derivative and the multipliers, 12 + n."""
 
 STATE = (*COORDINATES, *(f"{name}_rate" for name in COORDINATES))
 """Names of the numbers of a state; the position is that of the centre of gravity."""
@@ -92,18 +90,21 @@ def formula(
 def solver(scenario: Scenario) -> Solver:
     """Function that gives the time derivative and the multipliers at one state after the other.
 
-    A contact that pulls (negative normal force) rubs with no load: friction never gives energy.
+    An ideal contact that pulls (negative normal force) rubs with no load: friction never gives
+    energy.
 
     Parameters
     ----------
     scenario : Scenario
-        With the ideal contact.
+        With the ideal contact, or a penalty contact, whose force stands for the multipliers.
 
     Returns
     -------
     callable
         It raises `ArithmeticError` where `accelerations` does.
     """
+    if scenario.contact is not None:
+        return free_solver(scenario)
     per_speed = scenario.friction.per_speed
     return _bound(scenario, speed=hypot, per_speed=per_speed, contact_load=_contact_load)
 
@@ -186,7 +187,6 @@ def accelerations(scenario: Scenario, coordinates: Numbers, rates: Numbers) -> t
     Parameters
     ----------
     scenario : Scenario
-        With the ideal contact.
     coordinates, rates : array_like, shape (6,)
         Co-rotating coordinates and their rates, which meet the constraints.
 

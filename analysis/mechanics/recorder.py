@@ -7,7 +7,7 @@ what the results need. Zeros take no time, and what comes of constants alone is 
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import cos, sin
+from math import cos, sin, sqrt
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,7 +22,7 @@ class Recorder:
     constants, variables : sequence of str
         Names of what is known beforehand and of what comes with each call; symbols from then on.
     functions : sequence of str
-        Names of those of `call` beside sine and cosine.
+        Names of those of `call` beside sine, cosine and square root.
     """
 
     def __init__(
@@ -61,7 +61,14 @@ class Recorder:
                 inline[name] = f"({text})"
             elif name in uses:
                 (before if symbol.fixed else body).append(f"{name} = {text}")
-        arguments = [*map(str, self.constants), "*", "sin=sin", "cos=cos", *self._functions]
+        arguments = [
+            *map(str, self.constants),
+            "*",
+            "sin=sin",
+            "cos=cos",
+            "sqrt=sqrt",
+            *self._functions,
+        ]
         return "\n".join(
             (
                 f"def bind({', '.join(arguments)}):",
@@ -76,14 +83,14 @@ class Recorder:
     def code(self, results: Sequence[Any]) -> Callable[..., Callable[..., Any]]:
         """From constants to a function, which goes from variables to the results.
 
-        Both are of any kind, as are the functions, which go by keyword; sine and cosine are those
-        of floats unless others are given.
+        Both are of any kind, as are the functions, which go by keyword; sine, cosine and square
+        root are those of floats unless others are given.
 
         Parameters
         ----------
         results : sequence of symbols or floats
         """
-        names: dict[str, Any] = {"sin": sin, "cos": cos}
+        names: dict[str, Any] = {"sin": sin, "cos": cos, "sqrt": sqrt}
         exec(self.source(results), names)  # noqa: S102 - formulas of ours, and nothing else
         bind: Callable[..., Callable[..., Any]] = names["bind"]
         return bind
@@ -154,4 +161,6 @@ def _plain(operand: Any) -> Any:
     return operand if isinstance(operand, Symbol) else float(operand)
 
 
-elementary.register(Symbol, SimpleNamespace(sin=partial(call, "sin"), cos=partial(call, "cos")))
+elementary.register(
+    Symbol, SimpleNamespace(**{name: partial(call, name) for name in ("sin", "cos", "sqrt")})
+)

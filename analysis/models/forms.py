@@ -3,23 +3,22 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from math import hypot, sin
+from math import sin
 from typing import Literal, get_args
 
 import numpy as np
 
-from analysis.data import frames
 from analysis.data.checks import Array, choice
 from analysis.data.endings import Condition
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.constraints import check_admissible
+from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import paper_arrays, state_of
 from analysis.models.effort import longest_step
 from analysis.models.integration import InitialValueProblem
-from analysis.rest.free_disk import FreeDisk, vertical
-from analysis.rest.to_rest import contact_time, sampled, start_vector
+from analysis.rest.to_rest import contact_time
 
 Form = Literal["index-1", "reduced", "free-body"]
 FORMS: tuple[Form, ...] = get_args(Form)
@@ -80,7 +79,7 @@ def pose(
         If the form does not know what is in the scenario, or the start breaks a constraint.
     """
     check_form(scenario, form)
-    makers = {"index-1": _index1, "reduced": _reduced, "free-body": _free_body}
+    makers = {"index-1": _full, "reduced": _reduced, "free-body": _full}
     posed = makers[form](scenario, multipliers)
     if not conditions:
         return posed
@@ -120,7 +119,7 @@ def check_form(scenario: Scenario, form: str) -> None:
 
 
 def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
-    """State of the index-1 or of the reduced system at the start.
+    """State at the start.
 
     Parameters
     ----------
@@ -134,8 +133,9 @@ def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
     return state_of(scenario.disk, start.coordinates, start.rates)
 
 
-def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
+def _full(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
     start, solved = scenario.initial_state, recorded.solver(scenario)
+    longest = longest_step(scenario)
     multipliers = compiled or partial(_multipliers, solved)
 
     def derivative(_: float, state: Array) -> tuple[float, ...]:
@@ -159,7 +159,7 @@ def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
             np.array(start_values(scenario, "index-1")),
             lambda state: sin(state[4]),
             normal_force,
-            longest_step(scenario),
+            longest if scenario.contact is None else min(longest, contact_time(scenario)),
         ),
         expand,
         lambda state: _state(*paper_arrays(scenario.disk, state)),
@@ -198,47 +198,6 @@ def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
     )
 
 
-def _free_body(scenario: Scenario, _: Multipliers | None) -> PosedForm:
-    model = FreeDisk(scenario)
-    start = scenario.initial_state
-
-    def kinematics(times: Array, states: Array) -> tuple[Array, Array, Array]:
-        states = states.copy()
-        states[:, 3:7] /= np.linalg.norm(states[:, 3:7], axis=1)[:, None]
-        motion = sampled(model, times, states)
-        coordinates, rates = frames.from_poses(
-            motion["positions"],
-            frames.rotations(motion["quaternions"]),
-            motion["velocities"],
-            motion["angular_velocities"],
-        )
-        return coordinates, rates, motion["normal_force"]
-
-    def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
-        coordinates, rates, force = kinematics(times, states)
-        # The first sample is the start itself, turns and all.
-        coordinates[0], rates[0] = start.coordinates, start.rates
-        frames.follow_turns(times, coordinates, rates)
-        return coordinates, rates, force[:, None]
-
-    def leaning(state: Array) -> float:
-        x, y, _ = vertical(state.tolist())
-        return hypot(x, y)
-
-    return PosedForm(
-        InitialValueProblem(
-            model.derivative,
-            start_vector(scenario.disk, start),
-            leaning,
-            lambda state: model.touch(state.tolist()).force,
-            min(longest_step(scenario), contact_time(model)),
-        ),
-        expand,
-        lambda state: _state(*_first(kinematics(np.zeros(1), state[None]))),
-        lambda states: np.array([vertical(state) for state in states.tolist()]),
-    )
-
-
 def _state(coordinates: Array, rates: Array) -> State:
     return State(coordinates=tuple(coordinates.tolist()), rates=tuple(rates.tolist()))
 
@@ -247,6 +206,6 @@ def _first(rows: tuple[Array, ...]) -> tuple[Array, Array]:
     return rows[0][0], rows[1][0]
 
 
-def _multipliers(solved: recorded.Solver, states: Array) -> Array:
+def _multipliers(solved: Solver, states: Array) -> Array:
     """Constraint forces at states of the index-1 system, shape (n, 12); shape (n, k)."""
     return np.array([solved(*values)[12:] for values in states.tolist()])
