@@ -40,28 +40,6 @@ loads = pytest.mark.parametrize("load", LOADS)
 seeds = pytest.mark.parametrize("seed", range(3))
 
 
-@all_sets
-@loads
-@seeds
-def test_multipliers_do_no_work(constraints: ConstraintSet, load: Load, seed: int) -> None:
-    scenario, z, u = random_scenario(constraints, seed, SmoothCoulomb(load=load))
-    a, forces = accelerations(scenario, z, u)
-    pressing = scenario.weight if load == "weight" else max(0.0, forces[0])
-    disk, rubs = scenario.disk, scenario.rubs
-    constraint_force = (
-        paper.mass_matrix(disk, z) @ a
-        - paper.gyroscopic_forces(disk, z, u)
-        - paper.gravity_forces(disk, scenario.table, z)
-        - rubs * pressing * paper.friction_per_load(scenario, z, u)
-    )
-    # Another velocity that the constraints admit at this place; a constant spin is prescribed.
-    directions = paper.constraint_directions(constraints, disk, z)
-    virtual = np.linalg.svd(directions)[2][len(directions) :].T @ np.ones(6 - len(directions))
-    assert np.max(np.abs(virtual)) > 0.1
-    work = constraint_force @ virtual
-    assert work == pytest.approx(0.0, abs=1e-12 * float(np.max(np.abs(constraint_force))))
-
-
 @seeds
 def test_energies_are_those_of_the_moving_cog_and_the_turning_body(seed: int) -> None:
     random = np.random.default_rng(seed)

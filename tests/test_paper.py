@@ -139,45 +139,6 @@ def test_rate_matrix_is_the_derivative_of_the_inertial_coordinates(seed: int) ->
 
 
 @seeds
-def test_mass_matrices_are_linked_by_equation_14(seed: int) -> None:
-    disk, z, _ = sample(seed)
-    B = paper.rate_matrix(z)
-    M = paper.inertial_mass_matrix(disk, _inertial_coordinates(z))
-    assert_close(paper.mass_matrix(disk, z), B.T @ M @ B)
-
-
-@seeds
-def test_gyroscopic_forces_are_linked_by_equation_14(seed: int) -> None:
-    disk, z, u = sample(seed)
-    q, B = _inertial_coordinates(z), paper.rate_matrix(z)
-    B_rate = derivative(lambda t: paper.rate_matrix(z + t * u))
-    h = paper.inertial_gyroscopic_forces(disk, q, B @ u)
-    transformed = B.T @ (h - paper.inertial_mass_matrix(disk, q) @ B_rate @ u)
-    assert_close(paper.gyroscopic_forces(disk, z, u), transformed)
-
-
-@seeds
-def test_forces_are_linked_by_equation_14(seed: int) -> None:
-    disk, z, _ = sample(seed)
-    q, B = _inertial_coordinates(z), paper.rate_matrix(z)
-    table = random_table(np.random.default_rng(seed))
-    expected = B.T @ paper.inertial_gravity_forces(disk, table, q)
-    assert_close(paper.gravity_forces(disk, table, z), expected)
-    assert_close(paper.normal_direction(disk, z), B.T @ paper.normal_direction(disk, q))
-
-
-@seeds
-def test_tangential_directions_are_linked_by_equation_14(seed: int) -> None:
-    disk, z, _ = sample(seed)
-    c, s = np.cos(z[3]), np.sin(z[3])
-    # The inertial columns belong to e_x and e_y of I, the co-rotating ones to those of R.
-    into_frame = np.array([[c, -s], [s, c]])
-    W = paper.inertial_tangential_directions(disk, _inertial_coordinates(z))
-    transformed = paper.rate_matrix(z).T @ W @ into_frame
-    assert_close(paper.tangential_directions(disk, z), transformed)
-
-
-@seeds
 def test_contact_distance_is_the_height_of_the_lowest_point_of_the_rim(seed: int) -> None:
     random = np.random.default_rng(seed)
     disk, (z, _) = random_disk(random), random_state(random)

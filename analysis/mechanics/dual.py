@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.data import elementary
 from analysis.data.checks import Array
-from analysis.data.elementary import cos, exp, sin, sqrt, tanh
+from analysis.data.elementary import cos, sin, sqrt
 
 
 class Dual:
@@ -92,23 +92,11 @@ def _sqrt(x: Dual) -> Dual:
     return Dual(root, x.change / (2.0 * root))
 
 
-def _exp(x: Dual) -> Dual:
-    value = exp(x.value)
-    return Dual(value, value * x.change)
-
-
-def _tanh(x: Dual) -> Dual:
-    value = tanh(x.value)
-    return Dual(value, (1.0 - value * value) * x.change)
-
-
 elementary.register(
     Dual,
     SimpleNamespace(
         sin=lambda x: Dual(sin(x.value), cos(x.value) * x.change),
         cos=lambda x: Dual(cos(x.value), -sin(x.value) * x.change),
         sqrt=_sqrt,
-        exp=_exp,
-        tanh=_tanh,
     ),
 )
