@@ -56,7 +56,7 @@ def difference_of_swings(spin: float) -> float:
 
     upright.direction = -1.0  # type: ignore[attr-defined]
     run = solve_ivp(
-        lambda _, x: reduced.right_hand_side(WEAK, spin, x.tolist()),
+        reduced.right_hand_side(WEAK, spin),
         (0.0, 60.0),
         (np.pi / 2, np.pi / 2 + 1.9, -1.0),
         method="LSODA",

@@ -94,7 +94,7 @@ def test_a_deviation_shrinks_by_the_multiplier(family: CycleFamily) -> None:
         for part in (0.5, 1.0)
         for change in (size, -size)
     ]
-    along = np.array(reduced.right_hand_side(PAPER, cycle.spin, cycle.states[0].tolist()))
+    along = np.array(reduced.solver(PAPER, cycle.spin)(*cycle.states[0].tolist())[:3])
     half, whole = ends[0] - ends[1], ends[2] - ends[3]
 
     def across(deviation: Array) -> Array:

@@ -167,10 +167,7 @@ def _symbolic(structure: Structure) -> Any:
     for field in fields(structure.law):
         value = options[field.name] if field.name in options else next(symbols)
         object.__setattr__(law, field.name, value)
-    disk = recorded.disk_of(given)
-    return SimpleNamespace(
-        numbers=given, disk=disk, friction=law, spin=spin, weight=disk.mass * -given[-1]
-    )
+    return SimpleNamespace(numbers=given, disk=recorded.disk_of(given), friction=law, spin=spin)
 
 
 def build(structure: Structure) -> System:
@@ -223,8 +220,7 @@ def _index1(structure: Structure) -> tuple[System, Any, Any, Any]:
 
 def _reduced(structure: Structure) -> tuple[System, Any, Any, Any]:
     library, scenario = heyoka(), _symbolic(structure)
-    beta, gamma, rate = library.make_vars("beta", "gamma", "beta_rate")
-    trig = library.sin(beta), library.cos(beta), library.sin(gamma), library.cos(gamma)
+    variables = library.make_vars("beta", "gamma", "beta_rate")
     slips: list[Any] = []
 
     def friction(slip: Any) -> Any:
@@ -232,19 +228,21 @@ def _reduced(structure: Structure) -> tuple[System, Any, Any, Any]:
         size = library.par[SIGN] * slip if structure.flips else _size(FAINT)(0.0, slip)
         return _per_speed(scenario, size) * slip
 
-    spin: Any = scenario.spin
-    second = reduced.acceleration_from(
-        scenario, spin, trig, rate, friction if structure.rubs else lambda _: 0.0
-    )
-    force = reduced.normal_force_from(scenario, spin, trig, rate, second)
+    *derivatives, force = reduced.formula()(
+        *scenario.numbers,
+        scenario.spin,
+        sin=library.sin,
+        cos=library.cos,
+        friction=friction if structure.rubs else lambda _: 0.0,
+    )(*variables)
     system = System(
-        variables=[beta, gamma, rate],
-        derivatives=[rate, -spin * trig[1], second],
+        variables=variables,
+        derivatives=derivatives,
         slip=slips[0] if structure.flips else None,
         endings={CONTACT_WOULD_PULL: force},
     )
-    coordinates, rates = reduced.expanded(scenario.disk, spin, 0.0, (beta, gamma, rate))
-    return system, coordinates, rates, beta
+    coordinates, rates = reduced.expanded(scenario.disk, scenario.spin, 0.0, variables)
+    return system, coordinates, rates, variables[0]
 
 
 def _variables() -> list[Any]:

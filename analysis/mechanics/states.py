@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.mechanics.attitude import EulerAngles
+from analysis.data.elementary import cos, sin
 from analysis.mechanics.vectors import Numbers, Vector
 
 
@@ -23,21 +23,18 @@ def state_of(disk: Any, coordinates: Numbers, rates: Numbers) -> tuple[Any, ...]
     coordinates, rates : sequence of 6 numbers
         In m, rad, m/s and rad/s; those of the constraints do not matter.
     """
-    x, y, z, *angles = coordinates
-    x_rate, y_rate, z_rate, *turning = rates
-    (a, b, c), (u, v, w) = _offset(disk, angles, turning)
-    spin = turning[0]
-    velocity = x_rate - spin * y + u, y_rate + spin * x + v, z_rate + w
-    return x + a, y + b, z + c, *angles, *velocity, *turning
+    (a, b, c), (u, v, w) = _offset(disk, coordinates, rates)
+    x, y, z, spin = coordinates[0] + a, coordinates[1] + b, coordinates[2] + c, rates[3]
+    velocity = rates[0] + u - spin * y, rates[1] + v + spin * x, rates[2] + w
+    return x, y, z, *coordinates[3:], *velocity, *rates[3:]
 
 
 def paper_of(disk: Any, state: Numbers) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The paper's coordinates and their rates, 6 numbers each, of a state."""
-    position, angles, velocity, turning = state[:3], state[3:6], state[6:9], state[9:12]
-    (a, b, c), (u, v, w) = _offset(disk, angles, turning)
-    x, y, z, spin = position[0] - a, position[1] - b, position[2] - c, turning[0]
-    rates = velocity[0] - u + spin * y, velocity[1] - v - spin * x, velocity[2] - w
-    return (x, y, z, *angles), (*rates, *turning)
+    (a, b, c), (u, v, w) = _offset(disk, state[:6], state[6:])
+    x, y, z, spin = state[0], state[1], state[2], state[9]
+    rates = state[6] + spin * y - u, state[7] - spin * x - v, state[8] - w
+    return (x - a, y - b, z - c, *state[3:6]), (*rates, *state[9:])
 
 
 def paper_arrays(disk: Any, states: Array) -> tuple[Array, Array]:
@@ -46,8 +43,14 @@ def paper_arrays(disk: Any, states: Array) -> tuple[Array, Array]:
     return np.stack(coordinates, axis=-1), np.stack(rates, axis=-1)
 
 
-def _offset(disk: Any, angles: Numbers, turning: Numbers) -> tuple[Vector, Vector]:
-    """S seen from G in axes of R, and its velocity relative to G."""
-    frame, e = EulerAngles.frame(angles), disk.eccentricity
-    angular = EulerAngles.angular_velocity(angles, turning)
-    return frame.seen((e, 0.0, 0.0)), frame.seen((0.0, e * angular[2], -e * angular[1]))
+def _offset(disk: Any, coordinates: Numbers, rates: Numbers) -> tuple[Vector, Vector]:
+    """S seen from G in axes of R, and its velocity there, from the angles and their rates."""
+    e, (_, beta, gamma), (_, tilting, rolling) = disk.eccentricity, coordinates[3:], rates[3:]
+    sb, cb, sg, cg = sin(beta), cos(beta), e * sin(gamma), e * cos(gamma)
+    offset = cg, cb * sg, sb * sg
+    moving = (
+        -(sg * rolling),
+        cb * cg * rolling - sb * sg * tilting,
+        sb * cg * rolling + cb * sg * tilting,
+    )
+    return offset, moving

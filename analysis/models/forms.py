@@ -172,8 +172,7 @@ def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
     start = scenario.initial_state
     spin, alpha = start.rates[3], start.coordinates[3]
 
-    def derivative(_: float, state: Array) -> tuple[float, float, float]:
-        return reduced.right_hand_side(scenario, spin, state.tolist())
+    solved = reduced.solver(scenario, spin)
 
     def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
         turned = alpha + spin * (times - times[0])
@@ -186,10 +185,10 @@ def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
 
     return PosedForm(
         InitialValueProblem(
-            derivative,
+            reduced.right_hand_side(scenario, spin),
             np.array(start_values(scenario, "reduced")),
             lambda state: sin(state[0]),
-            lambda state: reduced.normal_force(scenario, spin, state.tolist()),
+            lambda state: solved(*state.tolist())[3],
             longest_step(scenario),
         ),
         expand,

@@ -232,7 +232,7 @@ def _swing(scenario: Scenario, spin: float, state: Array) -> tuple[Array, Array]
     # A part of the period first, in which the disk leaves the event's place.
     for end, events in ((0.5 / spin * np.pi, None), (20.0, upright)):
         run = solve_ivp(
-            lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()),
+            reduced.right_hand_side(scenario, spin),
             (0.0, end),
             state,
             method="LSODA",

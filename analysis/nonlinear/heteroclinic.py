@@ -142,9 +142,7 @@ def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
     spin = positive("spin", spin)
     values, growing = saddle(scenario, spin)
 
-    def rates(_: float, x: Array) -> tuple[float, float, float]:
-        return reduced.right_hand_side(scenario, spin, x.tolist())
-
+    rates = reduced.right_hand_side(scenario, spin)
     winds = values[1].imag != 0.0
     run = solve_ivp(
         rates,

@@ -242,7 +242,7 @@ def _turn(scenario: Scenario, spin: float, state: Array) -> tuple[Array, Array]:
 
     turned.terminal = True  # type: ignore[attr-defined]
     run = solve_ivp(
-        lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()),
+        reduced.right_hand_side(scenario, spin),
         (0.0, _LONGEST),
         state,
         method="LSODA",

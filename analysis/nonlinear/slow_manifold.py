@@ -343,7 +343,7 @@ def _distance(scenario: Scenario, spin: float) -> tuple[float, float]:
     start = np.array((np.pi / 2, np.pi / 2 + 1.0))
     begin = np.append(start, slow_rates(scenario, spin, start[:, None])[0])
     run = solve_ivp(
-        lambda _, x: right_hand_side(scenario, spin, x.tolist()),
+        right_hand_side(scenario, spin),
         (0.0, 2.0),
         begin,
         method="LSODA",

@@ -94,9 +94,7 @@ def _on_slow_manifold(scenario: Scenario, spin: float, gamma: float) -> Array:
 
 
 def _forwards(scenario: Scenario, spin: float, begin: Array) -> Array:
-    return _curve(
-        lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()), begin, _LONG, "LSODA"
-    )
+    return _curve(reduced.right_hand_side(scenario, spin), begin, _LONG, "LSODA")
 
 
 def _backwards(scenario: Scenario, spin: float, begin: Array) -> Array:
