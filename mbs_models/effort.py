@@ -41,7 +41,7 @@ def simulation_effort(
     times : ndarray, shape (n,)
         In s.
     integrator : Integrator, optional
-        By default that of `mbs_models.simulate`.
+        By default that of `mbs_models.simulate`, which may change to step control on the way.
     step : float, optional
         In s.
     tolerance : float, optional
@@ -50,14 +50,16 @@ def simulation_effort(
     Raises
     ------
     ValueError
-        If step or tolerance is not positive, or the step shorter than `SHORTEST_STEP`.
+        If step or tolerance is not positive, or the step or one between times shorter than
+        `SHORTEST_STEP`.
     """
     if step is not None:
         step = within("step", positive("step", step), SHORTEST_STEP, inf)
     tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    may_change = integrator is None and not scene.has_constraints
     if integrator is None:
         integrator = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
-    spacings = np.diff(times)
+    spacings = _spacings(times)
     cost = _SECONDS["implicit" if integrator.implicit else "explicit"]
     until = f"up to t = {times[-1]:g} s"
     if integrator.controls_step:
@@ -73,6 +75,10 @@ def simulation_effort(
     shortest = min(integrator.first_step, float(np.min(spacings)))
     halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
     doubt = ""
+    if halvings >= HALVINGS and may_change:
+        # Two runs or three, of steps about as much longer.
+        steps = float(times[-1] - times[0]) / needed
+        return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}")
     if halvings >= HALVINGS:
         halvings = HALVINGS - 1
         tried = shortest / 2.0**halvings
@@ -103,6 +109,15 @@ def rest_effort(scene: Scene, end: float, step: float) -> Effort:
         cause=f"end = {end:g} s with steps of {step:.1e} s, at stiffness {stiffness:g} N/m and "
         f"friction gradient {friction.gradient:g} s/m,",
     )
+
+
+def _spacings(times: Array) -> Array:
+    spacings: Array = np.diff(times)
+    if (least := float(np.min(spacings))) < SHORTEST_STEP:
+        raise ValueError(
+            f"times must be {SHORTEST_STEP:g} s apart or more for the engine, got {least:g} s"
+        )
+    return spacings
 
 
 def _count(spacings: Array, step: float) -> float:

@@ -1,7 +1,7 @@
 """Where a run ends: found among samples, then located by short runs."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import pi
+from math import pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -55,10 +55,13 @@ def state_of(row: Array) -> State:
     return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
 
-def touch_down(after: Callable[[float], Array], row: Array, width: float) -> float | None:
+def touch_down(
+    after: Callable[[float], Array], row: Array, width: float, pull: float
+) -> float | None:
     """Time after a sample at which the disk lies flat, if it goes straight there.
 
-    Steps that stop short of it and shrink: beyond, there is no motion to look at.
+    Steps that stop short of it and shrink: beyond, there is no motion to look at. One that goes
+    too far all the same, which may fail, is taken back.
 
     Parameters
     ----------
@@ -67,20 +70,29 @@ def touch_down(after: Callable[[float], Array], row: Array, width: float) -> flo
     row : ndarray, shape (12 + k,)
     width : float
         Latest time in s.
+    pull : float
+        Angular acceleration in rad/s² with which a disk falls, at most.
     """
-    moment, here = 0.0, row
+    moment, here, part = 0.0, row, 1.0
     for _ in range(40):
         gap = float(leaning(here)) - LEAST_TILT
         if moment and gap < 1e-3 * LEAST_TILT:
             return moment
         rising = float(here[columns.BETA_RATE])
         rate = rising if here[columns.BETA] > 0.5 * pi else -rising
-        if rate <= 0.0:
+        if rate <= 0.0 or part < 0.01:
             return None
-        moment += (0.9 if gap > 10.0 * LEAST_TILT else 1.0) * gap / rate
-        if moment > width:
+        later = moment + part * 2.0 * gap / (rate + sqrt(rate**2 + 2.0 * pull * gap))
+        if later > width:
             return None
-        here = after(moment)
+        try:
+            there = after(later)
+        except EngineError:
+            there = None
+        if there is None or leaning(there) < (1.0 - 1e-3) * LEAST_TILT:
+            part *= 0.5
+        else:
+            moment, here = later, there
     return None
 
 
@@ -187,6 +199,8 @@ class Search:
         Time between them in s.
     broke_off : bool
         Whether the run failed after the last of them.
+    pull : float
+        See `touch_down`.
     """
 
     def __init__(
@@ -195,9 +209,10 @@ class Search:
         values: Array,
         period: float,
         broke_off: bool,
+        pull: float,
     ) -> None:
         self._after, self._values, self._period = after, values, period
-        self._broke_off = broke_off
+        self._broke_off, self._pull = broke_off, pull
 
     def first(
         self, says: Mapping[str, Says], stopped_by: str | None, beyond: float
@@ -261,12 +276,8 @@ class Search:
         if row < 0 or (upright == len(self._values) and not self._broke_off):
             return None
         after = self._from_before(row, 1.0)
-        try:
-            moment = touch_down(after, self._values[row], 2.0 * self._period)
-            return None if moment is None else Found(FLAT, row, moment, after(moment))
-        except EngineError:
-            # Too long a step for the last stretch: the run itself says what went wrong.
-            return None
+        moment = touch_down(after, self._values[row], 2.0 * self._period, self._pull)
+        return None if moment is None else Found(FLAT, row, moment, after(moment))
 
     def _from_before(self, row: int, width: float) -> Callable[[float], Array]:
         """Samples at times after sample `row`, by runs from the one before it.

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
-from analysis.data.checks import choice, number, positive
+from analysis.data.checks import choice, number
+from analysis.data.checks import local_tolerance as one_step
 from mbs_models.formulations import CLASSES
 from mbs_models.model import Formulation
 from mbs_models.newton import Newton
@@ -78,7 +79,7 @@ class Integrator:
             if not 0.0 <= radius <= 1.0:
                 raise ValueError(f"spectral_radius must lie in [0, 1], got {radius:g}")
         if self.local_tolerance is not None:
-            positive("local_tolerance", self.local_tolerance)
+            one_step("local_tolerance", self.local_tolerance, 0.0)
 
     def _fill(self, option: str, applies: bool, default: object) -> None:
         """Fill in the default of an option; raise if it is given but does not apply."""

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
+from analysis.data.scenario import Scenario
 from analysis.data.start import Start
 from analysis.data.state import COORDINATES, State
 from mbs_models.build import build
@@ -18,7 +19,7 @@ from mbs_models.scene import Scene
 ComplexArray = npt.NDArray[np.complex128]
 
 
-def eigenvalues(scene: Scene) -> ComplexArray:
+def eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     """Eigenvalues of a scene about its stationary start, in 1/s.
 
     The engine's accelerations are differentiated along the constraint manifold in independent
@@ -28,8 +29,9 @@ def eigenvalues(scene: Scene) -> ComplexArray:
 
     Parameters
     ----------
-    scene : Scene
-        On a horizontal table with the ideal contact, such as one with `Start.stationary`.
+    scene : Scene or Scenario
+        A scenario stands for its default scene. On a horizontal table with the ideal contact,
+        such as one with `Start.stationary`.
 
     Returns
     -------
@@ -54,7 +56,7 @@ def eigenvalues(scene: Scene) -> ComplexArray:
     return np.linalg.eigvals(state_matrix(scene)).astype(complex)
 
 
-def state_matrix(scene: Scene) -> Array:
+def state_matrix(scene: Scene | Scenario) -> Array:
     """State matrix behind `eigenvalues`, shape (n, n); see there.
 
     Examples
@@ -64,7 +66,7 @@ def state_matrix(scene: Scene) -> Array:
     >>> state_matrix(Scene(Scenario(start=Start.stationary(31.0)))).shape
     (8, 8)
     """
-    chart = _chart(scene)
+    chart = _chart(Scene.of(scene))
     columns = [
         _derivative(chart.rates, chart.origin, index, step)
         for index, step in enumerate(chart.steps)
@@ -72,7 +74,7 @@ def state_matrix(scene: Scene) -> Array:
     return np.column_stack(columns)
 
 
-def stock_eigenvalues(scene: Scene) -> ComplexArray:
+def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     """What the engine's own `ComputeODE2Eigenvalues` says about a scene, shape (n,).
 
     Right for the contact tree, whose eigenvalues of the neutral direction alpha (two zeros) are
@@ -87,7 +89,7 @@ def stock_eigenvalues(scene: Scene) -> ComplexArray:
     >>> stock_eigenvalues(Scene(scenario, "contact-tree")).shape
     (8,)
     """
-    model = build(scene)
+    model = build(Scene.of(scene))
     with quiet():
         values, _ = model.system.ComputeODE2Eigenvalues(
             computeComplexEigenvalues=True, useAbsoluteValues=False

@@ -5,7 +5,7 @@ from typing import Any
 
 import exudyn as exu
 
-from analysis.data.checks import positive
+from analysis.data.checks import positive, switch
 from mbs_models.model import Model
 
 MOST_ITERATIONS = 100
@@ -41,6 +41,7 @@ class Newton:
     absolute: float | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "modified", switch("modified", self.modified))
         object.__setattr__(self, "relative", positive("relative", self.relative))
         if self.absolute is not None:
             object.__setattr__(self, "absolute", positive("absolute", self.absolute))

@@ -30,8 +30,7 @@ def euler_tree_contact(scenario: Scenario, contact: PenaltyContact) -> Force:
         x, arm = q[1], side - q[2]
         slip_x = u[1] + arm * u[0] + r * u[5]
         slip_y = u[2] + x * u[0] + lift * u[4]
-        # The full weight presses wherever there is contact at all; a contact that pulls rubs with
-        # no load of its own.
+        # A contact that pulls is no load; the weight is one wherever there is contact at all.
         load = max(0.0, normal)
         if by_weight and (always or normal > 0.0):
             load = weight

@@ -3,14 +3,15 @@
 import exudyn as exu
 import numpy as np
 
-from analysis.data.checks import Array
+from analysis.data.checks import Array, instance
+from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from mbs_models.build import build
 from mbs_models.model import Model
 from mbs_models.scene import Scene
 
 
-def acceleration(scene: Scene, state: State | None = None) -> tuple[Array, Array]:
+def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[Array, Array]:
     """Accelerations and multipliers of a scene, taken from the engine.
 
     Mass matrix, right-hand side, constraint Jacobian and the change of the velocity-level
@@ -20,7 +21,8 @@ def acceleration(scene: Scene, state: State | None = None) -> tuple[Array, Array
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or Scenario
+        A scenario stands for its default scene.
     state : State, optional
         Any state that meets the constraints; by default the start of the scene.
 
@@ -43,7 +45,10 @@ def acceleration(scene: Scene, state: State | None = None) -> tuple[Array, Array
     >>> accelerations.shape, multipliers.shape
     ((6,), (1,))
     """
-    model = build(scene if state is None else scene.starting_at(state))
+    scene = Scene.of(scene)
+    if state is not None:
+        scene = scene.starting_at(instance("state", state, State))
+    model = build(scene)
     probe = Probe(model)
     probe.check_start()
     second_derivatives, algebraic = probe.solve()

@@ -5,11 +5,13 @@ from math import hypot
 import numpy as np
 
 from analysis.data import frames
-from analysis.data.agreement import located, until_agreement
-from analysis.data.checks import Array, positive
+from analysis.data.agreement import until_agreement
+from analysis.data.checks import instance, positive
 from analysis.data.dissipation import RestCriterion
 from analysis.data.endings import AT_REST, Ending, StopWhen, named_conditions
+from analysis.data.friction import check_slipping
 from analysis.data.limits import check_storage
+from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.data.trajectory import versions
 from analysis.data.watch import Progress, Watch
@@ -23,7 +25,7 @@ LOCAL_PART = 1e-4
 
 
 def simulate_to_rest(
-    scene: Scene,
+    scene: Scene | Scenario,
     end: float,
     *,
     step: float | None = None,
@@ -44,21 +46,22 @@ def simulate_to_rest(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or Scenario
         Of formulation "floating-lie" and with a rounded rim, such as `Scene(Scenario.rest())`.
     end : float
         Longest time in s.
     step : float, optional
         Largest step in s. It is cut where rolling resistance makes a nearly flat disk stiff.
     tolerance : float, optional
-        Largest error, see `SpatialMotion.deviation`; 1e-3 if neither is given.
+        Largest error, see `SpatialMotion.deviation`, and by `error_at_ending` where a condition
+        ends the run; 1e-3 if neither is given.
     spacing : float
         Time between samples in s.
     criterion : RestCriterion, optional
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
-        negative there. They are asked at the samples, but not where the disk lies flat; see
-        `located`.
+        negative there. They are asked at the samples, but not where the disk lies flat, and
+        located by short runs from the sample before.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.
@@ -93,30 +96,34 @@ def simulate_to_rest(
     True
     """
     end, spacing = positive("end", end), positive("spacing", spacing)
+    step = None if step is None else positive("step", step)
     if spacing > end:
         raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
+    scene = Scene.of(scene)
     rounded_contact(scene)
     check_storage("end", end / spacing, MOTION_COLUMNS)
     rest_effort(scene, end, SAFETY * largest_step(scene) if step is None else step).check()
+    check_slipping(scene.scenario.friction)
     watch = Watch(time_limit, progress)
-    wanted = criterion if criterion is not None else RestCriterion()
-    conditions = named_conditions(stop_when)
+    wanted = RestCriterion()
+    if criterion is not None:
+        wanted = instance("criterion", criterion, RestCriterion)
+    conditions = named_conditions(stop_when, scene.scenario.initial_state)
     count = int(np.floor(end / spacing + 1e-9))
 
     def run(local: float | None) -> SpatialMotion:
         found = RestRun(scene, spacing, watch, step=step, local_tolerance=local)
         still = found.until_rest(count, wanted, conditions)
-        last = found.last if still is None else still + wanted.samples(spacing) - 1
-        return _motion(found, last + 1, still)
+        size = len(found.times) if still is None else still + wanted.samples(spacing)
+        return _motion(found, size, still)
 
     if step is not None:
-        _check_step(scene, positive("step", step))
-        return located(run(None), conditions)
+        _check_step(scene, step)
+        return run(None)
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    agreed = until_agreement(run, LOCAL_PART * tolerance, tolerance)
-    return located(agreed, conditions, tolerance)
+    return until_agreement(run, LOCAL_PART * tolerance, tolerance)
 
 
 def _check_step(scene: Scene, step: float) -> None:
@@ -134,8 +141,7 @@ def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
     """Motion over so many samples; at rest from the sample of number `still` on."""
     scenario = run.scene.scenario
     disk = scenario.disk
-    records = run.records[:count]
-    times: Array = np.arange(count, dtype=float) * run.spacing
+    records, times = run.records[:count], run.times[:count]
     rotation = records[:, 3:12].reshape(-1, 3, 3)
     loads = Loads(scenario, rounded_contact(run.scene))
     rows = []

@@ -1,6 +1,7 @@
 """Engine runs of a disk with a rounded rim, in stretches, until it is at rest."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import hypot, sqrt
 from typing import Any
 
@@ -11,7 +12,7 @@ from analysis.data.checks import Array, TimeLimitError
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
-from analysis.data.endings import Condition, Ending, first_met
+from analysis.data.endings import Condition, Ending, Poses, ending_met, first_met
 from analysis.data.trajectory import Setting
 from analysis.data.watch import Watch
 from mbs_models.quiet import quiet
@@ -31,8 +32,14 @@ FIRST_STEP = 1e-5
 MINIMUM_STEP = 1e-13
 """Step in s at which step control gives up; it needs short ones where a damper's force sets in."""
 
+PARTS = 16
+"""Of the time between two samples, at which conditions are asked where one has turned negative."""
+
 LOOK = 100
 """Steps after which step control looks at the time."""
+
+
+_INITIAL = exu.ConfigurationType.Initial
 
 
 def largest_step(scene: Scene, leaning: float = 1.0) -> float:
@@ -131,6 +138,7 @@ class RestRun:
         self.counts = {"steps": 0, "rejected_steps": 0}
         self._watch, self._step, self._local_tolerance = watch, step, local_tolerance
         self._end, self._calls = 0.0, 0
+        self._is_locating = False
         self._stopped: Ending | None = None
         self._model = Tally(scene.scenario)
         self._limiter = StepLimiter(spacing, MINIMUM_STEP)
@@ -149,8 +157,9 @@ class RestRun:
         stretch = max(1, round(STRETCH / self.spacing))
         still = None
         while still is None and self.done < count and not self.is_over:
+            begin = self._state(_INITIAL)
             self._advance(min(stretch, count - self.done))
-            self._stopped = self._met(conditions)
+            self._stopped = self._met(begin, conditions)
             if self._stopped is not None:
                 break
             self.is_over |= self._watch.is_over(self._time, self._end) and self.done < count
@@ -158,9 +167,12 @@ class RestRun:
         return still
 
     @property
-    def last(self) -> int:
-        """Number of the last sample that counts."""
-        return self.done if self._stopped is None else round(self._stopped.time / self.spacing)
+    def times(self) -> Array:
+        """Times of the records in s, shape (n,)."""
+        found: Array = np.arange(sum(map(len, self._records)), dtype=float) * self.spacing
+        if self._stopped is not None:
+            found[-1] = self._stopped.time
+        return found
 
     @property
     def method(self) -> dict[str, Setting]:
@@ -193,24 +205,33 @@ class RestRun:
     def _before_step(self, system: Any, moment: float) -> bool:
         """Limit the step, and end the run where its time is over."""
         self._calls += 1
-        if self._calls % LOOK == 0 and self._watch.is_over(moment, self._end):
+        is_due = self._calls % LOOK == 0 and not self._is_locating
+        if is_due and self._watch.is_over(moment, self._end):
             self.is_over = True
             raise EngineError("time limit")
         return self._limiter.limit(system, moment)
 
     def _advance(self, intervals: int) -> None:
         """Run over so many sampling intervals, unless the watch ends the run on the way."""
+        stored = self._solved(intervals, self.spacing, self._time)
+        if stored is not None:
+            self._go_on_from(self._state(exu.ConfigurationType.Current))
+            self._records.append(stored)
+            self.done += intervals
+
+    def _solved(self, intervals: int, spacing: float, begin: float) -> Array | None:
+        """Samples behind a time in s, by a run from the initial state; None if it was ended."""
         system: Any = self._model.system
         solver = exu.DynamicSolverType
         try:
             with quiet():
                 system.SolveDynamic(
-                    self._settings(intervals),
+                    self._settings(intervals, spacing, begin),
                     solverType=solver.DOPRI5 if self._step is None else solver.RK44,
                 )
         except exu.ExudynError as error:
             if self.is_over:
-                return
+                return None
             cause = str(error).strip().splitlines()[0]
             if self._limiter.stalled:
                 cause = f"step control came down to its minimum step of {MINIMUM_STEP:g} s"
@@ -220,21 +241,25 @@ class RestRun:
         _, stored = self._model.samples()
         if len(stored) != intervals + 1 or not np.all(np.isfinite(stored)):
             raise EngineError(f"engine run stopped after t = {self._time:.6g} s")
-        data, iteration = system.systemData, system.sys["dynamicSolver"].it
-        data.SetSystemState(
-            data.GetSystemState(exu.ConfigurationType.Current), exu.ConfigurationType.Initial
-        )
-        self._records.append(stored[1:])
-        self.done += intervals
+        iteration = system.sys["dynamicSolver"].it
         # The engine's index is that of the step to come.
         self.counts["steps"] += int(iteration.currentStepIndex) - 1
         self.counts["rejected_steps"] += int(iteration.rejectedAutomaticStepSizeSteps)
+        found: Array = stored[1:]
+        return found
 
-    def _settings(self, intervals: int) -> Any:
+    def _state(self, configuration: Any) -> list[Array]:
+        data = self._model.system.systemData
+        return [np.array(each) for each in data.GetSystemState(configuration)]
+
+    def _go_on_from(self, state: list[Array]) -> None:
+        self._model.system.systemData.SetSystemState(state, _INITIAL)
+
+    def _settings(self, intervals: int, spacing: float, begin: float) -> Any:
         settings = exu.SimulationSettings()
         time = settings.timeIntegration
-        time.startTime = self._time
-        time.endTime = self._time + intervals * self.spacing
+        time.startTime = begin
+        time.endTime = begin + intervals * spacing
         time.numberOfSteps = intervals
         time.verboseMode = 0
         time.adaptiveStep = False
@@ -242,35 +267,76 @@ class RestRun:
         if self._step is not None:
             leaning = float(np.hypot(*self._records[-1][-1, [5, 8]]))
             step = min(self._step, SAFETY * largest_step(self.scene, 0.5 * leaning))
-            time.numberOfSteps *= int(np.ceil(self.spacing / step - 1e-9))
+            time.numberOfSteps *= int(np.ceil(spacing / step - 1e-9))
         else:
             time.absoluteTolerance = self._local_tolerance
             # The engine scales it with signed coordinates, so that it may cancel the other.
             time.relativeTolerance = 0.0
             time.minimumStepSize = MINIMUM_STEP
-            time.initialStepSize = min(FIRST_STEP, self.spacing)
+            time.initialStepSize = min(FIRST_STEP, spacing)
         # Nothing reads them, and the next step's first stage computes them anyway.
         time.explicit.computeEndOfStepAccelerations = False
         settings.solution.file.write = False
-        settings.solution.sensors.writePeriod = self.spacing
+        settings.solution.sensors.writePeriod = spacing
         return settings
 
     @property
     def _time(self) -> float:
         return self.done * self.spacing
 
-    def _met(self, conditions: Mapping[str, Condition]) -> Ending | None:
-        """Ending in the last stretch by a condition."""
+    def _met(self, begin: list[Array], conditions: Mapping[str, Condition]) -> Ending | None:
+        """Ending in the last stretch by a condition; the records then end there.
+
+        Parameters
+        ----------
+        begin : list of ndarray
+            State of the engine at the beginning of the stretch.
+        conditions : mapping
+        """
         if not conditions or len(self._records) < 2:
             return None
         records = np.concatenate((self._records[-2][-1:], self._records[-1]))
-        place, rotation, velocity, angular = np.split(records[:, :18], (3, 12, 15), axis=1)
-        found = first_met(conditions, place, rotation.reshape(-1, 3, 3), velocity, angular)
-        if found is None:
+        met = first_met(conditions, *_poses(records))
+        if met is None:
             return None
-        row, reason, value = found
-        number = self.done - len(self._records[-1]) + row
-        return Ending(reason=reason, time=number * self.spacing, value=value)
+        self._is_locating = True
+        begun = self._time - len(self._records[-1]) * self.spacing
+        state = self._state_after(begin, met.before, self.spacing, begun)
+        since, record = begun + met.before * self.spacing, records[met.before]
+        width, part = (met.row - met.before) * self.spacing, self.spacing / PARTS
+        finer = np.vstack((record, self._short_run(state, width, round(width / part))))
+        closer = first_met(conditions, *_poses(finer))
+        if closer is not None:
+            state = self._state_after(state, closer.before, part, 0.0)
+            since, record = since + closer.before * part, finer[closer.before]
+            width = (closer.row - closer.before) * part
+
+        def after(moment: float) -> Array:
+            return self._short_run(state, moment, 1) if moment else record[None]
+
+        ending = ending_met(conditions, lambda moment: _poses(after(moment)), 0.0, width)
+        last, time = after(ending.time), since + ending.time
+        whole = np.concatenate(self._records)
+        self._records = [whole[np.arange(len(whole)) * self.spacing < time], last]
+        return replace(ending, time=time)
+
+    def _state_after(
+        self, state: list[Array], count: int, spacing: float, begin: float
+    ) -> list[Array]:
+        """State so many intervals after another: the same steps lead to it again."""
+        if not count:
+            return state
+        self._go_on_from(state)
+        self._solved(count, spacing, begin)
+        return self._state(exu.ConfigurationType.Current)
+
+    def _short_run(self, state: list[Array], duration: float, intervals: int) -> Array:
+        """Records behind a state, in so many intervals."""
+        self._go_on_from(state)
+        self._limiter = StepLimiter(duration / intervals, MINIMUM_STEP)
+        found = self._solved(intervals, duration / intervals, 0.0)
+        assert found is not None
+        return found
 
     def _rest(self, criterion: RestCriterion) -> int | None:
         """Number of the first sample at rest, seen from the last stretches."""
@@ -289,6 +355,11 @@ class RestRun:
         rise = height - rounded_contact(self.scene).resting_height(disk, scenario.weight)
         found = criterion.first(kinetic_energy(disk, records), rise, self.spacing)
         return None if found is None else self.done + 1 - number + found
+
+
+def _poses(records: Array) -> Poses:
+    place, rotation, velocity, angular = np.split(records[:, :18], (3, 12, 15), axis=1)
+    return Poses(place, rotation.reshape(-1, 3, 3), velocity, angular)
 
 
 def kinetic_energy(disk: Disk, records: Array) -> Array:

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil, floor
+from math import ceil, floor, inf
 from typing import Any, NamedTuple
 
 import exudyn as exu
@@ -72,6 +72,7 @@ def run(
     substeps: int,
     start: "Start | None" = None,
     stop: Stop | None = None,
+    most: float = inf,
 ) -> Samples:
     """Run a model from its initial state and sample it evenly; samples fall on steps.
 
@@ -90,6 +91,8 @@ def run(
         What `settle` has returned, if it has been called.
     stop : callable, optional
         Ends the run early.
+    most : float
+        Steps after which step control is given up.
 
     Returns
     -------
@@ -108,7 +111,7 @@ def run(
         complete_jacobian(model)
     settings = _settings(model, integrator, spacing * intervals, intervals * substeps)
     settings.solution.sensors.writePeriod = spacing
-    limiter = StepLimiter(spacing)
+    limiter = StepLimiter(spacing, most=most)
     if integrator.controls_step:
         system.SetPreStepUserFunction(limiter.limit)
     stopped: list[float] = []
@@ -184,20 +187,27 @@ class StepLimiter:
         Time between samples in s.
     minimum : float
         The minimum step in s that step control is set to.
+    most : float
+        Steps after which the run is given up.
 
     Attributes
     ----------
     stalled : bool
         Whether step control has come down to its minimum step, where the engine would go on
         with a larger error.
+    steps : int
+        Taken so far.
     """
 
-    def __init__(self, spacing: float, minimum: float = MINIMUM_STEP) -> None:
-        self._spacing, self._minimum = spacing, minimum
-        self.stalled = False
+    def __init__(self, spacing: float, minimum: float = MINIMUM_STEP, most: float = inf) -> None:
+        self._spacing, self._minimum, self.most = spacing, minimum, most
+        self.stalled, self.steps = False, 0
 
     def limit(self, system: Any, _t: float) -> bool:
         """Replace the step that the engine has just proposed; its function before each step."""
+        self.steps += 1
+        if self.steps > self.most:
+            raise EngineError("too many steps")
         iteration = system.sys["dynamicSolver"].it
         step = iteration.currentStepSize
         start = iteration.currentTime - step
@@ -293,6 +303,8 @@ def _early_end(
     cause = "the result is not finite"
     if limiter.stalled:
         cause = f"step control came down to its minimum step of {MINIMUM_STEP:g} s"
+    elif limiter.steps > limiter.most:
+        cause = f"it has taken {limiter.most:.1e} steps, far more than expected"
     elif error is not None:
         cause = str(error).split(" [Python file")[0].strip().splitlines()[0]
         if solver.conv.newtonSolutionDiverged or solver.conv.stepReductionFailed:

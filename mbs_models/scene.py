@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from analysis.data.checks import choice
+from analysis.data.checks import choice, instance
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from mbs_models.formulations import CLASSES, formulations
@@ -43,12 +43,24 @@ class Scene:
     formulation: Formulation | None = None
 
     def __post_init__(self) -> None:
+        instance("scenario", self.scenario, Scenario)
         if self.formulation is None:
             return
         choice("formulation", self.formulation, FORMULATIONS)
         if why := CLASSES[self.formulation].obstacle(self.scenario):
             able = ", ".join(formulations(self.scenario))
             raise ValueError(f"formulation {self.formulation!r} {why}; use one of {able}")
+
+    @classmethod
+    def of(cls, given: "Scene | Scenario") -> "Scene":
+        """The scene itself, or that of a scenario in its default formulation.
+
+        Raises
+        ------
+        ValueError
+            If it is neither.
+        """
+        return cls(given) if isinstance(given, Scenario) else instance("scene", given, Scene)
 
     @property
     def built_as(self) -> Formulation:

@@ -3,7 +3,13 @@
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import TimeLimitError, ToleranceError, increasing_times, positive
+from analysis.data.checks import (
+    TimeLimitError,
+    ToleranceError,
+    increasing_times,
+    positive,
+    switch,
+)
 from analysis.data.endings import (
     CONTACT_WOULD_PULL,
     TIME_LIMIT,
@@ -11,6 +17,8 @@ from analysis.data.endings import (
     StopWhen,
     named_conditions,
 )
+from analysis.data.friction import check_slipping
+from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models import columns
@@ -25,7 +33,7 @@ from mbs_models.to_tolerance import to_tolerance
 
 
 def simulate(
-    scene: Scene,
+    scene: Scene | Scenario,
     times: npt.ArrayLike,
     *,
     step: float | None = None,
@@ -48,7 +56,8 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or Scenario
+        A scenario stands for its default scene.
     times : array_like, shape (n,)
         Strictly increasing times in s; the motion starts at the first. Each stretch of evenly
         spaced times is one engine run, so even spacing is fastest.
@@ -65,7 +74,8 @@ def simulate(
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
         negative there.
     allow_pulling : bool
-        Go on where the contact pulls; friction then has no load.
+        Go on where the contact pulls. Friction with the load "contact" rubs with none there;
+        with the load "weight" it rubs under the weight as before.
     time_limit : float, optional
         Processor time in s after which the run ends with what it has reached.
     progress : callable, optional
@@ -86,7 +96,8 @@ def simulate(
     FlatError
         If the disk comes so close to lying flat that the Euler angles cannot be followed.
     ToleranceError
-        If `tolerance` cannot be met.
+        If `tolerance` cannot be met, or the run takes far more steps than it should; with a time
+        limit it may.
     TimeLimitError
         If the limit is met before there is a result.
 
@@ -101,7 +112,8 @@ def simulate(
     >>> bool(np.abs(run.coordinates - check.coordinates)[:, 4:].max() < 1e-6)
     True
     """
-    times = increasing_times(times)
+    scene, times = Scene.of(scene), increasing_times(times)
+    allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene.built_as, integrator, constrained=scene.has_constraints)
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
@@ -118,9 +130,12 @@ def simulate(
         raise ToleranceError(
             f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
         )
-    simulation_effort(scene, times, chosen, step=step, tolerance=tolerance).check()
+    told = None if integrator is None else chosen
+    effort = simulation_effort(scene, times, told, step=step, tolerance=tolerance)
+    effort.check()
+    check_slipping(scene.scenario.friction)
     conditions = named_conditions(stop_when, scene.scenario.initial_state)
-    watch = Watch(time_limit, progress)
+    watch = Watch(time_limit, progress, effort.most)
 
     def run(way: Integrator, largest: float, halvings: int = 0) -> Pass:
         return one_pass(

@@ -122,6 +122,8 @@ class Runner:
         finer, substeps = self._fineness(model, spacing, substeps)
         period = spacing / finer
         says = says_of(self._conditions, may_pull=not self._must_not_pull(model))
+        if not self._watch.steps_left:
+            raise self._watch.given_up(self._integrator.name)
         stop = _Stop(model, self._watch, (begin, self._end), says)
         failure: EngineError | None = None
         try:
@@ -133,6 +135,7 @@ class Runner:
                 substeps=substeps,
                 start=start,
                 stop=None if stop.is_idle else stop,
+                most=self._watch.steps_left,
             )
         except EngineError as error:
             if error.samples is None:
@@ -141,11 +144,14 @@ class Runner:
         self._count(samples)
         values = _values(model, samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
+        lowest = int(np.argmin(leaning(values)))
+        self._watch.flattest = (float(moments[lowest]), float(leaning(values[lowest])))
         if not model.has_euler_angles:
             upright = int(np.argmin(np.append(leaning(values) >= LEAST_TILT, False)))
             _unwrap(values[:upright], moments[:upright], model.start)
         beyond = (samples.stopped or 0.0) - period * (len(values) - 1) if stop.reason else 0.0
-        search = Search(self._after(scene, substeps), values, period, bool(failure))
+        fall = 2.0 * scene.scenario.table.gravity / scene.scenario.disk.radius
+        search = Search(self._after(scene, substeps), values, period, bool(failure), fall)
         found = search.first(says, stop.reason, beyond)
         if found is not None:
             moments = np.append(moments[: found.row + 1], moments[found.row] + found.moment)
@@ -186,7 +192,14 @@ class Runner:
         def after(row: Array, duration: float, records: int) -> Array:
             model = self._build(scene.starting_at(state_of(row)))
             steps = records * substeps
-            samples = run(model, self._integrator, spacing=duration, intervals=1, substeps=steps)
+            samples = run(
+                model,
+                self._integrator,
+                spacing=duration,
+                intervals=1,
+                substeps=steps,
+                most=self._watch.steps_left,
+            )
             self._count(samples)
             values = _values(model, samples)
             if not model.has_euler_angles:
@@ -204,6 +217,7 @@ class Runner:
 
     def _count(self, samples: Samples) -> None:
         self.counts.update(samples.counts)
+        self._watch.steps += samples.counts["steps"] + samples.counts.get("rejected_steps", 0)
         self.seconds += samples.seconds
 
     def _fineness(self, model: Model, spacing: float, substeps: int) -> tuple[int, int]:

@@ -1,33 +1,33 @@
 """Sweeps that several tests run, and a pool that runs them at once."""
 
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Executor, Future
 from typing import Any
 
 from analysis import MODELS, Scenario
 from validation.sweeps.axes import Design, axis_from_text
 from validation.sweeps.plan import Plan
+from validation.sweeps.pools import Pool
 from validation.sweeps.sweep import Sweep
 
 
-class Direct:
-    """A pool of this process."""
+class Here(Executor):
+    """Makes calls at once, in this process."""
 
-    workers = 1
-
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
+    def submit(
+        self, function: Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> "Future[Any]":
         future: Future[Any] = Future()
         try:
-            future.set_result(function(*arguments))
+            future.set_result(function(*arguments, **named))
         except Exception as error:  # noqa: BLE001 - as every executor does
             future.set_exception(error)
         return future
 
-    def mend(self) -> None:
-        pass
 
-    def stop(self) -> None:
-        pass
+def direct(workers: int = 1, executor: Executor | None = None) -> Pool:
+    """A pool of this process."""
+    return Pool(executor or Here(), workers)
 
 
 def sweep(*axes: str, scenario: Scenario | None = None, **plan: Any) -> Sweep:

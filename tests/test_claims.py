@@ -163,6 +163,16 @@ def test_contact_matrix_is_singular_at_the_coefficient_found() -> None:
     assert sorted(is_singular(above, speed) for speed in (1.0, -1.0)) == [False, True]
 
 
+@pytest.mark.parametrize("wrong", [0.9, 1.1, np.nan, np.inf])
+def test_matrix_that_is_not_singular_is_not_called_so(wrong: float) -> None:
+    least = contact_matrix.bound()
+    run = simulate(Scenario(), np.linspace(0.0, 0.1, 11))
+    assert contact_matrix.claim(run, least).verdict == "yes"
+    elsewhere = replace(least, coefficient=wrong * least.coefficient)
+    assert contact_matrix.claim(run, elsewhere).verdict == "no"
+    assert contact_matrix.claim(run, replace(least, gamma=least.gamma + 0.5)).verdict == "no"
+
+
 def test_no_attitude_needs_less_friction_to_be_singular() -> None:
     least = contact_matrix.bound().coefficient
     rng = np.random.default_rng(0)

@@ -1,5 +1,6 @@
 """`tippedisk show`: how far stored motions are apart, and their picture."""
 
+import os
 import re
 from dataclasses import replace
 from functools import cache
@@ -9,11 +10,21 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from analysis import Scenario, SpatialMotion, Start, Trajectory, simulate, simulate_to_rest
-from tests.calls import printed
+from analysis import (
+    Scenario,
+    SmoothCoulomb,
+    SpatialMotion,
+    Start,
+    Trajectory,
+    load_run,
+    simulate,
+    simulate_to_rest,
+)
+from tests.calls import printed, run
 from tests.helpers import not_none, random_trajectory
 from validation import cli
-from validation.kit.differences import difference_table
+from validation.kit.differences import difference_table, fields_table
+from validation.kit.tables import show
 
 
 @cache
@@ -93,3 +104,62 @@ def test_without_a_screen_the_numbers_are_printed(
     shown = printed(capsys, "show", str(tmp_path / "run.npz"))
     assert shown.startswith("run: Trajectory(")
     assert "--out PICTURE draws" in shown
+
+
+@pytest.mark.parametrize("name", ["a$_{$b", "$x", os.fsdecode(b"odd\xff"), "new\nline\x07"])
+def test_any_name_of_a_file_can_be_shown_and_played(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / f"{name}.npz"
+    try:
+        random_trajectory().save(file)
+    except OSError:
+        pytest.skip("no such name here")
+    for command, made in (("show", "made.svg"), ("animate", "made.html")):
+        assert cli.main([command, str(file), "--out", str(tmp_path / made)]) == 0
+        assert capsys.readouterr().err == ""
+    if "$" in name:
+        assert name in (tmp_path / "made.svg").read_text(encoding="utf-8")
+
+
+def test_motions_of_different_problems_are_told_apart_first(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = simulate(Scenario(), [0.0, 0.1], local_tolerance=1e-6)
+    friction = SmoothCoulomb(coefficient=0.2)
+    start = Start(gamma=float(np.nextafter(Start().gamma, 0.0)))
+    other = replace(one, scenario=replace(one.scenario, friction=friction, start=start))
+    files = [str(tmp_path / f"{name}.npz") for name in ("one", "other")]
+    one.save(files[0])
+    other.save(files[1])
+    shown = printed(capsys, "show", *files, "--out", str(tmp_path / "both.png"))
+    first, _, _, *lines = shown.partition("\n\n")[0].splitlines()
+    assert first == "What differs"
+    cells = {line.split()[0]: line.split()[1:] for line in lines}
+    assert cells["friction.coefficient"] == ["0.3", "0.2"]
+    # What six digits do not tell apart is shown with all of them.
+    assert list(map(float, cells["start.gamma"])) == [Start().gamma, start.gamma]
+    assert len(cells) == 2
+
+
+def test_runs_that_differ_in_their_source_alone_are_compared_at_once() -> None:
+    one = random_trajectory()
+    assert not fields_table([("one", one), ("other", replace(one, source="engine"))]).rows
+    stricter = replace(one, method={**one.method, "tolerance": 1e-12})
+    (row,) = fields_table([("one", one), ("other", stricter)]).rows
+    assert row == ["method.tolerance", show(one.method.get("tolerance")), "1.00e-12"]
+
+
+def test_differences_or_the_samples_of_one_motion_are_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one, out = random_trajectory(), str(tmp_path / "out.csv")
+    files = [str(tmp_path / f"{name}.npz") for name in ("one", "other")]
+    one.save(files[0])
+    replace(one, coordinates=one.coordinates + 1e-3).save(files[1])
+    assert "no screen" not in printed(capsys, "show", *files, "--csv", out)
+    table = difference_table([("one", one), ("other", load_run(files[1]))])
+    assert Path(out).read_text() == table.to_csv()
+    assert run("show", files[0], "--csv", out) == 0
+    one.to_csv(tmp_path / "samples.csv")
+    assert Path(out).read_text() == (tmp_path / "samples.csv").read_text()

@@ -7,20 +7,21 @@ from types import SimpleNamespace
 
 import pytest
 
+from analysis.compiled import library
 from tests.calls import refusal, run
+from tests.sweeps import sweep
 from tests.test_cli_scenario import chosen
 from validation.commands.sweep import chosen_design
 from validation.parser import sweeps
 from validation.sweeps.axes import LAYOUTS, MOST_CASES
-from validation.sweeps.pools import KINDS
 from validation.sweeps.results import Results
+from validation.sweeps.runner import run_sweep
 
 SHORT = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1"
 
 
 def test_choices_are_those_of_the_package() -> None:
     assert sweeps.LAYOUTS == LAYOUTS
-    assert sweeps.EXECUTORS == KINDS
     assert sweeps.MOST == MOST_CASES
 
 
@@ -81,7 +82,10 @@ def test_axes_come_from_a_file_as_well(tmp_path: Path) -> None:
         ("spin=1,2 --keep spin_torque", "--keep: keep must name what Model 1 has"),
         ("spin=1,2 --rest --keep beta", "keep must be one of position_x"),
         ("spin=1,2 --plot a.txt", "--plot: must end in .png, .svg or .pdf"),
-        ("spin=1,2 mu=0:1:2 eps=1,2 --plot a.png", "--plot: one or two axes can be drawn, got 3"),
+        (
+            "spin=1,2 mu=0.1 --plot a.png",
+            "--plot: several axes can be drawn if each has two values",
+        ),
         ("spin=1,2 --time-limit 0", "--time-limit must be positive"),
         ("spin=1,2 --out a.csv", "--out: must end in .db"),
         ("--axes no-such.toml", "No such file"),
@@ -106,6 +110,25 @@ def test_store_that_the_disk_cannot_hold_is_refused_before_it_starts(
     out = tmp_path / "a.db"
     assert "5 cases may take" in refusal(capsys, "sweep spin=30:40:5", SHORT, f"--out={out}")
     assert not out.exists()
+
+
+def test_a_method_that_is_not_installed_is_refused_before_anything_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(library, "find_spec", lambda _: None)
+    out = tmp_path / "a.db"
+    said = refusal(capsys, f"sweep spin=30:40:5 {SHORT} --method taylor --out {out}")
+    assert "--method: method 'taylor' needs heyoka, which is not installed: pip install" in said
+    with pytest.raises(ValueError, match=r"^method 'taylor' needs heyoka, which is not"):
+        run_sweep(sweep("spin=30,31", method="taylor"), out)
+    assert not out.exists()
+
+
+def test_cases_that_would_take_too_many_steps_count_as_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    call = "sweep eps=1e-11,1e-12 --end 4 --workers 1 --out"
+    assert "s/m up to t = 4 s would take about" in refusal(capsys, call, str(tmp_path / "a.db"))
 
 
 @pytest.mark.parametrize(("executor", "module"), [("dask", "distributed"), ("mpi", "mpi4py")])

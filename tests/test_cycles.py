@@ -113,6 +113,20 @@ def test_larger_multipliers_may_be_of_either_sign() -> None:
         assert abs(cycle.half_multiplier) > abs(cycle.strong_half_multiplier)
 
 
+def test_both_multipliers_are_those_of_displaced_runs_over_half_a_period() -> None:
+    # Friction so weak that the strong multiplier is no small number.
+    scenario = model(4, friction=SmoothCoulomb(coefficient=0.02, smoothing=0.4))
+    (*_, cycle) = cycle_family(scenario, (0.5,)).cycles
+    ends = [
+        reduced_run(scenario, cycle.spin, cycle.states[0] + displaced, 0.5 * cycle.period)
+        for displaced in 1e-5 * np.vstack((np.eye(3), -np.eye(3)))
+    ]
+    # The mirror image turns all deviations round.
+    monodromy = -(np.array(ends[:3]) - np.array(ends[3:])).T / 2e-5
+    expected = [cycle.strong_half_multiplier, cycle.half_multiplier, 1.0]
+    assert np.sort(np.linalg.eigvals(monodromy).real) == pytest.approx(expected, rel=1e-6)
+
+
 def test_small_cycles_are_those_of_the_hopf_point(family: CycleFamily) -> None:
     first = family.cycles[0]
     assert first.spin == pytest.approx(family.hopf.spin, rel=3e-4)

@@ -214,9 +214,25 @@ def test_step_control_does_not_go_below_its_minimum() -> None:
 
 
 def test_smoothing_below_every_step_is_said_to_be_in_vain() -> None:
-    scene = scene_of(friction=SmoothCoulomb(smoothing=1e-7))
+    scene = scene_of(2, friction=SmoothCoulomb(smoothing=1e-7))
     found = engine_effort.simulation_effort(scene, np.linspace(0.0, 2.0, 201))
-    assert "it needs steps of 8e-09 s, the shortest tried is 2e-06 s" in str(found)
+    assert "it needs steps of 4e-09 s, the shortest tried is 1e-06 s" in str(found)
+
+
+def test_steps_under_control_go_below_the_shortest_fixed_one_and_are_told() -> None:
+    scene = scene_of(friction=SmoothCoulomb(smoothing=1e-5))
+    times = np.array([0.0, 0.01])
+    told = engine_effort.simulation_effort(scene, times)
+    run = mbs_models.simulate(scene, times)
+    assert not told.doubt
+    assert 1.0 / FACTOR < told.steps / run.counts["steps"] < FACTOR
+
+
+def test_a_disk_whose_slip_decays_too_fast_for_any_run_is_refused() -> None:
+    # Of 40 m in radius, and of the mass and the moments of inertia of the paper's disk.
+    scene = Scene(Scenario(disk=replace(STEEL_DISK, radius=40.0)))
+    with pytest.raises(ValueError, match=r"^friction gradient 3 s/m up to t = 2 s would take ab"):
+        mbs_models.simulate(scene, [0.0, 1.0, 2.0])
 
 
 SHORT = Effort(steps=100.0, seconds=1.0, cause="tolerance 1")

@@ -20,6 +20,8 @@ from analysis import (
     simulate_to_rest,
 )
 from analysis.data.checks import Array
+from analysis.data.constraint_set import PRESCRIBED, multiplier_names
+from analysis.data.state import COORDINATES
 from analysis.mechanics import paper
 from analysis.mechanics.recorded import accelerations
 from analysis.models import balance
@@ -38,6 +40,18 @@ from tests.helpers import (
 
 loads = pytest.mark.parametrize("load", LOADS)
 seeds = pytest.mark.parametrize("seed", range(3))
+
+
+@all_sets
+@seeds
+def test_forces_that_keep_a_rate_are_all_that_may_bring_energy(
+    constraints: ConstraintSet, seed: int
+) -> None:
+    scenario, z, u = random_scenario(constraints, seed)
+    velocities = paper.constraint_directions(constraints, scenario.disk, z) @ u
+    for name, velocity in zip(multiplier_names(constraints), velocities, strict=True):
+        kept = u[COORDINATES.index(PRESCRIBED[name])] if name in PRESCRIBED else 0.0
+        assert velocity == pytest.approx(kept, abs=1e-12)
 
 
 @seeds

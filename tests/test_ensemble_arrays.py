@@ -53,7 +53,10 @@ def assert_same_as_alone(runs: Trajectories, relative: float, **how: Any) -> Non
         assert (
             found.inversion.outcome == single.inversion.outcome == runs.inversions.outcomes[member]
         )
-        np.testing.assert_equal(runs.inversions.times[member], found.inversion.time or np.nan)
+        for name, of_one in (("times", "time"), ("time_errors", "time_error")):
+            told, alone = getattr(runs.inversions, name), getattr(found.inversion, of_one)
+            wanted = np.nan if alone is None else alone
+            np.testing.assert_allclose(told[member], wanted, rtol=1e-12, atol=1e-14)
         assert (found.ending and found.ending.reason) == runs.endings[member]
         assert (single.ending and single.ending.reason) == runs.endings[member]
         assert runs.ends[member] == found.times[-1] == pytest.approx(single.times[-1], abs=1e-10)

@@ -31,6 +31,7 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.data.friction import law_from, law_values
+from analysis.data.own import foreign_names
 from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
 from analysis.stability.spectra import SYSTEMS, System
@@ -181,8 +182,8 @@ def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -
 
 
 def test_file_runs_no_module_that_it_names() -> None:
-    with pytest.raises(ValueError, match="'this:Law' must be imported first"):
-        law_from({"law": "this:Law"}, own=False)
+    with foreign_names(), pytest.raises(ValueError, match="'this:Law' must be imported first"):
+        law_from({"law": "this:Law"})
     assert "this" not in sys.modules
 
 

@@ -116,7 +116,7 @@ def test_fast_eigenvalues_are_those_printed_for_the_tenth_smoothing() -> None:
         ([[1.0]], "spins must be one-dimensional"),
         ([1.0, np.nan], "spins must be finite numbers in rad/s, got nan"),
         (np.inf, "got inf"),
-        ("fast", "got 'fast'"),
+        ("fast", "must be an array of real numbers"),
     ],
 )
 def test_bad_spins_are_refused(spins: object, message: str) -> None:

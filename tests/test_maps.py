@@ -1,5 +1,6 @@
 """Maps: refinement, classes, critical speeds and the uncertainty exponent."""
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from math import log
@@ -12,8 +13,11 @@ from analysis import MODELS, Scenario
 from analysis.data.checks import Array
 from analysis.data.outcomes import Row
 from analysis.stability.linear_reduced import critical_speed
+from tests import helpers
 from tests.calls import refusal, run
-from tests.sweeps import Direct
+from tests.sweeps import direct
+from validation.kit import shipped
+from validation.kit.plain import unpack
 from validation.maps import problems
 from validation.maps import run as maps_run
 from validation.maps.problems import (
@@ -25,13 +29,14 @@ from validation.maps.problems import (
     quickest_plan,
     sweep_of,
 )
-from validation.maps.refinement import refine
+from validation.maps.refinement import expected_cases, refine
 from validation.maps.run import panels, run_pairs, run_panel
+from validation.maps.ship import CELLS, LEVELS, sweeps
 from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import sweeps as parser
 from validation.sweeps.plan import Plan
 from validation.sweeps.results import Results
-from validation.sweeps.sweep import Sweep
+from validation.sweeps.sweep import Sweep, look_ahead
 
 REDUCED = Scenario(constraints=MODELS[4])
 
@@ -139,7 +144,7 @@ def test_each_model_runs_where_it_is_quickest() -> None:
 def test_gaps_take_the_class_of_the_nearest_run(tmp_path: Path) -> None:
     problem = PROBLEMS["spin-friction"]
     sweep = sweep_of(problem, REDUCED, count=5, plan=Plan(end=0.05, formulation="reduced"))
-    panel = run_panel(problem, sweep, tmp_path / "a.db", levels=2, pool=Direct())
+    panel = run_panel(problem, sweep, tmp_path / "a.db", levels=2, pool=direct())
     assert sorted(panel.classes) == [0, 4, 20, 24]
     made = replace(panel, classes={0: "a", 4: "b", 20: "a", 24: "a"})
     assert made.filled[1].tolist() == ["a", "a", made.filled[1][2], "b", "b"]
@@ -157,11 +162,11 @@ def test_store_of_a_map_is_refined_where_classes_differ(
         lambda _: lambda _, row: str(float(row["start.spin"]) > 45.0),
     )
     path = tmp_path / "a.db"
-    panel = run_panel(problem, sweep, path, levels=1, pool=Direct())
+    panel = run_panel(problem, sweep, path, levels=1, pool=direct())
     spins = panel.values()[1][panel.places(list(panel.classes))[:, 1]]
     # Left of 40 rad/s the coarse grid alone, on the right every value.
     assert sorted(set(spins)) == [20.0, 40.0, 50.0, 60.0]
-    again = run_panel(problem, sweep, path, levels=1, pool=Direct())
+    again = run_panel(problem, sweep, path, levels=1, pool=direct())
     assert again.classes == panel.classes
     assert Results.load(path).columns["number"].size == 3 + 3 * 5
 
@@ -220,7 +225,7 @@ def test_pairs_that_are_not_decided_do_not_count(
         return "not decided" if row["number"] < 4 else str(int(row["start.spin"]))
 
     monkeypatch.setattr(maps_run, "classify", lambda _: judge)
-    found = run_pairs(problem, pairs, tmp_path, pool=Direct())
+    found = run_pairs(problem, pairs, tmp_path, pool=direct())
     assert found is not None
     # Four pairs are left, all of which the longest shift takes over a whole number.
     assert found.parts[0] == 1.0
@@ -254,12 +259,24 @@ def test_map_is_drawn_and_told(
 ) -> None:
     call = f"map {name} --out {tmp_path} --cells 1 --levels 1 --end 1.2 --witnesses {seen}"
     assert run(*call.split()) == 0
-    said = capsys.readouterr().out
+    said, beside = capsys.readouterr()
+    assert re.match(rf"tippedisk map: some {9 * stores} cases, roughly \S+ \w+ on ", beside)
     assert said.count("runs in place of 9") == stores
     assert ("  other side: " in said) == (seen > 0)
     assert f"{tmp_path / name}.png" in said
     assert (tmp_path / f"{name}.svg").stat().st_size > 5000
     assert len(list(tmp_path.glob("*.db"))) == stores
+
+
+def test_cases_of_a_map_and_their_time_are_told_ahead_to_within_a_factor_of_four() -> None:
+    parts = helpers.not_none(shipped.of("maps")).parts.values()
+    made = [(unpack(result), seconds) for result, seconds in parts]
+    for name, levels in LEVELS.items():
+        shown = [(panel, seconds) for (where, panel), seconds in made if where == name]
+        for sweep, (panel, seconds) in zip(sweeps(name), shown, strict=True):
+            told = expected_cases(CELLS, levels)
+            assert 0.25 < told / len(panel.classes) < 4.0
+            assert 0.25 < told * look_ahead(sweep).seconds / helpers.not_none(seconds) < 4.0
 
 
 def test_plan_of_a_map_is_kept_with_its_store() -> None:

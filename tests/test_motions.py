@@ -325,7 +325,9 @@ def test_plot_leaves_no_global_figure(motion: StoredRun) -> None:
 
 
 def test_plot_refuses_what_does_not_fit(motion: StoredRun) -> None:
-    with pytest.raises(ValueError, match=r"^names must be one of time, .*, got 'height'$"):
+    with pytest.raises(
+        ValueError, match=r"^names must be one of time, .*, got 'height'; did you mean cog_"
+    ):
         motion.plot("height")
     with pytest.raises(ValueError, match="names must have one unit, got cog_height in m and norm"):
         motion.plot("cog_height", "normal_force")

@@ -18,12 +18,13 @@ from analysis import (
     simulate_many,
 )
 from analysis.compiled import code
+from analysis.data.constraint_set import PRESCRIBED
 from analysis.data.outcomes import DONE, OUTCOMES, Row
 from analysis.models.outcomes import integrals
 from tests.helpers import model
 from tests.sweeps import sweep
-from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
-from validation.sweeps.runner import run_chunk, run_suspect
+from validation.sweeps.outcomes import COLUMNS, IN_ROW, NUMBERS, TIME
+from validation.sweeps.runner import run_alone, run_chunk
 
 ENDING: dict[str, np.ndarray[Any, Any]] = {
     "spin": np.array([36.0, 40.0, 44.0, 40.0, 0.0, 40.0]),
@@ -95,14 +96,47 @@ def assert_batch_is_its_cases(*axes: str, **how: Any) -> None:
     numbers = range(wanted.design.size)
     batch = run_chunk(wanted.to_text(), numbers, 60.0, 60.0)
     for number, row in zip(numbers, batch, strict=True):
-        (alone,) = run_suspect(wanted.to_text(), number, 60.0, 60.0)
+        alone = run_alone(wanted.to_text(), number, 60.0, 60.0)
         assert row["number"] == number
-        for name in {TIME, *wanted.plan.keep} & {*row, *alone}:
+        for name in {*map(IN_ROW.format, (TIME, *wanted.plan.keep))} & {*row, *alone}:
             kept, expected = (
                 np.frombuffer(cast("bytes", each.pop(name)), NUMBERS) for each in (row, alone)
             )
             np.testing.assert_allclose(kept, expected, rtol=1e-9)
         assert_alike(row, alone, 1e-9)
+
+
+def test_outcomes_tell_the_inversion_as_a_motion_does_and_the_spin_a_second_later() -> None:
+    motion = simulate(model(1), np.linspace(0.0, 2.0, 101), local_tolerance=1e-8)
+    inversion = motion.inversion
+    assert inversion.time is not None
+    ensemble = Ensemble(scenario=model(1), fields={"spin": np.array([40.0, 10.0])})
+    runs = simulate_many(ensemble, motion.times, workers=1, local_tolerance=1e-8)
+    assert runs.inversions.times[0] == pytest.approx(inversion.time, abs=1e-7)
+    assert runs.inversions.time_errors[0] == pytest.approx(inversion.time_error, rel=1e-2)
+    assert np.isnan(runs.inversions.time_errors[1])
+    for table in (outcomes(runs), outcomes([motion])):
+        row = next(table.rows())
+        assert row["inverted_at"] == pytest.approx(inversion.time, abs=1e-7)
+        assert row["inverted_at_error"] == pytest.approx(inversion.time_error, rel=1e-2)
+        later, then = (motion.at(inversion.time + after).rates[3] for after in (1.0, 0.0))
+        assert abs(later - then) > 1.0
+        assert row["spin_after"] == pytest.approx(later, abs=0.01)
+
+
+def test_sliding_took_what_every_prescribed_rate_brought(monkeypatch: pytest.MonkeyPatch) -> None:
+    motion = simulate(model(4), np.linspace(0.0, 0.2, 41), local_tolerance=1e-6)
+    (before,) = outcomes([motion]).rows()
+    # As if the table moved along at the rate of x.
+    monkeypatch.setitem(PRESCRIBED, "tangential_force", "x")
+    monkeypatch.setitem(cast("dict[str, str]", OUTCOMES), "brought_by_tangential_force", "J")
+    (row,) = outcomes([motion]).rows()
+    brought = simpson(motion.multiplier("tangential_force") * motion.rate("x"), x=motion.times)
+    assert abs(brought) > 1e-5
+    assert row["brought_by_tangential_force"] == pytest.approx(brought)
+    assert row["brought_by_spin_torque"] == before["brought_by_spin_torque"]
+    taken = cast("float", before["taken_sliding"]) + brought
+    assert row["taken_sliding"] == pytest.approx(taken, rel=1e-12)
 
 
 def test_errors_are_rows_that_say_why() -> None:

@@ -29,13 +29,14 @@ from analysis.data.checks import Array
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.endings import dips, pulling_times, zero
-from tests.helpers import model, not_none
+from tests.helpers import arc, cog, model, not_none, second_derivative, slip
 from tests.scenes import scene_of
 from validation import cli
 
 TIMES = np.linspace(0.0, 0.2, 21)
 CONTACT = SmoothCoulomb(load="contact")
 FAST = Start(spin=150.0)
+SIDES = pytest.mark.parametrize("side", ["engine", "in-house"])
 LOADED = {load: SmoothCoulomb(load=load) for load in LOADS}
 CASES: list[tuple[Level, Formulation, Load]] = [
     (level, formulation, load)
@@ -113,7 +114,7 @@ def test_a_penalty_contact_that_holds_down_ends_as_the_ideal_one(formulation: An
     assert not_none(run.ending).time == pytest.approx(not_none(ideal.ending).time, abs=2e-4)
 
 
-@pytest.mark.parametrize("side", ["engine", "in-house"])
+@SIDES
 def test_a_start_that_needs_a_pulling_contact_is_refused(side: str) -> None:
     start = Start(beta=0.5, spin=0.0, beta_rate=-40.0, gamma_rate=0.0)
     scene = scene_of(1, "euler-tree", start=start)
@@ -136,6 +137,33 @@ def test_accelerations_of_a_pulling_contact_agree(level: Level, formulation: Any
     assert multipliers[0] < 0.0
     np.testing.assert_allclose(engine, in_house, rtol=1e-8, atol=1e-6)
     np.testing.assert_allclose(forces, multipliers, rtol=1e-8, atol=1e-6)
+
+
+@SIDES
+@pytest.mark.parametrize("load", LOADS)
+def test_pulling_contact_rubs_under_the_weight_if_that_is_the_load_and_not_under_its_force(
+    side: str, load: Load
+) -> None:
+    start = Start(beta=1.2, gamma=0.4, spin=90.0, beta_rate=60.0)
+    scenario = Scenario(friction=LOADED[load], start=start)
+    state = scenario.initial_state
+    z, u = np.array(state.coordinates), np.array(state.rates)
+    if side == "engine":
+        found, forces = mbs_models.acceleration(Scene(scenario))
+    else:
+        found, forces = accelerations(scenario, state.coordinates, state.rates)
+    assert forces[0] < 0.0
+    # In a time so slow that differences over milliseconds see little of the turning.
+    slowed, disk = 1e-2, scenario.disk
+    path = arc(z, slowed * u, slowed**2 * np.array(found))
+    # Nothing but friction moves the disk along the table.
+    rubbing = disk.mass * second_derivative(lambda time: cog(disk, path(time))) / slowed**2
+    slipping = slip(disk, path) / slowed
+    speed = np.linalg.norm(slipping)
+    expected = scenario.weight * scenario.friction.per_speed(float(speed)) * slipping
+    wanted = -expected if load == "weight" else np.zeros(2)
+    np.testing.assert_allclose(rubbing[:2], wanted, atol=1e-6 * scenario.weight)
+    assert speed > 0.1
 
 
 def test_friction_that_calls_for_its_own_load_has_no_accelerations() -> None:
@@ -177,7 +205,7 @@ def test_times_of_pulling_are_those_of_a_negative_force() -> None:
     assert pulling_times([0.0, 1.0], [1.0, 2.0]) == ()
 
 
-@pytest.mark.parametrize("side", ["engine", "in-house"])
+@SIDES
 def test_a_run_ends_at_its_time_limit_with_what_it_has_reached(side: str) -> None:
     times = np.linspace(0.0, 1000.0, 100_001)
     if side == "engine":
@@ -191,7 +219,7 @@ def test_a_run_ends_at_its_time_limit_with_what_it_has_reached(side: str) -> Non
     np.testing.assert_array_equal(run.times[:-1], times[: run.times.size - 1])
 
 
-@pytest.mark.parametrize("side", ["engine", "in-house"])
+@SIDES
 def test_a_tolerance_that_nothing_has_met_by_the_time_limit_raises(side: str) -> None:
     scene, times = scene_of(2), np.linspace(0.0, 1000.0, 100_001)
     limits: dict[str, Any] = {"tolerance": 1e-6, "time_limit": 0.1}
@@ -203,7 +231,7 @@ def test_a_tolerance_that_nothing_has_met_by_the_time_limit_raises(side: str) ->
         runs[side]()
 
 
-@pytest.mark.parametrize("side", ["engine", "in-house"])
+@SIDES
 def test_progress_goes_up_to_the_end(side: str) -> None:
     seen: list[tuple[float, float]] = []
 
@@ -220,7 +248,7 @@ def test_progress_goes_up_to_the_end(side: str) -> None:
     assert {end for _, end in seen} == {TIMES[-1]}
 
 
-@pytest.mark.parametrize("side", ["engine", "in-house"])
+@SIDES
 def test_an_exception_of_the_progress_ends_the_run_and_comes_through(side: str) -> None:
     def progress(reached: float, _end: float) -> None:
         if reached > 0.1:

@@ -2,6 +2,7 @@
 
 import importlib
 import pickle
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -14,10 +15,13 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, Start, simulate
+from tests.calls import refusal, run
+from tests.helpers import not_none
 from validation.kit import clock, parts, reach, report, shipped
-from validation.kit.parts import Job, Part, Store
+from validation.kit.page import Verdict
+from validation.kit.parts import Job, Part, Store, open_store
 from validation.kit.report import Section
-from validation.kit.tables import Table
+from validation.kit.tables import Cell, Table
 from validation.studies import full_report, inversion, summary
 from validation.studies.full_report import Study
 from validation.studies.rest import runs as rest
@@ -157,15 +161,28 @@ def test_identity_tells_arguments_apart() -> None:
 
 def test_store_gives_back_what_it_was_given(tmp_path: Path) -> None:
     store = Store(tmp_path / "parts")
-    run = simulate(Scenario(), np.linspace(0.0, 0.1, 3))
+    motion = simulate(Scenario(), np.linspace(0.0, 0.1, 3))
     job = Job("run", simulate, (1.0,))
     assert store.find(job) is None
-    store.keep(job, Part({"run": run, "set": frozenset({1j})}, 2.5))
+    values: dict[str, Any] = {
+        "complex": np.array((1.0 / 3.0 + 2.0j, complex(np.inf, -0.0))),
+        "missing": np.array((np.nan, 2.0**0.5)),
+        "empty": np.zeros((0, 3), dtype=bool),
+        "picture": b"\x89PNG\xff",
+        "table": Table(name="t", title="T", columns=("a",), rows=[[1.0], [None]]),
+        "section": Section(name="one", title="One"),
+    }
+    store.keep(job, Part({"run": motion, **values}, 2.5))
     found = store.find(job)
     assert found is not None
     assert found.seconds == 2.5
-    assert found.result["set"] == {1j}
-    np.testing.assert_array_equal(found.result["run"].coordinates, run.coordinates)
+    for name, value in values.items():
+        again = found.result[name]
+        assert type(again) is type(value)
+        np.testing.assert_array_equal(again, value)
+        if isinstance(value, np.ndarray):
+            assert (again.shape, again.dtype) == (value.shape, value.dtype)
+    np.testing.assert_array_equal(found.result["run"].coordinates, motion.coordinates)
     store.forget_all_but([Job("other", simulate)])
     assert store.find(job) is None
     assert store.unreadable == 0
@@ -176,7 +193,18 @@ class Harmful:
         return Path.touch, (Path("harm"),)
 
 
-@pytest.mark.parametrize("content", [b"", b"damaged", pickle.dumps((Harmful(), 1.0))])
+ON_A_CLASS = b"(cvalidation.kit.parts\nStore\n(N(dS'harm'\nI1\nstbF1.0\nt."
+"""Pickle that sets an attribute of a class of the project."""
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"", b"damaged", pickle.dumps((Harmful(), 1.0)), ON_A_CLASS, b"[1]", b"[[], []]",
+        b'[{"pathlib:Path": {}}, 1.0]', b'[{"validation.kit.parts:Store": {"folder": "x"}}, 1.0]',
+        b'[{"tuple": 1}, 1.0]', b"[" * 100_000,
+    ],
+)  # fmt: skip
 def test_damaged_or_foreign_part_is_made_anew_and_does_nothing(
     content: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -188,6 +216,7 @@ def test_damaged_or_foreign_part_is_made_anew_and_does_nothing(
     assert store.find(job) is None
     assert store.unreadable == 1
     assert not (tmp_path / "harm").exists()
+    assert not hasattr(Store, "harm")
 
 
 CALLS: list[int] = []
@@ -229,7 +258,7 @@ def _small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(full_report, "STUDIES", (_study("one", 1, 2), _study("two", 2, 3)))
     box = Section(name="summary", title="Box")
     monkeypatch.setattr(summary, "section", lambda _: box)
-    monkeypatch.setattr(report, "process_pool", lambda _: ThreadPoolExecutor(1))
+    monkeypatch.setattr(report, "Pool", lambda _: ThreadPoolExecutor(1))
     monkeypatch.setattr(clock, "model_1_seconds", lambda: 0.5)
     monkeypatch.setattr(full_report, "model_1_seconds", lambda: 0.5)
     ticks = count()
@@ -308,3 +337,85 @@ def test_folder_of_an_older_report_is_named_and_made_whole(
     assert left == {
         "report.html", "figure-7.png", "notes.txt", "one-table.csv", "three-table.csv",
     }  # fmt: skip
+
+
+@pytest.mark.usefixtures("small")
+def test_second_report_at_the_same_time_says_so_and_leaves_the_first_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with open_store(tmp_path):
+        said = refusal(capsys, "report --out", str(tmp_path))
+    assert f"{tmp_path} cannot be written to now: another process works in it" in said
+    assert not CALLS
+    assert run("report --out", str(tmp_path)) == 0
+    assert CALLS == [1, 2, 3]
+
+
+HOLDER = """
+import sys
+from pathlib import Path
+from validation.kit.parts import open_store
+
+with open_store(Path(sys.argv[1])):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.slow
+def test_folder_is_free_again_when_the_process_in_it_was_killed(tmp_path: Path) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLDER, str(tmp_path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        cwd=Path(__file__).parent.parent,
+    ) as process:
+        assert not_none(process.stdout).readline() == b"held\n"
+        with pytest.raises(OSError, match="another process works in it"), open_store(tmp_path):
+            pass
+        process.kill()
+    with open_store(tmp_path) as store:
+        assert store.folder.parent == tmp_path
+
+
+@dataclass(frozen=True)
+class Judging:
+    """Makes a section with statements, a check that holds and one that may not."""
+
+    last: bool
+
+    def __call__(self, _: dict[Any, Any]) -> Section:
+        columns = ("statement", "criterion", "measured", "verdict")
+        words = ["it turns over", "within 1 s " + 30 * "or so ", "much " * 30, "yes"]
+        checks: list[list[Cell]] = [["one", True], ["other", self.last]]
+        tables = [
+            Table(name="said", title="What is said", columns=columns, rows=[words]),
+            Table(name="told", title="Agreement", columns=("run", "at most 1e-9"), rows=checks),
+        ]
+        found = Verdict(
+            statement="Does it?", answer="yes", numbers="In 1 s.", certainty="very", section="one"
+        )
+        return Section(name="one", title="What it does", verdicts=[found], tables=tables)
+
+
+@pytest.mark.usefixtures("small")
+@pytest.mark.parametrize("holds", [True, False])
+def test_report_prints_verdicts_with_their_criteria_in_lines_of_a_terminal(
+    holds: bool,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    study = Study(name="one", jobs=list, section=Judging(holds))
+    monkeypatch.setattr(full_report, "STUDIES", (study,))
+    assert run("report --out", str(tmp_path)) == (0 if holds else 1)
+    *lines, last = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) < 100
+    shown = " ".join(" ".join(lines).split())
+    assert "What it does Does it? Yes: In 1 s. yes: it turns over [within 1 s or so or so" in shown
+    assert "much" not in shown
+    assert f"{1 + holds} of 2 hold: Agreement [at most 1e-9]" in shown
+    assert ("FAILS: run: other; at most 1e-9: NO" in shown) == (not holds)
+    assert last.startswith("All checks hold." if holds else "1 checks FAIL.")
+    assert run("report --verbose --out", str(tmp_path)) == (0 if holds else 1)
+    assert "much much" in capsys.readouterr().out

@@ -1,15 +1,27 @@
 """Runs to rest that are told where to end."""
 
+import itertools
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from analysis import Scenario, SpatialMotion, Start, State, load_run, simulate_to_rest
+from analysis import (
+    Dissipation,
+    Scenario,
+    SpatialMotion,
+    Start,
+    State,
+    ToleranceError,
+    load_run,
+    simulate_to_rest,
+)
+from analysis.data.agreement import until_agreement
 from analysis.data.endings import first_met
 from analysis.data.trajectory import SOURCES, Source
-from tests.helpers import turn_z
+from tests.helpers import not_none, turn_z
 from validation import cli
 from validation.run import run_to_rest
 from validation.sweeps.plan import Plan
@@ -49,6 +61,19 @@ def test_sides_end_together() -> None:
         for source, spacing in cases
     ]
     assert np.ptp(ends) < 1e-7
+
+
+def test_motion_in_the_papers_coordinates_keeps_its_ending_and_its_error() -> None:
+    motion = simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3, stop_when=tilted)
+    run = motion.to_trajectory()
+    assert run.ending == motion.ending
+    assert "tilted" in repr(run)
+    assert "complete" not in repr(run)
+    assert motion.error_estimate is not None
+    # It is of the vertical's direction, which gamma moves by the sine of the tilt.
+    steepest = motion.error_estimate / np.sin(motion.leaning.min())
+    assert run.error_estimate == pytest.approx(steepest)
+    assert motion.to_trajectory(0.5 * motion.times[-1]).ending is None
 
 
 def test_condition_that_holds_at_the_start_ends_nothing() -> None:
@@ -97,8 +122,89 @@ def test_a_sweep_to_rest_ends_where_a_function_of_ones_own_says() -> None:
     assert ending.reason == "tilted"
 
 
-def test_ending_stays_at_the_sample_where_samples_tell_too_little() -> None:
-    motion = simulate_to_rest(SCENARIO, 0.3, local_tolerance=1e-8, spacing=0.05, stop_when=tilted)
-    assert motion.ending is not None
-    assert motion.ending.time / 0.05 == pytest.approx(round(motion.ending.time / 0.05))
-    assert motion.tilt[-1] > LIMIT
+@pytest.fixture(scope="module")
+def truth() -> float:
+    """Time at which the disk of `SCENARIO` is `tilted`, by another solver in short steps."""
+    exact = simulate_to_rest(
+        SCENARIO, 0.1, method="DOP853", spacing=1e-3, local_tolerance=1e-12, stop_when=tilted
+    )
+    return not_none(exact.ending).time
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("spacing", [0.002, 0.02, 0.1])
+@pytest.mark.parametrize(
+    "how", [{"tolerance": 1e-3}, pytest.param({"tolerance": 1e-6}, marks=pytest.mark.slow), {}]
+)
+def test_ending_does_not_depend_on_how_far_apart_the_samples_are(
+    source: Source, spacing: float, how: dict[str, Any], truth: float
+) -> None:
+    single: dict[str, Any] = {"step": 5e-5} if source == "engine" else {"local_tolerance": 1e-10}
+    motion = run_to_rest(
+        SCENARIO, 0.1, source=source, spacing=spacing, stop_when=tilted, **(how or single)
+    )
+    ending = not_none(motion.ending)
+    assert ending.time == motion.times[-1]
+    assert abs(ending.time - truth) <= (not_none(motion.error_estimate) if how else 1e-7)
+    assert motion.tilt[-1] == pytest.approx(LIMIT, abs=1e-9)
+    np.testing.assert_allclose(motion.times[:-1], spacing * np.arange(motion.times.size - 1))
+
+
+def test_ending_after_impacts_is_located() -> None:
+    loss = Dissipation(pivoting=1e-3)
+    dropped = Scenario.rest(start=Start(beta=0.5, spin=0.0, height=0.01), dissipation=loss)
+
+    def low(state: State) -> float:
+        return state.coordinates[4] - 0.2
+
+    def motion(spacing: float, *stop_when: Any) -> SpatialMotion:
+        return simulate_to_rest(
+            dropped, 0.25, spacing=spacing, local_tolerance=1e-10, stop_when=stop_when
+        )
+
+    times = [not_none(motion(spacing, low).ending).time for spacing in (2e-3, 0.25)]
+    assert np.ptp(times) < 1e-7
+    whole = motion(1e-3)
+    before = whole.times < times[0]
+    assert np.any(whole.normal_force[before] == 0.0)
+    assert np.any(whole.normal_force[before] > 0.0)
+    assert np.all(whole.tilt[before] > 0.2)
+    assert whole.tilt[~before][0] < 0.2
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_the_first_of_two_conditions_ends_the_run_though_both_hold_at_the_next_sample(
+    source: Source,
+) -> None:
+    def later(state: State) -> float:
+        return LIMIT + 0.001 - state.coordinates[4]
+
+    for both in ([tilted, later], [later, tilted]):
+        motion = run_to_rest(
+            SCENARIO, 0.3, source=source, spacing=0.05, tolerance=1e-3, stop_when=both
+        )
+        assert not_none(motion.ending).reason == "tilted"
+        assert motion.tilt[-1] == pytest.approx(LIMIT, abs=1e-9)
+
+
+def test_estimate_covers_the_time_of_an_ending() -> None:
+    motion = simulate_to_rest(SCENARIO, 0.3, tolerance=1e-4, stop_when=tilted)
+    late = float(motion.times[-1]) + 1e-5
+    ahead = replace(
+        motion,
+        times=np.append(motion.times[:-1], late),
+        ending=replace(not_none(motion.ending), time=late),
+    )
+    runs = iter([motion, ahead])
+    agreed = until_agreement(lambda _local: next(runs), 1e-6, 1.0)
+    # Both end at the same tilt: by the states alone, they would not differ.
+    moved = 1e-5 * float(np.hypot(*motion.angular_velocities[-1, :2]))
+    assert not_none(agreed.error_estimate) == pytest.approx(max(moved, 1e-5), rel=1e-6)
+
+
+def test_runs_of_which_one_ends_do_not_agree() -> None:
+    ended = simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3, stop_when=tilted)
+    whole = simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3)
+    runs = itertools.cycle([ended, whole])
+    with pytest.raises(ToleranceError, match="differ by inf"):
+        until_agreement(lambda _local: next(runs), 1e-9, 1.0)

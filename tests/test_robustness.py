@@ -249,7 +249,7 @@ def test_full_grid_covers_all_formulations_integrators_and_models() -> None:
 def test_report_and_grid_have_every_axis_of_the_study() -> None:
     for quick in (True, False):
         axes = {problem.axis for problem in problems(quick=quick)}
-        assert len(axes) == 14
+        assert len(axes) == 15
         contacts = [each for each in problems(quick=quick) if each.scenario.contact is not None]
         assert contacts
         for problem in contacts:

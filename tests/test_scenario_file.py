@@ -136,6 +136,7 @@ COMPLIANT = st.builds(
 )
 
 
+@pytest.mark.filterwarnings("ignore::analysis.data.written.UnitWarning")
 @QUICK
 @given(IDEAL | COMPLIANT)
 def test_scenario_comes_back_from_its_text(tmp_path: Path, scenario: Scenario) -> None:

@@ -1,5 +1,7 @@
 """Results that come with the package: stored as plain data, taken, confirmed and known by age."""
 
+import json
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, nan
@@ -18,6 +20,9 @@ from validation.kit.provenance import Provenance
 from validation.kit.samples import Sample, table
 from validation.studies import full_report, ship
 from validation.studies.rest.creep import Loss
+from validation.sweeps.axes import Axis, Design
+from validation.sweeps.plan import Plan
+from validation.sweeps.sweep import Sweep
 
 SCENARIO = Scenario(start=Start(spin=31.0))
 
@@ -61,6 +66,14 @@ def test_what_is_no_result_is_refused(value: Any) -> None:
 def test_file_can_name_nothing_but_dataclasses_of_the_project(name: str) -> None:
     with pytest.raises(ValueError, match="stored must name a dataclass of this project"):
         unpack({name: {}})
+
+
+def test_file_imports_no_module_that_a_law_in_it_names() -> None:
+    axes = (Axis(field="law", values=("tanh",)), Axis(field="mu", values=(0.1, 0.2)))
+    stored = json.dumps(pack(Sweep(scenario=SCENARIO, design=Design(axes=axes), plan=Plan())))
+    with pytest.raises(ValueError, match="'this:Law' must be imported first"):
+        unpack(json.loads(stored.replace("tanh", "this:Law")))
+    assert "this" not in sys.modules
 
 
 def spin_of(scenario: Scenario, factor: float) -> tuple[str, float]:

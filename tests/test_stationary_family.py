@@ -67,6 +67,20 @@ def test_tilted_motions_at_held_spin_fold_and_meet_inverted_spinning_where_it_is
     assert below * above < 0.0
 
 
+def test_a_branch_that_goes_on_beyond_the_most_motions_says_so() -> None:
+    scenario = Scenario(constraints=("contact", "constant-spin"))
+    tilted = stationary_motions(scenario, 60.0, starts=20)[0]
+    whole = stationary_branch(scenario, tilted, (58.0, 62.0))
+    begin = [motion.spin for motion in whole].index(60.0)
+    longest = max(begin, len(whole) - 1 - begin)
+    assert len(stationary_branch(scenario, tilted, (58.0, 62.0), most=longest)) == len(whole)
+    message = rf"more than {longest - 1} motions one way, and goes on beyond \d+\.\d+ with beta"
+    with pytest.raises(ArithmeticError, match=message):
+        stationary_branch(scenario, tilted, (58.0, 62.0), most=longest - 1)
+    with pytest.raises(ValueError, match="most must be 1 or more, got 0"):
+        stationary_branch(scenario, tilted, (58.0, 62.0), most=0)
+
+
 def test_tilted_motions_are_those_of_the_equations_of_motion() -> None:
     scenario = Scenario(constraints=("contact", "constant-spin"))
     found = stationary_motions(scenario, 60.0, starts=20)[0]
@@ -163,7 +177,7 @@ def test_a_search_is_refused_where_it_means_nothing() -> None:
     ):
         with pytest.raises(ValueError, match=message):
             stationary_motions(scenario, spin)
-    with pytest.raises(ValueError, match="starts must be 1 or more"):
+    with pytest.raises(ValueError, match="starts must be at least 1"):
         stationary_motions(Scenario(), 10.0, starts=0)
     upright = stationary_motions(Scenario(), 10.0, starts=1)[0]
     with pytest.raises(ValueError, match="start must be tilted"):

@@ -97,21 +97,6 @@ def test_failed_check_outranks_lost_output(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @pytest.mark.slow
-def test_text_of_a_terminal_without_greek_letters_is_lost_in_one_line() -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "validation", "eigenvalues", "--spin", "30"],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=ROOT,
-        env=environment("ascii"),
-    )
-    assert done.returncode == 3
-    assert done.stderr.startswith(LOST)
-    assert done.stderr.count("\n") == 1
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("redirection", ["2>/dev/full", "2>&-"])
 def test_run_does_not_need_a_standard_error(redirection: str, simulated: str) -> None:
     done = process(simulated, streams=redirection)

@@ -2,11 +2,14 @@
 
 import json
 import os
+import re
 import sqlite3
 import tracemalloc
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import closing
 from dataclasses import replace
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +19,9 @@ from scipy.integrate import simpson
 
 from analysis import CAUSES, MODELS, Scenario, Start, power
 from analysis.data.outcomes import DONE, Row
-from tests.sweeps import Direct, sweep
+from tests.sweeps import Here, direct, sweep
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
+from validation.kit.sources import digest
 from validation.run import run
 from validation.sweeps import runner
 from validation.sweeps.outcomes import COLUMNS
@@ -33,7 +37,7 @@ SPINS = ("spin=30:40:3", "mu=0.2,0.3")
 
 def run_all(wanted: Sweep, path: Path, **options: Any) -> dict[str, Any]:
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, Direct(), **options)
+        run_cases(wanted, kept, direct(), **options)
     return Results.load(path).columns
 
 
@@ -103,7 +107,7 @@ def test_witness_is_as_accurate_as_it_is_told_to_be(
 def test_witnesses_are_spread_evenly() -> None:
     wanted = sweep("spin=0:60:20", "gamma=0:1:20", witnesses=40)
     chosen = [number for number in range(400) if wanted.has_witness(number)]
-    assert 36 <= len(chosen) <= 44
+    assert len(chosen) == 40
     assert all(sum(part <= n < part + 100 for n in chosen) >= 8 for part in (0, 100, 200, 300))
     everything = replace(wanted, plan=replace(wanted.plan, witnesses=400))
     assert all(everything.has_witness(number) for number in range(400))
@@ -146,10 +150,10 @@ def test_same_command_runs_only_what_is_missing(tmp_path: Path) -> None:
     wanted, path = sweep(*SPINS), tmp_path / "a.db"
     counted: list[int] = []
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, Direct(), numbers=[4, 1], told=lambda new, _: counted.append(new))
+        run_cases(wanted, kept, direct(), numbers=[4, 1], told=lambda new, _: counted.append(new))
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, Direct(), told=lambda new, _: counted.append(new))
-        run_cases(wanted, kept, Direct(), told=lambda new, _: counted.append(new))
+        run_cases(wanted, kept, direct(), told=lambda new, _: counted.append(new))
+        run_cases(wanted, kept, direct(), told=lambda new, _: counted.append(new))
     assert sum(counted) == 6
     table = Results.load(path).columns
     assert table["number"].tolist() == list(range(6))
@@ -198,9 +202,58 @@ def test_store_of_other_sources_is_refused(
         Store(path, wanted)
 
 
-def test_digest_knows_a_law_of_ones_own() -> None:
+def test_rows_of_other_sources_stand_beside_the_old_ones_where_that_is_accepted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    run_all(wanted, path, numbers=[0])
+    code = wanted.code()
+    monkeypatch.setattr(Sweep, "code", lambda _: code | {"exudyn": "0.1"})
+    for number in (1, 2):
+        with Store(path, wanted, accept_other_code=number == 1) as kept:
+            run_cases(wanted, kept, direct(), numbers=[number])
+    first, second, third = Results.load(path).columns["code"].tolist()
+    assert first != second == third
+
+
+def test_identity_of_the_code_knows_a_law_of_ones_own() -> None:
     own = sweep(*SPINS, scenario=Scenario(friction=Wayward()))
     assert own.code()["sources"] != sweep(*SPINS).code()["sources"]
+
+
+@pytest.mark.parametrize(
+    ("text", "differs"),
+    [
+        ("# noted\ndef double(x):\n    'Twice.'\n    return (2 *\n      x)\n", False),
+        ("def double(x): return 2.0 * x\n", True),
+        ("def double(x):\n    return 2 * x\ndouble(1)\n", True),
+    ],
+)
+def test_comments_docstrings_and_layout_change_no_identity(
+    text: str, differs: bool, tmp_path: Path
+) -> None:
+    found = []
+    for name, content in (("old", "def double(x):\n    return 2 * x\n"), ("new", text)):
+        file = tmp_path / name / "law.py"
+        file.parent.mkdir()
+        file.write_text(content)
+        found.append(digest([file]))
+    assert (found[0] != found[1]) == differs
+
+
+def test_store_of_the_first_format_is_read_and_not_added_to(tmp_path: Path) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    run_all(wanted, path)
+    with sqlite3.connect(path) as file:
+        file.execute("UPDATE sweep SET value = '1' WHERE name = 'format'")
+        file.execute("DROP TABLE code")
+        file.execute("ALTER TABLE cases DROP COLUMN code")
+    file.close()
+    found = Results.load(path)
+    assert "code" not in found.columns
+    assert found.columns["number"].size == 6
+    with pytest.raises(ValueError, match="in format 1: it can be read, but not added to"):
+        Store(path, wanted)
 
 
 @pytest.mark.parametrize("content", [b"no database " * 1000, b"SQLite format 3\0" + b"x" * 5000])
@@ -221,6 +274,22 @@ def test_foreign_database_is_refused(tmp_path: Path) -> None:
         Store(path, sweep(*SPINS))
 
 
+@pytest.mark.parametrize("damaged", ["", "{", "[]", '{"scenario": 1}', "[" * 100_000])
+def test_damaged_description_in_a_store_is_blamed_on_the_store(
+    damaged: str, tmp_path: Path
+) -> None:
+    wanted, path = sweep(*SPINS), tmp_path / "a.db"
+    run_all(wanted, path)
+    with closing(sqlite3.connect(path)) as file, file:
+        file.execute("UPDATE sweep SET value = ? WHERE name = 'sweep'", (damaged,))
+    with pytest.raises(
+        ValueError, match=rf"^{re.escape(str(path))} is no readable store of a swe"
+    ):
+        Results.load(path)
+    with pytest.raises(ValueError, match=rf"^{re.escape(str(path))} (is no readable|holds res)"):
+        Store(path, wanted)
+
+
 def test_truncated_store_is_told_from_a_whole_one(tmp_path: Path) -> None:
     wanted, path = sweep(*SPINS), tmp_path / "a.db"
     run_all(wanted, path)
@@ -232,11 +301,11 @@ def test_truncated_store_is_told_from_a_whole_one(tmp_path: Path) -> None:
 def test_second_writer_is_refused_and_readers_are_not(tmp_path: Path) -> None:
     wanted, path = sweep(*SPINS), tmp_path / "a.db"
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, Direct(), numbers=[0])
+        run_cases(wanted, kept, direct(), numbers=[0])
         with pytest.raises(OSError, match="is being written to by another process"):
             Store(path, wanted)
         assert Results.load(path).columns["number"].tolist() == [0]
-        run_cases(wanted, kept, Direct(), numbers=[1])
+        run_cases(wanted, kept, direct(), numbers=[1])
     assert Results.load(path).columns["number"].tolist() == [0, 1]
 
 
@@ -270,10 +339,10 @@ def test_memory_of_a_sweep_does_not_grow_with_its_cases(
     wanted = sweep("spin=0:60:4000")
     with Store(tmp_path / "many.db", wanted) as kept:
         tracemalloc.start()
-        run_cases(wanted, kept, Direct(), numbers=range(1000))
+        run_cases(wanted, kept, direct(), numbers=range(1000))
         few = tracemalloc.get_traced_memory()[1]
         tracemalloc.reset_peak()
-        run_cases(wanted, kept, Direct(), numbers=range(4000))
+        run_cases(wanted, kept, direct(), numbers=range(4000))
         many = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
     # Whatever is kept of a case takes some 30 bytes or more.
@@ -282,17 +351,15 @@ def test_memory_of_a_sweep_does_not_grow_with_its_cases(
 
 @pytest.mark.parametrize(("workers", "size"), [(2, 10), (500, 50)])
 def test_chunks_take_a_second_and_longer_with_many_workers(workers: int, size: int) -> None:
-    class Idle(Direct):
-        """A pool that never begins."""
+    class Idle(Here):
+        """Never begins."""
 
-        def submit(self, _function: Any, *arguments: Any) -> "Future[Any]":
+        def submit(self, _: Any, /, *arguments: Any, **__: Any) -> "Future[Any]":
             sizes.append(len(arguments[1]))
             return Future()
 
     sizes: list[int] = []
-    pool = Idle()
-    pool.workers = workers
-    work = runner._Work(sweep("spin=0:60:100000"), pool, 1.0)
+    work = runner._Work(sweep("spin=0:60:100000"), direct(workers, Idle()), 1.0)
     work._seconds = 0.1
     work.fill(iter(range(100_000)))
     assert sizes == [size] * (2 * workers)
@@ -301,7 +368,7 @@ def test_chunks_take_a_second_and_longer_with_many_workers(workers: int, size: i
 def test_cases_that_run_together_fit_in_memory() -> None:
     wanted = sweep("spin=0:60:100000", method="taylor", end=20.0, spacing=1e-4)
     # 200,001 samples of 12 numbers each.
-    assert runner._Work(wanted, Direct(), 1.0)._largest == 5
+    assert runner._Work(wanted, direct(), 1.0)._largest == 5
 
 
 @pytest.mark.slow
@@ -317,6 +384,36 @@ def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
     table = Results.load(path).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
     assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
+
+
+def one_worker() -> ProcessPoolExecutor:
+    """An executor that is broken as a whole by a process that ends."""
+    return ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+
+
+@pytest.mark.slow
+def test_executor_that_breaks_leaves_a_store_that_the_same_call_finishes(tmp_path: Path) -> None:
+    scenario = Scenario(friction=Wayward())
+    axis = ",".join([str(CRASHES), *(f"{0.1 + 0.01 * number:.2f}" for number in range(9))])
+    wanted, path = sweep(f"mu={axis}", scenario=scenario, end=0.02), tmp_path / "a.db"
+    with Store(path, wanted) as kept:
+        with (
+            pytest.raises(OSError, match="the workers are lost"),
+            open_pool(f"{__name__}:one_worker", workers=1) as pool,
+        ):
+            run_cases(wanted, kept, pool)
+        with open_pool(f"{__name__}:one_worker", workers=1) as pool:
+            run_cases(wanted, kept, pool)
+    assert Results.load(path).columns["status"].tolist() == ["crashed", *[DONE] * 9]
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("os:getcwd", "must be a function that returns"), ("cores", "must be one of")],
+)
+def test_what_is_no_executor_is_refused(name: str, said: str) -> None:
+    with pytest.raises(ValueError, match=f"executor .*{said}"), open_pool(name, workers=1):
+        pass
 
 
 def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None:

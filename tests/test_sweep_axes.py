@@ -1,7 +1,7 @@
 """What varies in a sweep: axes, layouts, and the scenarios of the cases."""
 
 import tracemalloc
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import product
 from math import pi
 from typing import Any
@@ -13,7 +13,9 @@ from scipy.stats import qmc
 from analysis import (
     MODELS,
     ROUNDED_STEEL_DISK,
+    STEEL_DISK,
     Disk,
+    Ensemble,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -76,7 +78,7 @@ def test_drawn_points_fill_the_ranges_and_depend_on_the_seed_alone(layout: str) 
 
 
 def test_latin_hypercube_has_one_point_in_each_layer() -> None:
-    layers = np.floor(points(drawn("latin-hypercube", 50, "spin=0:50", "gamma=0:50")))
+    layers = np.floor(points(drawn("latin-hypercube", 50, "spin=0:50", "beta_rate=0:50")))
     for column in layers.T:
         assert sorted(column) == list(range(50))
 
@@ -135,6 +137,21 @@ def test_fields_go_by_their_keys(name: str, field: str) -> None:
             {"disk.hole_radius": 0.01},
             replace(PAPER, disk=Disk.ring(**(STEEL_RING | {"hole_radius": 0.01}))),
         ),
+        (
+            {"disk.radius": 0.05},
+            replace(PAPER, disk=Disk.ring(**(STEEL_RING | {"radius": 0.05}))),
+        ),
+        (
+            {f"disk.{name}": 2.0 * value for name, value in asdict(STEEL_DISK).items()}
+            | {"disk.mass": 1.0},
+            replace(
+                PAPER,
+                disk=Disk(
+                    **{name: 2.0 * value for name, value in asdict(STEEL_DISK).items()}
+                    | {"mass": 1.0}
+                ),
+            ),
+        ),
     ],
 )
 def test_case_is_the_scenario_with_its_fields_changed(changes: Any, expected: Scenario) -> None:
@@ -142,9 +159,28 @@ def test_case_is_the_scenario_with_its_fields_changed(changes: Any, expected: Sc
 
 
 @pytest.mark.parametrize(
+    ("disk", "fields", "message"),
+    [
+        (STEEL_DISK, ("radius", "mass"), "mass does not go together with radius, from which it"),
+        (STEEL_DISK, ("thickness", "inertia_x"), "inertia_x does not go together with thickness"),
+        (ROUNDED_STEEL_DISK, ("radius",), "radius varies the paper's ring alone"),
+        (ROUNDED_STEEL_DISK, ("hole_radius",), "hole_radius varies the paper's ring alone"),
+    ],
+)
+def test_a_geometry_varies_with_the_mass_that_follows_from_it_or_not_at_all(
+    disk: Disk, fields: tuple[str, ...], message: str
+) -> None:
+    with pytest.raises(ValueError, match=f"^{message}"):
+        Ensemble(
+            scenario=replace(PAPER, disk=disk),
+            fields={name: np.array([0.04, 0.05]) for name in fields},
+        )
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("spim=0:1:2", "such as spin; got 'spim'"),
+        ("spim=0:1:2", "got 'spim'; did you mean spin?"),
         ("spin", "axis must be field=first:last:count"),
         ("spin=", "axis must be field=first:last:count"),
         ("spin=1:2:3:4", "axis start.spin must be first:last:count"),

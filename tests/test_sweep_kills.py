@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.helpers import is_running
-from tests.sweeps import Direct, sweep
+from tests.sweeps import direct, sweep
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
@@ -77,7 +77,7 @@ def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
     path.touch()
     wanted = sweep("spin=30:40:3")
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, Direct(), numbers=[2])
+        run_cases(wanted, kept, direct(), numbers=[2])
     assert Results.load(path).columns["number"].tolist() == [2]
 
 

@@ -1,13 +1,14 @@
 """Pictures of sweeps."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from tests.calls import run
-from tests.sweeps import Direct, sweep
+from tests.sweeps import direct, sweep
 from validation.maps.sweeps import check_drawable, draw
 from validation.sweeps.axes import Design, axis_from_text
 from validation.sweeps.results import Results
@@ -18,7 +19,7 @@ from validation.sweeps.sweep import Sweep
 
 def drawn(wanted: Sweep, path: Path) -> tuple[Figure, Results]:
     with Store(path, wanted) as store:
-        run_cases(wanted, store, Direct())
+        run_cases(wanted, store, direct())
     results = Results.load(path)
     return draw(results), results
 
@@ -54,10 +55,39 @@ def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right(tmp_path: Pa
 
 
 @pytest.mark.parametrize(
+    ("texts", "layout"),
+    [
+        (("spin=30:44:2", "mu=-0.1,0.3", "gamma=-1.5,-1"), {}),
+        (
+            ("spin=30:44", "mu=-0.1:0.5", "gamma=-1.5:-1"),
+            {"layout": "latin-hypercube", "number": 6},
+        ),
+    ],
+)
+def test_several_axes_are_drawn_in_pairs(
+    texts: tuple[str, ...], layout: dict[str, Any], tmp_path: Path
+) -> None:
+    base = sweep("spin=30:40:2", end=1.0, tolerance=1e-2)
+    design = Design(axes=tuple(map(axis_from_text, texts)), **layout)
+    wanted = Sweep(scenario=base.scenario, design=design, plan=base.plan)
+    figure, results = drawn(wanted, tmp_path / "a.db")
+    refused = results.columns["status"] == "refused"
+    assert 0 < np.count_nonzero(refused) < refused.size
+    shares, below = figure.axes[0], figure.axes[3]
+    assert below.get_ylabel() == "friction:\ncoefficient"
+    # A case that is refused counts in no share; where nothing else is, there is a cross.
+    crosses = np.asarray(below.lines[0].get_ydata(), dtype=float)
+    assert np.all(crosses < 0.0)
+    points = np.asarray(below.collections[0].get_offsets())
+    assert np.all(points[:, 1] > 0.0)
+    assert len(crosses) + len(points) == (6 if layout else 4)
+    assert np.all(np.isfinite(np.asarray(shares.lines[0].get_ydata(), dtype=float)))
+
+
+@pytest.mark.parametrize(
     ("axes", "message"),
     [
-        (("spin=30:40:2", "mu=0.1,0.2", "eps=0.1,0.2"), "one or two axes can be drawn, got 3"),
-        (("spin=30:40:2", "mu=0.1"), "two axes can be drawn if each has two values"),
+        (("spin=30:40:2", "mu=0.1"), "several axes can be drawn if each has two values"),
         (("constraints=contact,contact+no-slip",), "axis constraints cannot be drawn"),
         (("spin=40,30",), "axis start.spin can be drawn if its values rise"),
     ],

@@ -8,10 +8,18 @@ import numpy as np
 import pytest
 
 from analysis import MODELS, Scenario, Start, Trajectory, simulate_to_rest
-from tests.sweeps import Direct, sweep
+from tests.sweeps import direct, sweep
 from validation.run import run
-from validation.sweeps import runner
-from validation.sweeps.outcomes import COLUMNS, REST_SERIES, SERIES, TIME, series, series_named
+from validation.sweeps import outcomes, runner
+from validation.sweeps.outcomes import (
+    COLUMNS,
+    IN_ROW,
+    REST_SERIES,
+    SERIES,
+    TIME,
+    series,
+    series_named,
+)
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store, expected_size
@@ -34,7 +42,7 @@ def test_what_can_be_kept_is_all_that_a_motion_holds() -> None:
     # The one constraint that Model 4 does not have has this force.
     assert {TIME, *SERIES} - made.columns().keys() == {"lateral_force"}
     assert made.columns().keys() <= {TIME, *SERIES}
-    # They share the row on its way to the store.
+    # They share a dataset.
     assert not {"number", *COLUMNS} & {TIME, *SERIES, *REST_SERIES}
 
 
@@ -44,7 +52,7 @@ def test_kept_series_are_those_of_the_run_itself_also_in_a_sweep_that_goes_on(
     wanted, path = sweep(*AXES, keep=KEEP), tmp_path / "a.db"
     for numbers in ([0, 1], None):
         with Store(path, wanted) as kept:
-            run_cases(wanted, kept, Direct(), numbers=numbers)
+            run_cases(wanted, kept, direct(), numbers=numbers)
     found = Results.load(path).series(2)
     made = motion(replace(REDUCED, start=Start(spin=40.0)))
     assert tuple(found) == (TIME, *KEEP)
@@ -57,7 +65,7 @@ def test_case_without_a_motion_has_no_series(tmp_path: Path) -> None:
     pytest.importorskip("xarray")
     wanted, path = sweep(*AXES, keep=KEEP), tmp_path / "a.db"
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, Direct())
+        run_cases(wanted, kept, direct())
     results = Results.load(path)
     with pytest.raises(ValueError, match="holds no series of case 1"):
         results.series(1)
@@ -71,14 +79,31 @@ def test_case_without_a_motion_has_no_series(tmp_path: Path) -> None:
 def test_store_without_series_says_so(tmp_path: Path) -> None:
     wanted, path = sweep(*AXES), tmp_path / "a.db"
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, Direct(), numbers=[0])
+        run_cases(wanted, kept, direct(), numbers=[0])
     with pytest.raises(ValueError, match="holds no series: its sweep was told to keep none"):
         Results.load(path).series(0)
 
 
 def test_force_that_a_case_does_not_have_is_left_out() -> None:
     pushed = motion(Scenario(), formulation="index-1")
-    assert set(series(pushed, ("beta", "spin_torque"))) == {TIME, "beta"}
+    kept = series(pushed, ("beta", "spin_torque"))
+    assert set(kept) == {IN_ROW.format(name) for name in (TIME, "beta")}
+
+
+def test_a_series_named_like_an_outcome_is_kept_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    columns = Trajectory.columns
+    monkeypatch.setattr(outcomes, "SERIES", (*SERIES, "seconds"))
+    monkeypatch.setattr(
+        Trajectory, "columns", lambda run: columns(run) | {"seconds": columns(run)["time"]}
+    )
+    wanted, path = sweep("spin=30,40", keep=("seconds",)), tmp_path / "a.db"
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, direct())
+    results = Results.load(path)
+    assert np.all(np.isfinite(results.columns["seconds"]))
+    np.testing.assert_array_equal(results.series(0)["seconds"], results.series(0)["time"])
 
 
 def test_groups_stand_for_their_series_each_once() -> None:
@@ -90,5 +115,5 @@ def test_series_count_in_the_size_of_a_store_and_of_a_chunk() -> None:
     plain, kept = sweep("spin=0:60:1000", end=2.0), sweep("spin=0:60:1000", end=2.0, keep=KEEP)
     bytes_of_a_case = 3 * 401 * 8
     assert expected_size(kept) - expected_size(plain) >= 1000 * bytes_of_a_case
-    work = runner._Work(kept, Direct(), 1.0)
+    work = runner._Work(kept, direct(), 1.0)
     assert work._largest * bytes_of_a_case <= runner.LARGEST_SERIES

@@ -1,5 +1,6 @@
 """Trajectory files: exact, free of pickle, whole or not at all."""
 
+import errno
 import io
 import json
 import os
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from analysis import LEVELS, Level, Trajectory, load_run
+from analysis.data.files import whole_file
 from tests.helpers import random_trajectory
 
 ARRAYS = ("times", "coordinates", "rates", "multipliers")
@@ -151,6 +153,16 @@ def test_pickled_member_is_refused(path: Path) -> None:
 def test_missing_file_is_a_missing_file(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         load_run(tmp_path / "nothing.npz", Trajectory)
+
+
+def test_a_full_disk_is_told_with_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    full = OSError(errno.ENOSPC, "No space left on device")
+    message = rf"No space left on device: '.*{path.name}'$"
+    with pytest.raises(OSError, match=message) as told, whole_file(path):
+        raise full
+    assert (told.value.errno, told.value.filename) == (errno.ENOSPC, str(path))
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])

@@ -16,10 +16,10 @@ ROOT = Path(__file__).parent.parent
 
 POOL = """
 from tests.test_workers import note_and_work
-from analysis.data.workers import process_pool
+from analysis.data.workers import Pool
 from sys import argv
 if __name__ == "__main__":
-    with process_pool(2) as pool:
+    with Pool(2) as pool:
         list(pool.map(note_and_work, [argv[1]] * 2))
 """
 
@@ -33,10 +33,10 @@ if __name__ == "__main__":
 
 NESTED = """
 from tests.test_workers import isolate
-from analysis.data.workers import process_pool
+from analysis.data.workers import Pool
 from sys import argv
 if __name__ == "__main__":
-    with process_pool(1) as pool:
+    with Pool(1) as pool:
         list(pool.map(isolate, [argv[1]]))
 """
 

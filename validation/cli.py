@@ -5,16 +5,18 @@ and wrong calls answer at once; each subcommand imports what it needs when it ru
 """
 
 import argparse
+import logging
 import os
 import re
 import sys
-from collections.abc import Iterable, Sequence
-from contextlib import redirect_stdout, suppress
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
 from importlib import import_module
 from io import StringIO
 from pathlib import Path
 from traceback import format_exc
-from typing import TextIO
+from typing import Any, TextIO
 
 from validation.parser.top import parser
 
@@ -67,23 +69,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    name, options = "tippedisk", argparse.Namespace()
-    path = sys.path.copy()
     try:
-        options = parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
-        name = f"tippedisk {options.command.replace('_', '-')}"
-        # Imported late: the commands bring NumPy, SciPy and the engine along.
-        commands = import_module(f"validation.commands.{options.module}")
-        return int(getattr(commands, options.command)(options))
+        options = _parsed(sys.argv[1:] if arguments is None else arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
+    name = f"tippedisk {options.command.replace('_', '-')}"
+    path = sys.path.copy()
+    try:
+        # Imported late: the commands bring NumPy, SciPy and the engine along.
+        logging.getLogger("matplotlib").addFilter(_is_of_no_folder)
+        commands = import_module(f"validation.commands.{options.module}")
+        with _warnings_in_a_line(name), _text_beside(options):
+            return int(getattr(commands, options.command)(options))
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         message = " ".join(str(error).split()) or "not enough memory"
         _complain(f"{name}: error: {_blamed_option(options, message)}{message}")
         return 2
-    except Exception:  # noqa: BLE001 - whatever it is, it is no result
+    except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, it is no result
         # A law of one's own, or this program, is at fault: where, the traceback says. An exit code
-        # of 1 would say that the work was done.
+        # of 0 or 1 would say that the work was done.
         _complain(format_exc().rstrip())
         return 2
     except KeyboardInterrupt:
@@ -92,6 +96,52 @@ def _run(arguments: Sequence[str] | None) -> int:
     finally:
         # A law of one's own lets the working directory be searched.
         sys.path[:] = path
+
+
+def _parsed(words: Sequence[str]) -> argparse.Namespace:
+    """Options of a call; `SystemExit` if it is a wrong one or asks for help."""
+    top = parser()
+    for word in words:
+        option, _, value = word.partition("=")
+        if option.startswith("--") and value == "--":
+            # Taken for the end of the options, it would leave a list without a value.
+            top.error(f"argument {option}: expected a value behind =, got '--'")
+    return top.parse_args(_joined(words))
+
+
+@contextmanager
+def _warnings_in_a_line(name: str) -> Iterator[None]:
+    """Say of a number that looks as if it were meant in another unit, once, and go on."""
+    from analysis.data.written import UnitWarning
+
+    shown = warnings.showwarning
+
+    def show(message: Any, category: type[Warning], *place: Any) -> None:
+        if category is UnitWarning:
+            _complain(f"{name}: {message}")
+        else:
+            shown(message, category, *place)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("once", UnitWarning)
+        warnings.showwarning = show  # type: ignore[assignment] # the places are passed on
+        yield
+
+
+@contextmanager
+def _text_beside(options: argparse.Namespace) -> Iterator[None]:
+    """What is printed goes to standard error where standard output is to take a file."""
+    from analysis.data.files import is_standard_output
+
+    paths = [each for each in vars(options).values() if isinstance(each, Path)]
+    beside = sys.stderr if any(map(is_standard_output, paths)) else sys.stdout
+    with redirect_stdout(beside):
+        yield
+
+
+def _is_of_no_folder(record: logging.LogRecord) -> bool:
+    """Let Matplotlib take a temporary folder, where it can make no other, without a word."""
+    return record.funcName != "_get_config_or_cache_dir"
 
 
 def _joined(words: Iterable[str]) -> list[str]:
@@ -127,7 +177,9 @@ def _deliver(text: str) -> bool:
         _complain("tippedisk: standard output is closed; what was to be printed is lost")
         return False
     try:
-        sys.stdout.write(text)
+        # What an output cannot show, such as λ in ASCII, is replaced; all else is worth having.
+        encoding = sys.stdout.encoding or "utf-8"
+        sys.stdout.write(text.encode(encoding, "replace").decode(encoding))
         sys.stdout.flush()
     except (OSError, ValueError) as error:
         _complain(f"tippedisk: standard output could not be written to: {error}")

@@ -19,6 +19,9 @@ from analysis.models import effort as inhouse_effort
 if TYPE_CHECKING:
     from mbs_models import Integrator, IntegratorName
 
+REST_SPACING = 2e-3
+"""Time between samples of a motion to rest in s."""
+
 _OF_ENGINE = ("step", "integrator")
 _OF_IN_HOUSE = ("local_tolerance", "method")
 
@@ -90,7 +93,7 @@ def run_to_rest(
     end: float,
     *,
     source: Source = "engine",
-    spacing: float = 2e-3,
+    spacing: float = REST_SPACING,
     criterion: RestCriterion | None = None,
     tolerance: float | None = None,
     step: float | None = None,

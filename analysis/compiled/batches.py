@@ -10,13 +10,16 @@ import numpy as np
 from analysis.compiled.lots import Judged, Lot, run_to
 from analysis.compiled.runs import CompiledScenario
 from analysis.data.checks import Array, positive
+from analysis.data.checks import local_tolerance as one_step
 from analysis.data.endings import Condition
+from analysis.data.limits import Effort
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Setting, Trajectory
+from analysis.data.watch import Watch
 from analysis.models.effort import simulation_effort
 from analysis.models.forms import Form, PosedForm, default_form, pose
 from analysis.models.integration import Run, endings, pulls_at_start
-from analysis.models.simulation import check_local_tolerance, local_tolerances, trajectory
+from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE, local_tolerances, trajectory
 
 Outcome = Trajectory | Exception
 """Of one member: its motion, or the error that ended it."""
@@ -44,11 +47,13 @@ class PosedMember:
             scenario, form, compiled, pose(scenario, form, conditions, compiled.multipliers)
         )
 
-    def alone(self, times: Array, local_tolerance: float, longest: float) -> Run | Exception:
-        """Its run; where it fails, it must not take others with it."""
+    def alone(
+        self, times: Array, local_tolerance: float, longest: float, most: float
+    ) -> Run | Exception:
+        """Its run of so many steps at most; where it fails, it must not take others with it."""
         problem = self.posed.problem.with_steps_up_to(longest)
         try:
-            return self.compiled.integrate(problem, times, local_tolerance)
+            return self.compiled.integrate(problem, times, local_tolerance, Watch(most=most))
         except (ArithmeticError, ValueError) as error:
             return error
 
@@ -88,19 +93,19 @@ def simulate_batches(
         From reasons to functions of a `State`.
     """
     outcomes: dict[int, Outcome] = {}
-    groups: defaultdict[Any, list[tuple[int, PosedMember, float]]] = defaultdict(list)
+    groups: defaultdict[Any, list[tuple[int, PosedMember, float, float]]] = defaultdict(list)
     for number, (scenario, asked) in enumerate(tasks):
         try:
             member = PosedMember.of(scenario, form, conditions)
             pulls_at_start(member.posed.problem, allow_pulling=False)
             ladder, tolerance = ladder_to(asked, local_tolerance)
-            check_effort(scenario, times, tolerance, local_tolerance)
+            most = checked_effort(scenario, times, tolerance, local_tolerance).most
         except (ArithmeticError, ValueError) as error:
             outcomes[number] = error
         else:
-            groups[member.compiled.code, ladder].append((number, member, tolerance))
+            groups[member.compiled.code, ladder].append((number, member, tolerance, most))
     for (code, ladder), group in groups.items():
-        members = [member for _, member, _ in group]
+        members = [member for _, member, *_ in group]
         problems = [member.posed.problem for member in members]
 
         def alone(row: int, *how: float, members: list[PosedMember] = members) -> Run | Exception:
@@ -112,10 +117,11 @@ def simulate_batches(
             np.array([problem.start for problem in problems]),
             np.array([member.compiled.numbers for member in members]),
             np.array([problem.longest_step for problem in problems]),
+            np.array([most for *_, most in group]),
             alone,
         )
-        judged = run_to(lot, times, ladder, np.array([tolerance for *_, tolerance in group]))
-        for row, (number, member, tolerance) in enumerate(group):
+        judged = run_to(lot, times, ladder, np.array([tolerance for *_, tolerance, _ in group]))
+        for row, (number, member, tolerance, _) in enumerate(group):
             if row in judged.failures:
                 outcomes[number] = judged.failures[row]
                 continue
@@ -133,16 +139,18 @@ def ladder_to(
     if local_tolerance is not None:
         if tolerance is not None:
             raise ValueError("give either tolerance or local_tolerance, not both")
-        return (check_local_tolerance("local_tolerance", local_tolerance),), np.inf
+        return (one_step("local_tolerance", local_tolerance, TIGHTEST_LOCAL_TOLERANCE),), np.inf
     wanted = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
     return tuple(local_tolerances(wanted, "taylor")), wanted
 
 
-def check_effort(
+def checked_effort(
     scenario: Scenario, times: Array, tolerance: float, local_tolerance: float | None
-) -> None:
-    """Raise `ValueError` if a run would take too many steps."""
+) -> Effort:
+    """What a run should take; `ValueError` if that is too many steps."""
     accuracy = {"tolerance": tolerance} if local_tolerance is None else {}
-    simulation_effort(
+    effort = simulation_effort(
         scenario, times, method="taylor", local_tolerance=local_tolerance, **accuracy
-    ).check()
+    )
+    effort.check()
+    return effort

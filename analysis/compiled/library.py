@@ -16,6 +16,14 @@ def is_installed() -> bool:
     return find_spec("heyoka") is not None
 
 
+def require_heyoka() -> None:
+    """Raise `CannotCompileError` if there is none."""
+    if not is_installed():
+        raise CannotCompileError(
+            "method 'taylor' needs heyoka, which is not installed: pip install 'tippedisk[fast]'"
+        )
+
+
 @cache
 def heyoka() -> Any:
     """The module heyoka; elementary functions take its symbols from then on.
@@ -25,12 +33,9 @@ def heyoka() -> Any:
     CannotCompileError
         If it is not installed.
     """
-    try:
-        import heyoka as library  # noqa: PLC0415 - an extra, loaded when it is asked for
-    except ImportError:
-        raise CannotCompileError(
-            "method 'taylor' needs heyoka, which is not installed: pip install 'tippedisk[fast]'"
-        ) from None
+    require_heyoka()
+    import heyoka as library  # noqa: PLC0415 - an extra, loaded when it is asked for
+
     # Where its cache on disk cannot be written it compiles anew, and would say so on every call.
     library.set_logger_level_error()
     elementary.register(library.expression, library)

@@ -14,13 +14,12 @@ from analysis.compiled.systems import ALIVE, REASON, SIGN, SINGULAR, WHEN
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT
 from analysis.data.files import AnyArray
-from analysis.data.limits import MOST_STEPS
 from analysis.data.members import Rows
 from analysis.models.integration import Run
 from analysis.models.simulation import CAUTION, ROUNDING, unreachable
 
-Alone = Callable[[int, float, float], Run | Exception]
-"""Runs one member with a local tolerance and a part of its longest step."""
+Alone = Callable[[int, float, float, float], Run | Exception]
+"""Runs one member with a local tolerance, a part of its longest step and so many steps at most."""
 
 RUNNING = -1
 """In place of the number of an ending, of a motion that has none."""
@@ -40,6 +39,8 @@ class Lot:
         Parameters of the code.
     longest : ndarray, shape (m,)
         Longest step in s.
+    most : ndarray, shape (m,)
+        Steps after which a run is given up.
     alone : callable
         See `Alone`.
     """
@@ -49,6 +50,7 @@ class Lot:
     starts: Array
     numbers: Array
     longest: Array
+    most: Array
     alone: Alone
 
 
@@ -241,12 +243,13 @@ def run(
             solver.pars[:] = parameters[:, some]
             solver.reset_cooldowns()
             propagate = partial(solver.propagate_grid, grid, max_delta_t=steps[some])
-            _, samples = places.call(partial(propagate, max_steps=MOST_STEPS))
+            most = int(lot.most[padded[some]].max())
+            _, samples = places.call(partial(propagate, max_steps=most))
             failed += _take(found, solver, samples, first, lot.code.reasons)
     errors: dict[int, Exception] = {}
     for row in failed:
         member = int(rows[row])
-        alone = lot.alone(member, local_tolerance, longest)
+        alone = lot.alone(member, local_tolerance, longest, float(lot.most[member]))
         if isinstance(alone, Exception):
             errors[member] = alone
         else:

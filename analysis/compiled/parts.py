@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analysis.compiled import systems
-from analysis.compiled.batches import PosedMember, check_effort, ladder_to
+from analysis.compiled.batches import PosedMember, checked_effort, ladder_to
 from analysis.compiled.code import Code, values
 from analysis.compiled.lots import RUNNING, Judged, Lot, run_to
 from analysis.compiled.runs import code_for
@@ -107,6 +107,17 @@ class CompiledPart:
         coordinates, rates = self._expanded(self.judged.reached.last[:, None], passed[:, None])
         return coordinates[:, 0], rates[:, 0]
 
+    def at(self, rows: Rows, columns: Rows) -> tuple[Array, Array]:
+        """Coordinates and rates of rows, shape (j,), at samples, shape (j, p), as in `Samples`."""
+        reached, ends = self.judged.reached, self.ends[rows, None]
+        times = np.append(self.times, np.inf)[columns]
+        inner = np.minimum(columns, self.times.size - 1)
+        over = (times > ends)[..., None]
+        states = np.where(over, reached.last[rows, None], reached.states[rows[:, None], inner])
+        starts, numbers = (each[rows] for each in self.frame)
+        passed = np.minimum(times, ends) - self.times[0]
+        return _expanded(self.form, starts, numbers, states, passed)
+
     def samples(self, some: slice) -> Samples:
         """Samples of some of them, with their ends and constraint forces."""
         judged, columns = self.judged.reached, np.arange(self.times.size + 1)
@@ -193,7 +204,7 @@ def simulate_ensemble(
     def columns(scenario: Scenario) -> tuple[Code, Form, list[Sequence[float]]]:
         form = default_form(scenario) if request.form is None else request.form
         check_form(scenario, form)
-        check_effort(scenario, request.times, least, request.local_tolerance)
+        effort = checked_effort(scenario, request.times, least, request.local_tolerance)
         code = code_for(scenario, form, request.conditions, allow_pulling=False)
         return (
             code,
@@ -202,6 +213,7 @@ def simulate_ensemble(
                 start_values(scenario, form),
                 systems.parameters(scenario),
                 (longest_step(scenario),),
+                (effort.most,),
                 start_values(scenario, "index-1"),
             ],
         )
@@ -213,7 +225,7 @@ def simulate_ensemble(
         code, form, numbers = found
         arrays = [in_columns(each, rows.size) for each in numbers]
         # The force at the start; one that is not a number is looked at again, too.
-        pressed = values(code.multipliers, arrays[3], arrays[1])[:, 0] >= 0.0
+        pressed = values(code.multipliers, arrays[4], arrays[1])[:, 0] >= 0.0
         others += rows[~pressed].tolist()
         for ladder, some in _by_ladder(wanted[rows], np.flatnonzero(pressed), request):
             members = rows[some]
@@ -255,13 +267,13 @@ def _run_part(
     request: Request,
 ) -> tuple[CompiledPart, dict[int, Exception]]:
     code, form, ladder = kind
-    starts, numbers, longest, states = arrays
+    starts, numbers, longest, most, states = arrays
 
     def alone(row: int, *how: float) -> Run | Exception:
         member = PosedMember.of(ensemble[row], form, request.conditions)
         return member.alone(request.times, *how)
 
-    lot = Lot(code, form, starts, numbers, longest[:, 0], alone)
+    lot = Lot(code, form, starts, numbers, longest[:, 0], most[:, 0], alone)
     judged = run_to(lot, request.times, ladder, tolerances)
     part = CompiledPart(
         rows=np.arange(len(ensemble)),

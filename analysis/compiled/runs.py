@@ -1,6 +1,7 @@
 """Runs of compiled systems: one at a time, with the endings that single runs have."""
 
 from collections.abc import Callable, Mapping, Sequence
+from math import asin
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,6 @@ from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.compiled.systems import SIGN, SINGULAR, Structure
 from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
-from analysis.data.limits import MOST_STEPS
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Watch
 from analysis.models.integration import (
@@ -87,10 +87,12 @@ class CompiledScenario:
         ------
         ArithmeticError
             If the integration fails.
+        ToleranceError
+            If the call is out of steps.
         ValueError
             If the contact would have to pull at the start and must not.
         """
-        lets = self._allow_pulling
+        watch, lets = watch or Watch(), self._allow_pulling
         pulls = pulls_at_start(problem, allow_pulling=lets)
         edges = [float(times[0])] if pulls else []
         parts: list[Array] = []
@@ -104,11 +106,16 @@ class CompiledScenario:
                 outcome, _, _, taken, _, sampled = solver.propagate_grid(
                     left,
                     max_delta_t=problem.longest_step,
-                    max_steps=MOST_STEPS,
+                    max_steps=watch.steps_left,
                     callback=_interruption(watch, float(times[-1])),
                 )
                 parts.append(sampled[int(between) :])
                 steps, row = steps + taken, row + len(parts[-1])
+                watch.steps += taken
+                if outcome == heyoka().taylor_outcome.step_limit:
+                    lean = asin(min(1.0, problem.leaning(solver.state)))
+                    watch.flattest = (float(solver.time), lean)
+                    raise watch.given_up("taylor")
                 ended = _reason(outcome, self.code.reasons, solver)
                 if ended != CONTACT_WOULD_PULL or not lets:
                     break
@@ -146,7 +153,7 @@ def _reason(outcome: Any, reasons: Sequence[str], solver: Any) -> str | None:
     number = -int(outcome.value) - 1
     if 0 <= number < len(reasons) and reasons[number] != SINGULAR:
         return reasons[number]
-    why = f"it took {MOST_STEPS:.0e} steps"
+    why = "it does not get on"
     if 0 <= number < len(reasons):
         why = "each newton of normal force calls for another one of it through friction"
     elif outcome == kinds.err_nf_state:
@@ -154,8 +161,8 @@ def _reason(outcome: Any, reasons: Sequence[str], solver: Any) -> str | None:
     raise ArithmeticError(f"taylor stopped after t = {solver.time:g} s: {why}")
 
 
-def _interruption(watch: Watch | None, end: float) -> Callable[[Any], bool] | None:
+def _interruption(watch: Watch, end: float) -> Callable[[Any], bool] | None:
     """What a solver calls after each step; it stops where that is not true."""
-    if watch is None or watch.is_idle:
+    if watch.is_idle:
         return None
     return lambda solver: not watch.is_over(float(solver.time), end)

@@ -1,16 +1,14 @@
 """Accuracy of motions by agreement of runs; what makes the runs does not matter."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from analysis.data.checks import Array, ToleranceError
-from analysis.data.endings import TIME_LIMIT, Condition, Ending
+from analysis.data.endings import AT_REST, TIME_LIMIT
 from analysis.data.spatial_motion import SpatialMotion
-from analysis.data.state import FlatError
 
 RUNS = 5
 """Runs after which a tolerance counts as out of reach."""
@@ -34,7 +32,8 @@ def until_agreement(
     first : float
         Local tolerance of the first run.
     tolerance : float
-        Largest `SpatialMotion.deviation` of the last two runs.
+        Largest `SpatialMotion.deviation` of the last two runs, and `error_at_ending` where a
+        condition ends them.
 
     Returns
     -------
@@ -57,7 +56,7 @@ def until_agreement(
         if local < 0.99 * TIGHTEST:
             break
         fine = run(local)
-        differences.append(fine.deviation(coarse))
+        differences.append(_apart(fine, coarse))
         if differences[-1] <= tolerance or _cut_short(fine):
             return replace(fine, error_estimate=differences[-1])
         coarse = fine
@@ -98,44 +97,34 @@ def error_at_ending(
     return found
 
 
+def _apart(fine: SpatialMotion, coarse: SpatialMotion) -> float:
+    """How far two runs are apart, in what `SpatialMotion.deviation` is told in."""
+    difference = fine.deviation(coarse)
+    reasons = {_told(motion) for motion in (fine, coarse)}
+    if reasons == {None} or _cut_short(fine):
+        return difference
+    if len(reasons) > 1:
+        return float("inf")
+    later = float(fine.times[-1] - coarse.times[-1])
+    verticals = [motion.rotations[-1, 2] for motion in (fine, coarse)]
+    turning = fine.rotations[-1].T @ fine.angular_velocities[-1]
+    ended = error_at_ending(
+        [float(np.linalg.norm(verticals[0] - verticals[1]))],
+        later,
+        [float(np.linalg.norm(np.cross(verticals[0], turning)))],
+    )
+    left, other = (
+        np.append(motion.energies[-1].sum(), motion.dissipated[-1]) for motion in (fine, coarse)
+    )
+    energy = float(np.max(np.abs(left - other))) / float(fine.energies[0].sum())
+    return max(difference, float(ended), energy + LEAST_RATE * abs(later))
+
+
+def _told(motion: SpatialMotion) -> str | None:
+    """The condition that ended a motion, if one did."""
+    reason = None if motion.ending is None else motion.ending.reason
+    return None if reason in (AT_REST, TIME_LIMIT) else reason
+
+
 def _cut_short(motion: SpatialMotion) -> bool:
     return motion.ending is not None and motion.ending.reason == TIME_LIMIT
-
-
-def located(
-    motion: SpatialMotion, conditions: Mapping[str, Condition], tolerance: float | None = None
-) -> SpatialMotion:
-    """The same motion up to where a condition turns negative before its last sample.
-
-    Parameters
-    ----------
-    motion : SpatialMotion
-        Ended at the first sample that meets one of the conditions, or for another reason.
-    conditions : mapping
-        By name, as `named_conditions` makes it.
-    tolerance : float, optional
-        Largest error that interpolation may add, as in `SpatialMotion.at`.
-
-    Returns
-    -------
-    SpatialMotion
-        With its last sample moved to that time; as it was where the samples do not determine the
-        motion between them to the tolerance, as after an impact.
-    """
-    if motion.ending is None or motion.ending.reason not in conditions:
-        return motion
-    reason = motion.ending.reason
-    begin, end = motion.times[-2:].tolist()
-
-    def says(time: float) -> float:
-        return float(conditions[reason](motion.at(time, tolerance=tolerance)))
-
-    try:
-        if says(begin) < 0.0:
-            return motion
-        time = float(brentq(says, begin, end, xtol=1e-12, rtol=1e-12))
-        value = says(time)
-        ended = motion.resampled(np.append(motion.times[:-1], time), tolerance=tolerance)
-    except (ToleranceError, FlatError):
-        return motion
-    return replace(ended, ending=Ending(reason=reason, time=time, value=value))

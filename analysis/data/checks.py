@@ -1,8 +1,9 @@
 """Validators that return the clean value or raise a one-line `ValueError`."""
 
+import re
 from collections.abc import Iterable, Mapping
 from math import isfinite, isnan
-from numbers import Real
+from numbers import Integral, Real
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 from analysis.data.limits import LARGEST_VALUE
 from analysis.data.members import Members
+from analysis.data.names import nearest
 
 Array = npt.NDArray[np.float64]
 T = TypeVar("T")
@@ -37,7 +39,7 @@ def number(name: str, value: Any) -> float:
     if not isinstance(value, Real) or isinstance(value, bool):
         if isinstance(value, Members):
             return _finite(name, value)
-        raise ValueError(f"{name} must be a finite number, got {value!r}")
+        raise ValueError(f"{name} must be a finite number, got {value!r}{_in_numbers(value)}")
     try:
         result = float(value)
     except OverflowError:
@@ -45,6 +47,12 @@ def number(name: str, value: Any) -> float:
     if not isfinite(result):
         raise ValueError(f"{name} must be a finite number, got {result}")
     return result
+
+
+def _in_numbers(value: Any) -> str:
+    """How to write an angle that is given as text."""
+    angle = re.fullmatch(r"\s*([-+.\d]+)\s*(deg|°)\s*", value) if isinstance(value, str) else None
+    return f"; write np.radians({angle[1]})" if angle else ""
 
 
 def _finite(name: str, members: Members) -> float:
@@ -77,13 +85,75 @@ def within(name: str, value: Any, least: float, most: float) -> float:
     return result
 
 
+def whole(name: str, value: Any, least: int = 1) -> int:
+    """Return `value` as an int of at least `least`; `ValueError` otherwise."""
+    if not isinstance(value, Integral) or isinstance(value, bool):
+        raise ValueError(f"{name} must be a whole number, got {value!r}")
+    if value < least:
+        raise ValueError(f"{name} must be at least {least}, got {value}")
+    return int(value)
+
+
+def switch(name: str, value: Any) -> bool:
+    """Return `value` if it is True or False; `ValueError` otherwise."""
+    if not isinstance(value, bool | np.bool_):
+        raise ValueError(f"{name} must be True or False, got {value!r}")
+    return bool(value)
+
+
+def local_tolerance(name: str, value: Any, least: float) -> float:
+    """Return the error of a step, from `least` to less than 1; `ValueError` otherwise."""
+    result = positive(name, value)
+    if not least <= result < 1.0:
+        raise ValueError(f"{name} must lie in [{least:g}, 1), got {result:g}")
+    return result
+
+
+def instance(name: str, value: Any, kind: type[T]) -> T:
+    """Return `value` if it is of this class; `ValueError` otherwise."""
+    if isinstance(value, kind):
+        return value
+    if value is kind:
+        raise ValueError(
+            f"{name} must be a {kind.__name__}, got the class: write {kind.__name__}()"
+        )
+    raise ValueError(f"{name} must be a {kind.__name__}, got {value!r}")
+
+
+def function(name: str, value: T) -> T:
+    """Return `value` if it can be called; `ValueError` otherwise."""
+    if not callable(value):
+        raise ValueError(f"{name} must be a function, got {value!r}")
+    return value
+
+
 def choice(name: str, value: T, allowed: Iterable[T]) -> T:
     """Return `value` if it is one of `allowed`; `ValueError` listing them otherwise."""
     options = list(allowed)
-    if value not in options:
+    # An array answers with one for each of its entries.
+    if isinstance(value, np.ndarray) or value not in options:
         listed = ", ".join(str(option) for option in options)
-        raise ValueError(f"{name} must be one of {listed}, got {value!r}")
+        raise ValueError(f"{name} must be one of {listed}, got {value!r}{nearest(value, options)}")
     return value
+
+
+def float_array(name: str, values: npt.ArrayLike) -> Array:
+    """Return a new array of floats from real numbers, which may be infinite or no numbers.
+
+    Raises
+    ------
+    ValueError
+        If they are complex, text, truth values or objects, if rows differ in length, or if one is
+        masked.
+    """
+    unmasked(name, values)
+    try:
+        given = np.asarray(values)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be an array of real numbers, got {values!r}") from None
+    if given.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be an array of real numbers, got {given.dtype} values")
+    return np.array(given, dtype=float)
 
 
 def real_array(name: str, values: npt.ArrayLike) -> Array:
@@ -92,16 +162,9 @@ def real_array(name: str, values: npt.ArrayLike) -> Array:
     Raises
     ------
     ValueError
-        If they are complex, text, truth values or objects, if rows differ in length, or if a
-        number is not finite or larger than `LARGEST_VALUE`.
+        As in `float_array`, or if a number is not finite or larger than `LARGEST_VALUE`.
     """
-    try:
-        given = np.asarray(values)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be an array of real numbers, got {values!r}") from None
-    if given.dtype.kind not in "fiu":
-        raise ValueError(f"{name} must be an array of real numbers, got {given.dtype} values")
-    result = np.array(given, dtype=float)
+    result = float_array(name, values)
     # Its size is not finite if one of its numbers is not: one pass, for the shortest runs.
     largest = np.abs(result).max(initial=0.0)
     if not isfinite(largest):
@@ -109,6 +172,12 @@ def real_array(name: str, values: npt.ArrayLike) -> Array:
     if largest > LARGEST_VALUE:
         raise ValueError(f"{name} must not exceed {LARGEST_VALUE:g} in size")
     return result
+
+
+def unmasked(name: str, values: Any) -> None:
+    """Raise `ValueError` if any value is masked."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} must hold no masked values, got {values!r}")
 
 
 _PLAIN = (str, float, int, Real)

@@ -5,6 +5,7 @@ from itertools import combinations
 from typing import Literal, get_args
 
 from analysis.data.checks import choice
+from analysis.data.names import Named
 
 Constraint = Literal["contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin"]
 CONSTRAINTS: tuple[Constraint, ...] = get_args(Constraint)
@@ -20,12 +21,15 @@ ConstraintSet = tuple[Constraint, ...]
 Level = Literal[1, 2, 3, 4]
 LEVELS: tuple[Level, ...] = get_args(Level)
 
-MODELS: dict[Level, ConstraintSet] = {
-    1: ("contact",),
-    2: ("contact", "fixed-cog"),
-    3: ("contact", "fixed-cog", "no-slip-along"),
-    4: ("contact", "fixed-cog", "no-slip-along", "constant-spin"),
-}
+MODELS: dict[Level, ConstraintSet] = Named(
+    "MODELS",
+    {
+        1: ("contact",),
+        2: ("contact", "fixed-cog"),
+        3: ("contact", "fixed-cog", "no-slip-along"),
+        4: ("contact", "fixed-cog", "no-slip-along", "constant-spin"),
+    },
+)
 """The paper's models, Table 2."""
 
 _FORCES: dict[Constraint, tuple[str, ...]] = {
@@ -38,6 +42,10 @@ _FORCES: dict[Constraint, tuple[str, ...]] = {
 
 MULTIPLIERS = tuple(name for names in _FORCES.values() for name in names)
 """Constraint forces in order, all in R-frame axes."""
+
+PRESCRIBED: dict[str, str] = {"spin_torque": "alpha"}
+"""Constraint forces that do work, and the coordinate whose rate each keeps as it is. All others
+hold velocities at zero."""
 
 
 def constraint_set(constraints: Iterable[Constraint]) -> ConstraintSet:
@@ -91,6 +99,11 @@ def multiplier_names(constraints: ConstraintSet) -> tuple[str, ...]:
     ('normal_force', 'cog_force_x', 'cog_force_y', 'tangential_force')
     """
     return tuple(name for each in constraints for name in _FORCES[each])
+
+
+def prescribed(constraints: ConstraintSet) -> tuple[str, ...]:
+    """Names of those constraint forces of a set that do work, of `PRESCRIBED`."""
+    return tuple(name for name in multiplier_names(constraints) if name in PRESCRIBED)
 
 
 def model_of(constraints: ConstraintSet) -> Level | None:

@@ -3,14 +3,16 @@
 from dataclasses import dataclass
 from math import sqrt
 
-from analysis.data.checks import not_negative, positive, within
+from analysis.data.checks import not_negative, positive, switch, within
 from analysis.data.disk import Disk
 from analysis.data.limits import LARGEST_DAMPING, STIFFEST_CONTACT, THINNEST_RIM
+from analysis.data.names import suggesting_fields
 
 LARGEST_PART = 0.01
 """Largest resting penetration as a part of the radius; beyond, it is another disk's motion."""
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PenaltyContact:
     """Contact through a spring and a damper: stiffness * penetration + damping * its rate.
@@ -54,8 +56,7 @@ class PenaltyContact:
                 f"half_thickness must be 0 or at least {THINNEST_RIM:g} m, got {thickness:g}"
             )
         object.__setattr__(self, "half_thickness", thickness)
-        if not isinstance(self.bilateral, bool):
-            raise ValueError(f"bilateral must be True or False, got {self.bilateral!r}")
+        object.__setattr__(self, "bilateral", switch("bilateral", self.bilateral))
 
     @classmethod
     def damped(
@@ -115,16 +116,24 @@ class PenaltyContact:
         weight : float
             In N.
         """
+        square, lean = self.half_thickness**2, self._resting_lean(disk)
+        height = sqrt(square + (disk.radius**2 - square) * lean**2) - disk.eccentricity * lean
+        return height - self.resting_penetration(weight)
+
+    def lies(self, disk: Disk) -> bool:
+        """Whether the disk can lie on a face; one nearly as thick as wide rests on its rim."""
+        return self._resting_lean(disk) < 1.0
+
+    def _resting_lean(self, disk: Disk) -> float:
+        """Sine of the angle between disk and table where the disk lies stable."""
         eccentricity, square = disk.eccentricity, self.half_thickness**2
         flattening = disk.radius**2 - square
         # The height sqrt(c^2 + k s^2) - e s over 0 <= s <= 1, the part of the way from flat to
         # upright, is stationary at one s. A disk of thickness zero lies flat.
-        lean = 1.0
-        if flattening > eccentricity**2:
-            lean = eccentricity * sqrt(square / (flattening * (flattening - eccentricity**2)))
-            lean = min(lean, 1.0)
-        height = sqrt(square + flattening * lean**2) - eccentricity * lean
-        return height - self.resting_penetration(weight)
+        if flattening <= eccentricity**2:
+            return 1.0
+        lean = eccentricity * sqrt(square / (flattening * (flattening - eccentricity**2)))
+        return min(lean, 1.0)
 
     def check(self, disk: Disk, weight: float) -> None:
         """Check the contact against the disk that is to lie on it, of this weight in N.

@@ -5,8 +5,10 @@ from math import pi, sqrt
 
 from analysis.data.checks import not_negative, number, positive, within
 from analysis.data.limits import LARGEST_VALUE
+from analysis.data.names import Named, suggesting, suggesting_fields
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Disk:
     """An eccentric rigid disk (paper, Sect. 2).
@@ -105,6 +107,7 @@ class Disk:
         return (radius, distance) if radius + distance < r else None
 
     @classmethod
+    @suggesting
     def ring(
         cls,
         *,
@@ -182,5 +185,5 @@ ROUNDED_STEEL_DISK = Disk(
 )
 """The paper's disk as Table 1 prints it, rounded to three digits."""
 
-DISKS = {"steel": STEEL_DISK, "steel-rounded": ROUNDED_STEEL_DISK}
+DISKS = Named("DISKS", {"steel": STEEL_DISK, "steel-rounded": ROUNDED_STEEL_DISK})
 """Named disks, as the command line takes them."""

@@ -6,11 +6,13 @@ import numpy as np
 
 from analysis.data.checks import Array, not_negative, positive, within
 from analysis.data.limits import LARGEST_RESISTANCE
+from analysis.data.names import suggesting_fields
 
 CAUSES = ("damping", "sliding", "rolling_dry", "rolling_viscous", "pivoting", "air_drag")
 """What takes energy from the disk: the contact's damper, sliding friction, and the options."""
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dissipation:
     """What may take energy besides sliding friction and the contact's damper; all off at first.
@@ -63,6 +65,7 @@ class Dissipation:
         return any(getattr(self, name) > 0.0 for name in CAUSES[2:])
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RestCriterion:
     """When a disk counts as at rest: still, and in a stable place, for some time.

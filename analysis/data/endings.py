@@ -1,9 +1,11 @@
 """Why a motion ends, and what a run can be told to end at."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from analysis.data import frames
 from analysis.data.checks import Array, choice, number
@@ -23,6 +25,12 @@ REACHED = 0.9
 
 FLATTEST = 1e-6
 """Leaning in rad down to which a pose is told by its Euler angles."""
+
+_CLOSE = 1e-13
+"""To which an ending is located, in s and relative to its time."""
+
+_LYING = (1.0, FLAT)
+"""Stands for what no condition says of a disk that lies flat."""
 
 Condition = Callable[[State], float]
 """From a state to a number; a run ends where that turns negative."""
@@ -107,15 +115,28 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
         If a name is unknown or stands for two of them, something is neither a name nor callable,
         or says no number of the state.
     """
-    given = [stop_when] if isinstance(stop_when, str) or callable(stop_when) else list(stop_when)
+    given = stop_when if isinstance(stop_when, Iterable) else (stop_when,)
+    if isinstance(given, str):
+        given = (given,)
     found: dict[str, Condition] = {}
     for each in given:
         name, condition = _named(each)
         if found.setdefault(name, condition) is not condition:
             raise ValueError(f"stop_when must hold functions of different names, got {name} twice")
         if state is not None:
-            number(f"stop_when {name}", condition(state))
+            _try(name, condition, state)
     return found
+
+
+def _try(name: str, condition: Condition, state: State) -> None:
+    """Raise if a condition says no number of a state."""
+    try:
+        value = condition(state)
+    except (Exception, SystemExit) as error:
+        raise ValueError(
+            f"stop_when {name} must say a number of a State: {type(error).__name__}: {error}"
+        ) from error
+    number(f"stop_when {name}", value)
 
 
 def check_condition_name(name: str) -> str:
@@ -133,14 +154,36 @@ def _named(given: str | Condition) -> tuple[str, Condition]:
     return getattr(condition, "__name__", type(condition).__name__), condition
 
 
+class Met(NamedTuple):
+    """Where a condition turned negative.
+
+    `row` is the number of the pose there, `before` that of the pose at which it was asked before,
+    `reason` its name and `value` what it says.
+    """
+
+    row: int
+    before: int
+    reason: str
+    value: float
+
+
+class Poses(NamedTuple):
+    """Poses and how they move: shapes (n, 3), (n, 3, 3), (n, 3), (n, 3); `frames.from_poses`."""
+
+    positions: Array
+    rotations: Array
+    velocities: Array
+    angular_velocities: Array
+
+
 def first_met(
     conditions: Mapping[str, Condition],
     positions: Array,
     rotations: Array,
     velocities: Array,
     angular_velocities: Array,
-) -> tuple[int, str, float] | None:
-    """Number of the first pose at which a condition turns negative, its name and its value.
+) -> Met | None:
+    """First pose at which a condition turns negative.
 
     Poses that lie flat, which no `State` describes, are passed over.
 
@@ -148,20 +191,74 @@ def first_met(
     ----------
     conditions : mapping
         By name, as `named_conditions` makes it.
-    positions, velocities, angular_velocities : ndarray, shape (n, 3)
-    rotations : ndarray, shape (n, 3, 3)
-        As in `frames.from_poses`.
+    positions, rotations, velocities, angular_velocities : ndarray
+        As in `Poses`.
     """
-    leaning = np.hypot(rotations[:, 2, 0], rotations[:, 2, 1])
-    rows = np.flatnonzero(leaning > FLATTEST)
-    poses = (each[rows] for each in (positions, rotations, velocities, angular_velocities))
-    coordinates, rates = frames.from_poses(*poses)
+    poses = Poses(positions, rotations, velocities, angular_velocities)
     before: dict[str, float] = {}
+    asked = -1
+    for row, values in _said(conditions, poses):
+        for name, value in values.items():
+            if value < 0.0 <= before.get(name, -1.0):
+                return Met(row, asked, name, value)
+        before, asked = values, row
+    return None
+
+
+def ending_met(
+    conditions: Mapping[str, Condition],
+    pose_at: Callable[[float], Poses],
+    begin: float,
+    end: float,
+) -> Ending:
+    """Where the first of some conditions turns negative.
+
+    Parameters
+    ----------
+    conditions : mapping
+        Those that are negative at `begin` do not count.
+    pose_at : callable
+        From a time in s to the one pose there. A condition counts as not negative where it lies
+        flat.
+    begin, end : float
+        Times in s. If none is negative at `end`, it turns so there up to the error of the motion.
+    """
+
+    def said_at(time: float) -> dict[str, float]:
+        return dict(_said(conditions, pose_at(time))).get(0, {})
+
+    armed = [name for name, value in said_at(begin).items() if value >= 0.0]
+
+    def least(time: float) -> tuple[float, str]:
+        said = said_at(time)
+        return min(((said[name], name) for name in armed), default=_LYING) if said else _LYING
+
+    def says(time: float) -> float:
+        return least(time)[0]
+
+    time = end
+    if says(end) < 0.0:
+        time = float(brentq(says, begin, end, xtol=_CLOSE, rtol=_CLOSE))
+        if not said_at(time):
+            # It lay flat until then, and the condition is negative at once.
+            time = min(end, time + 4.0 * _CLOSE * (1.0 + time))
+    value, reason = least(time)
+    return Ending(reason=reason, time=time, value=value)
+
+
+def _said(
+    conditions: Mapping[str, Condition], poses: Poses
+) -> Iterator[tuple[int, dict[str, float]]]:
+    """Numbers of the poses that do not lie flat, and what the conditions say of each."""
+    leaning = np.hypot(poses.rotations[:, 2, 0], poses.rotations[:, 2, 1])
+    rows = np.flatnonzero(leaning > FLATTEST)
+    coordinates, rates = frames.from_poses(*(each[rows] for each in poses))
     for row, z, u in zip(rows.tolist(), coordinates.tolist(), rates.tolist(), strict=True):
         state = State(coordinates=tuple(z), rates=tuple(u))
-        for name, condition in conditions.items():
-            value = number(f"condition {name}", condition(state))
-            if value < 0.0 <= before.get(name, -1.0):
-                return row, name, value
-            before[name] = value
-    return None
+        yield (
+            row,
+            {
+                name: number(f"condition {name}", condition(state))
+                for name, condition in conditions.items()
+            },
+        )

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array
+from analysis.data.checks import Array, unmasked
 from analysis.data.fields import Value, changed, check_field, full_name, is_word, read_value
 from analysis.data.members import Members, Rows, alike
 from analysis.data.scenario import Scenario
@@ -192,6 +192,7 @@ def _itself(scenario: Scenario) -> Scenario:
 
 def _values(name: str, given: npt.ArrayLike) -> Values:
     """Clean values of a field, shape (m,), that nobody can change."""
+    unmasked(name, given)
     try:
         values = np.array(given)
     except (TypeError, ValueError):

@@ -1,8 +1,7 @@
 """Fields of a scenario by their dotted names, as the keys of its file: start.spin."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
-from difflib import get_close_matches
 from typing import Any
 
 from analysis.data.angles import angle
@@ -10,17 +9,17 @@ from analysis.data.checks import choice
 from analysis.data.constraint_set import LEVELS, MODELS
 from analysis.data.disk import DISKS, STEEL_DISK, STEEL_RING, Disk
 from analysis.data.friction import law_class, law_from
+from analysis.data.names import SHORT, nearest
 from analysis.data.scenario import Scenario
-from analysis.data.scenario_keys import KEYS, RING
+from analysis.data.scenario_keys import KEYS, RING, SIX
 from analysis.data.start import Start
+from analysis.data.written import warn_of_unit
 
 Value = float | str | bool
 """What a field may be set to."""
 
-_SHORT = {
-    "mu": "friction.coefficient",
-    "eps": "friction.smoothing",
-    "rolling": "dissipation.rolling_dry",
+_SHORT = {short: f"friction.{name}" for short, name in SHORT.items()} | {
+    "rolling": "dissipation.rolling_dry"
 }
 """Options of the command line that are not named as the key they stand for."""
 
@@ -56,10 +55,9 @@ def full_name(name: str, axis: str = "axis") -> str:
         if found:
             return found[0]
     known = [key for keys in KEYS.values() for key in keys]
-    close = ", ".join(get_close_matches(name.rpartition(".")[2], known)) or "start.spin"
     raise ValueError(
         f"{axis} must be a field of a scenario, as `tippedisk scenario` lists them, such as "
-        f"{close}; got {name!r}"
+        f"start.spin, got {name!r}{nearest(name.rpartition('.')[2], known)}"
     )
 
 
@@ -96,12 +94,16 @@ def read_value(field: str, value: Any) -> Value:
         return bool(choice(field, str(value).strip().lower(), ("true", "false")) == "true")
     if field == "model":
         return int(choice("model", str(value).strip(), map(str, LEVELS)))
+    result = value
     if isinstance(value, str) and unit(field) != "rad":
         try:
-            value = float(value)
+            result = float(value)
         except ValueError:
             raise ValueError(f"{field} must be a number, got {value!r}") from None
-    return angle(field, value)
+    result = angle(field, result)
+    if isinstance(value, str):
+        warn_of_unit(field, value, result)
+    return result
 
 
 def check_field(scenario: Scenario, field: str, others: Mapping[str, Any]) -> None:
@@ -127,8 +129,9 @@ def check_field(scenario: Scenario, field: str, others: Mapping[str, Any]) -> No
         raise ValueError(f"{field} cannot vary: the start is told by its coordinates and rates")
     if field in ("start.coordinates", "start.rates"):
         raise ValueError(f"{field} cannot vary as a whole; its parts can, such as start.spin")
-    if table == "disk" and key in RING[1:] and scenario.disk != STEEL_DISK:
-        raise ValueError(f"{field} varies the paper's ring alone, and the scenario's is another")
+    if table == "disk" and "disk.name" not in others:
+        varied = [name.partition(".")[2] for name in others if name.startswith("disk.")]
+        _check_disk(scenario.disk, [key, *varied])
     if table == "friction" and key != "law":
         law = others.get("friction.law")
         kind = type(scenario.friction) if law is None else law_class(law)
@@ -167,11 +170,37 @@ def changed(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
             numbers.setdefault(table, {})[key] = value
     for table, values in numbers.items():
         part = parts.get(table, getattr(scenario, table))
-        is_ring = table == "disk" and any(key in RING[1:] for key in values)
+        if table == "disk":
+            parts[table] = _changed_disk(part, values)
+            continue
         for key in values:
-            choice(table, key, RING if is_ring else [each.name for each in fields(part)])
-        if is_ring:
-            parts[table] = Disk.ring(**(STEEL_RING | {"radius": part.radius} | values))
-        else:
-            parts[table] = replace(part, **values)
+            choice(table, key, [each.name for each in fields(part)])
+        parts[table] = replace(part, **values)
     return replace(scenario, **parts)
+
+
+def _changed_disk(disk: Disk, values: Mapping[str, Any]) -> Disk:
+    """Disk with some values changed; with a geometry, from which the others follow."""
+    _check_disk(disk, values)
+    if set(SIX) <= set(values) or not set(values) & set(RING):
+        return replace(disk, **values)
+    return Disk.ring(**(STEEL_RING | dict(values)))
+
+
+def _check_disk(disk: Disk, keys: Iterable[str]) -> None:
+    """Raise if a geometry would vary and leave mass and moments of inertia as they are."""
+    given = set(keys)
+    geometry = [key for key in RING if key in given]
+    others = [key for key in SIX[1:] if key in given]
+    if not geometry or given == set(SIX):
+        return
+    if others:
+        raise ValueError(
+            f"{others[0]} does not go together with {geometry[0]}, from which it follows, unless "
+            f"{', '.join(SIX)} are all given and nothing else"
+        )
+    if disk != STEEL_DISK:
+        raise ValueError(
+            f"{geometry[0]} varies the paper's ring alone, of which mass and moments of inertia "
+            "follow, and the scenario's disk is another"
+        )

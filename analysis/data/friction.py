@@ -1,6 +1,5 @@
 """Friction laws of the contact."""
 
-import sys
 from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal, get_args
@@ -8,6 +7,7 @@ from typing import Any, Literal, get_args
 from analysis.data.checks import choice, not_negative, positive, within
 from analysis.data.elementary import exp, tanh
 from analysis.data.limits import LARGEST_FRICTION, SMOOTHING_RANGE, STEEPEST_FRICTION
+from analysis.data.names import Named, nearest, suggesting_fields
 from analysis.data.own import is_own, own_object
 
 Load = Literal["weight", "contact"]
@@ -25,8 +25,9 @@ class FrictionLaw(ABC):
     Parameters
     ----------
     load : {"weight", "contact"}
-        What presses the disk on the table: its weight m g, Eq. (81), or the actual normal
-        contact force, Eq. (79).
+        What presses the disk on the table: its weight m g, Eq. (81), whatever the contact does
+        while it is closed, or the actual normal contact force, Eq. (79), and nothing where that
+        pulls.
 
     Raises
     ------
@@ -102,6 +103,7 @@ class _Regularised(FrictionLaw):
         return self.smoothing
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SmoothCoulomb(_Regularised):
     """Smooth Coulomb friction, Eq. (3): force = -coefficient * load * slip / (|slip| + smoothing).
@@ -130,6 +132,7 @@ class SmoothCoulomb(_Regularised):
         return -self.coefficient / (speed + self.smoothing) ** 2
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stribeck(FrictionLaw):
     """Smooth Coulomb friction whose coefficient falls from a static to a kinetic value.
@@ -193,6 +196,7 @@ class Stribeck(FrictionLaw):
         return min(self.smoothing, self.stribeck_speed)
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TanhCoulomb(_Regularised):
     """Coulomb friction regularised by force = -coefficient * load * tanh(|slip| / smoothing).
@@ -234,6 +238,7 @@ class TanhCoulomb(_Regularised):
         return unit * ((1.0 - high * high) - high / relative) / relative
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ViscousFriction(FrictionLaw):
     """Friction in proportion to slip: force = -viscosity * load * slip.
@@ -274,12 +279,15 @@ class ViscousFriction(FrictionLaw):
         return 1.0
 
 
-LAWS: dict[str, type[FrictionLaw]] = {
-    "smooth-coulomb": SmoothCoulomb,
-    "stribeck": Stribeck,
-    "tanh": TanhCoulomb,
-    "viscous": ViscousFriction,
-}
+LAWS: dict[str, type[FrictionLaw]] = Named(
+    "LAWS",
+    {
+        "smooth-coulomb": SmoothCoulomb,
+        "stribeck": Stribeck,
+        "tanh": TanhCoulomb,
+        "viscous": ViscousFriction,
+    },
+)
 """Laws by name, as files and the command line know them; others are `module:class`."""
 
 
@@ -290,16 +298,14 @@ def law_values(law: FrictionLaw) -> dict[str, Any]:
     return {"law": name} | asdict(law)
 
 
-def law_from(values: dict[str, Any], *, own: bool = True) -> FrictionLaw:
+def law_from(values: dict[str, Any]) -> FrictionLaw:
     """Law from its name and parameters.
 
     Parameters
     ----------
     values : dict
-        `law`, one of `LAWS` or `module:class`, and the parameters of that law.
-    own : bool
-        Whether a module that `values` names may be imported, which runs it. Otherwise a law of
-        one's own must have been imported before.
+        `law`, one of `LAWS` or `module:class`, and the parameters of that law. A module that is
+        named is imported, which runs it, but within `analysis.data.own.foreign_names`.
 
     Raises
     ------
@@ -308,26 +314,28 @@ def law_from(values: dict[str, Any], *, own: bool = True) -> FrictionLaw:
     """
     parameters = dict(values)
     name = parameters.pop("law", "smooth-coulomb")
-    kind = law_class(name, own=own)
+    kind = law_class(name)
     known = [field.name for field in fields(kind)]
     for parameter in parameters:
         choice(f"parameter of the friction law {name}", parameter, known)
     try:
         return kind(**parameters)
-    except TypeError as error:
-        raise ValueError(f"friction law {name!r} cannot be made: {error}") from error
+    except ValueError:
+        raise
+    except (Exception, SystemExit) as error:
+        said = error if isinstance(error, TypeError) else f"{type(error).__name__}: {error}"
+        raise ValueError(f"friction law {name!r} cannot be made: {said}") from error
 
 
-def law_class(name: Any, *, own: bool = True) -> type[FrictionLaw]:
+def law_class(name: Any) -> type[FrictionLaw]:
     """Class of a law by its name; see `law_from`."""
     if isinstance(name, str) and name in LAWS:
         return LAWS[name]
     if not is_own(name):
         listed = ", ".join(LAWS)
-        raise ValueError(f"friction law must be one of {listed} or module:class, got {name!r}")
-    if not own and name.partition(":")[0] not in sys.modules:
         raise ValueError(
-            f"friction law {name!r} must be imported first; on the command line, --law does that"
+            f"friction law must be one of {listed} or module:class, got {name!r}"
+            f"{nearest(name, LAWS)}"
         )
     kind = own_object("friction law", name)
     if not isinstance(kind, type) or not issubclass(kind, FrictionLaw):
@@ -342,10 +350,27 @@ def check_answers(law: FrictionLaw) -> None:
         return
     try:
         positive("finest_speed", law.finest_speed)
-        not_negative("per_speed(0)", law.per_speed(0.0))
-    except Exception as error:
+        gradient = not_negative("per_speed(0)", law.per_speed(0.0))
+        within("per_speed(0)", gradient, 0.0, STEEPEST_FRICTION)
+    except (Exception, SystemExit) as error:
         said = error if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
         raise ValueError(f"friction law {name!r}: {said}") from error
+
+
+_SPEEDS = tuple(10.0**power for power in range(-6, 2))
+"""Slip speeds in m/s at which a law of one's own is tried before a run."""
+
+
+def check_slipping(law: FrictionLaw) -> None:
+    """Raise if what a law says where the disk slips is no friction; what it raises goes on.
+
+    A scenario is made without that: a law of one's own may take long, and a run has a limit.
+    """
+    if type(law) in LAWS.values():
+        return
+    name = law_values(law)["law"]
+    for speed in _SPEEDS:
+        not_negative(f"per_speed({speed:g}) of friction law {name!r}", law.per_speed(speed))
 
 
 def check_coefficient(law: FrictionLaw, name: str) -> None:

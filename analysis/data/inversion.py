@@ -1,5 +1,6 @@
 """Whether, and when, the disk turns itself upside down and stays so."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -7,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array, increasing_times
+from analysis.data.dense import Numbers, crossings, extremes
 from analysis.data.endings import REACHED
 
 STAYING = 1.0
@@ -16,7 +18,10 @@ A disk that rolls without slip reaches 0.90, and falls below the centre within 0
 """
 
 _LAST_DIGITS = 1e-12
-"""By which a motion that ends at `REACHED`, because it does, may miss it."""
+"""By which a motion that ends at `REACHED` or at zero, because it does, may miss it."""
+
+_COARSE = 0.25
+"""Change between two samples from which on more may happen between them than they show."""
 
 DEFINITION = (
     f"The disk is inverted from the first time at which its centre of gravity has risen to "
@@ -39,17 +44,25 @@ class Inversion:
         the motion ended. "not decided": it rose, and the motion ended before it had stayed up
         for `STAYING`.
     time : float, optional
-        When the disk was inverted in s, to the spacing of the samples; None if it never was.
+        When the disk was inverted in s, between two samples; None if it never was.
     lost : float, optional
         When the centre of gravity came below the geometric centre again in s.
+    time_error, lost_error : float, optional
+        How far off the samples may leave these times in s, as estimated: at most their spacing,
+        and the first of them more where the disk may have been up or down between two samples
+        unseen. The error of the motion itself comes beside it.
     """
 
     outcome: Outcome
     time: float | None = None
     lost: float | None = None
+    time_error: float | None = None
+    lost_error: float | None = None
 
     @classmethod
-    def of_direction(cls, times: Array, cog_direction: Array) -> "Inversion":
+    def of_direction(
+        cls, times: Array, cog_direction: Array, rates: Array | None = None
+    ) -> "Inversion":
         """Judge by where the centre of gravity lies, seen from the geometric centre.
 
         Parameters
@@ -58,6 +71,8 @@ class Inversion:
             Strictly increasing times in s, dense against the oscillations of the disk.
         cog_direction : ndarray, shape (n,)
             Vertical part of the unit vector from the geometric centre to the centre of gravity.
+        rates : ndarray, shape (n,), optional
+            Its rate in 1/s. Without it, times are those of samples.
 
         Raises
         ------
@@ -65,13 +80,20 @@ class Inversion:
             If the times do not increase.
         """
         times = increasing_times(times)
-        found = inversions(times[None], np.asarray(cog_direction)[None], times[-1:])
-        time, lost = found.times[0], found.lost[0]
-        return cls(
-            outcome=found.outcomes[0],
-            time=None if np.isnan(time) else float(time),
-            lost=None if np.isnan(lost) else float(lost),
+        slopes = None if rates is None else np.asarray(rates)[None]
+        found = inversions(
+            times[None],
+            np.asarray(cog_direction)[None],
+            None if slopes is None else lambda rows, columns: slopes[rows[:, None], columns],
         )
+        told = {
+            "time": found.times,
+            "lost": found.lost,
+            "time_error": found.time_errors,
+            "lost_error": found.lost_errors,
+        }
+        numbers = {name: float(each[0]) for name, each in told.items() if not np.isnan(each[0])}
+        return cls(outcome=found.outcomes[0], **numbers)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -81,42 +103,144 @@ class Inversions:
     Parameters
     ----------
     outcomes : ndarray of str, shape (m,)
-    times, lost : ndarray, shape (m,)
+    times, lost, time_errors, lost_errors : ndarray, shape (m,)
         In s; nan where there is none.
     """
 
     outcomes: npt.NDArray[Any]
     times: Array
     lost: Array
+    time_errors: Array
+    lost_errors: Array
 
 
-def inversions(times: Array, cog_directions: Array, ends: Array) -> Inversions:
+def direction_rates(coordinates: Array, rates: Array) -> Array:
+    """Rate in 1/s of the height of the centre of gravity above G over the eccentricity.
+
+    Parameters
+    ----------
+    coordinates, rates : ndarray, shape (..., 6)
+        In the paper's coordinates.
+    """
+    beta, gamma = coordinates[..., 4], coordinates[..., 5]
+    found: Array = np.cos(beta) * np.sin(gamma) * rates[..., 4]
+    found += np.sin(beta) * np.cos(gamma) * rates[..., 5]
+    return found
+
+
+def inversions(
+    times: Array,
+    cog_directions: Array,
+    rates_at: Callable[[Numbers, Numbers], Array] | None = None,
+) -> Inversions:
     """Judge many motions as `Inversion.of_direction` does one.
 
     Parameters
     ----------
-    times, cog_directions : ndarray, shape (m, n) or one that broadcasts
-        See `Inversion.of_direction`; a direction is nan where a motion has ended.
-    ends : ndarray, shape (m,)
-        Time of the last sample of each in s.
+    times, cog_directions : ndarray, shape (m, n)
+        See `Inversion.of_direction`; behind the end of a motion its last sample is repeated. All
+        of one that has failed is nan.
+    rates_at : callable, optional
+        From numbers of motions, shape (j,), and of samples of each, shape (j, p), to the rates of
+        the directions there. Without it, times are those of samples.
     """
+    size = len(cog_directions)
+    outcomes = np.full(size, "not inverted", dtype=object)
+    numbers = np.full((4, size), np.nan)
     high = cog_directions >= REACHED - _LAST_DIGITS
-    outcomes = np.full(len(high), "not inverted", dtype=object)
-    inverted, lost = np.full(len(high), np.nan), np.full(len(high), np.nan)
-    found = Inversions(outcomes=outcomes, times=inverted, lost=lost)
     rose = np.flatnonzero(high.any(axis=1))
-    if not rose.size:
-        return found
-    high, each = high[rose], np.arange(rose.size)
-    times = np.broadcast_to(times, cog_directions.shape)[rose]
-    falls = np.where(cog_directions[rose] < 0.0, times, np.inf)
-    next_fall = np.minimum.accumulate(falls[:, ::-1], axis=1)[:, ::-1]
-    stays = high & (np.minimum(next_fall, ends[rose, None]) - times >= STAYING)
-    first, last = np.argmax(stays, axis=1), high.shape[1] - 1 - np.argmax(high[:, ::-1], axis=1)
-    is_inverted = stays.any(axis=1)
-    outcomes[rose[np.isinf(next_fall[each, last])]] = "not decided"
-    fall = next_fall[each, first]
-    outcomes[rose[is_inverted]] = np.where(np.isinf(fall), "inverted", "lost")[is_inverted]
-    inverted[rose] = np.where(is_inverted, times[each, first], np.nan)
-    lost[rose] = np.where(is_inverted & np.isfinite(fall), fall, np.nan)
-    return found
+    if rose.size:
+        at = rates_at and (lambda rows, columns: rates_at(rose[rows], columns))
+        risen = _Risen(times[rose], cog_directions[rose], high[rose], at)
+        outcomes[rose[risen.is_up_at_end]] = "not decided"
+        rows, found = risen.judged()
+        outcomes[rose[rows]] = np.where(np.isnan(found[1]), "inverted", "lost")
+        numbers[:, rose[rows]] = found
+    inverted, lost, errors, lost_errors = numbers
+    return Inversions(
+        outcomes=outcomes, times=inverted, lost=lost, time_errors=errors, lost_errors=lost_errors
+    )
+
+
+class _Risen:
+    """Motions whose centre of gravity rises to `REACHED` at some sample, shape (k, n)."""
+
+    def __init__(
+        self,
+        times: Array,
+        directions: Array,
+        high: npt.NDArray[np.bool_],
+        rates_at: Callable[[Numbers, Numbers], Array] | None,
+    ) -> None:
+        self._times, self._directions, self._rates_at = times, directions, rates_at
+        self._low, self._ends = directions < _LAST_DIGITS, times[:, -1]
+        falls = np.where(self._low, times, np.inf)
+        self._next_fall = np.minimum.accumulate(falls[:, ::-1], axis=1)[:, ::-1]
+        last = high.shape[1] - 1 - np.argmax(high[:, ::-1], axis=1)
+        self.is_up_at_end = np.isinf(self._next_fall[np.arange(len(high)), last])
+        # What has risen between two samples may have stayed since the earlier one.
+        since = times if rates_at is None else np.append(times[:, :1], times[:, :-1], axis=1)
+        until = np.minimum(self._next_fall, self._ends[:, None])
+        self._may_stay = high & (until - since >= STAYING)
+
+    def judged(self) -> tuple[Numbers, Array]:
+        """Rows that are inverted, and when, when that was lost, and both errors, shape (4, j)."""
+        settled = np.full((4, len(self._times)), np.nan)
+        rows = np.flatnonzero(self._may_stay.any(axis=1))
+        while rows.size:
+            first = np.argmax(self._may_stay[rows], axis=1)
+            found = np.full((4, rows.size), np.nan)
+            found[0], found[2] = self._passed(rows, first, REACHED)
+            fall = self._next_fall[rows, first]
+            lost = np.flatnonzero(np.isfinite(fall))
+            columns = np.argmax(self._times[rows[lost]] >= fall[lost, None], axis=1)
+            found[1, lost], found[3, lost] = self._passed(rows[lost], columns, 0.0)
+            stays = np.fmin(found[1], self._ends[rows]) - found[0] >= STAYING
+            settled[:, rows[stays]] = found[:, stays]
+            rows, fall = rows[~stays], fall[~stays]
+            self._may_stay[rows] &= self._times[rows] > fall[:, None]
+            rows = rows[self._may_stay[rows].any(axis=1)]
+        rows = np.flatnonzero(~np.isnan(settled[0]))
+        settled[2, rows] = np.maximum(settled[2, rows], self._unseen(rows, settled[0, rows]))
+        return rows, settled[:, rows]
+
+    def _unseen(self, rows: Numbers, risen: Array) -> Array:
+        """How far off a rise or a fall that no sample shows may put the times of some rows.
+
+        Only samples that are far apart are looked between: by cubic polynomials, with a margin.
+        """
+        errors = np.zeros(rows.size)
+        coarse = np.max(np.abs(np.diff(self._directions[rows], axis=1)), axis=1) > _COARSE
+        if self._rates_at is None or not coarse.any():
+            return errors
+        rows, risen = rows[coarse], risen[coarse, None]
+        times, directions = self._times[rows], self._directions[rows]
+        columns = np.broadcast_to(np.arange(times.shape[1]), times.shape)
+        lowest, highest = extremes(times, directions, self._rates_at(rows, columns))
+        begins, ends, falls = times[:, :-1], times[:, 1:], self._next_fall[rows]
+        # Up before, and not down since; or down within the time for which it has to stay up.
+        before = (highest >= REACHED) & (ends <= risen) & (falls[:, 1:] > risen)
+        after = (lowest < 0.0) & (begins >= risen) & (begins < risen + STAYING)
+        earliest = np.min(np.where(before, begins, risen), axis=1)
+        latest = np.max(np.where(after, np.minimum(ends + STAYING, times[:, -1:]), risen), axis=1)
+        errors[coarse] = np.maximum(risen[:, 0] - earliest, latest - risen[:, 0])
+        return errors
+
+    def _passed(self, rows: Numbers, columns: Numbers, level: float) -> tuple[Array, Array]:
+        """Times at which a level was passed before these samples, and their errors."""
+        found, errors = self._times[rows, columns], np.zeros(rows.size)
+        apart = np.abs(self._directions[rows, columns] - level) > _LAST_DIGITS
+        some = np.flatnonzero((columns > 0) & apart)
+        chosen = rows[some]
+        if self._rates_at is None:
+            errors[some] = found[some] - self._times[chosen, columns[some] - 1]
+        elif some.size:
+            at = self._rates_at
+            found[some], errors[some] = crossings(
+                self._times[chosen],
+                self._directions[chosen],
+                level,
+                columns[some],
+                lambda each, near: at(chosen[each], near),
+            )
+        return found, errors

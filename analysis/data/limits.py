@@ -5,6 +5,12 @@ from dataclasses import dataclass
 MOST_STEPS = 100_000_000
 """Steps of a run, of all its repetitions together; each takes 30 µs or more."""
 
+OVERRUN = 3.0
+"""Times the steps that a run was expected to take, and"""
+
+SPARE_SECONDS = 20.0
+"""processor time of the further ones, after which it is given up unless it has a time limit."""
+
 LARGEST_STORAGE = 2_000_000_000
 """Bytes that the samples of a motion may take, in memory or in a file."""
 
@@ -22,6 +28,9 @@ SLOWEST_FRAMES = 0.01
 
 MOST_SPINS = 100_000
 """Spins for which eigenvalues may be asked for at once."""
+
+MOST_SCENARIOS = 10_000
+"""Scenarios through which cycles or connections are followed; each takes a tenth of a second."""
 
 WIDEST_PICTURE = 2000
 """Width and height of an animated picture in pixels."""
@@ -122,6 +131,11 @@ class Effort:
                 f"{self.cause} would take about {self.steps:.1e} steps; at most {MOST_STEPS:.0e} "
                 "are made"
             )
+
+    @property
+    def most(self) -> float:
+        """Steps after which the run is given up: it goes another way than expected."""
+        return OVERRUN * self.steps + SPARE_SECONDS * self.steps / self.seconds
 
     def __str__(self) -> str:
         if self.seconds < 120.0:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import TimeLimitError
+from analysis.data.constraint_set import PRESCRIBED
 from analysis.data.dissipation import CAUSES
 from analysis.data.fields import unit
 from analysis.data.sampled import optional
@@ -24,13 +25,13 @@ the interpreter down."""
 
 OUTCOMES: Mapping[str, str | None] = {
     **dict.fromkeys(("status", "reason", "inversion")),
-    **dict.fromkeys(("inverted_at", "lost_at"), "s"),
+    **dict.fromkeys(("inverted_at", "inverted_at_error", "lost_at", "lost_at_error"), "s"),
     **dict.fromkeys(("spin_after", "spin_end"), "rad/s"),
     **dict.fromkeys(("cog_direction_end", "face_end"), ""),
     **dict.fromkeys(("force_least", "force_largest"), "N"),
     **dict.fromkeys(("energy_start", "energy_end"), "J"),
     **{f"taken_{cause}": "J" for cause in CAUSES},
-    "brought_by_spin_torque": "J",
+    **{f"brought_by_{name}": "J" for name in PRESCRIBED},
     **dict.fromkeys(("rolling_from", "flat_from", "rest_from"), "s"),
     "ending": None,
     "end": "s",
@@ -41,8 +42,8 @@ OUTCOMES: Mapping[str, str | None] = {
 
 status, reason
     "done", or one of `FAILURES` and why.
-inversion, inverted_at, lost_at
-    As `Inversion` says.
+inversion, inverted_at, inverted_at_error, lost_at, lost_at_error
+    As `Inversion` says: when, and how far off the samples may leave that.
 spin_after, spin_end
     Vertical angular velocity: rate of alpha on an ideal contact. When the disk has stayed up for
     `STAYING`, and at the end.
@@ -50,7 +51,7 @@ cog_direction_end, face_end
     Vertical parts of the unit vectors from G to S and normal to the disk, at the end.
 force_least, force_largest
     Normal force over the samples.
-energy_start, energy_end, taken_..., brought_by_spin_torque
+energy_start, energy_end, taken_..., brought_by_...
     Kinetic, gravitational and elastic energy; what each cause took; and what the torque that
     keeps the spin constant brought. Empty where a motion does not hold it.
 rolling_from, flat_from, rest_from
@@ -146,7 +147,9 @@ def failure(error: BaseException) -> Row:
         status = "crashed"
     else:
         status = "refused" if isinstance(error, ValueError) else "failed"
-    return failed(status, str(error) or type(error).__name__)
+    # What ends a program, such as SystemExit, says little by itself.
+    told = str(error) if isinstance(error, Exception) else f"{type(error).__name__} {error}"
+    return failed(status, told or type(error).__name__)
 
 
 def failed(status: str, reason: str) -> Row:

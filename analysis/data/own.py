@@ -1,7 +1,14 @@
 """What a user writes in a module of their own, by the name `module:attribute`."""
 
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from importlib import import_module
 from typing import Any
+
+_FOREIGN = ContextVar("_FOREIGN", default=False)
+"""Whether names come from a file, which may be anybody's."""
 
 
 def is_own(name: Any) -> bool:
@@ -22,12 +29,26 @@ def own_object(what: str, name: str) -> Any:
     Raises
     ------
     ValueError
-        If it cannot be.
+        If it cannot be, or within `foreign_names` if its module has not been imported before.
     """
     module, _, attribute = name.partition(":")
+    if _FOREIGN.get() and module not in sys.modules:
+        raise ValueError(
+            f"{what} {name!r} must be imported first; on the command line, --law does that"
+        )
     try:
         return getattr(import_module(module), attribute)
-    except Exception as error:  # a module of one's own may fail in any way
+    except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
         kind = type(error).__name__
         said = error if isinstance(error, ImportError | AttributeError) else f"{kind}: {error}"
         raise ValueError(f"{what} {name!r} cannot be loaded: {said}") from error
+
+
+@contextmanager
+def foreign_names() -> Iterator[None]:
+    """Import nothing for the names in here: they come from a file that has results in it."""
+    token = _FOREIGN.set(True)
+    try:
+        yield
+    finally:
+        _FOREIGN.reset(token)

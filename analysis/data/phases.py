@@ -17,24 +17,28 @@ MEAN_TIME = 0.5
 """Time in s over which both speeds are averaged; nutation takes either to zero at instants."""
 
 FLAT = 2.0
-"""Flat: leaning less than so often half_thickness / radius, where the spheroid's shape rules."""
+"""Flat: the tangent of the leaning is below so often half_thickness / radius, where the
+spheroid's shape rules."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Phases:
-    """Times in s at which the phases begin, to the spacing of the samples; None if one never does.
+    """Times in s at which the phases begin; None if one never does.
+
+    The first two lie between samples, see `Inversion`; the others are those of samples.
 
     Parameters
     ----------
     inversion : float, optional
         The disk is inverted; see `analysis.data.inversion.DEFINITION`.
     inversion_lost : float, optional
-        Its centre of gravity first comes below the geometric centre again.
+        Its centre of gravity comes below the geometric centre again.
     rolling : float, optional
         From here until flat, the mean slip speed over half a second is below a tenth of the mean
         contour speed.
     flat : float, optional
-        From here on the disk leans less than 2 half_thickness / radius.
+        From here on the tangent of the disk's leaning is below 2 half_thickness / radius. One
+        too thick to lie on a face, such as a sphere, is never flat.
     rest : float, optional
         From here on it is at rest.
     """
@@ -66,7 +70,8 @@ def flat_and_rolling(
     slip_speeds, contour_speeds : ndarray, shape (n,)
         In m/s.
     """
-    limit = FLAT * scenario.penalty_contact.half_thickness / scenario.disk.radius
+    contact, disk = scenario.penalty_contact, scenario.disk
+    limit = np.arctan(FLAT * contact.half_thickness / disk.radius) if contact.lies(disk) else 0.0
     flat = _from_here_on(times, leaning < limit)
     upto = times <= (np.inf if flat is None else flat)
     slip, contour = (_running_mean(times, each) for each in (slip_speeds, contour_speeds))

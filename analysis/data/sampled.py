@@ -24,6 +24,7 @@ from analysis.data.checks import (
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
 from analysis.data.inversion import Inversion
+from analysis.data.own import foreign_names
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 
@@ -57,6 +58,11 @@ class SampledMotion(ABC):
     def cog_direction(self) -> Array:
         """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
 
+    @property
+    @abstractmethod
+    def cog_direction_rate(self) -> Array:
+        """Rate of `cog_direction` in 1/s, shape (n,)."""
+
     @abstractmethod
     def columns(self) -> dict[str, tuple[Array, str]]:
         """Every sampled quantity by name: its values, shape (n,), and its unit."""
@@ -74,11 +80,11 @@ class SampledMotion(ABC):
         """What became of the inversion; a disk without eccentricity is never inverted."""
         if not self.scenario.disk.eccentricity:
             return Inversion(outcome="not inverted")
-        return Inversion.of_direction(self.times, self.cog_direction)
+        return Inversion.of_direction(self.times, self.cog_direction, self.cog_direction_rate)
 
     @property
     def inversion_time(self) -> float | None:
-        """Time in s at which the disk is inverted, to the spacing of the samples; None if not."""
+        """Time in s at which the disk is inverted; None if not. `inversion` holds its error."""
         return self.inversion.time
 
     def at(self, time: float, *, tolerance: float | None = None) -> State:
@@ -326,8 +332,10 @@ def stored_meta(text: Any, *further: str) -> dict[str, Any]:
     names = (*_META, *further)
     for name in meta:
         choice("meta", name, (*names, "scenario", "ending"))
+    with foreign_names():
+        scenario = Scenario.from_values(meta["scenario"])
     return {name: meta[name] for name in names} | {
-        "scenario": Scenario.from_values(meta["scenario"], own=False),
+        "scenario": scenario,
         "ending": None if meta["ending"] is None else Ending(**meta["ending"]),
     }
 

@@ -18,6 +18,7 @@ from analysis.data.contact import PenaltyContact
 from analysis.data.disk import STEEL_DISK, Disk
 from analysis.data.dissipation import Dissipation
 from analysis.data.friction import FrictionLaw, SmoothCoulomb, check_answers, law_from, law_values
+from analysis.data.names import suggesting_fields
 from analysis.data.start import Start
 from analysis.data.state import State
 from analysis.data.table import Table
@@ -35,6 +36,7 @@ class _Remembering:
     _initial_state: State
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario(_Remembering):
     """What is to be studied. Nothing in it says how, or with which side.
@@ -214,15 +216,13 @@ class Scenario(_Remembering):
         return values
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Any], *, own: bool = True) -> "Scenario":
+    def from_values(cls, values: Mapping[str, Any]) -> "Scenario":
         """Scenario from what `values` has returned.
 
         Parameters
         ----------
         values : mapping
             Any of its keys may be missing and then stands for the default.
-        own : bool
-            Whether the module of a friction law of one's own may be imported; see `law_from`.
 
         Raises
         ------
@@ -238,7 +238,7 @@ class Scenario(_Remembering):
         start = given.get("start", {})
         makers: dict[str, Callable[..., Any]] = {
             **KINDS,
-            "friction": lambda **law: law_from(law, own=own),
+            "friction": lambda **law: law_from(law),
             "start": State if "coordinates" in start or "rates" in start else Start,
         }
         fields: dict[str, Any] = {

@@ -13,11 +13,13 @@ from analysis.data.checks import choice
 from analysis.data.constraint_set import LEVELS, MODELS
 from analysis.data.disk import DISKS, Disk
 from analysis.data.friction import law_class, law_from
+from analysis.data.names import nearest
 from analysis.data.scenario import KINDS, Scenario
 from analysis.data.scenario_keys import KEYS, NEEDED, RING, SIX
 from analysis.data.scenario_text import FORMAT, scenario_text
 from analysis.data.start import Start
 from analysis.data.state import State
+from analysis.data.written import warn_of_unit
 
 __all__ = ["load_scenario", "scenario_text"]
 
@@ -146,7 +148,8 @@ def _stray(key: str) -> str:
     for table, keys in KEYS.items():
         if key in keys:
             return f"{key} must stand in the table [{table}]"
-    return f"unknown key {key!r}; a scenario holds {_listed(_TOP)}"
+    known = [*_TOP, *(name for keys in KEYS.values() for name in keys)]
+    return f"unknown key {key!r}; a scenario holds {_listed(_TOP)}{nearest(key, known)}"
 
 
 def _listed(names: Iterable[str]) -> str:
@@ -199,7 +202,10 @@ def _made(table: str, values: Any, places: _Places) -> Any:
     for key, value in values.items():
         if key not in keys:
             forms = _DISK_FORMS if table == "disk" else _listed(keys)
-            raise places.error(f"{key} is unknown here; [{table}] takes {forms}", table, key)
+            known = KEYS["disk"] if table == "disk" else keys
+            raise places.error(
+                f"{key} is unknown here; [{table}] takes {forms}{nearest(key, known)}", table, key
+            )
         try:
             clean[key] = _value(table, key, value)
         except ValueError as error:
@@ -207,9 +213,12 @@ def _made(table: str, values: Any, places: _Places) -> Any:
     if missing := [key for key, needed in keys.items() if needed and key not in values]:
         raise places.error(f"[{table}] lacks {_listed(missing)}", table)
     try:
-        return make(**clean)
+        made = make(**clean)
     except ValueError as error:
         raise places.error(str(error), table, _first_word(str(error))) from None
+    for key, value in values.items():
+        warn_of_unit(f"{table}.{key}", value, clean[key])
+    return made
 
 
 def _first_word(message: str) -> str:

@@ -32,6 +32,9 @@ _COLUMNS = {
 }
 """Sampled arrays and how many columns each has; none for 0."""
 
+_SAME_TIME = 1e-12
+"""In s; times of one sample differ by rounding."""
+
 MOTION_COLUMNS = 1 + sum(max(1, columns) for columns in _COLUMNS.values())
 """Numbers in each sample, the time included."""
 
@@ -165,6 +168,13 @@ class SpatialMotion(SampledMotion):
         return self.rotations[:, 2, 0]
 
     @property
+    def cog_direction_rate(self) -> Array:
+        """Rate of `cog_direction` in 1/s, shape (n,)."""
+        axis, angular = self.rotations[:, :, 0], self.angular_velocities
+        result: Array = angular[:, 0] * axis[:, 1] - angular[:, 1] * axis[:, 0]
+        return result
+
+    @property
     def spin(self) -> Array:
         """Vertical angular velocity in rad/s, shape (n,)."""
         return self.angular_velocities[:, 2]
@@ -209,9 +219,21 @@ class SpatialMotion(SampledMotion):
         Parameters
         ----------
         other : SpatialMotion
-            Sampled at the same times.
+            Sampled at the same times, but for the endings.
+
+        Raises
+        ------
+        ValueError
+            If it is sampled at other times.
         """
-        count = min(self.times.size, other.times.size)
+        shorter = min(self.times.size, other.times.size)
+        apart = np.abs(self.times[:shorter] - other.times[:shorter]) > _SAME_TIME
+        count = int(np.argmax(apart)) if apart.any() else shorter
+        if count < max(1, shorter - 1):
+            raise ValueError(
+                "other must be sampled at the same times, "
+                f"got t = {other.times[count]:.6g} s for {self.times[count]:.6g} s"
+            )
         one, two = (
             np.column_stack(
                 (
@@ -287,6 +309,9 @@ class SpatialMotion(SampledMotion):
     ) -> Trajectory:
         """The same motion in the paper's coordinates, as one of Model 1, up to time `end`.
 
+        It keeps the ending, unless `end` lies before. The error estimate grows to what an error
+        of the vertical's direction may come to in gamma where the disk leans least.
+
         Parameters
         ----------
         end : float, optional
@@ -314,6 +339,7 @@ class SpatialMotion(SampledMotion):
             self.angular_velocities[:count],
         )
         frames.follow_turns(self.times[:count], coordinates, rates)
+        estimate = self.error_estimate
         return Trajectory(
             times=self.times[:count],
             coordinates=coordinates,
@@ -321,6 +347,8 @@ class SpatialMotion(SampledMotion):
             multipliers=self.normal_force[:count, None],
             scenario=self.scenario,
             source=self.source,
+            error_estimate=None if estimate is None else estimate / float(np.sin(leaning).min()),
+            ending=self.ending if count == self.times.size else None,
             method=self.method,
             counts=self.counts,
             versions=self.versions,

@@ -9,6 +9,7 @@ from analysis.data.constraint_set import ConstraintSet, set_name
 from analysis.data.disk import Disk
 from analysis.data.elementary import cos, hypot, sin
 from analysis.data.limits import FASTEST_TURN, LARGEST_ANGLE, LEAST_TILT
+from analysis.data.names import suggesting_fields
 from analysis.data.state import State, check_tilt
 
 Motion = Literal["inverted", "noninverted"]
@@ -16,6 +17,7 @@ MOTIONS: tuple[Motion, ...] = get_args(Motion)
 """The stationary motions, Eq. (5): the centre of gravity above or below the geometric centre."""
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Start:
     """A start that meets every constraint; the defaults are those of Table 3.
@@ -161,10 +163,12 @@ class Start:
             if across:
                 y_rate = settled("y_rate", -x * self.spin - r * sb * beta_rate, "no lateral slip")
         lift = height if self.height is None else self.height
-        z = hypot(r * sb, half_thickness * cb) + lift
+        over = hypot(r * sb, half_thickness * cb)
+        # In the order in which it is r cos(beta) to the last digit on a sharp rim.
+        per_tilt = r * cb * (1.0 - (half_thickness / r) ** 2) * (r * sb / over)
         return State(
-            coordinates=(x, y, z, self.alpha, self.beta, self.gamma),
-            rates=(x_rate, y_rate, r * cb * beta_rate, self.spin, beta_rate, gamma_rate),
+            coordinates=(x, y, over + lift, self.alpha, self.beta, self.gamma),
+            rates=(x_rate, y_rate, per_tilt * beta_rate, self.spin, beta_rate, gamma_rate),
         )
 
 

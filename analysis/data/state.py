@@ -1,5 +1,6 @@
 """States of the disk in the paper's coordinates."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import pi
 from typing import NoReturn
@@ -37,7 +38,10 @@ class State:
 
     def __post_init__(self) -> None:
         for field in ("coordinates", "rates"):
-            values = tuple(getattr(self, field))
+            given = getattr(self, field)
+            if not isinstance(given, Iterable):
+                raise ValueError(f"{field} must hold 6 numbers, got {given!r}")
+            values = tuple(given)
             if len(values) != 6:
                 raise ValueError(f"{field} must hold 6 numbers, got {len(values)}")
             clean = tuple(

@@ -6,11 +6,13 @@ from math import pi
 from analysis.data.checks import not_negative, positive, within
 from analysis.data.elementary import cos, sin
 from analysis.data.limits import LARGEST_ANGLE, STRONGEST_GRAVITY
+from analysis.data.names import suggesting_fields
 
 GRAVITY = 9.81
 """Gravitational acceleration in m/s²; the value behind the paper's printed results."""
 
 
+@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
     """A flat table. Its normal is the z axis of the inertial frame, however it leans.

@@ -10,7 +10,7 @@ import numpy as np
 from analysis.data.checks import Array
 from analysis.data.ensemble import Ensemble
 from analysis.data.files import AnyArray
-from analysis.data.inversion import Inversions, inversions
+from analysis.data.inversion import Inversions, direction_rates, inversions
 from analysis.data.members import Rows
 from analysis.data.trajectory import Trajectory
 
@@ -66,6 +66,9 @@ class Part(Protocol):
     def last(self) -> tuple[Array, Array]:
         """Coordinates and rates at the ends, each shape (k, 6)."""
 
+    def at(self, rows: Rows, columns: Rows) -> tuple[Array, Array]:
+        """Coordinates and rates of rows, shape (j,), at samples, shape (j, p), as in `Samples`."""
+
     def trajectory(self, row: int) -> Trajectory:
         """Motion of one of them."""
 
@@ -116,6 +119,15 @@ class Listed:
         """Coordinates and rates at the ends, each shape (k, 6)."""
         coordinates = np.array([motion.coordinates[-1] for motion in self.motions])
         return coordinates, np.array([motion.rates[-1] for motion in self.motions])
+
+    def at(self, rows: Rows, columns: Rows) -> tuple[Array, Array]:
+        """Coordinates and rates of rows, shape (j,), at samples, shape (j, p), as in `Samples`."""
+        found = np.empty((2, *columns.shape, 6))
+        for place, row in enumerate(rows.tolist()):
+            motion = self.motions[row]
+            wanted = np.minimum(columns[place], motion.times.size - 1)
+            found[0, place], found[1, place] = motion.coordinates[wanted], motion.rates[wanted]
+        return found[0], found[1]
 
     def trajectory(self, row: int) -> Trajectory:
         """Motion of one of them."""
@@ -234,14 +246,23 @@ class Trajectories:
         """What became of the inversion of each member; see `Trajectory.inversion`."""
         eccentric = self.ensemble.numbers(lambda scenario: scenario.disk.eccentricity) > 0.0
         sines = np.sin(self._during([part.attitudes() for part in self.parts], 2))
-        last = np.sin(self.last_coordinates[:, BETA:])
+        last = np.prod(np.sin(self.last_coordinates[:, BETA:]), axis=1)
+        directions = np.append(sines[:, :, 0] * sines[:, :, 1], last[:, None], axis=1)
+        times = np.append(self.times, np.inf)
+        np.copyto(directions, last[:, None], where=times > self.ends[:, None])
         # The centre of gravity of a disk without eccentricity is never above the centre.
-        directions = np.empty((len(self), self.times.size + 1))
-        directions[:, :-1] = sines[:, :, 0] * sines[:, :, 1] * eccentric[:, None]
-        directions[:, -1] = last[:, 0] * last[:, 1] * eccentric
-        times = np.empty_like(directions)
-        times[:, :-1], times[:, -1] = self.times, self.ends
-        return inversions(times, directions, self.ends)
+        directions *= eccentric[:, None]
+        return inversions(np.minimum(times, self.ends[:, None]), directions, self._direction_rates)
+
+    def _direction_rates(self, members: Rows, columns: Rows) -> Array:
+        """Rates of where the centre of gravity lies, of members at samples as in `Samples`."""
+        found = np.empty(columns.shape)
+        for part in self.parts:
+            places = np.full(len(self), -1)
+            places[part.rows] = np.arange(len(part.rows))
+            some = np.flatnonzero(places[members] >= 0)
+            found[some] = direction_rates(*part.at(places[members[some]], columns[some]))
+        return found
 
     @cached_property
     def _kinematics(self) -> tuple[Array, Array]:

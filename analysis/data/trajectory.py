@@ -24,6 +24,7 @@ from analysis.data.constraint_set import multiplier_names
 from analysis.data.dense import interpolate, interpolate_values
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
+from analysis.data.inversion import direction_rates
 from analysis.data.sampled import SampledMotion, stored_meta
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES, State
@@ -82,7 +83,9 @@ class Trajectory(SampledMotion):
 
     ERROR_UNIT: ClassVar[str] = " rad"
     STORED_AS: ClassVar[str] = "trajectory"
-    STORED_ARRAYS: ClassVar[tuple[str, ...]] = ("t", "q", "u", "multipliers", "meta")
+    STORED_ARRAYS: ClassVar[tuple[str, ...]] = (
+        "t", "q", "u", "normal_force", "multipliers", "meta",
+    )  # fmt: skip
 
     times: Array
     coordinates: Array
@@ -152,6 +155,11 @@ class Trajectory(SampledMotion):
         """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
         result: Array = np.sin(self.coordinate("beta")) * np.sin(self.coordinate("gamma"))
         return result
+
+    @property
+    def cog_direction_rate(self) -> Array:
+        """Rate of `cog_direction` in 1/s, shape (n,)."""
+        return direction_rates(self.coordinates, self.rates)
 
     @property
     def cog_height(self) -> Array:
@@ -230,11 +238,17 @@ class Trajectory(SampledMotion):
     def from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":
         """Trajectory from the arrays of a file; `load_run` reads one."""
         meta = stored_meta(stored["meta"], "pulling")
+        force, multipliers = stored["normal_force"], stored["multipliers"]
+        if not np.array_equal(force, multipliers[..., 0]):
+            raise ValueError(
+                f"normal_force must be the first of the multipliers, shape {multipliers.shape}, "
+                f"got shape {force.shape}"
+            )
         return cls(
             times=stored["t"],
             coordinates=stored["q"],
             rates=stored["u"],
-            multipliers=stored["multipliers"],
+            multipliers=multipliers,
             pulling=tuple((first, last) for first, last in meta.pop("pulling")),
             **meta,
         )

@@ -2,34 +2,82 @@
 
 import os
 import signal
+import sys
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context, parent_process
+from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.process import BaseProcess
+from multiprocessing.synchronize import Event
 from threading import Thread
 
 ORPHANED = 3
-"""Exit code of a worker that has lost its parent."""
+"""Exit code of a worker that has lost its parent,"""
+
+UNGUARDED = 4
+"""and of one that would start workers while it imports the script that has started it."""
 
 
-def process_pool(workers: int | None = None, *, deaf: bool = False) -> ProcessPoolExecutor:
+class UnguardedScriptError(RuntimeError):
+    """Workers import the script that starts them, and it starts them again."""
+
+
+class Spawning:
+    """How worker processes are started, and whether any of them has come as far as to work.
+
+    Where a worker that is only being started comes here, as it imports a script that does not
+    guard its calls, it ends without a word.
+
+    Parameters
+    ----------
+    deaf : bool
+        Whether Ctrl-C, which reaches all processes of a terminal, is left to this one.
+
+    Attributes
+    ----------
+    context : multiprocessing context
+    initializer : callable
+        To be called first in each worker, with `arguments`.
+    arguments : tuple
+    """
+
+    def __init__(self, *, deaf: bool) -> None:
+        if getattr(current_process(), "_inheriting", False):
+            sys.exit(UNGUARDED)
+        self.context = get_context("spawn")
+        self._begun = self.context.Event()
+        self.initializer = _begin
+        self.arguments = (deaf, self._begun)
+
+    def check_begun(self) -> None:
+        """Raise `UnguardedScriptError` if no worker has come as far as to work."""
+        if not self._begun.is_set():
+            raise UnguardedScriptError(
+                "no worker process could begin: each imports the script that starts it, which "
+                'must do so below `if __name__ == "__main__":`, or with workers=1'
+            )
+
+
+class Pool(ProcessPoolExecutor):
     """Pool of newly started interpreters whose workers do not outlive this process.
 
     Parameters
     ----------
     workers : int, optional
         Number of processes, by default that of the cores.
-    deaf : bool
-        Whether Ctrl-C, which reaches all processes of a terminal, is left to this one.
     """
-    return ProcessPoolExecutor(
-        max_workers=workers or os.cpu_count(),
-        mp_context=get_context("spawn"),
-        initializer=_begin,
-        initargs=(deaf,),
-    )
+
+    def __init__(self, workers: int | None = None) -> None:
+        spawning = Spawning(deaf=False)
+        self.check_begun = spawning.check_begun
+        super().__init__(
+            workers or os.cpu_count() or 1,
+            mp_context=spawning.context,
+            initializer=spawning.initializer,
+            initargs=spawning.arguments,
+        )
 
 
-def _begin(deaf: bool) -> None:
+def _begin(deaf: bool, begun: Event) -> None:
+    begun.set()
     if deaf:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()

@@ -7,7 +7,7 @@ force in N, or a moment in N m for the constant spin, Eqs. (31), (84), (87) and 
 
 from typing import Any, NamedTuple
 
-from analysis.data.constraint_set import ConstraintSet, multiplier_names
+from analysis.data.constraint_set import PRESCRIBED, ConstraintSet, multiplier_names
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from analysis.mechanics.attitude import EulerAngles, Frame
@@ -135,7 +135,7 @@ def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) 
     )
     for kind, unit, residuals, allowed in checks:
         for name, residual in zip(multiplier_names(held), residuals, strict=False):
-            if abs(residual) > allowed and name != "spin_torque":
+            if abs(residual) > allowed and name not in PRESCRIBED:
                 raise ValueError(
                     f"start breaks '{LABELS[name]}' of {scenario.name} on {kind} level "
                     f"by {residual:.3e} {unit}, allowed is {allowed:.1e}"

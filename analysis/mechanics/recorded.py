@@ -90,8 +90,7 @@ def formula(
 def solver(scenario: Scenario) -> Solver:
     """Function that gives the time derivative and the multipliers at one state after the other.
 
-    An ideal contact that pulls (negative normal force) rubs with no load: friction never gives
-    energy.
+    An ideal contact that pulls (negative normal force) is no load: friction never gives energy.
 
     Parameters
     ----------

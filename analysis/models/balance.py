@@ -4,7 +4,12 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import ConstraintSet, multiplier_names
+from analysis.data.constraint_set import (
+    PRESCRIBED,
+    ConstraintSet,
+    multiplier_names,
+    prescribed,
+)
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory
 from analysis.mechanics.attitude import EulerAngles
@@ -62,10 +67,14 @@ def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:
     """
     held, disk = trajectory.scenario.constraints, trajectory.scenario.disk
     names = multiplier_names(held)
-    count = len(names) - ("spin_torque" in names)
     state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
+    speeds = [
+        speed
+        for name, speed in zip(names, velocities(held, disk, state), strict=True)
+        if name not in PRESCRIBED
+    ]
     position = np.max(np.abs(places(held, disk, state)), axis=0)
-    return position, np.max(np.abs(velocities(held, disk, state)[:count]), axis=0)
+    return position, np.max(np.abs(speeds), axis=0)
 
 
 def contact_forces(trajectory: Trajectory) -> Array:
@@ -128,7 +137,7 @@ def _loads(trajectory: Trajectory) -> Array:
 
 
 def power(trajectory: Trajectory) -> Array:
-    """Power of friction and of the prescribed spin at every sample in W, shape (n,).
+    """Power of friction and of prescribed rates at every sample in W, shape (n,).
 
     All other constraints do no work. Friction takes energy; the torque that keeps the spin
     constant may bring some.
@@ -143,8 +152,8 @@ def power(trajectory: Trajectory) -> Array:
     scenario = trajectory.scenario
     slip, per_speed = _sliding(trajectory)
     result: Array = -_loads(trajectory) * per_speed * np.sum(slip**2, axis=1)
-    if "constant-spin" in scenario.constraints:
-        result += trajectory.multiplier("spin_torque") * trajectory.rate("alpha")
+    for name in prescribed(scenario.constraints):
+        result += trajectory.multiplier(name) * trajectory.rate(PRESCRIBED[name])
     return result
 
 

@@ -15,7 +15,16 @@ import numpy.typing as npt
 from analysis.compiled.batches import Outcome, simulate_batches
 from analysis.compiled.library import CannotCompileError, is_installed
 from analysis.compiled.parts import Request, simulate_ensemble
-from analysis.data.checks import Array, increasing_times
+from analysis.data.checks import (
+    Array,
+    choice,
+    function,
+    increasing_times,
+    instance,
+    switch,
+    whole,
+)
+from analysis.data.checks import local_tolerance as one_step
 from analysis.data.endings import StopWhen, named_conditions
 from analysis.data.ensemble import Ensemble
 from analysis.data.limits import check_storage
@@ -23,10 +32,11 @@ from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.data.trajectories import Listed, Part, Trajectories, joined
 from analysis.data.trajectory import Trajectory
-from analysis.data.workers import process_pool
-from analysis.models.forms import Form
-from analysis.models.integration import Method
-from analysis.models.simulation import simulate
+from analysis.data.watch import Watch
+from analysis.data.workers import Pool
+from analysis.models.forms import FORMS, Form
+from analysis.models.integration import METHODS, Method
+from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE, simulate
 
 S = TypeVar("S")
 T = TypeVar("T")
@@ -98,6 +108,8 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     ------
     ValueError
         If the times, the conditions, the workers or the number of tolerances are out of range.
+    UnguardedScriptError
+        If workers cannot begin, as they come here while they import the calling script.
 
     Examples
     --------
@@ -112,15 +124,23 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     >>> runs = simulate_many(ensemble, times, workers=1)
     >>> runs.inversions.outcomes.tolist()
     ['not inverted', 'inverted']
-    >>> runs.coordinates.shape, runs[1].inversion_time
-    ((2, 401, 6), 0.49)
+    >>> runs.coordinates.shape, round(runs[1].inversion_time, 4)
+    ((2, 401, 6), 0.4852)
     """
-    members = scenarios if isinstance(scenarios, Ensemble) else list(scenarios)
+    members = _members(scenarios)
     times = increasing_times(times)
+    allow_pulling = switch("allow_pulling", allow_pulling)
+    if form is not None:
+        choice("form", form, FORMS)
+    if method is not None:
+        choice("method", method, METHODS)
+    if local_tolerance is not None:
+        one_step("local_tolerance", local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
+    Watch(time_limit)
     check_storage("times", len(members) * times.size, 2 * len(COORDINATES))
     named_conditions(stop_when)
-    if workers is not None and workers < 1:
-        raise ValueError(f"workers must be at least 1, got {workers}")
+    if workers is not None:
+        workers = whole("workers", workers)
     tolerances = _each(tolerance, len(members))
     how = _How(form, method, local_tolerance, stop_when, allow_pulling, time_limit)
     workers = workers or cpu_count() or 1
@@ -129,7 +149,7 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     else:
         chunk = max(1, min(LARGEST_CHUNK, len(members) // (4 * workers)))
     rows = [slice(first, first + chunk) for first in range(0, len(members), chunk)]
-    tell = progress or (lambda _done, _all: None)
+    tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
     if isinstance(members, Ensemble):
         pieces = [(members.part(some), tolerances[some]) for some in rows]
         found = _called(partial(_motions, times=times, how=how), pieces, executor, workers, tell)
@@ -146,6 +166,14 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     for each, (some, _) in zip(listed, lists, strict=True):
         outcomes += [each] * len(some) if isinstance(each, Exception) else each
     return outcomes
+
+
+def _members(given: Ensemble | Iterable[Scenario]) -> Ensemble | list[Scenario]:
+    if isinstance(given, Ensemble):
+        return given
+    if isinstance(given, type) or not isinstance(given, Iterable):
+        raise ValueError(f"scenarios must be an Ensemble or a list of Scenario, got {given!r}")
+    return [instance(f"scenarios[{row}]", each, Scenario) for row, each in enumerate(given)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,11 +216,13 @@ def _called(
             tell(done, size)
         return results
     with ExitStack() as stack:
-        pool = executor or stack.enter_context(process_pool(min(workers, len(pieces))))
+        pool = executor or stack.enter_context(Pool(min(workers, len(pieces))))
         futures: dict[Future[T], int] = {
             pool.submit(call, *piece): len(piece[1]) for piece in pieces
         }
         for future in as_completed(futures):
+            if isinstance(pool, Pool) and isinstance(future.exception(), BrokenExecutor):
+                pool.check_begun()
             done += futures[future]
             tell(done, size)
     return [_result(future) for future in futures]

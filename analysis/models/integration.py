@@ -6,6 +6,7 @@ its solvers are stepped here.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from math import asin
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -121,6 +122,8 @@ def integrate(
     ------
     ArithmeticError
         If the solver gives up.
+    ToleranceError
+        If the call is out of steps.
     ValueError
         If the contact would have to pull at the start and must not.
     """
@@ -139,6 +142,10 @@ def integrate(
     states, row = [problem.start], 1
     while row < times.size and ended is None:
         message = solver.step()
+        watch.steps += 1
+        if not watch.steps_left:
+            watch.flattest = (solver.t, asin(min(1.0, problem.leaning(solver.y))))
+            raise watch.given_up(method)
         if solver.status == "failed":
             raise ArithmeticError(f"{method} stopped after t = {solver.t:g} s: {message}")
         within = times[row : np.searchsorted(times, solver.t, side="right")]

@@ -7,15 +7,22 @@ import numpy as np
 
 from analysis.compiled.parts import CompiledPart
 from analysis.data.checks import Array
-from analysis.data.constraint_set import ConstraintSet, multiplier_names
+from analysis.data.constraint_set import (
+    PRESCRIBED,
+    ConstraintSet,
+    multiplier_names,
+    prescribed,
+)
+from analysis.data.dense import Numbers
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.ensemble import Ensemble
-from analysis.data.inversion import STAYING, Inversions, inversions
+from analysis.data.inversion import STAYING, Inversions, direction_rates, inversions
 from analysis.data.members import Rows
 from analysis.data.outcomes import DONE, OutcomeTable, failed, failure
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
+from analysis.data.state import COORDINATES
 from analysis.data.trajectories import BETA, Samples, Trajectories
 from analysis.data.trajectory import Trajectory
 from analysis.models.balance import energies
@@ -23,8 +30,8 @@ from analysis.models.balance import energies
 _ALPHA = 3
 """Column of the rates."""
 
-_BLOCK = 64
-"""Motions that are judged at once: their samples take some 10 MB."""
+_BLOCK = 2**14
+"""Samples of motions that are judged at once: they take some 5 MB."""
 
 
 def outcomes(
@@ -48,8 +55,8 @@ def outcomes(
     >>> from analysis import Ensemble, Scenario, outcomes, simulate_many
     >>> spins = Ensemble(scenario=Scenario(), fields={"spin": np.array([10.0, 40.0])})
     >>> table = outcomes(simulate_many(spins, np.linspace(0.0, 2.0, 401), workers=1))
-    >>> table.columns["inversion"].tolist(), table.columns["inverted_at"].tolist()
-    (['not inverted', 'inverted'], [nan, 0.49])
+    >>> table.columns["inversion"].tolist(), table.columns["inverted_at"].round(4).tolist()
+    (['not inverted', 'inverted'], [nan, 0.4852])
     >>> bool(table.columns["taken_sliding"][1] > 0.0), table.units["taken_sliding"]
     (True, 'J')
     """
@@ -97,8 +104,9 @@ def _put_part(table: OutcomeTable, part: CompiledPart) -> None:
     eccentric = part.ensemble.numbers(lambda scenario: scenario.disk.eccentricity)
     constraints = part.ensemble[0].constraints
     ends = np.empty((2, len(part.rows), 2, 6))
-    for first in range(0, len(part.rows), _BLOCK):
-        some = slice(first, first + _BLOCK)
+    size = max(1, _BLOCK // part.times.size)
+    for first in range(0, len(part.rows), size):
+        some = slice(first, first + size)
         samples = part.samples(some)
         table.put(part.rows[some], _sampled(constraints, samples, eccentric[some]))
         ends[0, some], ends[1, some] = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
@@ -106,7 +114,7 @@ def _put_part(table: OutcomeTable, part: CompiledPart) -> None:
     table.put(part.rows, told | {"error_estimate": part.error_estimates})
     for rows, scenario in _scenarios(part.ensemble):
         members = part.rows[rows]
-        brought = table.columns["brought_by_spin_torque"][members]
+        brought = {name: table.columns[name][members] for name in _brought(constraints)}
         table.put(members, _balance(scenario, ends[0, rows], ends[1, rows], brought))
 
 
@@ -131,6 +139,8 @@ def _spatial(motion: SpatialMotion) -> Mapping[str, Any]:
         outcomes=np.array([inversion.outcome], dtype=object),
         times=np.array([inversion.time], dtype=float),
         lost=np.array([inversion.lost], dtype=float),
+        time_errors=np.array([inversion.time_error], dtype=float),
+        lost_errors=np.array([inversion.lost_error], dtype=float),
     )
     return {
         **_judged(judged, motion.times[None], motion.spin[None], motion.normal_force[None]),
@@ -154,8 +164,13 @@ def _plain(motion: Trajectory) -> Mapping[str, Any]:
         # It does not hold what its spring stores and its damper takes.
         return found
     ends = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
-    brought = found.get("brought_by_spin_torque", np.array([np.nan]))
+    brought = {name: found[name] for name in _brought(scenario.constraints)}
     return {**found, **_balance(scenario, *ends, brought)}
+
+
+def _brought(constraints: ConstraintSet) -> tuple[str, ...]:
+    """Columns of what the prescribed rates of a set brought."""
+    return tuple(f"brought_by_{name}" for name in prescribed(constraints))
 
 
 def _sampled(
@@ -164,17 +179,22 @@ def _sampled(
     """What samples of k motions tell by themselves, each shape (k,)."""
     times, beta, spin = samples.times, samples.coordinates[:, :, BETA], samples.rates[:, :, _ALPHA]
     directions = np.sin(beta) * np.sin(samples.coordinates[:, :, BETA + 1])
+
+    def rates_at(rows: Numbers, columns: Numbers) -> Array:
+        near = rows[:, None], columns
+        return direction_rates(samples.coordinates[near], samples.rates[near])
+
     # The centre of gravity of a disk without eccentricity is never above the centre.
-    judged = inversions(times, directions * (eccentricities > 0.0)[:, None], times[:, -1])
+    judged = inversions(times, directions * (eccentricities > 0.0)[:, None], rates_at)
     found = {
         **_judged(judged, times, spin, samples.multipliers[:, :, 0]),
         "cog_direction_end": directions[:, -1],
         "face_end": np.cos(beta[:, -1]),
     }
-    if "constant-spin" in constraints:
-        torque = multiplier_names(constraints).index("spin_torque")
-        power = samples.multipliers[:, :, torque] * spin
-        found["brought_by_spin_torque"] = integrals(times, power)
+    names = multiplier_names(constraints)
+    for name, column in zip(prescribed(constraints), _brought(constraints), strict=True):
+        rate = samples.rates[:, :, COORDINATES.index(PRESCRIBED[name])]
+        found[column] = integrals(times, samples.multipliers[:, :, names.index(name)] * rate)
     return found
 
 
@@ -185,7 +205,9 @@ def _judged(judged: Inversions, times: Array, spin: Array, force: Array) -> dict
     return {
         "inversion": judged.outcomes,
         "inverted_at": judged.times,
+        "inverted_at_error": judged.time_errors,
         "lost_at": judged.lost,
+        "lost_at_error": judged.lost_errors,
         "spin_after": after,
         "spin_end": spin[:, -1],
         "force_least": force.min(axis=1),
@@ -194,12 +216,12 @@ def _judged(judged: Inversions, times: Array, spin: Array, force: Array) -> dict
 
 
 def _balance(
-    scenario: Scenario, coordinates: Array, rates: Array, brought: Array
+    scenario: Scenario, coordinates: Array, rates: Array, brought: Mapping[str, Array]
 ) -> Mapping[str, Array]:
     """Energies of k motions at their starts and ends, shape (k, 2, 6), and what sliding took."""
     kinetic, potential = energies(scenario, coordinates, rates)
     first, last = np.asarray(kinetic + potential)
-    taken = first - last + np.where(np.isnan(brought), 0.0, brought)
+    taken = sum(brought.values(), first - last)
     return {"energy_start": first, "energy_end": last, "taken_sliding": taken}
 
 

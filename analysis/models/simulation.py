@@ -14,9 +14,13 @@ from analysis.data.checks import (
     ToleranceError,
     choice,
     increasing_times,
+    instance,
     positive,
+    switch,
 )
+from analysis.data.checks import local_tolerance as one_step
 from analysis.data.endings import FLAT, TIME_LIMIT, Ending, StopWhen, named_conditions
+from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Setting, Trajectory, versions
 from analysis.data.watch import Progress, Watch
@@ -79,7 +83,8 @@ def simulate(
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
         negative there.
     allow_pulling : bool
-        Go on where the contact pulls; friction then has no load.
+        Go on where the contact pulls. Friction with the load "contact" rubs with none there;
+        with the load "weight" it rubs under the weight as before.
     time_limit : float, optional
         Processor time in s after which the run ends with what it has reached.
     progress : callable, optional
@@ -95,7 +100,8 @@ def simulate(
         If an argument is out of range, the run would take more than `MOST_STEPS`, or the start
         breaks a constraint or needs a contact that pulls.
     ToleranceError
-        If `tolerance` cannot be met.
+        If `tolerance` cannot be met, or the run takes far more steps than it should; with a time
+        limit it may.
     TimeLimitError
         If the limit is met before two runs agree to `tolerance` anywhere.
     ArithmeticError
@@ -110,18 +116,27 @@ def simulate(
     >>> print(run.ending)
     ended at t = 0.56875... s: the centre of gravity is up, at 90% of its largest height
     """
-    times = increasing_times(times)
+    scenario, times = instance("scenario", scenario, Scenario), increasing_times(times)
+    allow_pulling = switch("allow_pulling", allow_pulling)
     choice("method", method, METHODS)
     form = default_form(scenario) if form is None else form
+    check_slipping(scenario.friction)
     conditions = named_conditions(stop_when, scenario.initial_state)
     compiled = None
     if method == "taylor":
         compiled = CompiledScenario(scenario, form, conditions, allow_pulling=allow_pulling)
     posed = pose(scenario, form, conditions, compiled.multipliers if compiled else None)
-    watch = Watch(time_limit, progress)
-
-    def check_effort(**accuracy: float) -> None:
-        simulation_effort(scenario, times, method=method, **accuracy).check()
+    if local_tolerance is None:
+        tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    elif tolerance is not None:
+        raise ValueError("give either tolerance or local_tolerance, not both")
+    else:
+        local_tolerance = one_step("local_tolerance", local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
+    effort = simulation_effort(
+        scenario, times, method=method, tolerance=tolerance, local_tolerance=local_tolerance
+    )
+    effort.check()
+    watch = Watch(time_limit, progress, effort.most)
 
     def run(local: float, longest: float = 1.0) -> Run:
         problem = posed.problem.with_steps_up_to(longest)
@@ -136,15 +151,10 @@ def simulate(
             watch=watch,
         )
 
-    if local_tolerance is not None:
-        if tolerance is not None:
-            raise ValueError("give either tolerance or local_tolerance, not both")
-        local_tolerance = check_local_tolerance("local_tolerance", local_tolerance)
-        check_effort(local_tolerance=local_tolerance)
+    if tolerance is None:
+        assert local_tolerance is not None
         result, estimate = run(local_tolerance), None
     else:
-        tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
-        check_effort(tolerance=tolerance)
         result, local_tolerance, estimate = _integrate_to(run, posed.attitudes, tolerance, method)
     if result.ended == TIME_LIMIT:
         result = replace(result, value=watch.seconds)
@@ -260,11 +270,3 @@ def local_tolerances(tolerance: float, method: Method) -> list[float]:
         local /= 10.0
         tolerances.append(max(local, TIGHTEST_LOCAL_TOLERANCE))
     return tolerances
-
-
-def check_local_tolerance(name: str, value: float) -> float:
-    """Return a local tolerance that SciPy's solvers take; `ValueError` otherwise."""
-    value = positive(name, value)
-    if not TIGHTEST_LOCAL_TOLERANCE <= value < 1.0:
-        raise ValueError(f"{name} must lie in [{TIGHTEST_LOCAL_TOLERANCE:g}, 1), got {value:g}")
-    return value

@@ -65,7 +65,7 @@ class Cycle:
     @property
     def stable(self) -> bool | None:
         """Whether both multipliers lie inside the unit circle; None if too close to tell."""
-        return None if abs(self.multiplier - 1.0) < _NEUTRAL else self.multiplier < 1.0
+        return is_stable(self.multiplier)
 
     @property
     def full(self) -> tuple[Array, Array]:
@@ -104,6 +104,11 @@ class WholePeriod:
     states: Array
     multiplier: float
     log_strong: float
+
+
+def is_stable(multiplier: float) -> bool | None:
+    """Whether the size of the largest multiplier is below 1; None if too close to tell."""
+    return None if abs(multiplier - 1.0) < _NEUTRAL else multiplier < 1.0
 
 
 def multipliers(

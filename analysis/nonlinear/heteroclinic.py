@@ -16,6 +16,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from analysis.data.checks import Array, number, positive
+from analysis.data.checks import local_tolerance as one_step
 from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
@@ -106,6 +107,7 @@ def saddle(scenario: Scenario, spin: float) -> tuple[ComplexArray, Array]:
     NoConnectionError
         If it is no saddle with one growing direction.
     """
+    spin = number("spin", spin)
     values, vectors = np.linalg.eig(reduced_matrices(scenario, [spin], "noninverted")[0])
     order = np.argsort(-values.real)
     values = values[order]
@@ -140,6 +142,7 @@ def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
     flow.require_cycles(scenario)
     flow.require_steepness(scenario, _STEEPEST)
     spin = positive("spin", spin)
+    tolerance = one_step("tolerance", tolerance, 0.0)
     values, growing = saddle(scenario, spin)
 
     rates = reduced.right_hand_side(scenario, spin)

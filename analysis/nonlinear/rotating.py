@@ -24,7 +24,7 @@ from analysis.nonlinear.collocation import (
     period_values,
     require_collocation,
 )
-from analysis.nonlinear.cycle import WholePeriod
+from analysis.nonlinear.cycle import WholePeriod, is_stable
 from analysis.nonlinear.following import followed, locate
 from analysis.nonlinear.heteroclinic import Connection, fall, heteroclinic_connection
 from analysis.stability.linear_reduced import critical_speed
@@ -45,7 +45,6 @@ _LONGEST = 100.0
 """Longest turn in s."""
 
 _HALVINGS = 5
-_NEUTRAL = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,8 +65,7 @@ class Rotation(WholePeriod):
     @property
     def stable(self) -> bool | None:
         """Whether both multipliers lie inside the unit circle; None if too close to tell."""
-        size = abs(self.multiplier)
-        return None if abs(size - 1.0) < _NEUTRAL else size < 1.0
+        return is_stable(abs(self.multiplier))
 
     @property
     def largest_tilt(self) -> float:

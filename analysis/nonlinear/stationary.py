@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from analysis.data.checks import Array, number, positive
+from analysis.data.checks import Array, number, positive, whole
 from analysis.data.constraint_set import ConstraintSet
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
@@ -39,8 +39,8 @@ _SLIPS: ConstraintSet = ("no-slip-along", "no-slip-across")
 _SMALL = 1e-10
 _SLOPE_STEP = 1e-6
 _SPIN_UNIT = 20.0
-_STEP, _MOST = 0.03, 2000
-"""Spins along a branch are in these rad/s; length of its steps, and how many are made at most."""
+_STEP = 0.03
+"""Spins along a branch are in these rad/s; length of its steps."""
 
 _SAME = 1e-6
 _FLAT = 0.02
@@ -139,8 +139,7 @@ def stationary_motions(
         raise ValueError("eccentricity must be positive: without it every gamma is stationary")
     if number("spin", spin) == 0.0:
         raise ValueError("spin must not be 0")
-    if starts < 1:
-        raise ValueError(f"starts must be 1 or more, got {starts}")
+    starts = whole("starts", starts)
     random = np.random.default_rng(0)
     begins = [np.array((0.0, 0.0, np.pi / 2, gamma)) for gamma in (np.pi / 2, -np.pi / 2)]
     begins.extend(random.uniform(*_ANYWHERE, (starts - starts // 2, 4)))
@@ -203,6 +202,8 @@ def stationary_branch(
     start: StationaryMotion,
     interval: tuple[float, float],
     parameter: Parameter | None = None,
+    *,
+    most: int = 2000,
 ) -> tuple[StationaryMotion, ...]:
     """Follow stationary motions by pseudo-arclength, both ways from one of them.
 
@@ -217,6 +218,8 @@ def stationary_branch(
         is left.
     parameter : Parameter, optional
         What to continue in, at the spin of the start; the spin by default.
+    most : int
+        Motions to find at most, each way.
 
     Returns
     -------
@@ -227,12 +230,15 @@ def stationary_branch(
     Raises
     ------
     ValueError
-        If the start is upright or lies outside of the interval.
+        If the start is upright or lies outside of the interval, or `most` is below 1.
     ArithmeticError
-        If an iteration fails; the message names the last good motion.
+        If an iteration fails, or more than `most` motions lie in the interval; the message names
+        the last good one.
     """
     if not start.is_tilted:
         raise ValueError("start must be tilted: upright spinning exists at every spin")
+    if most < 1:
+        raise ValueError(f"most must be 1 or more, got {most}")
     value = start.spin if parameter is None else parameter.value
     if not interval[0] <= value <= interval[1] or (parameter is None and interval[0] <= 0.0):
         allowed = "positive spins" if parameter is None else "values"
@@ -240,7 +246,7 @@ def stationary_branch(
     line = _Line(scenario, start.spin, parameter)
     r = scenario.disk.radius
     point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / line.unit))
-    ways = [_followed(line, point, sign, interval) for sign in (-1.0, 1.0)]
+    ways = [_followed(line, point, sign, interval, most) for sign in (-1.0, 1.0)]
     return tuple(line.motion(p) for p in [*reversed(ways[0]), point, *ways[1]])
 
 
@@ -271,16 +277,23 @@ class _Line:
         pairs = ((self.residual(point + way), self.residual(point - way)) for way in steps)
         return np.column_stack([(a - b) / (2.0 * _SLOPE_STEP) for a, b in pairs])
 
+    def ends(self, how: str, point: Array) -> ArithmeticError:
+        """Error that says how the branch ends, and its last good motion."""
+        return ArithmeticError(
+            f"the branch of stationary motions {how} beyond {self.unit * point[4]:.9g} with beta "
+            f"{point[2]:.6g} and gamma {point[3]:.6g} rad"
+        )
+
     def motion(self, point: Array) -> StationaryMotion:
         return _motion(*self.at(point), point[:4], self.unit * float(point[4]))
 
 
 def _followed(
-    line: _Line, point: Array, sign: float, interval: tuple[float, float]
+    line: _Line, point: Array, sign: float, interval: tuple[float, float], most: int
 ) -> list[Array]:
     found: list[Array] = []
     along, step = np.array((0.0, 0.0, 0.0, 0.0, sign)), _STEP
-    while len(found) < _MOST:
+    while True:
         # The direction in which nothing changes to first order, the same way on as before.
         tangent = np.linalg.svd(line.slopes(point))[2][-1]
         tangent = tangent * np.sign(tangent @ along) if found or tangent @ along else tangent
@@ -288,16 +301,14 @@ def _followed(
         if following is None:
             step /= 2.0
             if step < _STEP / 64:
-                raise ArithmeticError(
-                    f"the branch of stationary motions fails beyond {line.unit * point[4]:.9g} "
-                    f"with beta {point[2]:.6g} and gamma {point[3]:.6g} rad"
-                )
+                raise line.ends("fails", point)
             continue
         point, along, step = following, tangent, min(_STEP, 1.5 * step)
         if not interval[0] <= line.unit * point[4] <= interval[1] or _is_upright(point):
-            break
+            return found
+        if len(found) == most:
+            raise line.ends(f"has more than {most} motions one way, and goes on", found[-1])
         found.append(point)
-    return found
 
 
 def _corrected(line: _Line, guess: Array, tangent: Array) -> Array | None:

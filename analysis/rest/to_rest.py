@@ -1,7 +1,8 @@
 """In-house simulation of the disk until it lies still, in any attitude."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from math import pi, sqrt
 from typing import Any, Literal, get_args
 
@@ -9,8 +10,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from analysis.data import frames
-from analysis.data.agreement import TIGHTEST, located, until_agreement
-from analysis.data.checks import Array, TimeLimitError, choice, positive
+from analysis.data.agreement import TIGHTEST, until_agreement
+from analysis.data.checks import Array, TimeLimitError, choice, instance, positive
+from analysis.data.checks import local_tolerance as one_step
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
 from analysis.data.endings import (
@@ -18,10 +20,13 @@ from analysis.data.endings import (
     TIME_LIMIT,
     Condition,
     Ending,
+    Poses,
     StopWhen,
+    ending_met,
     first_met,
     named_conditions,
 )
+from analysis.data.friction import check_slipping
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
@@ -75,13 +80,14 @@ def simulate_to_rest(
     method : {"LSODA", "DOP853", "RK45"}
         SciPy method. LSODA is fastest; the explicit ones slow down on a flat disk.
     tolerance : float, optional
-        Largest error, see `SpatialMotion.deviation`; 1e-3 if neither tolerance is given.
+        Largest error, see `SpatialMotion.deviation`, and by `error_at_ending` where a condition
+        ends the run; 1e-3 if neither tolerance is given.
     local_tolerance : float, optional
         Relative tolerance of a single step; the absolute one is a hundredth of the number.
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
-        negative there. They are asked at the samples, but not where the disk lies flat; see
-        `located`.
+        negative there. They are asked at the samples, but not where the disk lies flat, and
+        located by integrating anew from the sample before.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.
@@ -116,6 +122,7 @@ def simulate_to_rest(
     >>> motion.phases.rest == motion.rest_time
     True
     """
+    scenario = instance("scenario", scenario, Scenario)
     end, spacing = positive("end", end), positive("spacing", spacing)
     if spacing > end:
         raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
@@ -126,26 +133,23 @@ def simulate_to_rest(
         raise ValueError("half_thickness must be positive for the disk to lie flat, got 0")
     check_storage("end", end / spacing, MOTION_COLUMNS)
     rest_effort(scenario, end).check()
+    check_slipping(scenario.friction)
     task = _Task(
         scenario=scenario,
         model=FreeBody(scenario),
         start=start_vector(scenario.disk, scenario.initial_state),
         times=np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing,
-        criterion=criterion if criterion is not None else RestCriterion(),
+        criterion=RestCriterion()
+        if criterion is None
+        else instance("criterion", criterion, RestCriterion),
         method=method,
-        conditions=named_conditions(stop_when),
+        conditions=named_conditions(stop_when, scenario.initial_state),
         watch=Watch(time_limit, progress),
     )
     if local_tolerance is not None:
-        local_tolerance = positive("local_tolerance", local_tolerance)
-        if local_tolerance < TIGHTEST:
-            raise ValueError(
-                f"local_tolerance must not be below {TIGHTEST:g}, got {local_tolerance:g}"
-            )
-        return located(task.run(local_tolerance), task.conditions)
+        return task.run(one_step("local_tolerance", local_tolerance, TIGHTEST))
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    agreed = until_agreement(task.run, LOCAL_PART * tolerance, tolerance)
-    return located(agreed, task.conditions, tolerance)
+    return until_agreement(task.run, LOCAL_PART * tolerance, tolerance)
 
 
 def start_vector(disk: Disk, start: State) -> Array:
@@ -188,25 +192,31 @@ class _Task:
         """Motion to this relative tolerance of a step, up to rest or as far as it comes."""
         model, times = self.model, self.times
         blocks, counts, rest, ending = [self.start[None]], {"right_hand_sides": 0}, None, None
+        solved = partial(self._solved, local_tolerance, counts)
         stretch = max(1, round(STRETCH / times[1]))
         for begin in range(0, times.size - 1, stretch):
             span = times[begin : begin + stretch + 1]
             try:
-                blocks.append(self._stretch(span, blocks[-1][-1], local_tolerance, counts))
+                block = _with_unit_quaternions(solved(span, blocks[-1][-1], t_eval=span[1:]).y.T)
+                met = self._met(span, np.concatenate((blocks[-1][-1:], block)), solved)
             except _OverError:
                 ending = self._ending(float(span[0]))
                 break
-            ending, rest = self._met(begin, blocks), self._rest(blocks)
-            if ending is not None or rest is not None:
+            blocks.append(block)
+            if met is not None:
+                ending, last = met
+                before = times[: sum(map(len, blocks))] < ending.time
+                blocks = [np.concatenate(blocks)[before], last[None]]
+                times = np.append(times[: before.size][before], ending.time)
+                break
+            rest = self._rest(blocks)
+            if rest is not None:
                 break
         states = np.concatenate(blocks)
-        if ending is not None:
-            states, rest = states[times[: len(states)] <= ending.time], None
         if rest is not None:
             states = states[: rest + self.criterion.samples(times[1])]
-            last = float(times[len(states) - 1])
             kinetic = model.energies(states[-1].tolist())[0]
-            ending = Ending(reason=AT_REST, time=last, value=kinetic)
+            ending = Ending(reason=AT_REST, time=float(times[len(states) - 1]), value=kinetic)
         return SpatialMotion(
             **sampled(model, times[: len(states)], states),
             scenario=self.scenario,
@@ -218,10 +228,15 @@ class _Task:
             versions=versions("numpy", "scipy"),
         )
 
-    def _stretch(
-        self, span: Array, first: Array, local_tolerance: float, counts: dict[str, int]
-    ) -> Array:
-        """States at all but the first of these times."""
+    def _solved(
+        self,
+        local_tolerance: float,
+        counts: dict[str, int],
+        span: Array,
+        first: Array,
+        **wanted: Any,
+    ) -> Any:
+        """Result of SciPy from the first to the last of these times."""
 
         def derivative(time: float, state: Array) -> tuple[float, ...]:
             counts["right_hand_sides"] += 1
@@ -234,34 +249,47 @@ class _Task:
             (span[0], span[-1]),
             first,
             method=self.method,
-            t_eval=span[1:],
             rtol=local_tolerance,
             atol=0.01 * local_tolerance,
             max_step=contact_time(self.scenario),
+            **wanted,
         )
         if not result.success:
             raise ArithmeticError(f"{self.method} stopped at t = {span[0]:g} s: {result.message}")
-        block: Array = result.y.T
-        block[:, 3:7] /= np.linalg.norm(block[:, 3:7], axis=1)[:, None]
-        return block
+        return result
 
-    def _met(self, begin: int, blocks: list[Array]) -> Ending | None:
-        """Ending in the last stretch, which begins with this sample, by a condition."""
-        if not self.conditions:
+    def _met(
+        self, span: Array, states: Array, solved: Callable[..., Any]
+    ) -> tuple[Ending, Array] | None:
+        """Ending in a stretch by a condition, and the state there.
+
+        From the last sample before, it is integrated anew: the solver knows the motion within
+        each of its steps, which end where the contact opens and closes.
+        """
+        met = first_met(self.conditions, *self._poses(states)) if self.conditions else None
+        if met is None:
             return None
-        states = np.concatenate((blocks[-2][-1:], blocks[-1]))
-        pose = sampled(self.model, self.times[: len(states)], states)
-        found = first_met(
-            self.conditions,
-            pose["positions"],
-            frames.rotations(pose["quaternions"]),
-            pose["velocities"],
-            pose["angular_velocities"],
+        around = span[[met.before, met.row]]
+        anew = solved(around, states[met.before], dense_output=True)
+        steps = first_met(self.conditions, *self._poses(_with_unit_quaternions(anew.y.T)))
+        begin, end = around if steps is None else anew.t[[steps.before, steps.row]]
+
+        def state_at(time: float) -> Array:
+            return _with_unit_quaternions(anew.sol(time)[None])
+
+        ending = ending_met(
+            self.conditions, lambda time: self._poses(state_at(time)), float(begin), float(end)
         )
-        if found is None:
-            return None
-        row, reason, value = found
-        return Ending(reason=reason, time=float(self.times[begin + row]), value=value)
+        return ending, state_at(ending.time)[0]
+
+    def _poses(self, states: Array) -> Poses:
+        found = sampled(self.model, np.zeros(len(states)), states)
+        return Poses(
+            found["positions"],
+            frames.rotations(found["quaternions"]),
+            found["velocities"],
+            found["angular_velocities"],
+        )
 
     def _rest(self, blocks: list[Array]) -> int | None:
         """Number of the first sample at rest, seen from the last two stretches."""
@@ -281,6 +309,12 @@ class _Task:
                 "of the motion"
             )
         return Ending(reason=TIME_LIMIT, time=time, value=seconds)
+
+
+def _with_unit_quaternions(states: Array) -> Array:
+    states = states.copy()
+    states[:, 3:7] /= np.linalg.norm(states[:, 3:7], axis=1)[:, None]
+    return states
 
 
 def contact_time(scenario: Scenario) -> float:

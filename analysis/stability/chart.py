@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array
+from analysis.data.checks import Array, float_array
 from analysis.data.friction import ViscousFriction
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
@@ -92,7 +92,7 @@ def stability_chart(
 
 
 def _gradient_array(gradients: npt.ArrayLike) -> Array:
-    result = np.atleast_1d(np.array(gradients, dtype=float))
+    result = np.atleast_1d(float_array("gradients", gradients))
     if result.ndim != 1 or result.size == 0:
         raise ValueError(
             f"gradients must be one-dimensional with at least 1 entry, got shape {result.shape}"

@@ -5,7 +5,7 @@ themselves. Two crossings of the same branch within one step of that grid (0.05 
 cancel out and be missed.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
@@ -118,7 +118,10 @@ class CriticalSpeeds:
 
 def spin_interval(interval: tuple[float, float]) -> tuple[float, float]:
     """Return lowest and highest spin in rad/s; `ValueError` if they are no interval."""
-    low, high = (number("interval", end) for end in interval)
+    ends = list(interval) if isinstance(interval, Iterable) else []
+    if len(ends) != 2:
+        raise ValueError(f"interval must be lowest and highest spin, got {interval!r}")
+    low, high = (number("interval", end) for end in ends)
     if not 0.0 <= low < high:
         raise ValueError(f"interval must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
     return low, high

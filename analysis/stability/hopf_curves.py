@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from analysis.data.checks import Array, choice, number, positive
+from analysis.data.checks import Array, choice, number, positive, whole
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.chart import with_gradient
@@ -91,6 +91,7 @@ def hopf_curves(
     """
     require_spinning(scenario, "the full system", 1)
     choice("motion", motion, MOTIONS)
+    seeds = whole("seeds", seeds)
     box = _box(scenario, spins, gradients)
     curves: list[HopfCurve] = []
     for gradient in np.geomspace(*gradients, seeds + 2)[1:-1].tolist():

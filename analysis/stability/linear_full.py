@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, choice, within
+from analysis.data.checks import Array, choice, float_array, within
 from analysis.data.disk import Disk
 from analysis.data.limits import FASTEST_TURN
 from analysis.data.scenario import Scenario
@@ -68,12 +68,10 @@ def spin_array(spins: npt.ArrayLike) -> Array:
     Raises
     ------
     ValueError
-        If it is empty, has more than one dimension, is not finite or exceeds `FASTEST_TURN`.
+        If it holds no real numbers, is empty, has more than one dimension, is not finite or
+        exceeds `FASTEST_TURN`.
     """
-    try:
-        result = np.atleast_1d(np.array(spins, dtype=float))
-    except (TypeError, ValueError):
-        raise ValueError(f"spins must be finite numbers in rad/s, got {spins!r}") from None
+    result = np.atleast_1d(float_array("spins", spins))
     if result.ndim != 1 or result.size == 0:
         raise ValueError(
             f"spins must be one-dimensional with at least 1 entry, got shape {result.shape}"

@@ -100,8 +100,8 @@ def matrices_over_spin(
         On a horizontal table, with the ideal contact; "full" takes that of Model 1 alone, and
         "reduced" that of Model 4.
     system : {"full", "reduced", "numeric"}, optional
-        Eq. (55), Eq. (111), or any constraints linearised by dual numbers; by default the one that is
-        closed for these constraints, and "numeric" if none is.
+        Eq. (55), Eq. (111), or any constraints linearised by dual numbers; by default the one
+        that is closed for these constraints, and "numeric" if none is.
     motion : {"inverted", "noninverted"}
     drift : bool
         Whether the drift pair +-i spin stays in, where there is one.

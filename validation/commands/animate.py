@@ -7,6 +7,7 @@ from analysis import load_run
 from analysis.data.checks import number, positive, within
 from analysis.data.files import whole_file
 from analysis.data.limits import PLAYBACK_SPEEDS
+from validation.commands.output import name_of
 from validation.commands.scenarios import find_own
 from validation.kit.animation.keyframes import Keyframes, keyframes
 
@@ -18,13 +19,13 @@ def animate(options: argparse.Namespace) -> int:
     _check_numbers(options, out)
     find_own(options)
     poses = keyframes(load_run(source)).between(options.begin, options.end)
-    detail = (
-        _write_gif(poses, out, options)
-        if out.suffix == ".gif"
-        else _write_page(poses, out, options)
-    )
+    detail = _write_gif(poses, out, options) if _is_gif(out) else _write_page(poses, out, options)
     print(f"{out}: {poses.times[0]:g} to {poses.times[-1]:g} s, {detail}")
     return 0
+
+
+def _is_gif(out: Path) -> bool:
+    return out.suffix.lower() == ".gif"
 
 
 def _check_numbers(options: argparse.Namespace, out: Path) -> None:
@@ -40,14 +41,14 @@ def _check_numbers(options: argparse.Namespace, out: Path) -> None:
         raise ValueError(
             f"--begin must lie before --end, got {options.begin:g} and {options.end:g}"
         )
-    if out.suffix == ".html" and (options.fps, options.width) != (None, None):
+    if not _is_gif(out) and (options.fps, options.width) != (None, None):
         raise ValueError("--fps and --width need --out FILE.gif; a page has neither")
 
 
 def _write_page(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
     from validation.kit.animation.player import player
 
-    title = f"The tippedisk: {options.file.stem}"
+    title = f"The tippedisk: {name_of(options.file)}"
     page = player(poses, name="tippedisk", title=title, speed=options.speed).page.encode()
     with whole_file(out) as stream:
         stream.write(page)
@@ -65,4 +66,5 @@ def _write_gif(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:
     animation_gif.frame_times(poses, **{k: v for k, v in given.items() if k != "width"})
     with whole_file(out) as stream:
         frames = animation_gif.write(poses, stream, **given)
-    return f"{frames} frames, {out.stat().st_size / 1024:.0f} KB"
+        size = stream.tell()
+    return f"{frames} frames, {size / 1024:.0f} KB"

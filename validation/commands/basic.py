@@ -14,13 +14,18 @@ from validation.run import run, run_effort, single_run
 
 
 def report(options: argparse.Namespace) -> int:
-    """Write the report and print its checks."""
+    """Write the report and print its verdicts and checks."""
+    from validation.kit.verdicts import verdicts
     from validation.studies import full_report
 
-    page, tables = full_report.make(output_folder("--out", options.out), only=options.only)
-    for table in tables:
-        print(f"\n{table.title}\n{table.to_text()}")
-    failed = sum(cell is False for table in tables for row in table.rows for cell in row)
+    page, sections = full_report.make(output_folder("--out", options.out), only=options.only)
+    tables = [table for section in sections for table in section.tables]
+    print(verdicts(sections))
+    if options.verbose:
+        for table in tables:
+            if not table.file_only:
+                print(f"\n{table.title}\n{table.to_text()}")
+    failed = sum(table.checks().count(False) for table in tables)
     print(f"\n{'All checks hold' if not failed else f'{failed} checks FAIL'}. Open {page}")
     return 0 if not failed else 1
 

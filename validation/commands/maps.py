@@ -1,26 +1,29 @@
 """The subcommand `map`: what becomes of the disk over two parameters."""
 
 import argparse
-import sys
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
-from analysis.compiled.library import is_installed
+from analysis.compiled.library import require_heyoka
 from analysis.data.checks import positive
 from validation.commands.options import chosen_end, output_folder
 from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.sweep import chosen_pool, workers
+from validation.kit.progress import bar, duration, say
 from validation.maps.problems import PROBLEMS
+from validation.maps.refinement import expected_cases
 from validation.maps.run import Panel, panels, run_pairs, run_panel
 from validation.maps.uncertainty import Uncertainty, shifted_sweeps
 from validation.parser.paths import PICTURES
-from validation.sweeps.sweep import Sweep
+from validation.sweeps.sweep import Sweep, look_ahead
+
+_SHORTEST = 0.02
+"""Of a motion in s: two samples as they are on the way to rest."""
 
 
 def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's name
@@ -32,14 +35,16 @@ def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's na
         options.end = problem.end
     if options.pairs < 0:
         raise ValueError(f"--pairs must be a number of starts, got {options.pairs}")
-    scenario, end = chosen_scenario(options), chosen_end(options)
+    scenario, end = chosen_scenario(options), chosen_end(options, _SHORTEST)
     size = {"cells": options.cells, "levels": options.levels, "witnesses": options.witnesses}
-    if options.compiled and not is_installed():
-        raise ValueError("--compiled needs heyoka: pip install 'tippedisk[fast]'")
+    if options.compiled:
+        require_heyoka()
     how = {"end": end, "compiled": options.compiled}
     wanted = panels(problem, scenario, **size, **how)
     pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)
-    done, fineness = _run(options, wanted, pairs, output_folder("--out", options.out))
+    folder = output_folder("--out", options.out)
+    _announce(options, wanted, pairs)
+    done, fineness = _run(options, wanted, pairs, folder)
     for panel in done:
         _tell(panel)
     if fineness is not None:
@@ -48,19 +53,31 @@ def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's na
     return 0
 
 
+def _announce(
+    options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep]
+) -> None:
+    """Say about how many runs are coming, and how long they take where none has been made yet."""
+    each = expected_cases(options.cells, options.levels)
+    seconds = sum(each * look_ahead(sweep).seconds for sweep in wanted)
+    seconds += sum(sweep.design.size * look_ahead(sweep).seconds for sweep in pairs)
+    cases = each * len(wanted) + sum(sweep.design.size for sweep in pairs)
+    processes = workers(options)
+    say(
+        f"tippedisk map: some {cases} cases, roughly {duration(seconds / processes)} on "
+        f"{processes} processes where none is in the folder yet"
+    )
+
+
 def _run(
     options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep], folder: Path
 ) -> tuple[list[Panel], Uncertainty | None]:
     """Run all panels and pairs, with a bar that counts."""
     problem = PROBLEMS[options.name]
-    with (
-        chosen_pool(options) as pool,
-        tqdm(unit="case", disable=not sys.stderr.isatty(), leave=False) as bar,
-    ):
+    with chosen_pool(options) as pool, bar(options.name, unit="cases") as shown:
         how: dict[str, Any] = {
             "pool": pool,
             "time_limit": options.time_limit,
-            "told": lambda new, _: bar.update(new),
+            "told": lambda new, _: shown.update(new),
         }
         done = []
         for index, sweep in enumerate(wanted, 1):

@@ -16,7 +16,7 @@ from validation.commands.options import chosen_end
 from validation.commands.output import deliver, save
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.stability import parse_spins
-from validation.kit.progress import progress_bar
+from validation.kit.progress import counted, progress_bar
 from validation.kit.tables import Table
 from validation.studies.nonlinear import tables
 
@@ -37,7 +37,7 @@ def cycles(options: argparse.Namespace) -> int:
     if options.amplitude is not None:
         raise ValueError("--amplitude belongs to --over; a family goes through all amplitudes")
     if spins is not None:
-        found = [families.cycle_at(scenario, spin) for spin in spins.tolist()]
+        found = [families.cycle_at(scenario, spin) for spin in counted(spins.tolist(), "spins")]
         deliver(options, [tables.cycle_table(found)], {"cycles": _cycle_values(found)})
         if options.plot is not None:
             from validation.studies.nonlinear import figures
@@ -158,7 +158,7 @@ def _connections_over(options: argparse.Namespace, scenario: Scenario) -> int:
 
     axis = axis_from_text(options.over)
     values, scenarios = over.scenarios_over(scenario, axis)
-    ends = [over.End.of(each) for each in scenarios]
+    ends = [over.End.of(each) for each in counted(scenarios, axis.field)]
     table = over.ends_table(axis, values, ends)
     rows = [{axis.field: value, **asdict(end)} for value, end in zip(values, ends, strict=True)]
     deliver(options, [table], {"ends": rows})
@@ -169,9 +169,9 @@ def _connections_over(options: argparse.Namespace, scenario: Scenario) -> int:
 
 def passage(options: argparse.Namespace) -> int:
     """Print, store or plot when an inverted disk is lost."""
-    from validation.studies.nonlinear.passage import follow, passage_table
+    from validation.studies.nonlinear.passage import SPACING, follow, passage_table
 
-    end = chosen_end(options)
+    end = chosen_end(options, SPACING)
     found = follow(chosen_scenario(options, rest=options.rest), end, options.source)
     values = {
         "hopf": found.pair.spin,

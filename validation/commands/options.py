@@ -1,13 +1,12 @@
 """From options of the command line, which several subcommands share, to what they mean."""
 
 import argparse
-import sys
-from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
 from analysis.data.checks import number, positive, within
-from analysis.data.limits import LONGEST_MOTION, Effort
+from analysis.data.limits import LONGEST_MOTION, SHORTEST_STEP, Effort
+from validation.kit.progress import say
 
 PATIENCE = 60.0
 """Processor time in s from which on a run is announced before it starts."""
@@ -33,8 +32,7 @@ def announce(command: str, effort: Effort, time_limit: float | None = None) -> N
     endless = effort.seconds > PATIENCE and time_limit is None
     if endless or effort.doubt:
         hint = "; --time-limit ends it early" if endless else ""
-        with suppress(OSError, ValueError):
-            print(f"tippedisk {command}: {effort}{hint}", file=sys.stderr, flush=True)
+        say(f"tippedisk {command}: {effort}{hint}")
 
 
 def output_folder(name: str, value: str) -> Path:
@@ -79,12 +77,18 @@ def written_number(name: str, text: str) -> float:
     return number(name, value)
 
 
-def chosen_end(options: argparse.Namespace) -> float:
+def chosen_end(options: argparse.Namespace, least: float = SHORTEST_STEP) -> float:
     """Time in s from --end.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+    least : float
+        In s, such as the spacing of the samples.
 
     Raises
     ------
     ValueError
-        If it is not positive or beyond `LONGEST_MOTION`.
+        If it is not positive, below `least` or beyond `LONGEST_MOTION`.
     """
-    return within("--end", positive("--end", options.end), 0.0, LONGEST_MOTION)
+    return within("--end", positive("--end", options.end), least, LONGEST_MOTION)

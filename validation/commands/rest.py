@@ -11,7 +11,7 @@ from validation.commands.options import announce, chosen_end
 from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
-from validation.run import rest_effort, run_to_rest
+from validation.run import REST_SPACING, rest_effort, run_to_rest
 
 
 def rest(options: argparse.Namespace) -> int:
@@ -65,7 +65,7 @@ def _lacking(losses: Dissipation) -> str:
 
 
 def _simulate(options: argparse.Namespace) -> SpatialMotion:
-    end = chosen_end(options)
+    end = chosen_end(options, REST_SPACING)
     if options.source == "in-house" and options.step is not None:
         raise ValueError(
             "--step must be left out with --source in-house, which controls its steps by "

@@ -26,6 +26,7 @@ from analysis.data.friction import LAWS, law_class, law_from, law_values
 from analysis.data.own import is_own
 from analysis.data.scenario_file import load_scenario
 from analysis.data.scenario_keys import RING, SIX
+from analysis.data.written import DOUBTED, warn_of_unit
 from validation.commands.options import written_number
 
 _ANGLES = ("alpha", "beta", "gamma", "inclination", "downhill")
@@ -67,7 +68,7 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
         _look_here()
     disk = _disk(options, base.disk)
     computed = file is None and rest
-    return Scenario(
+    chosen = Scenario(
         constraints=_constraints(options, base),
         disk=disk,
         friction=_friction(options, base.friction),
@@ -76,6 +77,12 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
         dissipation=_dissipation(options, base.dissipation),
         start=_start(options, base.start),
     )
+    for field in DOUBTED:
+        for name, value in _given(options, (field.rpartition(".")[2],)).items():
+            warn_of_unit(field, getattr(options, name), value)
+    if (condition := getattr(options, "stop_when", None)) is not None:
+        named_conditions(condition, chosen.initial_state)
+    return chosen
 
 
 def read_scenario(path: Path) -> Scenario:
@@ -88,7 +95,7 @@ def read_scenario(path: Path) -> Scenario:
     ValueError
         If it is neither.
     """
-    return load_run(path).scenario if path.suffix == ".npz" else load_scenario(path)
+    return load_run(path).scenario if path.suffix.lower() == ".npz" else load_scenario(path)
 
 
 def find_own(options: argparse.Namespace) -> None:
@@ -148,16 +155,24 @@ def _constraints(options: argparse.Namespace, base: Scenario) -> Any:
 
 
 def _disk(options: argparse.Namespace, base: Disk) -> Disk:
-    ring = _given(options, RING)
     own = _given(options, SIX)
-    if set(ring) <= {"radius"}:
+    hole = _given(options, RING[1:])
+    if not hole and ("radius" not in own or len(own) == len(SIX)):
         return replace(base if options.disk is None else DISKS[options.disk], **own)
+    if not hole:
+        ways = ([name for name in names if name not in own] for names in (RING, SIX))
+        geometry, values = (", ".join(map(_option, missing)) for missing in ways)
+        raise ValueError(
+            "--radius would keep mass and moments of inertia of another disk: give with it "
+            f"{geometry}, from which they follow, or {values}"
+        )
     foreign = [name for name in ("disk", *SIX[1:]) if getattr(options, name) is not None]
     if foreign:
         raise ValueError(
-            f"{_option(foreign[0])} does not go together with {_option(list(ring)[-1])}: a disk "
+            f"{_option(foreign[0])} does not go together with {_option(list(hole)[-1])}: a disk "
             "with a round hole is told by its geometry and density"
         )
+    ring = {name: own[name] for name in RING[:1] if name in own} | hole
     missing = [name for name in RING if name not in ring]
     if missing:
         raise ValueError(f"a disk with a round hole needs {', '.join(map(_option, missing))}, too")
@@ -165,7 +180,7 @@ def _disk(options: argparse.Namespace, base: Disk) -> Disk:
 
 
 def _friction(options: argparse.Namespace, base: FrictionLaw) -> FrictionLaw:
-    law = base
+    law, behind = base, set()
     if options.law is not None:
         name, *parameters = options.law.split(",")
         told = law_values(base)
@@ -177,13 +192,19 @@ def _friction(options: argparse.Namespace, base: FrictionLaw) -> FrictionLaw:
                 raise ValueError(
                     f"--law must hold parameter=value behind its name, got {parameter!r}"
                 )
-            values[key.strip()] = written_number(f"--law: {key.strip()}", text)
+            key = key.strip()
+            if key in behind:
+                raise ValueError(f"--law must hold each parameter once, got {key} twice")
+            behind.add(key)
+            values[key] = written_number(f"--law: {key}", text)
         law = law_from(values)
     changes = {}
     for option, name in _FRICTION.items():
         value = getattr(options, option)
         if value is None:
             continue
+        if name in behind:
+            raise ValueError(f"--{option} and --law both give the {name}: leave one of them out")
         known = [field.name for field in fields(law)]
         if name not in known:
             raise ValueError(

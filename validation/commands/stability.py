@@ -47,7 +47,7 @@ def critical(options: argparse.Namespace) -> int:
     ends = options.spins.split(":")
     if len(ends) != 2:
         raise ValueError(f"--spin must be FIRST:LAST, got {options.spins!r}")
-    low, high = (written_number("--spin", end) for end in ends)
+    low, high = sorted(written_number("--spin", end) for end in ends)
     found = critical_speeds(scenario, (low, high), options.system, options.motion)
     where = stable_spins(scenario, (low, high), motion=options.motion)
     closed = linear_reduced.critical_speed(scenario, options.motion)
@@ -86,13 +86,12 @@ def _closed_form(closed: linear_reduced.CriticalSpeed) -> str:
 
 
 def parse_spins(texts: list[str]) -> Array:
-    """Spins in rad/s from values and ranges `first:last:number`, strictly increasing, (n,).
+    """Spins in rad/s from values and ranges `first:last:number` in any order: each once, (n,).
 
     Raises
     ------
     ValueError
-        If a text is neither, a range is empty, descending or longer than `MOST_SPINS`, or the
-        spins do not increase.
+        If a text is neither, or a range is empty or longer than `MOST_SPINS`.
     """
     spins: list[float] = []
     for text in texts:
@@ -104,15 +103,13 @@ def parse_spins(texts: list[str]) -> Array:
             raise ValueError(
                 f"--spin must be a value or FIRST:LAST:NUMBER with at least 2, got {text!r}"
             )
-        first, last = written_number("--spin", parts[0]), written_number("--spin", parts[1])
-        if first >= last:
-            raise ValueError(f"--spin must have FIRST < LAST, got {text!r}")
+        first, last = sorted(written_number("--spin", end) for end in parts[:2])
+        if first == last:
+            raise ValueError(f"--spin must have a FIRST other than LAST, got {text!r}")
         if int(parts[2]) > MOST_SPINS:
             raise ValueError(f"--spin must name at most {MOST_SPINS} spins, got {text!r}")
         spins += np.linspace(first, last, int(parts[2])).tolist()
-    if np.any(np.diff(spins) <= 0.0):
-        raise ValueError("--spin must increase strictly")
-    return np.array(spins)
+    return np.unique(spins)
 
 
 def _scenario(options: argparse.Namespace) -> Scenario:

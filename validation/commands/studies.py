@@ -53,8 +53,14 @@ def make(
     workers: int | None = None,
 ) -> tuple[Path, Section, Results]:
     """Run what is not kept of the jobs, and write the page of their section."""
+    from validation.studies.full_report import STUDIES
+
     folder, clock = output_folder("--out", options.out), Clock()
-    parts = run_kept(jobs, folder, workers=workers, title=options.command, fresh=options.fresh)
+    name = options.command.replace("_", "-")
+    (study,) = (each for each in STUDIES if each.name == name)
+    seconds = study.expected_seconds(quick=options.quick)
+    how: dict[str, Any] = {"workers": workers, "fresh": options.fresh, "seconds": seconds}
+    parts = run_kept(jobs, folder, title=name, **how)
     results = {key: part.result for key, part in parts.items()}
     made = section(results)
     return write([made], folder, made=clock.sentence()), made, results

@@ -3,23 +3,21 @@
 import argparse
 import os
 import shutil
-import sys
 import tomllib
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-
-from tqdm import tqdm
 
 from analysis.data.checks import choice, positive
 from analysis.data.outcomes import DONE
 from validation.commands.options import PATIENCE, chosen_end
 from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
+from validation.kit.progress import bar, duration, say
 from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
-from validation.sweeps.pools import Pool, open_pool
+from validation.sweeps.pools import Pool, check_executor, open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import Told, run_cases
 from validation.sweeps.store import Store, expected_size
@@ -43,7 +41,7 @@ def sweep(options: argparse.Namespace) -> int:
     if options.plot is not None:
         _check_plot(wanted)
     ahead = look_ahead(wanted)
-    with Store(out, wanted) as store:
+    with Store(out, wanted, accept_other_code=options.accept_other_code) as store:
         left = wanted.design.size - store.count()
         if left:
             _announce(wanted, ahead, left, processes)
@@ -86,6 +84,7 @@ def workers(options: argparse.Namespace) -> int:
     """Number of processes; `ValueError` if it is none."""
     if options.workers is not None and options.workers < 1:
         raise ValueError(f"--workers must be at least 1, got {options.workers}")
+    check_executor(options.executor)
     if options.scheduler is not None and options.executor != "dask":
         raise ValueError(f"--scheduler needs --executor dask, got {options.executor}")
     return options.workers or os.cpu_count() or 1
@@ -171,20 +170,16 @@ def _check_size(wanted: Sweep, out: Path, most: int) -> None:
 def _announce(wanted: Sweep, ahead: LookAhead, left: int, processes: int) -> None:
     """Say what is coming, if it takes long or some cases will be refused."""
     seconds = left * ahead.seconds / processes
-    words = []
     if ahead.refused:
-        words.append(
-            f"{ahead.refused} of {ahead.looked_at} cases looked at are refused, such as: "
-            f"{ahead.reason}"
+        say(
+            f"tippedisk sweep: {ahead.refused} of {ahead.looked_at} cases looked at are refused, "
+            f"such as: {ahead.reason}"
         )
     if seconds > PATIENCE:
-        words.append(
-            f"{left} cases, roughly {seconds / 60.0:.0f} minutes on {processes} processes, at "
-            f"most {expected_size(wanted) / 1e6:.1f} MB"
+        say(
+            f"tippedisk sweep: {left} cases, roughly {duration(seconds)} on {processes} "
+            f"processes, at most {expected_size(wanted) / 1e6:.1f} MB"
         )
-    for word in words:
-        with suppress(OSError, ValueError):
-            print(f"tippedisk sweep: {word}", file=sys.stderr, flush=True)
 
 
 @contextmanager
@@ -192,29 +187,24 @@ def _interrupted(store: Store, wanted: Sweep) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        with suppress(OSError, ValueError):
-            print(
-                f"tippedisk sweep: {store.count()} of {wanted.design.size} cases are in "
-                f"{store.path}; the same command goes on",
-                file=sys.stderr,
-                flush=True,
-            )
+        say(
+            f"tippedisk sweep: {store.count()} of {wanted.design.size} cases are in {store.path}; "
+            "the same command goes on"
+        )
         raise
 
 
 @contextmanager
 def _counter(total: int, done: int) -> Iterator[Told]:
-    """A bar with the rate and the time left; nothing is shown where no terminal looks on."""
+    """A bar with the rate and the time left."""
     failures = 0
-    with tqdm(
-        total=total, initial=done, unit="case", disable=not sys.stderr.isatty(), leave=False
-    ) as bar:
+    with bar(total=total, initial=done, unit="cases") as shown:
 
         def told(new: int, failed: int) -> None:
             nonlocal failures
             failures += failed
             if failures:
-                bar.set_postfix_str(f"{failures} failed", refresh=False)
-            bar.update(new)
+                shown.set_postfix_str(f"{failures} failed", refresh=False)
+            shown.update(new)
 
         yield told

@@ -1,13 +1,13 @@
 """How far stored motions are from each other, quantity by quantity."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from analysis import StoredRun
 from analysis.data.checks import Array, ToleranceError
-from validation.kit.tables import Cell, Table
+from validation.kit.tables import Cell, Table, show
 
 COARSEST = 1e-3
 """Error in rad that interpolation between samples may have for motions to be compared at all."""
@@ -58,6 +58,52 @@ def difference_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
         rows=rows,
         note=" ".join(notes),
     )
+
+
+def fields_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
+    """What motions differ in besides their source: fields of the scenario, and how they were run.
+
+    How they were run is compared where all have the same source, since each has settings of its
+    own. The table has no rows where nothing differs, or the source alone.
+
+    Parameters
+    ----------
+    runs : sequence of (str, StoredRun)
+        Labels and motions.
+    """
+    told = [_fields(run) for _, run in runs]
+    sources = {run.source for _, run in runs}
+    if len(sources) == 1:
+        told = [
+            fields | {f"method.{name}": value for name, value in run.method.items()}
+            for fields, (_, run) in zip(told, runs, strict=True)
+        ]
+    rows: list[list[Cell]] = []
+    for name in dict.fromkeys(name for fields in told for name in fields):
+        values = [fields.get(name) for fields in told]
+        if len(set(values)) > 1:
+            texts = [show(value) for value in values]
+            is_clear = len(set(texts)) == len(set(values))
+            rows.append([name, *(texts if is_clear else map(repr, values))])
+    if rows and len(sources) > 1:
+        rows.insert(0, ["source", *(str(run.source) for _, run in runs)])
+    return Table(
+        name="fields",
+        title="What differs",
+        columns=("field", *(name for name, _ in runs)),
+        rows=rows,
+    )
+
+
+def _fields(run: StoredRun) -> dict[str, Cell]:
+    """What a scenario says, by the dotted names of its file."""
+    found: dict[str, Cell] = {}
+    for table, values in run.scenario.values().items():
+        parts = values if isinstance(values, Mapping) else {"": values}
+        for key, value in parts.items():
+            name = f"{table}.{key}" if key else table
+            found[name] = ", ".join(map(str, value)) if isinstance(value, list | tuple) else value
+    return found
 
 
 def _at(run: StoredRun, times: Array) -> tuple[dict[str, Array], float]:

@@ -7,9 +7,12 @@ are run times.
 
 import hashlib
 import io
+import json
 import os
 import pickle
-from collections.abc import Callable, Iterable
+import sqlite3
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -18,6 +21,7 @@ from typing import Any
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
 from validation.kit import reach
+from validation.kit.plain import pack, unpack
 from validation.kit.provenance import machine
 
 FOLDER = ".parts"
@@ -25,11 +29,7 @@ FOLDER = ".parts"
 
 _SUFFIX = ".part"
 
-_NUMPY = {
-    "_reconstruct", "ndarray", "dtype", "scalar", "_frombuffer", "bool", "bool_",
-    "float64", "int64", "complex128",
-}  # fmt: skip
-_BUILT_IN = {"complex", "set", "frozenset", "slice", "range"}
+_LOCK = ".lock"
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ class Store:
             return self.read(identity(job))
         except KeyError:
             return None
-        except pickle.UnpicklingError:
+        except ValueError:
             self.unreadable += 1
             return None
 
@@ -104,24 +104,24 @@ class Store:
         ------
         KeyError
             If there is none.
-        UnpicklingError
+        ValueError
             If its file is damaged or holds something else.
         """
         path = self.folder / f"{name}{_SUFFIX}"
         if not path.is_file():
             raise KeyError(name)
         try:
-            with path.open("rb") as stream:
-                result, seconds = _Unpickler(stream).load()
-            return Part(result, float(seconds))
+            result, seconds = json.loads(path.read_bytes())
+            return Part(unpack(result), float(seconds))
         except Exception as error:
-            # Damaged bytes make a loader raise anything.
-            raise pickle.UnpicklingError(f"{path} is no part of a report: {error}") from error
+            # What is not of its kind may raise anything in the class that is to be made of it.
+            raise ValueError(f"{path} is no part of a report: {error}") from error
 
     def keep(self, job: Job, part: Part) -> None:
-        """Write the part of a job, whole or not at all."""
+        """Write the part of a job as plain data, whole or not at all."""
+        text = json.dumps([pack(part.result, exact=True), part.seconds], separators=(",", ":"))
         with whole_file(self._path(job)) as stream:
-            pickle.dump((part.result, part.seconds), stream)
+            stream.write(text.encode())
 
     def forget(self, jobs: Iterable[Job]) -> None:
         """Remove the parts of some jobs."""
@@ -137,6 +137,31 @@ class Store:
 
     def _path(self, job: Job) -> Path:
         return self.folder / f"{identity(job)}{_SUFFIX}"
+
+
+@contextmanager
+def open_store(folder: Path) -> Iterator[Store]:
+    """Parts of a report in a folder of its own, which no other process works in meanwhile.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the report; the parts lie in its `FOLDER`.
+
+    Raises
+    ------
+    OSError
+        If another process works in it, or it cannot be made.
+    """
+    store = Store(folder / FOLDER)
+    # A lock of SQLite's is known on every system and ends with its process, however that ends.
+    with closing(sqlite3.connect(store.folder / _LOCK, timeout=0.0, isolation_level=None)) as lock:
+        try:
+            lock.execute("BEGIN EXCLUSIVE")
+        except sqlite3.OperationalError as error:
+            reason = "another process works in it" if "locked" in str(error) else error
+            raise OSError(f"{folder} cannot be written to now: {reason}") from error
+        yield store
 
 
 def identity(job: Job) -> str:
@@ -171,26 +196,3 @@ class _Pickler(pickle.Pickler):
         """Called for every object; all are written as they are."""
         if hasattr(thing, "__qualname__") and hasattr(thing, "__module__"):
             self.seen.add(thing)
-
-
-class _Unpickler(pickle.Unpickler):
-    """Makes nothing but numbers, arrays and the project's classes.
-
-    A report's folder may come from somebody else, and a pickle can name any function to call.
-    """
-
-    def find_class(self, module: str, name: str) -> Any:
-        package = module.partition(".")[0]
-        allowed = (
-            package in reach.PROJECT
-            or (package == "numpy" and name in _NUMPY)
-            or (module == "builtins" and name in _BUILT_IN)
-        )
-        found = super().find_class(module, name) if allowed and "." not in name else None
-        # A module also holds functions, and what it imports from elsewhere.
-        ours = package not in reach.PROJECT or (
-            isinstance(found, type) and found.__module__.partition(".")[0] in reach.PROJECT
-        )
-        if found is None or not ours:
-            raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
-        return found

@@ -1,19 +1,17 @@
 """The jobs behind a report, and its files: page, figures, tables and animations."""
 
-import sys
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import as_completed
-from contextlib import suppress
+from os import cpu_count
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from analysis.data.files import whole_file
-from analysis.data.workers import process_pool
+from analysis.data.workers import Pool
 from validation.kit.clock import processor_time
 from validation.kit.page import Section, page
-from validation.kit.parts import FOLDER, Job, Part, Store
+from validation.kit.parts import Job, Part, Store, open_store
+from validation.kit.progress import bar, duration, say
 
 __all__ = ["Job", "Section", "run_jobs", "run_kept", "run_parts", "write"]
 
@@ -22,6 +20,9 @@ PAGE = "report.html"
 CONTENTS = ".contents"
 """File with the names of all files of a report, one a line."""
 
+_UNFINISHED = b"<!doctype html><title>Unfinished</title><p>This report is being written.</p>"
+"""In place of a page while the files beside it are written."""
+
 _SUFFIXES = {".html", ".png", ".svg", ".csv"}
 """Of the files of a report."""
 
@@ -29,7 +30,7 @@ _SUFFIXES = {".html", ".png", ".svg", ".csv"}
 def run_jobs(
     jobs: Iterable[Job], *, workers: int | None = None, title: str = ""
 ) -> dict[Any, Any]:
-    """Run jobs in worker processes with a progress bar on a terminal; results by key.
+    """Run jobs in worker processes with a progress bar; results by key.
 
     Scenes are rebuilt in the workers from their descriptions, since the engine's systems cannot
     be sent. The first error of a job is raised.
@@ -69,9 +70,9 @@ def run_parts(
     errors: list[BaseException] = []
     if not jobs:
         return results
-    with process_pool(workers) as pool:
+    with Pool(workers) as pool:
         futures = {pool.submit(_timed, job.function, job.arguments): job for job in jobs}
-        bar = tqdm(total=len(jobs), desc=title, disable=None, leave=False)
+        shown = bar(title, total=len(jobs), unit="parts")
         try:
             for future in as_completed(futures):
                 if future.cancelled():
@@ -86,14 +87,14 @@ def run_parts(
                 results[job.key] = part = future.result()
                 if store is not None:
                     store.keep(job, part)
-                bar.update()
+                shown.update()
                 if tell is not None:
                     tell(job)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
         finally:
-            bar.close()
+            shown.close()
     if errors:
         raise errors[0]
     return results
@@ -106,6 +107,7 @@ def run_kept(
     workers: int | None = None,
     title: str = "",
     fresh: bool = False,
+    seconds: float = 0.0,
 ) -> dict[Any, Part]:
     """What an earlier call has left finished in a folder, and the rest run and left there.
 
@@ -117,18 +119,23 @@ def run_kept(
         Finished parts lie in its `parts.FOLDER`.
     fresh : bool
         Run all of them again.
+    seconds : float
+        Processor time that all of them take, roughly; 0 if nobody knows.
 
     Raises
     ------
     OSError
-        If the folder cannot be made.
+        If the folder cannot be made, or another process works in it.
     """
-    store = Store(folder / FOLDER)
-    if fresh:
-        store.forget(jobs)
-    kept = {job.key: part for job in jobs if (part := store.find(job)) is not None}
-    left = [job for job in jobs if job.key not in kept]
-    return kept | run_parts(left, workers=workers, title=title, store=store)
+    with open_store(folder) as store:
+        if fresh:
+            store.forget(jobs)
+        kept = {job.key: part for job in jobs if (part := store.find(job)) is not None}
+        left = [job for job in jobs if job.key not in kept]
+        ahead = seconds * len(left) / max(1, len(jobs)) / (workers or cpu_count() or 1)
+        words = f"; the others take some {duration(ahead)} on an idle machine" if ahead else ""
+        say(f"{title}: {len(jobs)} parts, {len(kept)} of them kept from before{words}")
+        return kept | run_parts(left, workers=workers, title=title, store=store)
 
 
 def _timed(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Part:
@@ -137,17 +144,11 @@ def _timed(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Part:
     return Part(result, processor_time() - begin)
 
 
-def say(text: str) -> None:
-    """Write a line to standard error, if there is one; a progress bar goes on below it."""
-    with suppress(OSError, ValueError):
-        tqdm.write(text, file=sys.stderr)
-
-
 def write(sections: Sequence[Section], folder: Path, *, made: str, whole: bool = True) -> Path:
     """Write the page, the animations as pages, the figures as PNG and SVG and tables as CSV.
 
-    The page of an earlier report goes first and the new one comes last, so that a page never
-    stands beside files of another report.
+    The page of an earlier report goes first and the new one comes last, so that no page stands
+    beside files of another report.
 
     Parameters
     ----------
@@ -172,7 +173,8 @@ def write(sections: Sequence[Section], folder: Path, *, made: str, whole: bool =
     """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / PAGE
-    path.unlink(missing_ok=True)
+    if path.exists():
+        _write(path, _UNFINISHED)
     files = dict(_files(sections))
     earlier = contents(folder)
     if whole:

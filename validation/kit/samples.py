@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from validation.kit import shipped
+from validation.kit.limits import holds
 from validation.kit.parts import Job
 from validation.kit.tables import Table
 
@@ -36,10 +37,8 @@ class Sample:
 
     @property
     def agrees(self) -> bool | None:
-        """Whether it is confirmed; None for a result that is only shipped."""
-        if self.difference is None or self.limit is None:
-            return None
-        return self.difference <= self.limit
+        """Whether it is confirmed; None for a result without a limit, as one only shipped."""
+        return None if self.limit is None else holds(self.difference, self.limit)
 
 
 def fresh_key(key: Any) -> Any:

@@ -41,7 +41,8 @@ class Table:
     Raises
     ------
     ValueError
-        If a row has another number of cells than there are columns, or `worst` is no column.
+        If a row has another number of cells than there are columns, a cell is none (a check of
+        NumPy would not count as one), or `worst` is no column.
     """
 
     name: str
@@ -66,6 +67,16 @@ class Table:
                     f"rows must have {len(self.columns)} cells in table {self.name!r}, "
                     f"got {len(row)}"
                 )
+            for cell in row:
+                if not isinstance(cell, str | float | int | None):
+                    raise ValueError(
+                        f"rows must hold text, numbers, truth values and None in table "
+                        f"{self.name!r}, got {cell!r}"
+                    )
+
+    def checks(self) -> list[bool]:
+        """Every check: its cells that say whether something holds."""
+        return [check for row in self.rows for check in _checks(row)]
 
     @classmethod
     def of(
@@ -205,8 +216,18 @@ class Tables:
 
     @classmethod
     def of(cls, sections: Iterable[HasTables]) -> "Tables":
-        """All tables of some sections."""
-        return cls({table.name: table for section in sections for table in section.tables})
+        """All tables of some sections.
+
+        Raises
+        ------
+        ValueError
+            If two have the same name, of which one would not count.
+        """
+        by_name: dict[str, Table] = {}
+        for table in (table for section in sections for table in section.tables):
+            if by_name.setdefault(table.name, table) is not table:
+                raise ValueError(f"sections must hold each table once, got two of {table.name}")
+        return cls(by_name)
 
     def column(self, table: str, column: str) -> list[Cell]:
         """Cells of a column."""
@@ -234,12 +255,9 @@ class Tables:
 
     def checks(self) -> tuple[int, list[str]]:
         """Number of checks, and the titles of the tables in which some fail."""
-        cells = {
-            table.title: [cell for row in table.rows for cell in row if isinstance(cell, bool)]
-            for table in self.by_name.values()
-        }
-        failed = [title for title, found in cells.items() if not all(found)]
-        return sum(map(len, cells.values())), failed
+        tables = self.by_name.values()
+        failed = [table.title for table in tables if not all(table.checks())]
+        return sum(len(table.checks()) for table in tables), failed
 
 
 def at_most(value: float) -> str:

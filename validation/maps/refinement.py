@@ -9,6 +9,9 @@ Classes = Mapping[int, str]
 Run = Callable[[Iterable[int]], Classes]
 """Runs some cases; returns the classes of all that have been run so far."""
 
+_PER_CELL = 5
+"""Cases for each cell of a row or column that is halved, as in the maps of the report."""
+
 
 def refine(shape: tuple[int, int], levels: int, run: Run) -> Classes:
     """Run a coarse grid, and halve its cells as long as a cell holds outcomes of two classes.
@@ -48,6 +51,15 @@ def refine(shape: tuple[int, int], levels: int, run: Run) -> Classes:
             classes = run(missing)
         step //= 2
     return classes
+
+
+def expected_cases(cells: int, levels: int) -> int:
+    """About as many cases as a map of usual boundaries runs, of which each level halves the cells.
+
+    A boundary passes some cells of each row and column, so that their number doubles with a level.
+    """
+    finest = cells << levels
+    return min((finest + 1) ** 2, (cells + 1) ** 2 + _PER_CELL * 2 * (finest - cells))
 
 
 def _missing(classes: Classes, shape: tuple[int, int], step: int) -> list[int]:

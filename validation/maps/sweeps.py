@@ -1,4 +1,4 @@
-"""Pictures of sweeps: curves of the outcomes over one axis, a map over two."""
+"""Pictures of sweeps: curves of the outcomes over one axis, a map over two, pairs of more."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -26,16 +26,20 @@ _CURVES: tuple[tuple[str, Mapping[str, str]], ...] = (
 )
 """Label of each picture below that of the outcomes, and its columns with their meaning."""
 
+MOST_PAIRED = 8
+"""Axes that are drawn in pairs: with more, the panels are too small."""
+
+_BINS = 10
+"""In which the cases that are drawn, and lie on no grid, are counted over an axis."""
+
 
 def check_drawable(sweep: Sweep) -> None:
     """Raise `ValueError` if there is no picture of a sweep."""
     axes, layout = sweep.design.axes, sweep.design.layout
-    if len(axes) > 2:
-        raise ValueError(f"one or two axes can be drawn, got {len(axes)}")
-    if len(axes) == 2 and layout != "grid":
-        raise ValueError(f"two axes can be drawn on a grid, got layout {layout}")
-    if len(axes) == 2 and min(axis.size or 0 for axis in axes) < 2:
-        raise ValueError("two axes can be drawn if each has two values at least")
+    if len(axes) > MOST_PAIRED:
+        raise ValueError(f"at most {MOST_PAIRED} axes can be drawn, got {len(axes)}")
+    if len(axes) > 1 and layout == "grid" and min(axis.size or 0 for axis in axes) < 2:
+        raise ValueError("several axes can be drawn if each has two values at least")
     for axis in axes:
         if is_text(axis.field) or axis.field in ("model", "contact.bilateral"):
             raise ValueError(f"axis {axis.field} cannot be drawn, since it holds no measure")
@@ -58,7 +62,10 @@ def draw(results: Results) -> Figure:
         If `check_drawable` does.
     """
     check_drawable(results.sweep)
-    return _curves(results) if len(results.axes) == 1 else _map(results)
+    if len(results.axes) == 1:
+        return _curves(results)
+    is_map = len(results.axes) == 2 and results.sweep.design.layout == "grid"
+    return _map(results) if is_map else _pairs(results)
 
 
 def _classes(results: Results, problem: Problem) -> dict[int, str]:
@@ -129,3 +136,66 @@ def _curve(axes: Axes, x: Any, columns: Mapping[str, Any]) -> None:
         axes.plot(x, values, marker=kit.MARKERS[index], markersize=3, label=told, **look)
     if shown:
         kit.legend_above(axes)
+
+
+def _pairs(results: Results) -> Figure:
+    """Share of cases with an outcome over each axis, and over each pair of axes below."""
+    design, problem = results.sweep.design, _problem(results.sweep)
+    counted, label = ("upper face", "upper face up") if problem.to_rest else ("inverted",) * 2
+    classes = _classes(results, problem)
+    told = np.array([classes[number] for number in results.columns["number"].tolist()])
+    judged = ~np.isin(told, ("refused", "failed"))
+    hits = np.where(judged, told == counted, np.nan)
+    values = [results.columns[axis.field] for axis in design.axes]
+    count = len(values)
+    figure, axes = kit.new_figure(count, columns=count, width=1.6 * count + 1.2,
+                                  height=1.4 * count + 0.8)  # fmt: skip
+    image: Any = None
+    for row, column in np.ndindex(count, count):
+        each = axes[row, column]
+        if column > row:
+            each.set_axis_off()
+            continue
+        each.set(xscale=_scale(design.axes[column]))
+        if row == column:
+            each.plot(*_shares(values[row], hits, binned=design.layout != "grid"), ".-k", ms=4)
+            each.set(ylim=(-0.05, 1.05))
+            each.set_ylabel(f"share {label}" if row == 0 else "", fontsize=8)
+        else:
+            image = _scatter(each, values[column], values[row], hits)
+            each.set(yscale=_scale(design.axes[row]))
+        each.tick_params(labelsize=7, labelleft=column in (0, row))
+        if row == count - 1:
+            each.set_xlabel(_label(design.axes[column]).replace(": ", ":\n"), fontsize=8)
+        if column == 0 < row:
+            each.set_ylabel(_label(design.axes[row]).replace(": ", ":\n"), fontsize=8)
+    figure.colorbar(image, ax=axes, label=f"share of cases: {label}", shrink=0.6)
+    title = f"{problem.title}: {np.count_nonzero(judged)} cases"
+    without = np.count_nonzero(~judged)
+    figure.suptitle(title + (f", × {without} without a motion" if without else ""), fontsize=10)
+    return figure
+
+
+def _shares(values: Any, hits: Any, *, binned: bool) -> tuple[Any, Any]:
+    """Mean of what is hit over the values of an axis, or over bins with equally many cases."""
+    if binned:
+        order = np.argsort(values)
+        parts = np.array_split(order, min(_BINS, len(order)))
+    else:
+        parts = [np.flatnonzero(values == value) for value in np.unique(values)]
+    parts = [part for part in parts if np.any(np.isfinite(hits[part]))]
+    return [values[part].mean() for part in parts], [np.nanmean(hits[part]) for part in parts]
+
+
+def _scatter(axes: Axes, x: Any, y: Any, hits: Any) -> Any:
+    """The same over two axes, as coloured points; crosses where there is nothing to count."""
+    places, index = np.unique(np.column_stack((x, y)), axis=0, return_inverse=True)
+    known = np.isfinite(hits)
+    counts = np.bincount(index[known], minlength=len(places))
+    found = np.bincount(index[known], weights=hits[known], minlength=len(places))
+    some = counts > 0
+    share = found[some] / counts[some]
+    (right, up), (empty_right, empty_up) = places[some].T, places[~some].T
+    axes.plot(empty_right, empty_up, "x", color="#999999", markersize=3)
+    look: Any = {"s": 9, "cmap": "viridis", "vmin": 0.0, "vmax": 1.0, "zorder": 3}
+    return axes.scatter(right, up, c=share, **look)

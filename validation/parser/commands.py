@@ -18,7 +18,7 @@ from validation.parser.groups import (
     add_stop_when,
 )
 from validation.parser.nonlinear import add_cycles, add_heteroclinic, add_passage
-from validation.parser.paths import PICTURES, existing, writable
+from validation.parser.paths import PICTURES, existing, table, writable
 from validation.parser.sweeps import add_map, add_sweep
 
 SECTIONS = (
@@ -54,6 +54,11 @@ def _report(commands: Commands) -> None:
     )
     report.add_argument(
         "--out", default="report", metavar="DIR", help="folder to write to (default: %(default)s)"
+    )
+    report.add_argument(
+        "--verbose",
+        action="store_true",
+        help="print the tables of the page below the verdicts, too",
     )
 
 
@@ -99,7 +104,8 @@ def _simulate(commands: Commands) -> None:
     add(
         "--allow-pulling",
         action="store_true",
-        help="go on where the ideal contact would have to pull, instead of ending there",
+        help="go on where the ideal contact would have to pull, instead of ending there; friction "
+        "with the load weight still rubs under it, and with the load contact not at all",
     )
     add("--time-limit", type=float, help="processor time in s after which the run ends")
     add("--out", required=True, type=writable(".npz"), metavar="FILE", help="file to write, .npz")
@@ -110,9 +116,10 @@ def _show(commands: Commands) -> None:
     show = commands.add_parser(
         "show",
         help="say how far stored motions differ, and plot them over each other",
-        description="Print what each stored motion is and, for each but the first, how far its "
-        "quantities are from those of the first; and plot inclination, rotation angle (with rest "
-        "files: height of the centre of gravity), spin and normal force.",
+        description="Print in what stored motions differ besides their source, what each is and, "
+        "for each but the first, how far its quantities are from those of the first; and plot "
+        "inclination, rotation angle (with rest files: height of the centre of gravity), spin and "
+        "normal force.",
     )
     show.set_defaults(module="show")
     show.add_argument(
@@ -127,6 +134,12 @@ def _show(commands: Commands) -> None:
         type=writable(*PICTURES),
         metavar="PICTURE",
         help="write a .png, .svg or .pdf instead of opening a window",
+    )
+    show.add_argument(
+        "--csv",
+        type=table,
+        metavar="FILE",
+        help="write the differences, or the samples of a single motion, .csv or -; no window",
     )
     add_law_name(show)
 
@@ -169,8 +182,8 @@ def _eigenvalues(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Eigenvalues of the stationary spinning motions over the spin, in 1/s.\n\n"
         "full: the eight of Eq. (55), Model 1; reduced: the three of Eq. (111), Model 4;\n"
-        "numeric: those of any constraints, linearised by dual numbers. With --source engine they\n"
-        "come from the engine. Columns follow the branches.",
+        "numeric: those of any constraints, linearised by dual numbers. With --source engine\n"
+        "they come from the engine. Columns follow the branches.",
     )
     eigenvalues.set_defaults(module="stability")
     _add_system(eigenvalues)

@@ -7,7 +7,7 @@ of the data types. Angles stay text until the data types read them.
 import argparse
 from typing import Any
 
-from validation.parser.paths import PICTURES, existing, writable
+from validation.parser.paths import PICTURES, existing, table, writable
 
 SOURCES = ("engine", "in-house")
 MODELS = (1, 2, 3, 4)
@@ -73,7 +73,7 @@ def _add_disk(parser: argparse.ArgumentParser) -> None:
         "disk", "One by name, some of whose values may be replaced; or one with a round hole."
     ).add_argument
     add("--disk", choices=DISKS, help="the paper's, unrounded (default) or as printed")
-    add("--radius", type=float, metavar="M", help="in m")
+    add("--radius", type=float, metavar="M", help="in m, with the next five or with a hole")
     add("--mass", type=float, metavar="KG", help="in kg")
     add("--eccentricity", type=float, metavar="M", help="of the centre of gravity in m")
     for axis in "xyz":
@@ -154,7 +154,7 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     """Where the numbers go; they are printed as a table if none of these is given."""
     add = parser.add_argument
     add("--json", action="store_true", help="print everything as JSON")
-    add("--csv", type=writable(".csv"), metavar="FILE", help="write a table of all digits, .csv")
+    add("--csv", type=table, metavar="FILE", help="write a table of all digits, .csv or -")
     add("--plot", type=writable(*PICTURES), metavar="PICTURE", help="write a .png, .svg or .pdf")
 
 

@@ -22,22 +22,44 @@ def existing(*suffixes: str) -> Callable[[str], Path]:
 
 
 def writable(*suffixes: str) -> Callable[[str], Path]:
-    """Type of an argument that names a file to write, with one of these suffixes."""
+    """Type of an argument that names a file to write, with one of these suffixes.
+
+    A pipe, a device or standard output needs no suffix, and is taken for a file with the first.
+    """
 
     def checked(value: str) -> Path:
-        path = _with_suffix(value, suffixes)
-        if not path.parent.is_dir():
-            raise ArgumentTypeError(f"must lie in an existing folder, got {value!r}")
-        if path.is_dir() or not os.access(path.parent, os.W_OK):
+        path = Path(value)
+        if path.exists() and (not path.is_file() or path.is_relative_to("/dev")):
+            target = path
+        else:
+            # A link leads to the file that is replaced.
+            path = _with_suffix(value, suffixes)
+            target = Path(os.path.realpath(path)).parent
+            if not target.is_dir():
+                raise ArgumentTypeError(f"must lie in an existing folder, got {value!r}")
+        if path.is_dir() or not os.access(target, os.W_OK):
             raise ArgumentTypeError(f"must be a file that can be written, got {value!r}")
         return path
 
     return checked
 
 
+def table(value: str) -> Path:
+    """Type of an argument that names a table to write; `-` is standard output."""
+    return Path("/dev/stdout") if value == "-" else writable(".csv")(value)
+
+
+def store(value: str) -> Path:
+    """Type of an argument that names a database to write, which can be no pipe."""
+    path = writable(".db")(value)
+    if path.exists() and not path.is_file():
+        raise ArgumentTypeError(f"must be a regular file, got {value!r}")
+    return _with_suffix(value, (".db",))
+
+
 def _with_suffix(value: str, suffixes: tuple[str, ...]) -> Path:
     path = Path(value)
-    if suffixes and path.suffix not in suffixes:
+    if suffixes and path.suffix.lower() not in suffixes:
         *others, last = suffixes
         allowed = f"{', '.join(others)} or {last}" if others else last
         raise ArgumentTypeError(f"must end in {allowed}, got {value!r}")

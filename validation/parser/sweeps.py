@@ -10,10 +10,9 @@ from validation.parser.groups import (
     add_source,
     add_stop_when,
 )
-from validation.parser.paths import PICTURES, writable
+from validation.parser.paths import PICTURES, store, table, writable
 
 LAYOUTS = ("grid", "random", "latin-hypercube", "sobol")
-EXECUTORS = ("processes", "dask", "mpi")
 MOST = 10_000_000
 
 _SWEEP = """\
@@ -29,7 +28,7 @@ spin after it, extremes of the normal force, energy taken, why it ended, estimat
 processor time; a run that fails, hangs or crashes is a row with its reason.
 
 The same command goes on where an interrupted one stopped, also after kill -9. A file of another
-sweep, or of another version of the sources, is refused.
+sweep, or of sources that compute something else, is refused.
 """
 
 
@@ -51,18 +50,24 @@ def add_sweep(commands: Commands) -> None:
     add(
         "--out",
         required=True,
-        type=writable(".db"),
+        type=store,
         metavar="FILE",
         help="store, .db; made if there is none",
     )
-    add("--csv", type=writable(".csv"), metavar="FILE", help="write all rows to a .csv at the end")
+    add("--csv", type=table, metavar="FILE", help="write all rows to a .csv (or -) at the end")
     add(
         "--plot",
         type=writable(*PICTURES),
         metavar="PICTURE",
-        help="draw the outcomes over one axis, or two as a map: .png, .svg or .pdf",
+        help="draw the outcomes over one axis, over two as a map, or over the pairs of several: "
+        ".png, .svg or .pdf",
     )
     add("--retry", action="store_true", help="run cases again that failed")
+    add(
+        "--accept-other-code",
+        action="store_true",
+        help="add to a store of other sources; each row says which it comes from",
+    )
     add("--most", type=int, default=MOST, metavar="N", help=f"cases to allow ({MOST})")
     _add_plan(sweep)
     add_workers(sweep)
@@ -109,7 +114,13 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
     """Who computes, and how long a case may take."""
     add = parser.add_argument_group("workers").add_argument
     add("--workers", type=int, metavar="N", help="processes (one for each core)")
-    add("--executor", choices=EXECUTORS, default="processes", help="(default: %(default)s)")
+    add(
+        "--executor",
+        default="processes",
+        metavar="NAME",
+        help="processes (default), dask, mpi, or module:function of your own that returns a "
+        "concurrent.futures.Executor",
+    )
     add("--scheduler", metavar="ADDRESS", help="of Dask; by default a cluster of this machine")
     add("--time-limit", type=float, default=60.0, help="of each run, processor time in s (60)")
 

@@ -2,7 +2,7 @@
 
 from validation.kit.tables import Cell, Table, Tables, at_most
 from validation.studies.comparisons import ANGLE_LIMIT
-from validation.studies.crosscheck import END
+from validation.studies.crosscheck import END, states_counted
 from validation.studies.rest import runs as rest
 from validation.studies.stability.eigenvalue_check import CHECKED_SPINS, FEW_SPINS
 
@@ -33,7 +33,7 @@ def _states_and_motions(tables: Tables) -> list[list[Cell]]:
     return [
         [
             "accelerations and constraint forces, engine with in-house",
-            f"1000 random states of each of {scenes} scenes",
+            f"{states_counted(tables)} of each of {scenes} scenes",
             f"{at_most(max(states))} relative",
         ],
         [

@@ -23,7 +23,9 @@ from analysis.data.trajectory import Source
 from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
 from mbs_models import Scene
+from validation.kit.limits import largest
 from validation.run import run, run_effort, run_to_rest
+from validation.studies.robustness.reference import deviation
 from validation.studies.stability.eigenvalue_check import distance
 
 ANGLE_LIMIT = 1e-7
@@ -76,8 +78,11 @@ def random_state(scenario: Scenario, rng: np.random.Generator) -> State:
     return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
 
-def acceleration_differences(scene: Scene, states: int, seed: int = 1) -> tuple[float, float]:
+def acceleration_differences(scene: Scene, states: int, seed: int = 1) -> tuple[float, float, int]:
     """Largest relative differences of accelerations and of constraint forces.
+
+    States at which neither side has a solution, as friction on the contact force may leave none,
+    do not count.
 
     Parameters
     ----------
@@ -86,17 +91,23 @@ def acceleration_differences(scene: Scene, states: int, seed: int = 1) -> tuple[
         Number of random states that meet the constraints.
     seed : int
         Of these.
+
+    Returns
+    -------
+    accelerations, forces : float
+        Infinite where one side has no number and the other has, or no state counts.
+    counted : int
+        Number of states that count.
     """
     scenario, rng = scene.scenario, np.random.default_rng(seed)
-    worst = np.zeros(2)
-    for _ in range(states):
-        worst = np.fmax(worst, _differences(scene, random_state(scenario, rng)))
-    accelerations, forces = worst.tolist()
-    return accelerations, forces
+    found = [_differences(scene, random_state(scenario, rng)) for _ in range(states)]
+    counted = [each for each in found if each is not None]
+    accelerations, forces = (largest(pair[side] for pair in counted) for side in (0, 1))
+    return accelerations, forces, len(counted)
 
 
-def _differences(scene: Scene, state: State) -> tuple[float, float]:
-    """Relative differences of accelerations and multipliers; nan where both are singular."""
+def _differences(scene: Scene, state: State) -> tuple[float, float] | None:
+    """Relative differences of accelerations and multipliers; None where both are singular."""
     found: list[tuple[Array, Array] | None] = []
     sides: tuple[Callable[[], tuple[Array, Array]], ...] = (
         lambda: mbs_models.acceleration(scene, state),
@@ -106,11 +117,10 @@ def _differences(scene: Scene, state: State) -> tuple[float, float]:
         try:
             found.append(side())
         except ArithmeticError:
-            # Friction on the contact force may leave no solution; then neither side has one.
             found.append(None)
     engine, inhouse = found
     if engine is None or inhouse is None:
-        return (np.nan, np.nan) if engine is inhouse else (np.inf, np.inf)
+        return None if engine is inhouse else (np.inf, np.inf)
     # A random normal force may vanish, so multipliers are measured by the weight as well.
     least = max(scene.scenario.weight, float(np.max(np.abs(inhouse[1]))))
     return _relative(engine[0], inhouse[0]), _relative(engine[1], inhouse[1], least)
@@ -171,7 +181,7 @@ def _motion_difference(scene: Scene, end: float) -> tuple[float, str]:
         told = (str(each.ending or "runs through") for each in (engine, inhouse))
         return np.inf, "engine {}; in-house {}".format(*told)
     detail = f"over {engine.times[-1]:.4g} s" + (f", where {endings[0]}" if endings[0] else "")
-    return angle_error(engine, inhouse), detail
+    return deviation(engine, inhouse), detail
 
 
 def _comparable(scene: Scene, end: float) -> tuple[tuple[float, ...], Trajectory]:
@@ -200,11 +210,6 @@ def _times(end: float) -> tuple[float, ...]:
 def reference(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
     """In-house run, two digits better than what is compared with it."""
     return run(scenario, times, source="in-house", tolerance=REFERENCE_TOLERANCE, time_limit=LIMIT)
-
-
-def angle_error(trajectory: Trajectory, other: Trajectory) -> float:
-    """Largest difference of beta and gamma in rad."""
-    return float(np.max(np.abs(trajectory.coordinates - other.coordinates)[:, 4:6]))
 
 
 def goes_to_rest(scene: Scene) -> bool:
@@ -259,13 +264,13 @@ def eigenvalue_difference(scene: Scene, motion: Motion) -> tuple[float | None, s
         return None, str(error)
     except ArithmeticError as error:
         return np.inf, str(error)
-    worst = 0.0
+    differences = []
     for spin, values in zip(SPINS, expected, strict=True):
         start = Start.stationary(spin, motion)
         try:
             found = mbs_models.eigenvalues(replace(scene, scenario=replace(scenario, start=start)))
         except (ValueError, ArithmeticError) as error:
             return np.inf, f"the engine fails: {error}"
-        worst = max(worst, distance(found, values) if found.size == values.size else np.inf)
+        differences.append(distance(found, values))
     spins = " and ".join(f"{spin:g}" for spin in SPINS)
-    return worst, f"relative to max(|λ|, 1), at {spins} rad/s"
+    return largest(differences), f"relative to max(|λ|, 1), at {spins} rad/s"

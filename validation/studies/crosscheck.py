@@ -6,7 +6,7 @@ motion from the scenario's own start, and the eigenvalues of both stationary spi
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,10 +24,11 @@ from analysis import (
 )
 from mbs_models import Formulation, Scene
 from validation.kit import samples
+from validation.kit.limits import holds, largest
 from validation.kit.progress import counted
 from validation.kit.report import Job, Section
 from validation.kit.samples import Sample
-from validation.kit.tables import Cell, Table
+from validation.kit.tables import Cell, Table, Tables
 from validation.studies.comparisons import (
     ANGLE_LIMIT,
     REST_LIMIT,
@@ -42,6 +43,9 @@ from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
 
 ACCELERATION_LIMIT = 1e-8
 """Largest relative difference of accelerations and constraint forces that passes."""
+
+STATES = "random states that count"
+"""Column of an overview: fewest of all checks of a case."""
 
 END = 2.0
 """End in s of the motions that are compared, if the scenario allows so long a one."""
@@ -63,6 +67,8 @@ class Check:
         Largest difference found; None if there is nothing to compare.
     detail : str
         How it was compared; or why there is nothing to compare.
+    counted : int, optional
+        Number of random states at which both sides have something to compare.
     """
 
     quantity: str
@@ -70,13 +76,14 @@ class Check:
     criterion: float
     difference: float | None
     detail: str
+    counted: int | None = None
 
     @property
     def verdict(self) -> bool | str:
         """Whether the two agree; or why that is not defined."""
         if self.difference is None:
             return f"not defined: {self.detail}"
-        return self.difference <= self.criterion
+        return holds(self.difference, self.criterion)
 
 
 def check_scenario(scenario: Scenario, *, states: int = 100, end: float = END) -> list[Check]:
@@ -115,11 +122,15 @@ def check_formulation(
             detail=detail,
         )
 
-    accelerations, forces = acceleration_differences(scene, states)
+    *differences, counted = acceleration_differences(scene, states)
     how = f"relative, at {states} random states"
+    if counted < states:
+        how = f"relative, at {counted} of {states} random states: the others have no solution"
     checks = [
-        check("accelerations", ACCELERATION_LIMIT, accelerations, how),
-        check("constraint forces", ACCELERATION_LIMIT, forces, how),
+        replace(check(quantity, ACCELERATION_LIMIT, difference, how), counted=counted)
+        for quantity, difference in zip(
+            ("accelerations", "constraint forces"), differences, strict=True
+        )
     ]
     if end is not None and goes_to_rest(scene):
         moved = rest_difference(scene, end)
@@ -171,19 +182,36 @@ def overview(
         From the names of each case to its checks; all make the same ones.
     """
     first = next(iter(checked.values()))
-    limits = [f"{check.quantity} (at most {check.criterion:g})" for check in first]
+    quantities = [(check.quantity, check.criterion) for check in first]
+    for key, checks in checked.items():
+        if not checks or [(check.quantity, check.criterion) for check in checks] != quantities:
+            raise ValueError(
+                "checked must hold the same checks for all, and some, got others for "
+                f"{', '.join(key)}"
+            )
+    limits = [f"{quantity} (at most {criterion:g})" for quantity, criterion in quantities]
     return Table(
         name=name,
         title=title,
-        columns=(*heads, *limits, "agrees"),
+        columns=(*heads, STATES, *limits, "agrees"),
         rows=[
-            [*key, *(check.difference for check in checks), _agrees(checks)]
+            [*key, _counted(checks), *(check.difference for check in checks), _agrees(checks)]
             for key, checks in checked.items()
         ],
         note=note,
         # Motions are what a reader asks for first; sets of constraints are not run.
         worst=next((each for each in limits if each.startswith("β")), limits[0]),
     )
+
+
+def states_counted(tables: Tables) -> str:
+    """Fewest random states that count for one of the paper's models, in words."""
+    found = tables.numbers("crosscheck-models", STATES)
+    return f"{min(found):.0f} random states" if found else "random states"
+
+
+def _counted(checks: Sequence[Check]) -> int | None:
+    return min((check.counted for check in checks if check.counted is not None), default=None)
 
 
 def _agrees(checks: Sequence[Check]) -> Cell:
@@ -206,14 +234,26 @@ def _models() -> dict[tuple[str, ...], tuple[Scenario, Formulation]]:
 def check_set(constraints: ConstraintSet) -> list[Check]:
     """Compare a set of constraints in every formulation; of each quantity the worst is kept."""
     scenario = Scenario(constraints=constraints)
-    by_quantity: dict[str, list[Check]] = {}
-    for formulation in mbs_models.formulations(scenario):
-        for check in check_formulation(scenario, formulation, states=50, end=None):
-            by_quantity.setdefault(check.quantity, []).append(check)
-    return [
-        max(checks, key=lambda check: np.inf if check.difference is None else check.difference)
-        for checks in by_quantity.values()
+    found = [
+        check_formulation(scenario, formulation, states=50, end=None)
+        for formulation in mbs_models.formulations(scenario)
     ]
+    # Each formulation makes the same checks: one that is missing is an error.
+    return [_worst(checks) for checks in zip(*found, strict=True)]
+
+
+def _worst(checks: Sequence[Check]) -> Check:
+    """The check that stands for all of a quantity, with the fewest states that counted in any.
+
+    One that fails comes before one that is not defined, and that before one that holds.
+    """
+
+    def rank(check: Check) -> tuple[int, float]:
+        order = 1 if isinstance(check.verdict, str) else 0 if check.verdict else 2
+        return order, largest([check.difference])
+
+    counted = [check.counted for check in checks if check.counted is not None]
+    return replace(max(checks, key=rank), counted=min(counted, default=None))
 
 
 REPEATED = (
@@ -245,13 +285,16 @@ def _samples(results: Mapping[Any, Any]) -> list[Sample]:
     found = []
     for key in REPEATED:
         again: list[Check] = results[samples.fresh_key(("crosscheck", key))]
-        parts = [each.difference / each.criterion for each in again if each.difference is not None]
+        parts = [
+            np.inf if each.difference is None else each.difference / each.criterion
+            for each in again
+        ]
         found.append(
             Sample(
                 what=", ".join(key),
                 how="made again",
                 quantity="engine with in-house, in parts of what each difference may be",
-                difference=max(parts),
+                difference=largest(parts),
                 limit=1.0,
             )
         )

@@ -17,9 +17,9 @@ from typing import Any
 
 from validation.kit import shipped
 from validation.kit.clock import Clock, model_1_seconds
-from validation.kit.parts import FOLDER, Job, Store, identity
-from validation.kit.report import PAGE, Section, contents, foreign, run_parts, say, write
-from validation.kit.tables import Table
+from validation.kit.parts import Job, Store, identity, open_store
+from validation.kit.progress import duration, say
+from validation.kit.report import PAGE, Section, contents, foreign, run_parts, write
 from validation.maps import ship as whole_maps
 from validation.studies import crosscheck, inversion, lean, maps, modelled, paper_numbers, summary
 from validation.studies.claims import section as claims
@@ -64,6 +64,13 @@ class Study:
     workers: int | None = None
     work: float = 0.0
     timed: bool = False
+
+    def expected_seconds(self, *, quick: bool) -> float:
+        """Processor time in s of its quick jobs, or of those shipped; 0 if that is not known."""
+        if quick:
+            return self.work * model_1_seconds()
+        shipment = shipped.of(self.name)
+        return 0.0 if shipment is None else shipment.seconds
 
     def all_jobs(self) -> list[Job]:
         """All jobs, the shipped ones replaced by the reading of their results."""
@@ -137,7 +144,7 @@ STUDIES = (
 """In the order of their sections, behind the box that sums them up."""
 
 
-def make(folder: Path, *, only: Collection[str] = ()) -> tuple[Path, list[Table]]:
+def make(folder: Path, *, only: Collection[str] = ()) -> tuple[Path, list[Section]]:
     """Run everything and write the report; what an earlier call has left finished is kept.
 
     Parameters
@@ -150,35 +157,35 @@ def make(folder: Path, *, only: Collection[str] = ()) -> tuple[Path, list[Table]
     Returns
     -------
     page : Path
-    tables : list of Table
-        The tables a terminal should show: the first of each section, and all with verdicts.
+    sections : list of Section
+        All that it shows, the box in front.
 
     Raises
     ------
     OSError
-        If the folder cannot be written.
+        If the folder cannot be written, or another process works in it.
     """
-    clock = Clock()
     studies = [study for study in STUDIES if not only or study.name in only]
-    store = Store(folder / FOLDER)
+    with open_store(folder) as store:
+        return _make(studies, store, folder, whole=not only)
+
+
+def _make(
+    studies: Sequence[Study], store: Store, folder: Path, *, whole: bool
+) -> tuple[Path, list[Section]]:
+    clock = Clock()
     kept, drawings = _compute(studies, store, folder)
     sections, kept_drawing = _draw(drawings, store)
-    if not only:
+    if whole:
         jobs = [job for study in STUDIES for job in study.all_jobs()]
         store.forget_all_but([*jobs, *drawings])
-    box = partial_box(studies) if only else summary.section(sections)
+    box = summary.section(sections) if whole else partial_box(studies)
     made = clock.sentence(kept + kept_drawing)
-    page = write([box, *sections], folder, made=made, whole=not only)
+    page = write([box, *sections], folder, made=made, whole=whole)
     if others := foreign(folder):
         named = ", ".join(others[:3]) + (", …" if len(others) > 3 else "")
         say(f"report: {len(others)} files in {folder} are not of this report: {named}")
-    shown = [
-        table
-        for section in sections
-        for table in section.tables
-        if table is section.tables[0] or any(isinstance(c, bool) for r in table.rows for c in r)
-    ]
-    return page, shown
+    return page, [box, *sections]
 
 
 def partial_box(studies: Sequence[Study]) -> Section:
@@ -314,7 +321,7 @@ class _Pace:
             return "nothing is to be computed"
         cores = os.cpu_count() or 1
         seconds = self._total * model_1_seconds() / cores
-        return f"the others take some {_duration(seconds)} on {cores} idle cores"
+        return f"the others take some {duration(seconds)} on {cores} idle cores"
 
     def tell(self, job: Job) -> None:
         """Note a finished job; say so where it is the last one of a section."""
@@ -324,10 +331,4 @@ class _Pace:
         if not self._left[name]:
             passed = time.perf_counter() - self._begin
             ahead = passed * (self._total / self._done - 1.0) if self._done else 0.0
-            say(
-                f"report: {name} computed after {_duration(passed)}, some {_duration(ahead)} to go"
-            )
-
-
-def _duration(seconds: float) -> str:
-    return f"{max(seconds, 1.0):.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.1f} min"
+            say(f"report: {name} computed after {duration(passed)}, some {duration(ahead)} to go")

@@ -197,7 +197,7 @@ def _fineness_claim(study: Study) -> Claim:
         place="rest",
         statement="the face that is up at rest hangs on the start by a fractal boundary",
         criterion="the uncertainty exponent lies below 1 by more than 2 standard deviations; "
-        "otherwise it is not shown",
+        "no: it is not shown",
         measured=f"{found.exponent:.2f} ± {found.error:.2f} from {study.pairs} starts, of which "
         f"{listed(100.0 * found.parts, '.0f')} % end differently "
         f"{listed(found.distances, '.1e')} widths away",
@@ -219,7 +219,7 @@ def _sides_claim(study: Study, repeated: Mapping[Any, Repetition]) -> Claim:
         statement="engine and in-house equations tell the same",
         criterion="all cases that both have run end alike; partly: 95 %",
         measured=f"{sum(seen)} of {len(seen)} shipped, {same} of {len(repeated)} repeated",
-        verdict=grade(yes=alike == number, partly=alike >= 0.95 * number),
+        verdict=grade(yes=0 < alike == number, partly=0 < 0.95 * number <= alike),
     )
 
 

@@ -31,7 +31,8 @@ def compute(section: str, folder: Path) -> shipped.Shipment:
     # The commit may move on meanwhile.
     provenance = Provenance.here()
     jobs = [*study.shipped(), *study.long()]
-    parts = run_kept(jobs, folder, workers=study.workers, title=section)
+    seconds = study.expected_seconds(quick=False)
+    parts = run_kept(jobs, folder, workers=study.workers, title=section, seconds=seconds)
     return shipped.gather(jobs, parts, provenance)
 
 

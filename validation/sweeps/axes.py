@@ -212,6 +212,10 @@ class Design:
             places.append(axis.at(place))
         return tuple(reversed(places))
 
+    def values_of(self, index: int) -> dict[str, Value]:
+        """The same by the names of the fields."""
+        return dict(zip([axis.field for axis in self.axes], self.case(index), strict=True))
+
     def to_values(self) -> dict[str, Any]:
         """Plain data."""
         return {

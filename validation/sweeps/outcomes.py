@@ -23,16 +23,20 @@ COLUMNS: Mapping[str, str | None] = {
     "other_error_estimate": "rad",
     "other_seconds": "s",
     "difference": "rad",
+    "code": None,
 }
 """Columns of a row behind those of the axes, with their units; None for words.
 
 Behind `OUTCOMES` those of the run of the other side, where there is one ("failed" if it gave
 none, with its reason); `difference` is the largest of beta and gamma in rad over the samples of
-both, or `SpatialMotion.deviation`.
+both, or `SpatialMotion.deviation`; `code` names commit and sources that the row comes from.
 """
 
 TIME = "time"
 """The series that goes with all others: times of the samples in s."""
+
+IN_ROW = "series {}"
+"""What a series is called in a row, beside outcomes that may have its name."""
 
 SERIES: tuple[str, ...] = (
     *COORDINATES,
@@ -80,12 +84,12 @@ def series_named(names: Iterable[str], *, to_rest: bool) -> tuple[str, ...]:
 
 
 def series(motion: Trajectory | SpatialMotion, names: Sequence[str]) -> Row:
-    """Bytes of some series of a motion and of its times; nothing if there are no names."""
+    """Bytes of some series of a motion and of its times by `IN_ROW`; nothing without names."""
     if not names:
         return {}
     held = motion.columns()
     wanted = [TIME, *(name for name in names if name in held)]
-    return {name: held[name][0].astype(NUMBERS).tobytes() for name in wanted}
+    return {IN_ROW.format(name): held[name][0].astype(NUMBERS).tobytes() for name in wanted}
 
 
 def outcome(motion: Trajectory | SpatialMotion) -> Row:

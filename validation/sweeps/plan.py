@@ -132,18 +132,29 @@ class Plan:
 
     def witness(self, scenario: Scenario, *, time_limit: float | None) -> Motion:
         """Motion of the same case from the other side."""
-        how: dict[str, Any] = {"time_limit": time_limit, "step": self.witness_step}
-        how["source"] = SOURCES[self.source == SOURCES[0]]
+        return self._motion(scenario, {"time_limit": time_limit, **self._of_witness}, None)
+
+    @property
+    def _of_witness(self) -> dict[str, Any]:
+        """How the other side runs a case."""
+        how = {"source": SOURCES[self.source == SOURCES[0]], "step": self.witness_step}
         if self.witness_step is None:
             tolerance = self.witness_tolerance or self.tolerance
             how["tolerance"] = tolerance or (1e-3 if self.to_rest else 1e-6)
-        return self._motion(scenario, how, None)
+        return how
 
     def _motion(self, scenario: Scenario, how: dict[str, Any], formulation: str | None) -> Motion:
         how["stop_when"] = self.stop_when or ()
         if self.to_rest:
             return run_to_rest(scenario, self.end, spacing=self.spacing, **how)
         return run(scenario, self.times, formulation=formulation, **how)
+
+    def witness_effort(self, scenario: Scenario) -> Effort:
+        """What a case will take on the other side; `ValueError` if it cannot be run there."""
+        how = self._of_witness
+        if self.to_rest:
+            return rest_effort(scenario, self.end, source=how["source"], step=how["step"])
+        return run_effort(scenario, self.times, **how)
 
     def effort(self, scenario: Scenario) -> Effort:
         """What a case will take; `ValueError` if the plan cannot be carried out."""

@@ -1,100 +1,110 @@
-"""Who computes: processes of this machine, a Dask cluster or the ranks of an MPI job.
-
-Each gives an executor with the interface of `concurrent.futures`.
-"""
+"""Who computes: processes of this machine, a Dask cluster, MPI ranks, or any other executor."""
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
-from multiprocessing import active_children
-from multiprocessing.process import BaseProcess
-from typing import Any, Literal, Protocol, get_args
+from dataclasses import dataclass
+from typing import Any
 
-from analysis.data.workers import process_pool
+from pebble import ProcessPool
 
-Kind = Literal["processes", "dask", "mpi"]
-KINDS: tuple[Kind, ...] = get_args(Kind)
+from analysis.data.checks import choice
+from analysis.data.own import is_own, own_object
+from analysis.data.workers import Spawning
+
+KINDS = ("processes", "dask", "mpi")
+"""Executors by name; others by `module:function`."""
 
 _PATIENCE = "10s"
 """For which a scheduler may keep silent at first."""
 
 
-class Pool(Protocol):
-    """Workers, and what to do when one is lost."""
+class Processes(Executor):
+    """Worker processes of this machine: one that ends fails the call that it was at, no other.
 
-    workers: int
-
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        """Call a function in a worker."""
-
-    def mend(self) -> None:
-        """Get ready for further calls after one that failed; `OSError` if that cannot be."""
-
-    def stop(self) -> None:
-        """End at once; calls that are being made are lost."""
-
-
-class Processes:
-    """Worker processes of this machine."""
+    Parameters
+    ----------
+    workers : int
+        Number of processes; a new one is started for each that ends.
+    """
 
     def __init__(self, workers: int) -> None:
-        self.workers = workers
-        self._before = set(active_children())
-        self._executor: Executor = process_pool(workers, deaf=True)
+        spawning = Spawning(deaf=True)
+        self.check_begun = spawning.check_begun
+        self._pool = ProcessPool(
+            max_workers=workers,
+            context=spawning.context,
+            initializer=spawning.initializer,
+            initargs=spawning.arguments,
+        )
 
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        """Call a function in a worker."""
-        return self._executor.submit(function, *arguments)
-
-    def mend(self) -> None:
-        """Start new processes: those of a pool that lost one are all gone."""
-        self._executor.shutdown()
-        self._before = set(active_children())
-        self._executor = process_pool(self.workers, deaf=True)
-
-    def children(self) -> set[BaseProcess]:
-        """The processes that are running."""
-        return set(active_children()) - self._before
-
-    def stop(self) -> None:
-        """End the processes at once."""
-        for child in self.children():
-            child.terminate()
-        self._executor.shutdown(cancel_futures=True)
-
-
-class _Borrowed:
-    """Workers that others keep running."""
-
-    def __init__(self, executor: Any, workers: int, is_lost: Callable[[], bool]) -> None:
-        self.workers = workers
-        self._executor = executor
-        self._is_lost = is_lost
-
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        self.mend()
-        future: Future[Any] = self._executor.submit(function, *arguments)
+    def submit(
+        self, function: Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> "Future[Any]":
+        """Call a function in a worker; `pebble.ProcessExpired` is what its end leads to."""
+        future: Future[Any] = self._pool.schedule(function, args=arguments, kwargs=named)
         return future
 
-    def mend(self) -> None:
-        if self._is_lost():
-            raise OSError(
-                "the workers are lost; what is done is stored, and the same command goes on"
-            )
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Finish what has been submitted, or end the processes at once."""
+        if cancel_futures:
+            self._pool.stop()
+        else:
+            self._pool.close()
+        if wait:
+            self._pool.join()
 
-    def stop(self) -> None:
-        """Leave it to whoever closes the executor."""
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pool:
+    """Workers for the cases of a sweep.
+
+    Parameters
+    ----------
+    executor : concurrent.futures.Executor
+        A call of it that fails in any way, such as by the loss of a worker, fails alone or with
+        others; their cases are run again, each by itself, in a process of this machine.
+    workers : int
+    is_lost : callable
+        Whether it takes no further calls.
+    """
+
+    executor: Executor
+    workers: int
+    is_lost: Callable[[], bool] = lambda: False
+
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
+        """Call a function in a worker; `OSError` if the workers are lost."""
+        if not self.is_lost():
+            try:
+                return self.executor.submit(function, *arguments)
+            except RuntimeError as error:
+                # How executors of this interface say that they are broken or shut down.
+                raise _lost() from error
+        raise _lost()
+
+
+def _lost() -> OSError:
+    return OSError("the workers are lost; what is done is stored, and the same command goes on")
+
+
+def check_executor(name: str) -> str:
+    """Return the name of an executor; `ValueError` if it can be none. Imports nothing."""
+    return name if is_own(name) else choice("executor", name, (*KINDS, "module:function"))
 
 
 @contextmanager
-def open_pool(kind: Kind, *, workers: int, scheduler: str | None = None) -> Iterator[Pool]:
+def open_pool(kind: str, *, workers: int, scheduler: str | None = None) -> Iterator[Pool]:
     """Workers for the time of a context.
 
     Parameters
     ----------
-    kind : {"processes", "dask", "mpi"}
+    kind : str
+        "processes", "dask", "mpi", or `module:function` of one's own that returns a
+        `concurrent.futures.Executor`.
     workers : int
-        Number of processes; an MPI job and a Dask scheduler bring their own.
+        Number of processes; an MPI job, a Dask scheduler and an executor of one's own bring
+        theirs, the last one as many as is said here.
     scheduler : str, optional
         Address of a Dask scheduler; without one, a cluster of this machine is started.
 
@@ -105,20 +115,39 @@ def open_pool(kind: Kind, *, workers: int, scheduler: str | None = None) -> Iter
     ValueError
         If what is needed is not installed or not started.
     """
-    opened = {"processes": _processes, "dask": _dask, "mpi": _mpi}[kind]
-    with opened(workers, scheduler) as pool:
+    opened = {"processes": _processes, "dask": _dask, "mpi": _mpi}.get(check_executor(kind))
+    with opened(workers, scheduler) if opened else _own(kind, workers) as pool:
+        yield pool
+
+
+@contextmanager
+def _ended_at_once(executor: Executor, workers: int) -> Iterator[Pool]:
+    """Its pool; where a context fails, the calls that are being made are lost."""
+    with executor:
         try:
-            yield pool
+            yield Pool(executor, workers)
         except BaseException:
-            pool.stop()
+            executor.shutdown(wait=False, cancel_futures=True)
             raise
 
 
 @contextmanager
 def _processes(workers: int, _: str | None) -> Iterator[Pool]:
-    pool = Processes(workers)
-    yield pool
-    pool.stop()
+    with _ended_at_once(Processes(workers), workers) as pool:
+        yield pool
+
+
+@contextmanager
+def _own(name: str, workers: int) -> Iterator[Pool]:
+    make = own_object("executor", name)
+    executor = make() if callable(make) else make
+    if not isinstance(executor, Executor):
+        raise ValueError(
+            f"executor {name!r} must be a function that returns a concurrent.futures.Executor, "
+            f"got {executor!r}"
+        )
+    with _ended_at_once(executor, workers) as pool:
+        yield pool
 
 
 @contextmanager
@@ -141,8 +170,7 @@ def _dask(workers: int, scheduler: str | None) -> Iterator[Pool]:
     try:
         client.wait_for_workers(1, timeout=60)
         executor = client.get_executor(pure=False)
-        yield _Borrowed(executor, sum(client.ncores().values()),
-                        lambda: client.status != "running")  # fmt: skip
+        yield Pool(executor, sum(client.ncores().values()), lambda: client.status != "running")
     finally:
         client.close()
         if cluster is not None:
@@ -167,6 +195,6 @@ def _mpi(_: int, __: str | None) -> Iterator[Pool]:
         )
     executor = MPIPoolExecutor()
     try:
-        yield _Borrowed(executor, executor.num_workers, lambda: False)
+        yield Pool(executor, executor.num_workers)
     finally:
         executor.shutdown(cancel_futures=True)

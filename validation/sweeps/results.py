@@ -142,7 +142,11 @@ class Results(OutcomeTable):
             axis.field: [axis.at(index) for index in range(axis.size or 0)] for axis in design.axes
         }
         data: dict[str, tuple[Any, ...]]
-        data = {name: (self.axes, self.on_grid(name), held[name].attrs) for name in COLUMNS}
+        data = {
+            name: (self.axes, self.on_grid(name), held[name].attrs)
+            for name in COLUMNS
+            if name in held
+        }
         shape = [len(each) for each in coordinates.values()]
         for name, values in self._all_series(np.arange(design.size)).items():
             data[name] = ((*self.axes, "sample"), values.reshape(*shape, -1))

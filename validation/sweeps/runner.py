@@ -3,21 +3,22 @@
 import faulthandler
 import os
 import signal
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence, Set
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import islice
-from multiprocessing.process import BaseProcess
 from pathlib import Path
+from types import FrameType
 from typing import Any
+
+from pebble import ProcessExpired
 
 from analysis.data.outcomes import DONE, Row, failed
 from analysis.data.state import COORDINATES
 from validation.sweeps.pools import Pool, Processes, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
-from validation.sweeps.sweep import Sweep, run_batch, run_case, sweep_from_text
+from validation.sweeps.sweep import Sweep, look_ahead, run_batch, run_case, sweep_from_text
 
 CHUNK_TIME = 1.0
 """Time in s that a chunk of cases should take: handing one out takes 1 ms here, 18 ms on Dask."""
@@ -87,20 +88,24 @@ def run_cases(
     ------
     OSError
         If the store cannot be written, or the workers are lost.
+    UnguardedScriptError
+        If the processes import a script that starts them without a guard.
     """
     wanted = range(sweep.design.size) if numbers is None else numbers
     work = _Work(sweep, pool, time_limit)
     todo = _missing(store, wanted, retry=retry)
-    try:
-        while work.fill(todo):
-            rows = work.collect()
-            if rows:
-                store.add(rows)
-                told(len(rows), sum(row["status"] != DONE for row in rows))
-            store.commit_if_due()
-    finally:
-        work.close()
-        store.commit()
+    with _interrupts_deferred() as check:
+        try:
+            while work.fill(todo):
+                rows = work.collect()
+                if rows:
+                    store.add(rows)
+                    told(len(rows), sum(row["status"] != DONE for row in rows))
+                store.commit_if_due()
+                check()
+        finally:
+            work.close()
+            store.commit()
 
 
 def run_sweep(
@@ -125,11 +130,41 @@ def run_sweep(
     Raises
     ------
     OSError, ValueError
-        If the store cannot be written, or is another's.
+        If the store cannot be written, or is another's; or as `look_ahead` says.
     """
     workers = workers or os.cpu_count() or 1
+    look_ahead(sweep)
     with Store(path, sweep) as store, open_pool("processes", workers=workers) as pool:
         run_cases(sweep, store, pool, time_limit=time_limit)
+
+
+@contextmanager
+def _interrupts_deferred() -> Iterator[Callable[[], None]]:
+    """Ctrl-C raises where the function that this gives is called, a second one at once.
+
+    In the midst of a change of a queue that threads share, it would leave them waiting for ever.
+    """
+    pending: list[int] = []
+    usual = signal.getsignal(signal.SIGINT)
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        if pending and callable(usual):
+            usual(number, frame)
+        pending.append(number)
+
+    def check() -> None:
+        if pending:
+            raise KeyboardInterrupt
+
+    if not callable(usual) or threading.current_thread() is not threading.main_thread():
+        yield check
+        return
+    signal.signal(signal.SIGINT, remember)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, usual)
+    check()
 
 
 def _missing(store: Store, numbers: Iterable[int], *, retry: bool) -> Iterator[int]:
@@ -138,24 +173,15 @@ def _missing(store: Store, numbers: Iterable[int], *, retry: bool) -> Iterator[i
         yield from store.missing(block, retry=retry)
 
 
-@dataclass(frozen=True, slots=True)
-class _Trial:
-    """A suspect that is being run in a process of its own."""
-
-    future: "Future[Any]"
-    number: int
-    processes: Set[BaseProcess]
-
-
 class _Work:
     """Chunks of cases that are being run.
 
-    Where a worker is lost, nobody knows over which case. Those it may have been are suspects:
-    they run one by one in a process of their own, beside the others.
+    Where a chunk is lost, with a worker, nobody knows over which case: those it holds run again
+    one by one, in processes of this machine, where a worker that ends has one case alone.
     """
 
     def __init__(self, sweep: Sweep, pool: Pool, time_limit: float) -> None:
-        self._text = sweep.to_text()
+        self._sweep, self._text = sweep, sweep.to_text()
         held = LARGEST_SERIES // max(1, sweep.plan.series_bytes)
         if sweep.plan.runs_in_batches:
             held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * sweep.plan.times.size))
@@ -164,92 +190,83 @@ class _Work:
         self._limit = time_limit
         # A case is two runs if it has a witness.
         self._hanging = 3.0 * time_limit + GRACE
-        self._running: dict[Future[Any], list[int]] = {}
-        self._suspects: deque[int] = deque()
-        self._quarantine: Processes | None = None
-        self._trial: _Trial | None = None
+        self._chunks: dict[Future[Any], list[int]] = {}
+        self._alone: dict[Future[Any], int] = {}
+        self._processes: Processes | None = None
+        self._lost: OSError | None = None
         self._seconds = CHUNK_TIME / (FIRST_BATCH if sweep.plan.runs_in_batches else 1)
         self._chunk_time = max(CHUNK_TIME, pool.workers / MOST_CHUNKS)
 
     def fill(self, todo: Iterator[int]) -> bool:
-        """Hand out what the workers can take; whether anything is running then."""
-        while len(self._running) < 2 * self._pool.workers:
+        """Hand out what the workers can take; whether anything is running then.
+
+        `OSError` if they are lost, as soon as nothing is running any more.
+        """
+        while self._lost is None and len(self._chunks) < 2 * self._pool.workers:
             size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
             chunk = list(islice(todo, size))
             if not chunk:
                 break
-            future = self._pool.submit(run_chunk, self._text, chunk, self._limit, self._hanging)
-            self._running[future] = chunk
-        if self._suspects and self._trial is None:
-            self._quarantine = self._quarantine or Processes(1)
-            number = self._suspects.popleft()
-            call = (self._text, number, self._limit, self._hanging)
-            future = self._quarantine.submit(run_suspect, *call)
-            self._trial = _Trial(future, number, self._quarantine.children())
-        return bool(self._running) or self._trial is not None
+            call = (self._text, chunk, self._limit, self._hanging)
+            try:
+                self._chunks[self._pool.submit(run_chunk, *call)] = chunk
+            except OSError as error:
+                self._lost = error
+        if self._lost is not None and not self._chunks and not self._alone:
+            # Not before: the case over which they were lost would be in the way again.
+            raise self._lost
+        return bool(self._chunks or self._alone)
 
     def collect(self) -> list[Row]:
         """Rows that have come in, after a second at the latest."""
-        futures = [*self._running, *([self._trial.future] if self._trial else [])]
-        done = wait(futures, timeout=COMMIT_EVERY, return_when=FIRST_COMPLETED).done
+        waiting = [*self._chunks, *self._alone]
+        done = wait(waiting, timeout=COMMIT_EVERY, return_when=FIRST_COMPLETED).done
         rows: list[Row] = []
-        broken = False
-        for future in done & self._running.keys():
-            chunk = self._running.pop(future)
-            found = _result(future)
-            if isinstance(found, BaseException):
-                self._suspects.extend(chunk)
-                broken = True
+        for future in done & self._chunks.keys():
+            chunk = self._chunks.pop(future)
+            if _error(future) is None:
+                rows += future.result()
             else:
-                rows += found
-        if broken:
-            self._mend()
+                self._run_alone(chunk)
         if rows:
             taken = sum(float(row["seconds"] or 0.0) + float(row.get("other_seconds") or 0.0)
                         for row in rows)  # fmt: skip
             self._seconds = max(0.5 * self._seconds + 0.5 * taken / len(rows), 1e-6)
-        if self._trial and self._trial.future in done:
-            rows += self._judged(self._trial)
-            self._trial = None
+        for future in done & self._alone.keys():
+            rows.append(self._row(self._alone.pop(future), future))
         return rows
 
-    def _mend(self) -> None:
-        # The calls of a broken pool all fail, each in its time; nothing is lost by waiting.
-        if isinstance(self._pool, Processes):
-            for future, chunk in self._running.items():
-                future.cancel()
-                self._suspects.extend(chunk)
-            self._running.clear()
-        self._pool.mend()
+    def _run_alone(self, numbers: Iterable[int]) -> None:
+        if isinstance(self._pool.executor, Processes):
+            self._pool.executor.check_begun()
+        self._processes = self._processes or Processes(1)
+        for number in numbers:
+            call = (self._text, number, self._limit, self._hanging)
+            self._alone[self._processes.submit(run_alone, *call)] = number
 
-    def _judged(self, trial: "_Trial") -> list[Row]:
-        """Rows of a suspect."""
-        found = _result(trial.future)
-        if not isinstance(found, BaseException):
-            return list(found)
-        assert self._quarantine is not None
-        self._quarantine.mend()
-        sweep = sweep_from_text(self._text)
-        names = [axis.field for axis in sweep.design.axes]
-        values = dict(zip(names, sweep.design.case(trial.number), strict=True))
-        codes = [process.exitcode for process in trial.processes]
-        if codes[0] in _HUNG:
+    def _row(self, number: int, future: "Future[Any]") -> Row:
+        """Row of a case that ran alone."""
+        error = _error(future)
+        if error is None:
+            row: Row = future.result()
+            return row
+        if not isinstance(error, ProcessExpired):
+            raise error
+        if error.exitcode in _HUNG:
             why = failed("too slow", f"no result within {self._hanging:g} s of processor time")
         else:
-            why = failed("crashed", f"its process ended with code {codes[0]}")
-        return [{"number": trial.number, **values, **why}]
+            why = failed("crashed", f"its process ended with code {error.exitcode}")
+        return {"number": number, **self._sweep.design.values_of(number), **why}
 
     def close(self) -> None:
-        """End the process of the suspects."""
-        if self._quarantine is not None:
-            self._quarantine.stop()
+        """End the processes of cases that run alone."""
+        if self._processes is not None:
+            self._processes.shutdown(cancel_futures=True)
 
 
-def _result(future: "Future[Any]") -> Any:
-    """Result of a call or the error that it ended in."""
-    if future.cancelled():
-        return InterruptedError("cancelled")
-    return future.exception() or future.result()
+def _error(future: "Future[Any]") -> BaseException | None:
+    """The error that a call ended in."""
+    return InterruptedError("cancelled") if future.cancelled() else future.exception()
 
 
 def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: float) -> list[Row]:
@@ -268,16 +285,16 @@ def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: flo
     """
     sweep = sweep_from_text(text)
     if sweep.plan.runs_in_batches:
-        # A case of a chunk that takes too long is found when its suspects run alone.
+        # A case of a chunk that takes too long is found when its cases run alone.
         with _ended_after(hanging):
             return run_batch(sweep, numbers)
-    return [run_suspect(text, number, time_limit, hanging)[0] for number in numbers]
+    return [run_alone(text, number, time_limit, hanging) for number in numbers]
 
 
-def run_suspect(text: str, number: int, time_limit: float, hanging: float) -> list[Row]:
+def run_alone(text: str, number: int, time_limit: float, hanging: float) -> Row:
     """Row of a case that runs by itself; the arguments are those of `run_chunk`."""
     with _ended_after(hanging):
-        return [run_case(sweep_from_text(text), number, time_limit)]
+        return run_case(sweep_from_text(text), number, time_limit)
 
 
 @contextmanager

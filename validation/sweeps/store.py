@@ -11,15 +11,21 @@ import sqlite3
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from analysis.data.outcomes import DONE, Row
-from validation.sweeps.outcomes import COLUMNS, TIME
+from analysis.data.own import foreign_names
+from validation.kit.provenance import commit
+from validation.sweeps.outcomes import COLUMNS, IN_ROW, TIME
 from validation.sweeps.sweep import Sweep
 
-FORMAT = 1
+FORMAT = 2
 """Of the stores written here."""
+
+READABLE = ("1", "2")
+"""Formats that can be read. The first does not say which code a row comes from."""
 
 APPLICATION = 0x74697070
 """Mark of these files among those of SQLite: "tipp"."""
@@ -46,6 +52,8 @@ class Store:
         Made if there is none.
     sweep : Sweep
         What its rows belong to.
+    accept_other_code : bool
+        Whether rows of other sources may stand in it, too; each says in "code" which.
 
     Raises
     ------
@@ -55,9 +63,16 @@ class Store:
         If it is no store, is damaged, or belongs to another sweep or to other sources.
     """
 
-    def __init__(self, path: str | os.PathLike[str], sweep: Sweep) -> None:
+    def __init__(
+        self, path: str | os.PathLike[str], sweep: Sweep, *, accept_other_code: bool = False
+    ) -> None:
         self.path = Path(path)
         self._sweep = sweep
+        self._accepts = accept_other_code
+        self._code = sweep.code()
+        # Commits of uncommitted changes are all alike.
+        identity = sha256(json.dumps(self._code, sort_keys=True).encode()).hexdigest()[:10]
+        self._code_name = ":".join(filter(None, (commit(), identity)))
         self._names = ["number", *(axis.field for axis in sweep.design.axes), *COLUMNS]
         self._series = ["number", TIME, *sweep.plan.keep] if sweep.plan.keep else []
         with self._told():
@@ -91,28 +106,42 @@ class Store:
             blobs = ", ".join(f'"{name}" BLOB' for name in self._series[1:])
             self._file.execute(f"CREATE TABLE series (number INTEGER PRIMARY KEY, {blobs})")
         self._file.execute("CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT)")
-        about = {
-            "format": str(FORMAT),
-            "sweep": self._sweep.to_text(),
-            "code": json.dumps(self._sweep.code()),
-        }
+        about = {"format": str(FORMAT), "sweep": self._sweep.to_text()}
         self._file.executemany("INSERT INTO sweep VALUES (?, ?)", about.items())
+        self._file.execute("CREATE TABLE code (name TEXT PRIMARY KEY, value TEXT)")
+        self._add_code()
         self._file.execute(f"PRAGMA application_id = {APPLICATION}")
         self._file.execute("COMMIT")
         self._file.execute("BEGIN IMMEDIATE")
 
+    def _add_code(self) -> None:
+        self._file.execute(
+            "INSERT INTO code VALUES (?, ?)", (self._code_name, json.dumps(self._code))
+        )
+
     def _check(self) -> None:
         about = _about(self._file, self.path)
-        for name, ours in (("sweep", self._sweep.to_values()), ("code", self._sweep.code())):
-            # Both through JSON, which knows no tuples.
-            there, here = _flat(json.loads(about[name])), _flat(json.loads(json.dumps(ours)))
-            differing = [key for key in {**there, **here} if there.get(key) != here.get(key)]
-            if differing:
-                key = differing[0]
-                what = "another sweep" if name == "sweep" else "other sources"
+        # Through JSON, which knows no tuples.
+        self._refuse("another sweep", about["sweep"], json.loads(self._sweep.to_text()))
+        if about["format"] != str(FORMAT):
+            raise ValueError(
+                f"{self.path} was written by an earlier version, in format {about['format']}: it "
+                "can be read, but not added to; give another file"
+            )
+        known = [json.loads(text) for (text,) in self._file.execute("SELECT value FROM code")]
+        if self._code not in known:
+            if not self._accepts:
+                self._refuse("other sources", known[-1], self._code, ", or --accept-other-code")
+            self._add_code()
+
+    def _refuse(self, what: str, there: Any, here: Any, besides: str = "") -> None:
+        """Raise if plain data differ, naming the first difference."""
+        there, here = _flat(there), _flat(here)
+        for key in {**there, **here}:
+            if there.get(key) != here.get(key):
                 raise ValueError(
                     f"{self.path} holds results of {what}: {key} is {there.get(key)} there and "
-                    f"{here.get(key)} here; give another file"
+                    f"{here.get(key)} here; give another file{besides}"
                 )
 
     def __enter__(self) -> "Store":
@@ -158,11 +187,12 @@ class Store:
 
     def add(self, rows: Iterable[Row]) -> None:
         """Add rows; they are on the disk at the next commit."""
-        rows = list(rows)
+        rows = [{**row, "code": self._code_name} for row in rows]
         with self._told():
             self._insert("cases", self._names, rows)
             if self._series:
-                self._insert("series", self._series, [row for row in rows if TIME in row])
+                names = ["number", *(IN_ROW.format(name) for name in self._series[1:])]
+                self._insert("series", names, [row for row in rows if names[1] in row])
 
     def _insert(self, table: str, names: Sequence[str], rows: Iterable[Row]) -> None:
         marks = ", ".join("?" * len(names))
@@ -219,11 +249,13 @@ def read_about(path: str | os.PathLike[str]) -> tuple[sqlite3.Connection, Sweep]
     with told(place):
         file = sqlite3.connect(f"{place.absolute().as_uri()}?mode=ro", uri=True, timeout=_PATIENCE)
         try:
-            sweep = Sweep.from_values(json.loads(_about(file, place)["sweep"]), own=False)
-        except BaseException:
+            with foreign_names():
+                return file, Sweep.from_values(_about(file, place)["sweep"])
+        except BaseException as error:
             file.close()
+            if isinstance(error, KeyError | TypeError | AttributeError):
+                raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
             raise
-        return file, sweep
 
 
 def expected_size(sweep: Sweep) -> int:
@@ -234,14 +266,20 @@ def expected_size(sweep: Sweep) -> int:
     return sweep.design.size * (row + series)
 
 
-def _about(file: sqlite3.Connection, path: Path) -> dict[str, str]:
+def _about(file: sqlite3.Connection, path: Path) -> dict[str, Any]:
+    """What a store says of itself: its format, and the plain data of its sweep and its code."""
     if file.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise ValueError(f"{path} is no store of a sweep, but another SQLite file")
     about: dict[str, str] = dict(file.execute("SELECT name, value FROM sweep"))
-    if about.get("format") != str(FORMAT):
-        raise ValueError(f"{path} has format {about.get('format')}, and this version reads "
-                         f"{FORMAT}")  # fmt: skip
-    return about
+    if about.get("format") not in READABLE:
+        raise ValueError(
+            f"{path} has format {about.get('format')}, and this version reads "
+            f"{' and '.join(READABLE)}"
+        )
+    try:
+        return about | {"sweep": json.loads(about["sweep"])}
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
+        raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
 
 
 def _flat(values: Any, name: str = "") -> dict[str, Any]:

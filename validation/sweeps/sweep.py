@@ -4,9 +4,9 @@ import json
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -22,9 +22,11 @@ from analysis import (
     outcomes,
     simulate_many,
 )
+from analysis.compiled.library import require_heyoka
 from analysis.data.fields import changed, check_field
 from analysis.data.outcomes import DONE, Row, failure
 from analysis.data.trajectory import versions
+from validation.kit.sources import digest
 from validation.sweeps.axes import Design
 from validation.sweeps.outcomes import difference, outcome, series
 from validation.sweeps.plan import Motion, Plan
@@ -54,9 +56,8 @@ class Sweep:
     plan: Plan
 
     def __post_init__(self) -> None:
-        names = [axis.field for axis in self.design.axes]
-        firsts = dict(zip(names, self.design.case(0), strict=True))
-        for name in names:
+        firsts = self.design.values_of(0)
+        for name in firsts:
             check_field(self.scenario, name, firsts)
         if not {"model", "constraints"} & firsts.keys():
             missing = {*multiplier_names(CONSTRAINTS)} & {*self.plan.keep}
@@ -68,14 +69,11 @@ class Sweep:
 
     def scenario_of(self, index: int) -> Scenario:
         """Scenario of a case; `ValueError` if its values do not fit."""
-        names = [axis.field for axis in self.design.axes]
-        return changed(self.scenario, dict(zip(names, self.design.case(index), strict=True)))
+        return changed(self.scenario, self.design.values_of(index))
 
     def has_witness(self, index: int) -> bool:
         """Whether the other side runs this case as well: evenly spread, in no step with a grid."""
-        # Multiples of the golden ratio, of which every stretch is spread evenly from 0 to 1.
-        part = self.plan.witnesses / self.design.size
-        return (index * 0.6180339887498949) % 1.0 < part
+        return bool(_spread(index) <= _spread_limit(self.design.size, self.plan.witnesses))
 
     def to_values(self) -> dict[str, Any]:
         """Plain data, by which two sweeps are the same."""
@@ -86,10 +84,10 @@ class Sweep:
         }
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Any], *, own: bool = True) -> "Sweep":
-        """Sweep from what `to_values` has returned; `own` as in `Scenario.from_values`."""
+    def from_values(cls, values: Mapping[str, Any]) -> "Sweep":
+        """Sweep from what `to_values` has returned."""
         return cls(
-            scenario=Scenario.from_values(values["scenario"], own=own),
+            scenario=Scenario.from_values(values["scenario"]),
             design=Design.from_values(values["design"]),
             plan=Plan(**values["plan"]),
         )
@@ -100,18 +98,25 @@ class Sweep:
 
     def code(self) -> dict[str, str]:
         """What the results depend on besides: versions, and a digest of all sources."""
-        return {**versions("exudyn", "numpy", "scipy"), "sources": self._digest()}
-
-    def _digest(self) -> str:
         specs = [find_spec(name) for name in ("analysis", "mbs_models")]
-        folders = [Path(str(spec.origin)).parent for spec in specs if spec is not None]
-        files = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
-        files += sorted(Path(__file__).parent.glob("*.py"))
+        paths = [Path(str(spec.origin)).parent for spec in specs if spec is not None]
         law = sys.modules[type(self.scenario.friction).__module__].__file__
-        digest = sha256()
-        for path in (*files, Path(str(law))):
-            digest.update(path.read_bytes())
-        return digest.hexdigest()[:16]
+        sources = digest([*paths, Path(__file__).parent, Path(str(law))])
+        return {**versions("exudyn", "numpy", "scipy"), "sources": sources}
+
+
+def _spread(index: Any) -> Any:
+    """A number from 0 to 1: those of every stretch of cases are spread evenly."""
+    return (index * 0.6180339887498949) % 1.0
+
+
+@lru_cache
+def _spread_limit(size: int, count: int) -> float:
+    """What so many of the first cases do not exceed."""
+    if count == 0:
+        return -1.0
+    count = min(count, size)
+    return float(np.partition(_spread(np.arange(size)), count - 1)[count - 1])
 
 
 def run_case(sweep: Sweep, index: int, time_limit: float | None) -> Row:
@@ -120,7 +125,7 @@ def run_case(sweep: Sweep, index: int, time_limit: float | None) -> Row:
     try:
         scenario = sweep.scenario_of(index)
         motion = sweep.plan.motion(scenario, time_limit=time_limit)
-    except Exception as error:  # noqa: BLE001 - a law of one's own may raise anything
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - a law of one's own may raise any
         return _row(sweep, index, error, begin, time_limit)
     return _row(sweep, index, motion, begin, time_limit)
 
@@ -131,12 +136,9 @@ def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[Row]:
     The time limit is left to whoever calls this.
     """
     begin = time.process_time()
-    names = [axis.field for axis in sweep.design.axes]
-    cases = [sweep.design.case(number) for number in numbers]
-    columns = map(np.array, zip(*cases, strict=True))
-    ensemble, members, found = Ensemble.sieved(
-        sweep.scenario, dict(zip(names, columns, strict=True))
-    )
+    cases = [sweep.design.values_of(number) for number in numbers]
+    fields = {name: np.array([case[name] for case in cases]) for name in cases[0]}
+    ensemble, members, found = Ensemble.sieved(sweep.scenario, fields)
     outcome_of: dict[int, Row] = {member: failure(error) for member, error in found.items()}
     runs = _together(sweep.plan, ensemble) if members.size else None
     if runs is not None:
@@ -144,8 +146,7 @@ def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[Row]:
     each = (time.process_time() - begin) / len(cases)
     rows: list[Row] = []
     for member, (number, case) in enumerate(zip(numbers, cases, strict=True)):
-        own = {"number": number, **dict(zip(names, case, strict=True)), "seconds": each}
-        rows.append({**outcome_of[member], **own})
+        rows.append({**outcome_of[member], "number": number, **case, "seconds": each})
     for place, member in enumerate(members.tolist()):
         wanted = sweep.plan.keep or sweep.has_witness(numbers[member])
         if runs is not None and wanted and rows[member]["status"] == DONE:
@@ -168,17 +169,16 @@ def _together(plan: Plan, ensemble: Ensemble) -> Trajectories:
 
 
 def _row(
-    sweep: Sweep, index: int, found: Motion | Exception, begin: float, time_limit: float | None
+    sweep: Sweep, index: int, found: Motion | BaseException, begin: float, time_limit: float | None
 ) -> Row:
     """Row of a case from its motion or from the error that it ended in.
 
     `begin` is the processor time in s at which its run began.
     """
-    names = [axis.field for axis in sweep.design.axes]
-    row: Row = {"number": index, **dict(zip(names, sweep.design.case(index), strict=True))}
-    row |= failure(found) if isinstance(found, Exception) else outcome(found)
+    row: Row = {"number": index, **sweep.design.values_of(index)}
+    row |= failure(found) if isinstance(found, BaseException) else outcome(found)
     row["seconds"] = time.process_time() - begin
-    if not isinstance(found, Exception) and row["status"] == DONE:
+    if not isinstance(found, BaseException) and row["status"] == DONE:
         row |= _besides(sweep, index, found, time_limit)
     return row
 
@@ -226,7 +226,7 @@ class LookAhead:
     reason : str
         Why the first of them is refused.
     seconds : float
-        Processor time of a case in s, roughly.
+        Processor time of a case in s, roughly, with the part that the other side has in it.
     """
 
     looked_at: int
@@ -241,16 +241,27 @@ def look_ahead(sweep: Sweep) -> LookAhead:
     Raises
     ------
     ValueError
-        If all of them would be refused.
+        If all of them would be refused, or what the method needs is not installed.
     """
+    if sweep.plan.runs_in_batches:
+        require_heyoka()
     size = sweep.design.size
     numbers = sorted({round(part * (size - 1)) for part in np.linspace(0.0, 1.0, _LOOKED_AT)})
     reasons, seconds = [], []
     for number in numbers:
         try:
-            seconds.append(sweep.plan.effort(sweep.scenario_of(number)).seconds)
+            scenario = sweep.scenario_of(number)
+            effort = sweep.plan.effort(scenario)
+            effort.check()
+            seconds.append(effort.seconds)
         except ValueError as error:
             reasons.append(str(error))
+            continue
+        if sweep.plan.witnesses:
+            # A case that the other side cannot run takes it no time.
+            with suppress(ValueError):
+                part = sweep.plan.witnesses / size
+                seconds[-1] += part * sweep.plan.witness_effort(scenario).seconds
     if not seconds:
         raise ValueError(reasons[0])
     return LookAhead(

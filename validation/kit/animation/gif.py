@@ -13,12 +13,12 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.text import Text
 from PIL import Image
-from tqdm import tqdm
 
 from analysis.data.checks import Array, positive
 from analysis.data.limits import SLOWEST_FRAMES, WIDEST_PICTURE
 from validation.kit import snapshots
 from validation.kit.animation.keyframes import Keyframes
+from validation.kit.progress import counted
 
 MOST_FRAMES = 2000
 FASTEST = 50.0
@@ -79,7 +79,7 @@ def write(
     fps: float = 20.0,
     width: int = 480,
 ) -> int:
-    """Draw a GIF with a progress bar on a terminal, and return its number of frames.
+    """Draw a GIF with a progress bar, and return its number of frames.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def write(
         image = Image.fromarray(picture.draw(time))
         return image.quantize(palette=palette, dither=Image.Dither.NONE)
 
-    rest = tqdm(times[1:], desc="frames", disable=None, leave=False)
+    rest = counted(times[1:], "frames")
     frame(times[0]).save(
         stream,
         format="GIF",

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from analysis import Disk, Inversion, SpatialMotion, StoredRun, Trajectory
+from analysis import Disk, SpatialMotion, StoredRun, Trajectory
 from analysis.data import frames
 from analysis.data.checks import Array
 from analysis.data.limits import MOST_KEYFRAMES
@@ -155,10 +155,8 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
     # The contact point lies down the plane of the disk, against the second axis of its frame.
     uphill = np.column_stack((-np.sin(alpha) * np.cos(beta), np.cos(alpha) * np.cos(beta)))
     formulation = trajectory.method.get("formulation") or trajectory.method.get("form")
-    inverted = Inversion.of_direction(times, rotations[:, 2, 0]).time
-    marks: tuple[tuple[str, float], ...] = ()
-    if trajectory.scenario.disk.eccentricity and inverted is not None:
-        marks = (("inversion", inverted),)
+    inverted = trajectory.inversion_time
+    marks = () if inverted is None else (("inversion", inverted),)
     return Keyframes(
         times=times,
         positions=positions,

@@ -60,7 +60,7 @@ def roll(spin: float) -> Rolling:
     return Rolling(
         spin=spin,
         direction=found.cog_direction,
-        inversion=Inversion.of_direction(TIMES, found.cog_direction),
+        inversion=found.inversion,
     )
 
 

@@ -10,6 +10,7 @@ from analysis import Scenario
 from analysis.data.trajectory import Source
 from analysis.nonlinear.heteroclinic import Connection
 from validation.kit import samples
+from validation.kit.limits import largest
 from validation.kit.report import Job, Section
 from validation.kit.samples import Sample, fresh, fresh_key
 from validation.studies.nonlinear import engine_cycles, passage
@@ -166,11 +167,8 @@ def _samples(results: Mapping[Any, Any]) -> list[Sample]:
 
 def _cycles_apart(one: HeldCycle, other: HeldCycle) -> float:
     """Largest difference of two cycles in rad/s, s and rad."""
-    return max(
-        abs(one.spin - other.spin),
-        abs(one.period - other.period),
-        abs(one.amplitude - other.amplitude),
-    )
+    names = ("spin", "period", "amplitude")
+    return largest(abs(getattr(one, name) - getattr(other, name)) for name in names)
 
 
 def _connection(what: str, pair: tuple[Connection, Connection]) -> Sample:
@@ -185,9 +183,10 @@ def _connection(what: str, pair: tuple[Connection, Connection]) -> Sample:
 
 def _passages_apart(one: Passage, other: Passage) -> float:
     """Largest difference in s and rad/s; infinite if one is lost and the other is not."""
+    spins = abs(one.lowest_spin - other.lowest_spin)
     if one.lost is None or other.lost is None:
-        return 0.0 if one.lost is other.lost else float("inf")
-    return max(abs(one.lost - other.lost), abs(one.lowest_spin - other.lowest_spin))
+        return spins if one.lost is other.lost else float("inf")
+    return largest((abs(one.lost - other.lost), spins))
 
 
 def _motions_apart(one: Any, other: Any) -> float:
@@ -195,4 +194,4 @@ def _motions_apart(one: Any, other: Any) -> float:
     if len(one) != len(other):
         return float("inf")
     attitudes = (np.array([(each.beta, each.gamma) for each in found]) for found in (one, other))
-    return float(np.max(np.abs(np.subtract(*attitudes))))
+    return largest(np.abs(np.subtract(*attitudes)).ravel().tolist())

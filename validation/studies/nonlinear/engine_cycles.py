@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise, starmap
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,10 @@ from analysis import MODELS, Scenario
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import cycle_at
 from analysis.stability.critical import critical_speeds
+from validation.kit.limits import holds
 from validation.kit.tables import Table
 from validation.studies.nonlinear.held_spin import HELD, HeldCycle, find, small_cycle
+from validation.studies.nonlinear.tables import WORDS
 
 SPINS = (30.2, 30.3, 30.5, 30.8)
 """Spins in rad/s at which the engine is put on the cycle of Model 4."""
@@ -21,7 +24,7 @@ FORMULATION = "floating"
 AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0)
 """Amplitudes in rad of the cycles of Models 1 and 2."""
 
-LARGE = (*AMPLITUDES, 1.3, 1.6, 1.9, 2.2, 2.5, 2.7, 2.9)
+LARGE = (*AMPLITUDES, 1.3, 1.6, 1.9, 2.2, 2.5, 2.7, 2.74, 2.8, 2.9)
 """Those up to where the disk of Model 1 falls flat on its way."""
 
 _STRAIGHT = 3
@@ -73,7 +76,7 @@ def witness_table(found: Sequence[Witness]) -> Table:
             "amplitude, engine less in-house": lambda each: _differences(each)[0],
             "period, engine less in-house": lambda each: _differences(each)[1],
             "multiplier, engine less in-house": lambda each: _differences(each)[2],
-            "agree": lambda each: bool(np.all(np.abs(_differences(each)) < _LIMITS)),
+            "agree": lambda each: all(map(holds, map(abs, _differences(each)), _LIMITS)),
         },
         name="engine_cycles",
         title="Cycles of Model 4: engine against the reduced system",
@@ -152,19 +155,40 @@ def held_table(families: Sequence[tuple[str, Sequence[HeldCycle]]]) -> Table:
             "period in s",
             "largest real half multiplier",
             "size of the complex pair",
+            "stable",
         ),
         rows=[
-            (name, cycle.amplitude, cycle.spin, cycle.period, *split(cycle))
+            (name, cycle.amplitude, cycle.spin, cycle.period, *split(cycle), WORDS[cycle.stable])
             for name, family in families
             for cycle in family
         ],
         note=(
             "Here the critical pair slips, and the kink of the friction law gives the spin a term "
-            "in the amplitude itself: cycles are born stable, fold below 0.2 rad and are unstable "
-            "beyond, to spins above the critical one. In Model 1 a fast pair is unstable as well, "
-            "as for inverted spinning. Model 3 at held spin is Model 4."
+            f"in the amplitude itself. {' '.join(starmap(_stability, families))} Model 3 at held "
+            "spin is Model 4."
         ),
     )
+
+
+def _stability(name: str, family: Sequence[HeldCycle]) -> str:
+    """Sentence on which cycles are stable, and what makes the others unstable."""
+    parts = []
+    for word, stable in (("stable", True), ("unstable", False)):
+        if found := [cycle for cycle in family if cycle.stable is stable]:
+            parts.append(f"{word} at {_amplitudes(found)}")
+    for pair in pairwise(family):
+        # A multiplier of 1 over half a period on the way.
+        sides = [np.prod(1.0 - cycle.half_multipliers).real for cycle in pair]
+        if sides[0] * sides[1] < 0.0:
+            parts.append(f"a fold between {_amplitudes(pair)}")
+    if growing := [cycle for cycle in family if (split(cycle)[1] or 0.0) > 1.0]:
+        parts.append(f"a complex pair outside of the unit circle at {_amplitudes(growing)}")
+    return f"{name}: {'; '.join(parts)}."
+
+
+def _amplitudes(cycles: Sequence[HeldCycle]) -> str:
+    *others, last = (f"{cycle.amplitude:g}" for cycle in cycles)
+    return f"{', '.join(others)} and {last} rad" if others else f"{last} rad"
 
 
 def split(cycle: HeldCycle) -> tuple[float, float | None]:
@@ -182,7 +206,7 @@ def repeated_table(pairs: Sequence[tuple[str, tuple[HeldCycle, HeldCycle]]]) -> 
     for name, (inhouse, engine) in pairs:
         spin, period = engine.spin - inhouse.spin, engine.period - inhouse.period
         multiplier = engine.multiplier - inhouse.multiplier
-        agree = max(abs(spin), abs(period)) < _LARGEST and abs(multiplier) < _LARGEST_MULTIPLIER
+        agree = all(map(holds, map(abs, (spin, period, multiplier)), _LIMITS))
         rows.append((name, inhouse.amplitude, inhouse.spin, spin, period, multiplier, agree))
     return Table(
         name="repeated_cycles",

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from analysis import MODELS, ConstraintSet, Scenario, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import Source
+from analysis.nonlinear.cycle import is_stable
 from validation.run import run
 
 Fixed = Literal["spin", "amplitude"]
@@ -52,13 +53,12 @@ class HeldCycle:
     spin : float
         In rad/s.
     amplitude : float
-        Deviation of gamma from pi/2 in rad where the disk is upright: the largest one where there
-        is no slip along the edge, and nearly the largest with it.
+        Largest deviation of gamma from pi/2 in rad, as of `analysis.nonlinear.cycle.Cycle`.
     period : float
         In s.
     start : ndarray, shape (k,)
-        Where the disk is upright and gamma largest: rate of beta in rad/s and, where they are
-        free, rate of gamma and velocity of the geometric centre in m/s.
+        Where gamma is largest: rate of beta in rad/s and, where they are free, deviation of beta
+        from pi/2 in rad and velocity of the geometric centre in m/s.
     half_multipliers : ndarray, complex, shape (k + 1,)
         Multipliers over half a period with the mirror image, without that along the motion;
         falling in size.
@@ -79,6 +79,11 @@ class HeldCycle:
     def multiplier(self) -> float:
         """Size of the largest Floquet multiplier over a whole period."""
         return float(abs(self.half_multipliers[0])) ** 2
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether all of them lie inside the unit circle; None if too close to tell."""
+        return is_stable(self.multiplier)
 
 
 class NoHeldCycleError(ArithmeticError):
@@ -133,7 +138,7 @@ def find(
         unknowns = unknowns + step
         last = float(np.max(np.abs(step[:3] / unknowns[:3])))
         if last < _CONVERGED:
-            # The map onto upright disks: what a displacement changes, less what time makes good.
+            # The map between largest gammas: what displacing changes, less what time makes good.
             poincare = slopes[1:, 2:] - np.outer(rates[1:], slopes[0, 2:]) / rates[0]
             values = np.linalg.eigvals(-poincare).astype(complex)
             return HeldCycle(
@@ -167,7 +172,7 @@ def _displaced(ends: Any, unknowns: Array, index: int) -> Array:
 def _end(
     scenario: Scenario, unknowns: Array, source: Source, formulation: str | None
 ) -> tuple[Array, Array]:
-    """State after the given duration, as deviations with beta first, and its rate."""
+    """State after the given duration, as `states` tells it, and its rate."""
     spin, duration = unknowns[:2].tolist()
     begin = start_of(scenario.constraints, spin, unknowns[2:])
     times = np.append(0.0, duration + _SPACING * np.arange(-2.0, 3.0))
@@ -186,35 +191,47 @@ def _end(
 
 
 def start_of(constraints: ConstraintSet, spin: float, values: Array) -> Start:
-    """Start of an upright disk from the deviation of gamma, and `start` of a `HeldCycle`."""
-    names = ("beta_rate", "gamma_rate", "x_rate", "y_rate")[: _free(constraints)]
-    rates = dict(zip(names, values[1:].tolist(), strict=True))
-    place = {} if "fixed-cog" in constraints else {"x": 0.0, "y": 0.0}
-    gamma = np.pi / 2 + float(values[0])
-    return Start(beta=np.pi / 2, gamma=gamma, spin=spin, **place, **rates)
+    """Start with the largest gamma from its deviation, and `start` of a `HeldCycle`."""
+    deviation, beta_rate, *free = values.tolist()
+    given = dict(zip(("beta", "x_rate", "y_rate"), free, strict=False))
+    if _slips_along(constraints):
+        given |= {"beta": np.pi / 2 + given["beta"], "gamma_rate": 0.0}
+    if "fixed-cog" not in constraints:
+        given |= {"x": 0.0, "y": 0.0}
+    return Start(gamma=np.pi / 2 + deviation, spin=spin, beta_rate=beta_rate, **given)
 
 
-def _free(constraints: ConstraintSet) -> int:
-    """How many rates are free besides the spin."""
-    if "no-slip-along" in constraints:
-        return 1
-    return 2 if "fixed-cog" in constraints else 4
+def _slips_along(constraints: ConstraintSet) -> bool:
+    """Whether the rate of gamma is free; otherwise gamma is largest where the disk is upright."""
+    return "no-slip-along" not in constraints
+
+
+def _size(constraints: ConstraintSet) -> int:
+    """How many numbers `states` tells a state by."""
+    if not _slips_along(constraints):
+        return 3
+    return 4 if "fixed-cog" in constraints else 6
 
 
 def states(motion: Trajectory) -> Array:
-    """Deviations of beta and gamma and the free rates, shape (n, k + 2), as in `HeldCycle`."""
+    """What is zero where gamma is largest, its deviation, and the rest, shape (n, k + 2).
+
+    First the rate of gamma or, where there is no slip along the edge, the deviation of beta;
+    behind the deviation of gamma the numbers of `start` in a `HeldCycle`.
+    """
     x, y = motion.coordinate("x"), motion.coordinate("y")
-    spin = motion.rate("alpha")
+    spin, beta = motion.rate("alpha"), motion.coordinate("beta") - np.pi / 2
+    constraints = motion.scenario.constraints
     columns = (
-        motion.coordinate("beta") - np.pi / 2,
+        motion.rate("gamma") if _slips_along(constraints) else beta,
         motion.coordinate("gamma") - np.pi / 2,
         motion.rate("beta"),
-        motion.rate("gamma"),
+        beta,
         # In the turning frame, but of the resting one: where the disk is does not matter.
         motion.rate("x") - spin * y,
         motion.rate("y") + spin * x,
     )
-    return np.column_stack(columns[: 2 + _free(motion.scenario.constraints)])
+    return np.column_stack(columns[: _size(constraints)])
 
 
 def small_cycle(
@@ -230,7 +247,7 @@ def small_cycle(
     amplitude : float
         In rad.
     """
-    size = 2 + _free(scenario.constraints)
+    size = _size(scenario.constraints)
     rest = np.append((spin, np.pi / frequency), np.zeros(size - 1))
 
     def ends(unknowns: Array) -> tuple[Array, Array]:

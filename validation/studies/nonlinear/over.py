@@ -6,6 +6,7 @@ from typing import Any
 
 from analysis import Scenario
 from analysis.data.fields import changed, check_field, is_text, unit
+from analysis.data.limits import MOST_SCENARIOS
 from analysis.nonlinear.heteroclinic import Connection, NoConnectionError, heteroclinic_connection
 from analysis.nonlinear.over import CyclesOver
 from analysis.stability.linear_reduced import critical_speed
@@ -27,7 +28,8 @@ def scenarios_over(scenario: Scenario, axis: Axis) -> tuple[list[float], list[Sc
     Raises
     ------
     ValueError
-        If the axis is no such, a value is out of range or does not fit the rest.
+        If the axis is no such or has more than `MOST_SCENARIOS` values, or a value is out of
+        range or does not fit the rest.
     """
     field = axis.field
     table = field.partition(".")[0]
@@ -37,6 +39,10 @@ def scenarios_over(scenario: Scenario, axis: Axis) -> tuple[list[float], list[Sc
         )
     if axis.size is None:
         raise ValueError(f"axis {field} needs a count: first:last:count")
+    if axis.size > MOST_SCENARIOS:
+        raise ValueError(
+            f"axis {field} must have at most {MOST_SCENARIOS} values here, got {axis.size}"
+        )
     values = [axis.at(index) for index in range(axis.size)]
     check_field(scenario, field, {field: values[0]})
     made = [changed(scenario, {field: value}) for value in values]

@@ -14,7 +14,7 @@ from analysis.nonlinear.slow_manifold import Distances, SlowOrbit, slow_connecti
 from analysis.nonlinear.stationary import STARTS, StationaryMotion
 from validation.kit.tables import Table
 
-_WORDS = {True: "stable", False: "unstable", None: "undecided"}
+WORDS = {True: "stable", False: "unstable", None: "undecided"}
 """A verdict's cell would be a check; this one is a property."""
 
 _LN_10 = log(10.0)
@@ -34,7 +34,7 @@ def cycle_table(cycles: Sequence[Cycle]) -> Table:
             "multiplier": lambda each: each.multiplier,
             "over half a period": lambda each: each.half_multiplier,
             "log10 of the other": lambda each: each.log_strong / _LN_10,
-            "stable": lambda each: _WORDS[each.stable],
+            "stable": lambda each: WORDS[each.stable],
         },
         name="cycles",
         title="Periodic motions of the reduced system",
@@ -85,7 +85,7 @@ def rotation_table(family: RotationFamily, turns: Sequence[Rotation]) -> Table:
             "largest tilt in rad": lambda each: each.largest_tilt,
             "multiplier": lambda each: each.multiplier,
             "log10 of the other": lambda each: each.log_strong / _LN_10,
-            "stable": lambda each: _WORDS[each.stable],
+            "stable": lambda each: WORDS[each.stable],
         },
         name="rotations",
         title="Rotating motions of the reduced system, from the connection at "
@@ -117,7 +117,7 @@ def asymmetric_table(
             "period in s": lambda each: each.period,
             "multiplier": lambda each: each.multiplier,
             "log10 of the other": lambda each: each.log_strong / _LN_10,
-            "stable": lambda each: _WORDS[each.stable],
+            "stable": lambda each: WORDS[each.stable],
         },
         name="asymmetric",
         title="Cycles without mirror symmetry of the reduced system, from "

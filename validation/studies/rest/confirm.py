@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from validation.kit.limits import largest
 from validation.kit.report import Job
 from validation.kit.samples import Sample
 from validation.studies.rest import contact, creep
@@ -72,7 +73,7 @@ def samples(results: Mapping[Any, Any]) -> list[Sample]:
                 what=what,
                 how=how,
                 quantity=tilt,
-                difference=float(np.max(one.apart(other))),
+                difference=largest(one.apart(other).tolist()),
                 limit=limit,
             )
             for what, how, one, other, limit in found
@@ -85,7 +86,7 @@ def samples(results: Mapping[Any, Any]) -> list[Sample]:
             what=f"creep, ε/μ = {1.0 / law.scenario.friction.gradient:.3g} m/s",
             how=f"its first {CREEP_END:g} s, repeated",
             quantity="mean β in rad",
-            difference=float(np.max(np.abs(tilts - law.tilts[: tilts.size]))),
+            difference=largest(np.abs(tilts - law.tilts[: tilts.size]).tolist()),
             limit=1e-6,
         ),
         Sample(what="the other two creeps", how="", quantity=""),
@@ -93,7 +94,7 @@ def samples(results: Mapping[Any, Any]) -> list[Sample]:
             what=f"contact of {stiffness:g} N/m and {1e3 * thickness:g} mm",
             how="repeated",
             quantity="deviation from the ideal contact, relative",
-            difference=float(np.max(np.abs(again / errors - 1.0))),
+            difference=largest(np.abs(again / errors - 1.0).tolist()),
             limit=1e-3,
         ),
         Sample(what="the other contacts", how="", quantity=""),

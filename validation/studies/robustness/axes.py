@@ -15,6 +15,7 @@ from analysis import (
     Start,
     Table,
 )
+from validation.studies.robustness import ended
 from validation.studies.robustness.cases import HardProblem
 
 QUICK: dict[str, tuple[str, ...]] = {
@@ -36,6 +37,7 @@ QUICK: dict[str, tuple[str, ...]] = {
         "contact + no-slip-along + no-slip-across",
         "contact + fixed-cog + constant-spin",
     ),
+    ended.AXIS: ended.QUICK,
 }
 """Labels of the sample of each axis that the quick version runs, in Model 1 or none of them."""
 
@@ -58,7 +60,7 @@ def problems(*, quick: bool) -> list[HardProblem]:
         found += _sampling(base)
         found += _long(base)
         found += _inclination(base)
-    found += _constraint_sets()
+    found += [*_constraint_sets(), *ended.problems()]
     if quick:
         return [
             each

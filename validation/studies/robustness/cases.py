@@ -13,7 +13,7 @@ from mbs_models import Formulation, IntegratorName, Scene
 from validation.run import run
 
 TOLERANCE = 1e-6
-"""Accuracy asked for in rad."""
+"""Accuracy asked for in rad where a problem says nothing else."""
 
 STIFF = 1e-3
 """Finest speed of friction in m/s below which explicit in-house methods are not tried."""
@@ -46,9 +46,33 @@ class HardProblem:
     cover: Literal["all", "first", "fastest"] = "first"
 
     @property
+    def tolerance(self) -> float:
+        """Accuracy asked for in rad, and of the time of an ending in s."""
+        return TOLERANCE
+
+    @property
+    def stop_when(self) -> tuple[str, ...]:
+        """What ends the motion besides a contact that would have to pull."""
+        return ()
+
+    @property
     def times(self) -> Array:
         """Times asked for in s, shape (n,)."""
         return np.linspace(0.0, self.end, self.samples)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EndedProblem(HardProblem):
+    """A motion of which is looked at how it ends; its reference finds the ending by itself.
+
+    Parameters
+    ----------
+    tolerance, stop_when
+        See the properties of `HardProblem`, from which come the others.
+    """
+
+    tolerance: float = TOLERANCE
+    stop_when: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,11 +3,16 @@
 from collections import Counter
 from collections.abc import Sequence
 
+from validation.kit.limits import holds
 from validation.kit.tables import Cell, Table
-from validation.studies.robustness.cases import TOLERANCE
-from validation.studies.robustness.run import Outcome
+from validation.studies.robustness.run import Outcome, Verdict
 
-GOOD = ("accurate", "ends: contact would pull")
+GOOD: tuple[Verdict, ...] = (
+    "accurate",
+    "ends: contact would pull",
+    "ends: condition met",
+    "ends: lies flat",
+)
 """Verdicts on what is as it should be."""
 
 _BY_WORDS = (
@@ -35,7 +40,7 @@ def cause(outcome: Outcome) -> str:
         named = (meaning for words, meaning in _BY_WORDS if words in outcome.reason)
         return next(named, outcome.reason)
     if outcome.verdict == "inaccurate" and outcome.error is not None:
-        if max(outcome.error, outcome.ending_error or 0.0) <= TOLERANCE + (outcome.doubt or 0.0):
+        if holds(outcome.worst, outcome.allowed):
             return "angles accurate, energy or constraint not"
         return "wrong angles or ending"
     return {

@@ -34,8 +34,6 @@ _BANDS: dict[Verdict, str] = {
 }
 """Verdicts without an error, from the lowest to the highest band above them, and their names."""
 
-_HOLLOW: Verdict = "ends: contact would pull"
-
 _LOWEST = 1e-13
 
 
@@ -90,7 +88,7 @@ def _verdicts(level: Level | None, outcomes: Sequence[Outcome]) -> Picture:
         name="robustness-other-sets" if level is None else f"robustness-model-{level}",
         title=f"Hard cases, {'other sets' if level is None else f'Model {level}'}",
         caption=f"Each mark is a run with one integrator; dotted: the {TOLERANCE:g} rad asked "
-        "for. Hollow: accurate up to where the contact would have to pull, where the run ends. "
+        "for, unless a label says otherwise. Hollow: accurate up to where the run ends early. "
         "Above the line, if there are any: runs without a result. Crosses: results that are "
         "inaccurate in an angle, in the energy or in where they end.",
         stacked=True,
@@ -126,7 +124,7 @@ def _panel(axes: Axes, outcomes: Sequence[Outcome], bands: Mapping[Verdict, floa
         if outcome.error is not None:
             error = min(max(outcome.error, _LOWEST), 1.0)
         crossed = outcome.verdict == "inaccurate"
-        look = (*LOOKS[outcome.way.formulation], crossed, outcome.verdict == _HOLLOW)
+        look = (*LOOKS[outcome.way.formulation], crossed, outcome.verdict.startswith("ends"))
         looks.setdefault(look, []).append((labels.index(outcome.label) + 0.7 * place, error))
     for (colour, marker, crossed, hollow), points in looks.items():
         axes.plot(

@@ -17,6 +17,7 @@ import numpy as np
 import mbs_models
 from analysis import MODELS, Scenario, SmoothCoulomb, Start
 from mbs_models import Formulation, Scene
+from validation.kit.limits import holds, largest
 from validation.studies.robustness.cases import HardProblem
 from validation.studies.robustness.reference import (
     NoReference,
@@ -111,7 +112,7 @@ def verdict(drawn: Draw) -> tuple[str, str]:
     detail = f"error {apart:.1e} rad, estimate {run.error_estimate:.1e}, doubt {known.doubt:.1e}"
     if run.ending is not None or known.first.ending is not None:
         detail += f", ending off by {late:.1e} s"
-    if max(apart, late) > tolerance + known.doubt:
+    if not holds(largest((apart, late)), tolerance + known.doubt):
         return "BROKEN", detail
     return "kept" if run.ending is None else "kept up to its ending", detail
 

@@ -1,18 +1,28 @@
 """What a run is compared with: two runs by other methods, and how far they are apart."""
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
 
 import analysis
-from analysis import Method, Trajectory
+from analysis import Method, Scenario, Trajectory
+from analysis.data.agreement import error_at_ending
 from analysis.data.checks import Array
+from analysis.data.endings import FLAT
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
 from mbs_models import EngineError, Integrator
-from validation.studies.robustness.cases import STIFF, HardProblem, Way
+from validation.kit.limits import largest
+from validation.studies.robustness.cases import STIFF, EndedProblem, HardProblem, Way
+from validation.studies.robustness.located import up_to_ending
 from validation.studies.robustness.work import StepCount
+
+ANGLES = slice(4, 6)
+"""Columns of beta and gamma."""
+
+SPACINGS = (2e-4, 1.37e-4)
+"""Times in s between the samples of both runs, among which endings are located."""
 
 STEPS = 30_000
 """Most steps of a reference of up to a second; of longer ones per second."""
@@ -72,10 +82,18 @@ def common(run: Trajectory, other: Trajectory) -> int:
 
 
 def deviation(run: Trajectory, other: Trajectory) -> float:
-    """Largest difference of beta and gamma in rad over what the two have in common."""
+    """Largest difference of beta and gamma in rad over what the two have in common.
+
+    Where both end for the same reason, also at one time there, but for a disk that lies flat,
+    whose gamma has no meaning. Infinite if a number is none.
+    """
     rows = common(run, other)
-    apart = np.abs(run.coordinates[:rows] - other.coordinates[:rows])[:, 4:6]
-    return float(np.max(apart))
+    apart = np.abs(run.coordinates[:rows] - other.coordinates[:rows])[:, ANGLES]
+    found = apart.ravel().tolist()
+    if isfinite(late := ending_error(run, other)) and run.ending and run.ending.reason != FLAT:
+        last = run.coordinates[-1, ANGLES] - other.coordinates[-1, ANGLES]
+        found.append(float(error_at_ending(last, late, other.rates[-1, ANGLES])))
+    return largest(found)
 
 
 def ending_error(run: Trajectory, other: Trajectory) -> float:
@@ -115,7 +133,7 @@ def reference(problem: HardProblem) -> Reference:
     stiff = scenario.friction.finest_speed < STIFF
     # Over tens of seconds small errors grow by some thousands.
     tight = 1e-12 if problem.end <= 5.0 else TIGHTEST_LOCAL_TOLERANCE
-    methods: tuple[tuple[Method, float], ...] = (
+    methods: tuple[tuple[Method, float], tuple[Method, float]] = (
         ("Radau", 1e-10) if stiff else ("DOP853", tight),
         ("LSODA", tight),
     )
@@ -123,9 +141,10 @@ def reference(problem: HardProblem) -> Reference:
         _within(
             problem,
             Way(source="in-house", formulation="index-1", integrator=method),
+            spacing,
             local_tolerance=tolerance,
         )
-        for method, tolerance in methods
+        for (method, tolerance), spacing in zip(methods, SPACINGS, strict=True)
     )
     return Reference(first=first, second=second)
 
@@ -135,7 +154,7 @@ def _penalty_reference(problem: HardProblem) -> Reference:
     body = Way(source="engine", formulation="floating-lie", integrator="RK67")
     tight = Integrator(name="DOPRI5", local_tolerance=1e-11)
     try:
-        first = _within(problem, tree, integrator=tight)
+        first = _within(problem, tree, SPACINGS[0], integrator=tight)
     except EngineError:
         # Step control cannot pass the jump of a damper that meets the table: short steps can.
         first, second = (
@@ -143,7 +162,7 @@ def _penalty_reference(problem: HardProblem) -> Reference:
             for way, step in ((tree, 1e-6), (body, 1.3e-6))
         )
         return Reference(first=first, second=second)
-    second = _within(problem, body, tolerance=1e-8)
+    second = _within(problem, body, SPACINGS[1], tolerance=1e-8)
     return Reference(first=first, second=second)
 
 
@@ -152,10 +171,17 @@ def limited(steps: int, problem: HardProblem) -> int:
     return round(steps * max(1.0, problem.end))
 
 
-def _within(problem: HardProblem, way: Way, **how: Any) -> Trajectory:
-    """Run a problem within the limit of steps."""
+def _within(problem: HardProblem, way: Way, spacing: float, **how: Any) -> Trajectory:
+    """Run a problem within the limit of steps; up to an ending located apart if it is to."""
     count = StepCount(limited(STEPS, problem))
+
+    def plain(scenario: Scenario, times: Array) -> Trajectory:
+        return way.run(scenario, times, progress=count, allow_pulling=True, **how)
+
     try:
+        if isinstance(problem, EndedProblem):
+            scenario, times = problem.scenario, problem.times
+            return up_to_ending(plain, scenario, times, problem.stop_when, spacing)
         return way.run(problem.scenario, problem.times, progress=count, **how)
     except Exception as error:
         if count.is_used_up:

@@ -3,13 +3,16 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from math import isfinite
 from typing import Literal
 
 import numpy as np
 
 import analysis
 from analysis import Level, Trajectory
-from validation.studies.robustness.cases import TOLERANCE, HardProblem, Way
+from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
+from validation.kit.limits import holds, largest
+from validation.studies.robustness.cases import TOLERANCE, EndedProblem, HardProblem, Way
 from validation.studies.robustness.isolated import Failure, run_isolated
 from validation.studies.robustness.reference import (
     NoReference,
@@ -25,6 +28,8 @@ from validation.studies.robustness.work import StepCount
 Verdict = Literal[
     "accurate",
     "ends: contact would pull",
+    "ends: condition met",
+    "ends: lies flat",
     "inaccurate",
     "reference in doubt",
     "diverged",
@@ -41,8 +46,8 @@ second."""
 TIME_LIMIT = 240.0
 """Time in s after which a process is ended from outside, many times what its steps take."""
 
-DOUBT = 0.1 * TOLERANCE
-"""Largest doubt of a reference, in rad, that leaves a verdict possible."""
+DOUBT = 0.1
+"""Largest doubt of a reference, in parts of the tolerance, that leaves a verdict possible."""
 
 SLACK = 10.0
 """Times the angles' allowed error in rad that drift over radius and relative energy error may be.
@@ -50,8 +55,15 @@ SLACK = 10.0
 Speeds and forces are not what a tolerance promises, and converge more slowly in some methods.
 """
 
+_ENDINGS: dict[str, Verdict] = {
+    CONTACT_WOULD_PULL: "ends: contact would pull",
+    FLAT: "ends: lies flat",
+}
+"""Verdict on a run that ends rightly for a reason; that of a condition for any other."""
+
 FEW = 3
-"""Samples up to which a run is repeated, to see whether it gives the same bits."""
+"""Samples up to which a run is repeated, to see whether it gives the same bits; but for those
+of which the ending is looked at, which are many."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,16 +79,19 @@ class Outcome:
     way : Way
     verdict : str
         `accurate`: the error is within what was asked for and the doubt of the reference, that
-        doubt is at most `DOUBT`, and drift and energy are within `SLACK` times that. `ends:
-        contact would pull`: so it is, up to where the contact would have to pull, and the
-        reference ends there. `inaccurate`: a result came back, and is beyond that. `reference in
+        doubt is at most `DOUBT` of the former, and drift and energy are within `SLACK` times that.
+        `ends: …`: so it is, up to where it ends, and the reference ends there for the same
+        reason. `inaccurate`: a result came back, and is beyond that. `reference in
         doubt`: a result came back, and no reference is good enough. `diverged`: the run said
         itself that it failed. `refused`: it did not start. `not finished in the limit`: it took
-        `STEPS`. `time limit` and `crashed`: the process had to be ended, or ended itself.
+        `STEPS`. `time limit` and `crashed`: the process had to be ended, or ended itself, or the
+        run raised a `ValueError` on its way.
+    tolerance : float
+        Asked for in rad, and of the time of an ending in s.
     error : float, optional
-        Largest deviation of beta and gamma from the reference in rad.
+        Largest deviation of beta and gamma from the reference in rad; see `deviation`.
     ending_error : float, optional
-        Deviation in s of the time at which the contact would have to pull.
+        Deviation in s of the time at which it ends; infinite if the reasons differ.
     doubt : float, optional
         Deviation of two references by different methods from each other, in rad or in s.
     estimate : float, optional
@@ -100,6 +115,7 @@ class Outcome:
     level: Level | None
     way: Way
     verdict: Verdict
+    tolerance: float = TOLERANCE
     error: float | None = None
     ending_error: float | None = None
     doubt: float | None = None
@@ -112,18 +128,28 @@ class Outcome:
     reason: str = ""
 
     @property
+    def allowed(self) -> float:
+        """Error in rad that is asked for, and what the references leave open beside it."""
+        # What they leave open cannot be held against the run.
+        return self.tolerance + (self.doubt or 0.0)
+
+    @property
+    def worst(self) -> float:
+        """Larger of both errors, in rad or in s; infinite if one is no number."""
+        return largest((self.error, self.ending_error or 0.0))
+
+    @property
     def broken(self) -> bool:
         """Whether it crashed, broke its promise or, run again, gave other bits.
 
-        The promise is about the angles, and about where the contact would pull. A run without an
+        The promise is about the angles, and about where and why the run ends. A run without an
         error estimate, such as one with step control, promises nothing.
         """
         if self.verdict == "crashed" or self.repeatable is False:
             return True
-        if self.error is None or self.estimate is None:
+        if self.verdict == "reference in doubt" or self.error is None or self.estimate is None:
             return False
-        error = max(self.error, self.ending_error or 0.0)
-        return error > max(TOLERANCE, self.estimate) + (self.doubt or 0.0)
+        return not holds(self.worst, self.allowed)
 
 
 def run_problems(batch: Sequence[tuple[HardProblem, Sequence[Way]]]) -> list[Outcome]:
@@ -180,7 +206,7 @@ def run_case(problem: HardProblem, way: Way, known: Reference | NoReference) -> 
         steps=count.steps,
         seconds=time.perf_counter() - begin,
     )
-    if problem.samples <= FEW:
+    if problem.samples <= FEW and not isinstance(problem, EndedProblem):
         again = simulate(problem, way, StepCount(count.limit))
         blank = replace(blank, repeatable=_same(run, again))
     if isinstance(known, NoReference):
@@ -199,6 +225,7 @@ def _blank(problem: HardProblem, way: Way) -> Outcome:
         level=problem.scenario.model,
         way=way,
         verdict="crashed",
+        tolerance=problem.tolerance,
     )
 
 
@@ -210,7 +237,8 @@ def _verdict_of(error: Exception, count: StepCount) -> Verdict | None:
     if count.is_used_up:
         return "not finished in the limit"
     if isinstance(error, ValueError):
-        return "refused"
+        # What is refused is so before anything is computed.
+        return "crashed" if count.steps else "refused"
     return "diverged" if isinstance(error, ArithmeticError) else None
 
 
@@ -233,30 +261,39 @@ def _judge(blank: Outcome, run: Trajectory, known: Reference) -> Outcome:
 
 
 def _verdict(outcome: Outcome, run: Trajectory) -> Verdict:
-    error = max(outcome.error or 0.0, outcome.ending_error or 0.0)
-    if outcome.doubt is not None and outcome.doubt > DOUBT and error <= TOLERANCE + outcome.doubt:
+    right = holds(outcome.worst, outcome.allowed)
+    if not holds(outcome.doubt, DOUBT * outcome.tolerance) and (
+        right or not isfinite(outcome.allowed)
+    ):
         return "reference in doubt"
-    # What the references leave open cannot be held against the run.
-    allowed = TOLERANCE + (outcome.doubt or 0.0)
-    silent = bool(outcome.drift is not None and np.any(run.normal_force[:-1] < 0.0))
-    beyond = max(outcome.drift or 0.0, outcome.energy or 0.0) > SLACK * allowed
-    if error > allowed or beyond or silent:
+    silent = outcome.drift is not None and not np.all(run.normal_force[:-1] >= 0.0)
+    kept = largest((outcome.drift or 0.0, outcome.energy))
+    if silent or not right or not holds(kept, SLACK * outcome.allowed):
         return "inaccurate"
-    return "accurate" if run.ending is None else "ends: contact would pull"
+    if run.ending is None:
+        return "accurate"
+    return _ENDINGS.get(run.ending.reason, "ends: condition met")
 
 
 def _reason(outcome: Outcome, run: Trajectory, truth: Trajectory) -> str:
     if outcome.ending_error is None:
         return ""
     one, other = (each.ending or "does not end early" for each in (run, truth))
-    return str(one) if outcome.ending_error <= TOLERANCE else f"{one}; reference: {other}"
+    same = holds(outcome.ending_error, outcome.tolerance)
+    return str(one) if same else f"{one}; reference: {other}"
 
 
 def simulate(problem: HardProblem, way: Way, count: StepCount) -> Trajectory:
-    """Simulate a problem to `TOLERANCE`, with the steps that `count` allows."""
+    """Simulate a problem to its tolerance, with the steps that `count` allows."""
     # Step control has a local tolerance of its own and promises nothing more.
-    tolerance = None if way.integrator == "DOPRI5" else TOLERANCE
-    return way.run(problem.scenario, problem.times, tolerance=tolerance, progress=count)
+    tolerance = None if way.integrator == "DOPRI5" else problem.tolerance
+    return way.run(
+        problem.scenario,
+        problem.times,
+        tolerance=tolerance,
+        stop_when=problem.stop_when,
+        progress=count,
+    )
 
 
 def _same(run: Trajectory, other: Trajectory) -> bool:

@@ -6,14 +6,17 @@ from itertools import product
 from typing import Any
 
 from analysis import LOADS
+from analysis.data.agreement import LEAST_RATE
 from validation.kit.report import Job, Section
 from validation.kit.samples import age
-from validation.studies.robustness import causes, steps, stored, tables
+from validation.studies.robustness import causes, ended, steps, stored, tables
 from validation.studies.robustness import drift as long_runs
 from validation.studies.robustness import figures as draw
 from validation.studies.robustness.axes import problems
-from validation.studies.robustness.cases import TOLERANCE, ways
+from validation.studies.robustness.cases import TOLERANCE, EndedProblem, ways
+from validation.studies.robustness.located import STRAIGHT
 from validation.studies.robustness.penalty_limit import STIFFNESSES, PenaltyError, penalty_error
+from validation.studies.robustness.reference import SPACINGS
 from validation.studies.robustness.refusals import refusals
 from validation.studies.robustness.run import DOUBT, SLACK, STEPS, Outcome, run_problems
 from validation.studies.robustness.steps import StepLimit
@@ -68,7 +71,13 @@ def case_jobs(*, quick: bool) -> list[Job]:
     count = _QUICK_BATCHES if quick else len(found)
     if not quick:
         # What takes longest comes first, so that nothing is waited for at the end.
-        found.sort(key=lambda each: (-each.end, each.scenario.friction.finest_speed))
+        found.sort(
+            key=lambda each: (
+                isinstance(each, EndedProblem),
+                -each.end,
+                each.scenario.friction.finest_speed,
+            )
+        )
     batches = [found[index::count] for index in range(count)]
     return [
         Job(
@@ -179,24 +188,29 @@ def _source(full: stored.Study | None) -> list[str]:
 
 def _paragraphs(outcomes: Sequence[Outcome]) -> list[str]:
     counts = Counter(outcome.verdict for outcome in outcomes)
+    broken = sum(outcome.broken for outcome in outcomes)
     counted = ", ".join(f"{counts[each]} {each}" for each in tables.VERDICTS if counts[each])
     return [
         (
-            f"Each case asks for {TOLERANCE:g} rad in β and γ, in a process of its own, and is "
-            "measured against a run by another method; two such runs by two methods, in-house, "
-            "on a penalty contact of the engine, are compared with each other, and their "
+            f"Each case asks for {TOLERANCE:g} rad in β and γ, unless its label says another "
+            "accuracy, in a process of its own, and is measured against a run by another method; "
+            "two such runs by two methods, in-house, on a penalty contact of the engine, are "
+            "compared with each other, and their "
             "deviation is the doubt of the reference. Accurate: the error is within what was "
-            f"asked for and that doubt, the doubt is at most {DOUBT:g} rad, and the constraint "
-            "drift over the radius and the relative error of the energy are within "
+            f"asked for and that doubt, the doubt is at most {DOUBT:g} of the former, and the "
+            "constraint drift over the radius and the relative error of the energy are within "
             f"{SLACK:g} times that. Ends: so it is up to where an ideal contact would have to "
-            f"pull, and the times of the endings agree to {TOLERANCE:g} s. Inaccurate: a result "
+            "pull, a condition is met or the disk lies flat, and the reference ends for the same "
+            "reason, at a time within the same number in s. Inaccurate: a result "
             "came back and is beyond one of them. Diverged: the run said itself that it failed. "
             f"Refused: it did not start. Not finished: it took {STEPS['engine']} steps of the "
             f"engine or {STEPS['in-house']} in-house, all its passes together, per second if the "
             "motion is longer than one; that is no failure of the method, and the same on every "
             "machine. "
-            f"Of {len(outcomes)} cases: {counted}."
+            f"Of {len(outcomes)} cases: {counted}. Of these cases {broken or 'none'} crashed or "
+            "broke a promise."
         ),
+        *_ended(outcomes),
         (
             "The steps: an explicit integrator stays stable up to the step at which its "
             "stability function, measured on the engine itself, leaves the unit circle at the "
@@ -209,4 +223,26 @@ def _paragraphs(outcomes: Sequence[Outcome]) -> list[str]:
             "rolling joint holds the contact on velocity level with either of its integrators, "
             "and its residual does not accumulate."
         ),
+    ]
+
+
+def _ended(outcomes: Sequence[Outcome]) -> list[str]:
+    """How motions that end by themselves are judged, if there are any."""
+    found = [outcome for outcome in outcomes if outcome.axis == ended.AXIS]
+    if not found:
+        return []
+    least, most = (f(each.tolerance for each in found) for f in (min, max))
+    spacings = " and ".join(f"{1e3 * each:g}" for each in SPACINGS)
+    return [
+        (
+            f"{len(found)} cases end by themselves and ask for {least:g} to {most:g} rad, as "
+            "their labels say; those not called sampled have two samples alone. A condition fixes "
+            "the state at an ending, so that the states of two endings agree however far apart "
+            "their times are. What is promised there is the reason, the time, and the state at "
+            "one time: the angles' difference at the endings and that of their times multiplied "
+            f"by the rates, or {LEAST_RATE:g} rad/s. "
+            "The references know of no ending. The two are sampled every "
+            f"{spacings} ms, and where the normal force or a condition turns negative, or comes "
+            f"close to it, they are run again finer and finer, to {STRAIGHT:g} s."
+        )
     ]

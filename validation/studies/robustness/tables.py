@@ -50,7 +50,7 @@ def verdicts(outcomes: Sequence[Outcome], refusals: Table) -> Table:
     rows.append(["cannot work", len(refused), *counts, None, None, None, None, all(refused)])
     return Table(
         name="robustness",
-        title=f"Hard cases at a tolerance of {TOLERANCE:g} rad",
+        title=f"Hard cases at a tolerance of {TOLERANCE:g} rad, unless their label says another",
         columns=(
             "what is extreme",
             "cases",
@@ -89,6 +89,7 @@ def all_cases(outcomes: Sequence[Outcome]) -> Table:
         {
             **_CASE,
             "error in rad": lambda each: each.error,
+            "asked for in rad": lambda each: each.tolerance,
             "error of the ending in s": lambda each: each.ending_error,
             "promised in rad": lambda each: each.estimate,
             "doubt of the reference in rad": lambda each: each.doubt,
@@ -134,11 +135,12 @@ def confirmation(pairs: Sequence[tuple[Outcome, Outcome | None]]) -> Table:
             if here.verdict != there.verdict
         ]
         same = len(known) - len(other)
+        kept = not any(here.broken for here, _ in found)
         if not known:
             counts = Counter(here.verdict for here, _ in found).most_common()
             made = ", ".join(f"{number} {verdict}" for verdict, number in counts)
             other = [f"not in the full study; here {made}"]
-        rows.append([axis, len(found), len(known), same, "; ".join(other)])
+        rows.append([axis, len(found), len(known), same, "; ".join(other), kept])
     return Table(
         name="robustness-confirmation",
         title="This run beside the full study",
@@ -148,6 +150,7 @@ def confirmation(pairs: Sequence[tuple[Outcome, Outcome | None]]) -> Table:
             "of them in the full study",
             "same verdict",
             "others",
+            "none crashed here, promises kept",
         ),
         rows=rows,
     )

@@ -11,6 +11,7 @@ from analysis import LEVELS, MODELS, MOTIONS, ConstraintSet, Level, Motion, Scen
 from analysis.data.checks import Array
 from analysis.stability import spectra
 from mbs_models import Formulation, Scene
+from validation.kit.limits import holds, largest
 from validation.kit.tables import Table
 from validation.studies.stability.tables import stable_range
 
@@ -75,17 +76,20 @@ def worst_difference(
     found = np.linalg.eigvals(
         engine_matrices(scenario, spins, formulation=formulation, motion=motion)
     )
-    return max(distance(f, e) for f, e in zip(found, expected, strict=True))
+    return largest(distance(f, e) for f, e in zip(found, expected, strict=True))
 
 
 def distance(found: ComplexArray, expected: ComplexArray) -> float:
-    """Largest difference of two sets of as many eigenvalues, matched for the smallest sum.
+    """Largest difference of two sets of eigenvalues, matched for the smallest sum.
 
-    Relative to the larger of |lambda| and 1.
+    Relative to the larger of |lambda| and 1; infinite if there are none, not as many in both, or
+    one is no number.
     """
+    if found.shape != expected.shape or not np.all(np.isfinite([found, expected])):
+        return np.inf
     gaps = np.abs(found[:, None] - expected) / np.maximum(np.abs(expected), 1.0)
     rows, columns = linear_sum_assignment(gaps)
-    return float(np.max(gaps[rows, columns]))
+    return largest(gaps[rows, columns].tolist())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,7 +107,7 @@ class EigenvalueCheck:
     @property
     def passed(self) -> bool:
         """Whether both motions stay below `EIGENVALUE_LIMIT`."""
-        return max(self.inverted, self.noninverted) <= EIGENVALUE_LIMIT
+        return holds(largest((self.inverted, self.noninverted)), EIGENVALUE_LIMIT)
 
 
 def check_eigenvalues(case: Case) -> EigenvalueCheck:
@@ -125,7 +129,7 @@ def check_eigenvalues(case: Case) -> EigenvalueCheck:
         case=case,
         inverted=worst["inverted"],
         noninverted=worst["noninverted"],
-        stock=max(stock) if len(stock) == 2 * CHECKED_SPINS.size else None,
+        stock=largest(stock) if len(stock) == 2 * CHECKED_SPINS.size else None,
     )
 
 
@@ -146,7 +150,7 @@ class SetCheck:
     @property
     def passed(self) -> bool:
         """Whether all stay below `EIGENVALUE_LIMIT`."""
-        return self.difference <= EIGENVALUE_LIMIT
+        return holds(self.difference, EIGENVALUE_LIMIT)
 
 
 def check_set(constraints: ConstraintSet) -> SetCheck:
@@ -158,7 +162,7 @@ def check_set(constraints: ConstraintSet) -> SetCheck:
         formulations=len(formulations),
         eigenvalues=spectra.eigenvalues(scenario, [0.0]).size,
         stable=stable_range(scenario, (0.0, 60.0)),
-        difference=max(
+        difference=largest(
             worst_difference(scenario, FEW_SPINS, formulation, motion)
             for formulation in formulations
             for motion in MOTIONS

@@ -10,6 +10,7 @@ from analysis.stability.corners import corners
 from analysis.stability.hopf_curves import hopf_curves
 from validation.kit import samples
 from validation.kit.figures import Picture
+from validation.kit.limits import largest
 from validation.kit.report import Job, Section
 from validation.kit.samples import Sample
 from validation.kit.tables import Table
@@ -95,7 +96,9 @@ def _samples(results: dict[Any, Any]) -> list[Sample]:
                 what=f"Model {key[1][0]}, {key[1][1]}" if model else again.name,
                 how="made again",
                 quantity="eigenvalues, engine with in-house, relative",
-                difference=max(again.inverted, again.noninverted) if model else again.difference,
+                difference=largest((again.inverted, again.noninverted))
+                if model
+                else again.difference,
                 limit=eigenvalue_check.EIGENVALUE_LIMIT,
             )
         )

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from statistics import median
 
+from validation.kit.limits import holds
 from validation.kit.plain import rounded
 from validation.kit.tables import Table
 from validation.studies.work_precision.problems import PROBLEMS
@@ -27,7 +28,7 @@ class Pair:
     @property
     def same_work(self) -> bool:
         """Whether both took the same evaluations, to `WORK`."""
-        return abs(self.here.work - self.there.work) <= WORK * self.there.work
+        return holds(abs(self.here.work - self.there.work), WORK * self.there.work)
 
     @property
     def same_error(self) -> bool:
@@ -35,7 +36,7 @@ class Pair:
         if self.here.errors is None or self.there.errors is None:
             return self.here.errors is self.there.errors
         apart = abs(self.here.error - self.there.error)
-        return apart <= ERROR * self.there.error + self.floor
+        return holds(apart, ERROR * self.there.error + self.floor)
 
 
 def pairs(here: Study, there: Study) -> list[Pair]:
@@ -63,12 +64,12 @@ def sentence(here: Study, there: Study) -> str:
     """What the runs on the spot say about the shipped ones."""
     found = pairs(here, there)
     same = sum(pair.same_work and pair.same_error for pair in found)
+    confirmed = "yes" if found and same == len(found) else "partly"
     ratio = speed(found)
     text = (
-        f"Confirmed on the spot: {'yes' if same == len(found) else 'partly'}. Of {len(found)} "
-        f"runs of the quick selection, {same} take the work of the shipped ones (to "
-        f"{100 * WORK:g} %) and have their error (to {100 * ERROR:g} %, beside the references' "
-        "doubt)"
+        f"Confirmed on the spot: {confirmed}. Of {len(found)} runs of the quick selection, {same} "
+        f"take the work of the shipped ones (to {100 * WORK:g} %) and have their error (to "
+        f"{100 * ERROR:g} %, beside the references' doubt)"
     )
     if ratio is not None:
         text += f"; they take {ratio:.2g} times the processor time here (median)"

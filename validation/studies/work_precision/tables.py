@@ -6,6 +6,7 @@ from functools import partial
 from statistics import median
 
 import mbs_models
+from validation.kit.limits import holds
 from validation.kit.plain import rounded
 from validation.kit.tables import Cell, Table
 from validation.studies.work_precision.figures import NAMES
@@ -165,7 +166,7 @@ def tolerances(study: Study) -> Table:
                 len(runs) - len(met),
                 rounded(max(margins), 3) if margins else None,
                 rounded(median(margins), 3) if margins else None,
-                sum(run.error > run.setting for run in met),
+                sum(not holds(run.error, run.setting) for run in met),
                 rounded(median(extra), 3) if extra else None,
             ]
         )

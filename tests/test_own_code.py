@@ -1,0 +1,161 @@
+"""Laws and conditions of one's own that are none or end the program: no command succeeds so."""
+
+from dataclasses import dataclass
+from math import inf, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import FrictionLaw, Scenario, SmoothCoulomb
+from mbs_models import Scene
+from tests.calls import refusal, run
+from tests.sweeps import sweep
+from validation.sweeps.sweep import run_case
+
+LAW = """
+import sys
+from dataclasses import dataclass
+from analysis import SmoothCoulomb
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Law(SmoothCoulomb):
+    def per_speed(self, speed):
+        {}
+        return SmoothCoulomb.per_speed(self, speed)
+"""
+
+CALLS = (
+    "scenario",
+    "simulate --out new.npz --end 0.1",
+    "simulate --out new.npz --end 0.1 --source in-house",
+    "rest --out new.npz --end 0.01 --source in-house",
+    "eigenvalues --spin 30 --csv new.csv",
+    "sweep spin=30,31 --end 0.01 --workers 1 --out new.db",
+)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Working directory of a call, where its modules lie."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "exits_on_import.py").write_text("import sys\nsys.exit()\n")
+    (tmp_path / "exits_at_once.py").write_text(LAW.format("sys.exit()"))
+    (tmp_path / "exits_later.py").write_text(LAW.format("speed > 0.0 and sys.exit()"))
+    return tmp_path
+
+
+def written(folder: Path) -> list[str]:
+    return [path.name for path in folder.iterdir() if path.name.startswith("new")]
+
+
+@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize("option", ["--law", "--stop-when"])
+def test_a_module_that_exits_is_refused(
+    call: str, option: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if option == "--stop-when" and call.startswith(("scenario", "eigenvalues")):
+        pytest.skip("takes no condition")
+    said = refusal(capsys, call, f"{option} exits_on_import:Law")
+    assert "'exits_on_import:Law' cannot be loaded: SystemExit" in said
+    assert written(folder) == []
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_a_law_that_exits_is_refused(
+    call: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = refusal(capsys, call, "--law exits_at_once:Law")
+    assert "--law: friction law 'exits_at_once:Law' cannot be made: SystemExit" in said
+    assert written(folder) == []
+
+
+@pytest.mark.parametrize("call", CALLS[1:4])
+def test_a_law_that_exits_where_the_disk_slips_is_no_success(
+    call: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(call, "--law exits_later:Law") == 2
+    assert "SystemExit" in capsys.readouterr().err
+    assert written(folder) == []
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exits(SmoothCoulomb):
+    def per_speed(self, speed: float) -> float:
+        if speed > 0.0:
+            raise SystemExit(3)
+        return SmoothCoulomb.per_speed(self, speed)
+
+
+def test_a_case_whose_law_exits_is_a_row_that_says_so() -> None:
+    row = run_case(sweep("spin=30,31", scenario=Scenario(friction=Exits())), 0, None)
+    assert (row["status"], row["reason"]) == ("failed", "SystemExit 3")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Beyond(FrictionLaw):
+    """It says a number beyond 0.05 m/s alone."""
+
+    said: float
+
+    def per_speed(self, speed: float) -> float:
+        return self.said if speed > 0.05 else 3.0
+
+    @property
+    def finest_speed(self) -> float:
+        return 0.1
+
+
+@pytest.mark.parametrize("said", [inf, nan, -1.0])
+@pytest.mark.parametrize("side", ["in-house", "engine", "in-house to rest", "engine to rest"])
+def test_a_law_that_says_no_number_where_the_disk_slips_is_blamed(side: str, said: float) -> None:
+    law = Beyond(said=said)
+    runs: dict[str, Any] = {
+        "in-house": lambda: analysis.simulate(Scenario(friction=law), [0.0, 0.1]),
+        "engine": lambda: mbs_models.simulate(Scene(Scenario(friction=law)), [0.0, 0.1]),
+        "in-house to rest": lambda: analysis.simulate_to_rest(Scenario.rest(friction=law), 0.1),
+        "engine to rest": lambda: mbs_models.simulate_to_rest(
+            Scene(Scenario.rest(friction=law)), 0.1
+        ),
+    }
+    with pytest.raises(ValueError, match=r"^per_speed\(0\.1\) of friction law '.*:Beyond' must"):
+        runs[side]()
+
+
+def test_a_law_steeper_than_any_is_refused() -> None:
+    @dataclass(frozen=True, slots=True, kw_only=True)
+    class Steep(Beyond):
+        def per_speed(self, speed: float) -> float:
+            return self.said / (speed + 1.0)
+
+    with pytest.raises(ValueError, match=r"per_speed\(0\) must lie from 0 to 1e\+12, got 1e\+300"):
+        Scenario(friction=Steep(said=1e300))
+
+
+@pytest.mark.parametrize("call", [CALLS[1], CALLS[2], CALLS[3], CALLS[5]])
+def test_a_function_that_is_no_condition_is_refused(
+    call: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = refusal(capsys, call, "--stop-when os:getcwd")
+    assert "--stop-when: stop_when getcwd must say a number of a State: TypeError" in said
+    assert written(folder) == []
+
+
+@pytest.mark.parametrize(
+    "option", ["--law", "--mu", "--beta", "--spin", "--disk", "--stop-when", "--scenario", "--out"]
+)
+def test_an_option_with_nothing_but_dashes_behind_it_is_refused(
+    option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("simulate --out new.npz", f"{option}=--") == 2
+    assert capsys.readouterr().err == (
+        f"tippedisk: error: argument {option}: expected a value behind =, got '--'\n"
+    )
+
+
+def test_engine_times_closer_than_any_step_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"^times must be 1e-15 s apart or more for the engine"):
+        mbs_models.simulate(Scene(), np.array([0.0, 5e-324]))

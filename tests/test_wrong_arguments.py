@@ -1,0 +1,138 @@
+"""Arguments of the wrong kind are refused by name on every side, before anything runs."""
+
+# Wrong on purpose.
+# mypy: disable-error-code="arg-type, call-overload"
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import (
+    MODELS,
+    Ensemble,
+    PenaltyContact,
+    Scenario,
+    State,
+    load_run,
+    simulate,
+    simulate_many,
+    simulate_to_rest,
+)
+from analysis.nonlinear.heteroclinic import fall, saddle
+from analysis.nonlinear.stationary import stationary_motions
+from analysis.stability.chart import stability_chart
+from analysis.stability.critical import critical_speeds
+from analysis.stability.hopf_curves import hopf_curves
+from analysis.stability.spectra import eigenvalues
+from mbs_models import Integrator, Newton, Scene
+from tests.helpers import random_trajectory
+
+TIMES = [0.0, 0.01]
+MODEL_4 = Scenario(constraints=MODELS[4])
+MASKED = np.ma.array([0.0, 0.005, 0.01], mask=[False, True, False])
+
+CALLS: dict[str, Callable[..., Any]] = {
+    "in-house": lambda **how: simulate(**{"scenario": Scenario(), "times": TIMES} | how),
+    "engine": lambda **how: mbs_models.simulate(**{"scene": Scene(), "times": TIMES} | how),
+    "many": lambda **how: simulate_many(
+        **{"scenarios": [Scenario()], "times": TIMES, "workers": 1} | how
+    ),
+    "in-house rest": lambda **how: simulate_to_rest(
+        **{"scenario": Scenario.rest(), "end": 0.01} | how
+    ),
+    "engine rest": lambda **how: mbs_models.simulate_to_rest(
+        **{"scene": Scene(Scenario.rest()), "end": 0.01} | how
+    ),
+    "integrator": lambda **how: Integrator(**{"name": "DOPRI5"} | how),
+    "newton": Newton,
+    "contact": lambda **how: PenaltyContact(**{"stiffness": 1e5} | how),
+    "spins": lambda spin: Ensemble(scenario=Scenario(), fields={"spin": spin}),
+    "state": lambda rates: State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.0), rates=rates),
+    "eigenvalues": lambda spins: eigenvalues(Scenario(), spins),
+    "chart": lambda gradients: stability_chart(Scenario(), [30.0], gradients),
+    "curves": lambda seeds: hopf_curves(Scenario(), seeds=seeds),
+    "critical": lambda interval: critical_speeds(MODEL_4, interval),
+    "stationary": lambda starts: stationary_motions(Scenario(), 30.0, starts),
+    "fall": lambda tolerance: fall(MODEL_4, 30.0, tolerance),
+    "saddle": lambda spin: saddle(MODEL_4, spin),
+    "acceleration": lambda state: mbs_models.acceleration(Scene(), state),
+}
+
+RUNS = ("in-house", "engine", "many")
+WRONG = [
+    *((side, "times", MASKED, "must hold no masked values, got") for side in RUNS),
+    *((side, "allow_pulling", "x", "must be True or False, got 'x'") for side in RUNS),
+    *((side, "allow_pulling", 1, "must be True or False, got 1") for side in RUNS),
+    *((side, "stop_when", 2.0, "must hold names or functions of a State") for side in RUNS),
+    *((side, "progress", "x", "must be a function, got 'x'") for side in CALLS if " " in side),
+    *((side, "progress", 3, "must be a function, got 3") for side in RUNS),
+    *((side, "time_limit", True, "must be a finite number, got True") for side in RUNS),
+    ("in-house", "local_tolerance", 2.0, r"must lie in \[3e-14, 1\), got 2"),
+    ("many", "local_tolerance", 2.0, r"must lie in \[3e-14, 1\), got 2"),
+    ("in-house rest", "local_tolerance", 2.0, r"must lie in \[1e-13, 1\), got 2"),
+    ("integrator", "local_tolerance", 2.0, r"must lie in \[0, 1\), got 2"),
+    ("many", "workers", 1.5, "must be a whole number, got 1.5"),
+    ("many", "workers", True, "must be a whole number, got True"),
+    ("many", "workers", 0, "must be at least 1, got 0"),
+    ("many", "method", "x", "must be one of DOP853, .*, got 'x'"),
+    ("many", "form", "x", "must be one of index-1, .*, got 'x'"),
+    ("many", "scenarios", Scenario(), "must be an Ensemble or a list of Scenario, got"),
+    ("many", "scenarios", [Scenario(), 3], r"\[1\] must be a Scenario, got 3"),
+    ("in-house", "scenario", 5, "must be a Scenario, got 5"),
+    ("in-house", "method", np.zeros(2), "must be one of DOP853"),
+    ("in-house rest", "scenario", Scene(), "must be a Scenario, got Scene"),
+    ("engine", "scene", "euler-tree", "must be a Scene, got 'euler-tree'"),
+    ("engine rest", "step", 0.0, "must be positive, got 0"),
+    ("engine rest", "step", "x", "must be a finite number, got 'x'"),
+    *((side, "criterion", 1.0, "must be a RestCriterion, got 1") for side in CALLS if " " in side),
+    ("newton", "modified", "yes", "must be True or False, got 'yes'"),
+    ("contact", "bilateral", 1, "must be True or False, got 1"),
+    ("spins", "spin", np.ma.array([1.0, 2.0], mask=[True, False]), "must hold no masked values"),
+    ("spins", "spin", [True, False], "must be an array of real numbers, got bool"),
+    ("state", "rates", 5, "must hold 6 numbers, got 5"),
+    ("eigenvalues", "spins", MASKED, "must hold no masked values"),
+    ("eigenvalues", "spins", True, "must be an array of real numbers, got bool values"),
+    ("eigenvalues", "spins", ["30"], "must be an array of real numbers, got <U2 values"),
+    ("chart", "gradients", [True], "must be an array of real numbers, got bool values"),
+    ("curves", "seeds", 1.5, "must be a whole number, got 1.5"),
+    ("critical", "interval", 5.0, "must be lowest and highest spin, got 5.0"),
+    ("stationary", "starts", True, "must be a whole number, got True"),
+    ("fall", "tolerance", float("nan"), "must be a finite number, got nan"),
+    ("saddle", "spin", True, "must be a finite number, got True"),
+    ("acceleration", "state", 5, "must be a State, got 5"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("side", "name", "value", "message"),
+    WRONG,
+    ids=[f"{side}-{name}-{value!r:.20}" for side, name, value, _ in WRONG],
+)
+def test_wrong_argument_is_named(side: str, name: str, value: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=f"^(start.)?{name} ?{message}"):
+        CALLS[side](**{name: value})
+
+
+@pytest.mark.parametrize("change", [lambda force: force[:-1], lambda force: 2.0 * force])
+def test_stored_force_that_is_not_that_of_the_motion_is_refused(
+    change: Callable[[Any], Any], tmp_path: Path
+) -> None:
+    path = tmp_path / "run.npz"
+    random_trajectory().save(path)
+    with np.load(path) as stored:
+        arrays = dict(stored)
+    assert json.loads(str(arrays["meta"]))["source"]
+    np.savez(path, **arrays | {"normal_force": change(arrays["normal_force"])})
+    with pytest.raises(ValueError, match="normal_force must be the first of the multipliers"):
+        load_run(path)
+
+
+def test_truth_values_of_numpy_are_switches() -> None:
+    assert analysis.simulate(Scenario(), TIMES, allow_pulling=np.True_).ending is None
+    assert PenaltyContact(stiffness=1e5, bilateral=np.True_).bilateral is True

@@ -1,0 +1,113 @@
+"""Motions that end by themselves, most of them sampled at their two ends alone."""
+
+from collections.abc import Iterator
+from math import pi
+from typing import Literal
+
+import numpy as np
+
+from analysis import LEVELS, LOADS, MODELS, Scenario, SmoothCoulomb, Start, State
+from validation.studies.robustness.cases import EndedProblem
+
+AXIS = "ended by a condition, or a pull"
+
+DIGITS = (3, 8, 5, 6, 7, 4)
+"""Of the accuracy in rad that the random motions ask for in turn."""
+
+RANDOM = 24
+"""Number of random motions."""
+
+FEW = 0.7
+"""Part of the random motions that is sampled at its two ends alone."""
+
+QUICK = (
+    "pull 139 rad/s 1e-8",
+    "pull 140 rad/s 1e-3",
+    "inverted 36.35 rad/s 1e-3",
+)
+"""Labels of the sample in Model 1 that the quick version runs: how it ends, spin, accuracy."""
+
+SEED = 5
+"""Of the random starts."""
+
+OWN = "validation.studies.robustness.ended:"
+"""In front of the conditions of this module by name."""
+
+
+def passes_sideways(state: State) -> float:
+    """Negative from where the centre of gravity comes to the side: gamma passes 0 upwards."""
+    return float(-np.sin(state.coordinates[5]))
+
+
+def falls_low(state: State) -> float:
+    """Negative where the disk leans so far that its centre is below 0.85 of its radius."""
+    return float(np.sin(state.coordinates[4]) - 0.85)
+
+
+def problems() -> Iterator[EndedProblem]:
+    """Known hard ones, then random ones of every model, condition, tolerance and sampling."""
+    for spin, gamma, beta, digits in (
+        (45.2112, -1.467538, 1.356142, 8),
+        (45.2112, -1.467538, 1.356142, 6),
+        (59.3464, -1.570456, 1.35434, 6),
+        (37.25768, -1.761848, 1.823287, 8),
+    ):
+        start = Start(spin=spin, gamma=gamma, beta=beta)
+        yield _problem(Scenario(constraints=MODELS[4], start=start), "inverted", digits)
+    falling = Start(spin=10.0, gamma=-1.5, beta=0.9)
+    yield _problem(Scenario(constraints=MODELS[4], start=falling), "inverted", 6)
+    # The contact would pull for two milliseconds, far from the next sample.
+    for spin, digits in ((139.0, 8), (140.0, 3)):
+        yield _problem(Scenario(start=Start(spin=spin)), "", digits, end=1.0)
+    rising = Start(beta=0.63878, beta_rate=5.14286)
+    scenario = Scenario(constraints=MODELS[4], start=rising)
+    yield _problem(scenario, "", 6, samples=31, end=0.3)
+    rng = np.random.default_rng(SEED)
+    for number in range(RANDOM):
+        yield _drawn(rng, number)
+
+
+def _problem(
+    scenario: Scenario,
+    condition: str,
+    digits: int,
+    *,
+    samples: int = 2,
+    end: float = 1.5,
+    cover: Literal["first", "fastest"] = "fastest",
+) -> EndedProblem:
+    name = condition.removeprefix(OWN).replace("_", " ") or "pull"
+    spin = scenario.initial_state.rates[3]
+    return EndedProblem(
+        axis=AXIS,
+        # A line each in a figure with many of them.
+        label=f"{name} {spin:.4g} rad/s 1e-{digits}{' sampled' if samples > 2 else ''}",
+        scenario=scenario,
+        end=end,
+        samples=samples,
+        cover=cover,
+        tolerance=10.0**-digits,
+        stop_when=(condition,) if condition else (),
+    )
+
+
+def _drawn(rng: np.random.Generator, number: int) -> EndedProblem:
+    """A random start, so that the condition is met in most of them."""
+    condition = ("inverted", "lost", f"{OWN}passes_sideways", f"{OWN}falls_low", "")[number % 5]
+    # What is lost or falls is up at first, and slow.
+    slow = condition in {"lost", f"{OWN}falls_low"}
+    low, high = (5.0, 25.0) if slow else (35.0, 60.0) if condition else (100.0, 300.0)
+    beta = rng.uniform(1.1, pi - 1.1)
+    gamma = (pi / 2 if slow else -pi / 2) + rng.uniform(-0.6, 0.6)
+    friction = SmoothCoulomb(
+        coefficient=rng.uniform(0.2, 0.5), load=LOADS[int(rng.integers(len(LOADS)))]
+    )
+    start = Start(beta=beta, gamma=gamma, spin=round(rng.uniform(low, high), 3))
+    return _problem(
+        Scenario(constraints=MODELS[LEVELS[number % 4]], start=start, friction=friction),
+        condition,
+        DIGITS[number % len(DIGITS)],
+        samples=2 if rng.random() < FEW else 101,
+        end=1.5 if condition else 0.25,
+        cover="fastest" if number % 7 else "first",
+    )

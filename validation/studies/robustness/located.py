@@ -1,0 +1,119 @@
+"""Where a motion ends, found apart from the solvers' own search for endings.
+
+A run that knows of no ending is sampled so finely that none lies unseen between two samples. Where
+one may lie, the run is made again from the sample before, with finer and finer samples.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from analysis import Scenario, Trajectory
+from analysis.data.checks import Array
+from analysis.data.endings import CONTACT_WOULD_PULL, Condition, Ending, StopWhen, named_conditions
+
+PARTS = 16
+"""Parts of an interval that is looked at again."""
+
+STRAIGHT = 1e-11
+"""Time in s that is left at last, in which a line is a motion, and even a kink is none."""
+
+Plain = Callable[[Scenario, Array], Trajectory]
+"""Runs a scenario over some times, whatever pulls or is met on the way."""
+
+_SAMPLED = ("times", "coordinates", "rates", "multipliers")
+
+
+def up_to_ending(
+    plain: Plain, scenario: Scenario, times: Array, stop_when: StopWhen, spacing: float
+) -> Trajectory:
+    """Motion up to where it ends first, or through all times.
+
+    Parameters
+    ----------
+    plain : callable
+        See `Plain`.
+    scenario : Scenario
+        With an ideal contact.
+    times : ndarray, shape (n,)
+        Strictly increasing, in s.
+    stop_when : str, callable or iterable of them
+        What ends the motion besides a contact that would have to pull.
+    spacing : float
+        Largest time between two samples in s among which an ending is looked for.
+    """
+    parts = int(np.ceil(np.max(np.diff(times)) / spacing))
+    inner = times[:-1, None] + np.diff(times)[:, None] * np.arange(parts) / parts
+    run = plain(scenario, np.append(inner.ravel(), times[-1]))
+    # Where the disk lies flat, the run has its last sample there.
+    asked = np.isin(run.times, (*times, run.times[-1]))
+    found = _first_ending(plain, run, named_conditions(stop_when))
+    if found is None:
+        return _sampled(run, _rows(run, asked), run.ending)
+    kept = _rows(run, asked & (run.times < found.times[-1]))
+    ends = {name: np.append(kept[name], each[-1:], axis=0) for name, each in _rows(found).items()}
+    return _sampled(run, ends, found.ending)
+
+
+def _rows(run: Trajectory, kept: Any = slice(None)) -> dict[str, Array]:
+    """What is sampled of a run, at some of its rows."""
+    return {name: getattr(run, name)[kept] for name in _SAMPLED}
+
+
+def _sampled(run: Trajectory, rows: dict[str, Any], ending: Ending | None) -> Trajectory:
+    """A run with other samples and another ending."""
+    return replace(run, **rows, pulling=(), ending=ending)
+
+
+def _first_ending(
+    plain: Plain, run: Trajectory, conditions: Mapping[str, Condition]
+) -> Trajectory | None:
+    """Two samples of which the second is the first ending of a run; None if it has none."""
+    values = _values(run, conditions)
+    places = {place for found in values.values() for place in _suspects(found)}
+    for begin, end in sorted(places):
+        if run.times[end] - run.times[begin] <= STRAIGHT:
+            endings = [_crossing(run, begin, name, found) for name, found in values.items()]
+            if found := [each for each in endings if each is not None]:
+                return min(found, key=lambda each: float(each.times[-1]))
+            continue
+        again = replace(run.scenario, start=run.state(begin))
+        times = np.linspace(run.times[begin], run.times[end], PARTS + 1)
+        if (ending := _first_ending(plain, plain(again, times), conditions)) is not None:
+            return ending
+    return None
+
+
+def _values(run: Trajectory, conditions: Mapping[str, Condition]) -> dict[str, Array]:
+    """What turns negative at an ending, by the reason it gives, each shape (n,)."""
+    states = [run.state(row) for row in range(run.times.size)]
+    told = {name: np.array([says(each) for each in states]) for name, says in conditions.items()}
+    return {CONTACT_WOULD_PULL: run.normal_force, **told}
+
+
+def _suspects(values: Array) -> Iterator[tuple[int, int]]:
+    """First and last row of where values turn negative, or may do so about a minimum."""
+    for row in np.flatnonzero((values[:-1] >= 0.0) & (values[1:] < 0.0)).tolist():
+        yield row, row + 1
+    before, middle, after = values[:-2], values[1:-1], values[2:]
+    lowest = (middle >= 0.0) & (before >= middle) & (after >= middle)
+    near = middle < (before - middle) + (after - middle)
+    for row in np.flatnonzero(lowest & near).tolist():
+        yield row, row + 2
+
+
+def _crossing(run: Trajectory, begin: int, reason: str, values: Array) -> Trajectory | None:
+    """A row and the ending behind it, on the straight line to the next row."""
+    first, last = values[begin : begin + 2].tolist()
+    if not first >= 0.0 > last:
+        return None
+    part = first / (first - last)
+
+    rows = {
+        name: np.array((before, before + part * (after - before)))
+        for name, (before, after) in _rows(run, slice(begin, begin + 2)).items()
+    }
+    ending = Ending(reason=reason, time=float(rows["times"][-1]), value=0.0)
+    return _sampled(run, rows, ending)
