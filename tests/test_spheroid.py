@@ -1,16 +1,24 @@
-"""The spheroid's contact point: lowest point, limits, and its velocity along the rim."""
+"""The rim on a yielding table: lowest point, its velocity, and the motion in both charts."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analysis import STEEL_DISK
+from analysis import STEEL_DISK, Dissipation, PenaltyContact, Scenario, Start, Table
 from analysis.data.checks import Array
+from analysis.data.elementary import cos, sin
+from analysis.mechanics.attitude import EulerAngles
 from analysis.mechanics.dual import rate
+from analysis.mechanics.free_body import FreeBody
 from analysis.mechanics.penalty import lowest_point
+from analysis.mechanics.recorded import solver
+from analysis.mechanics.states import state_of
+from analysis.rest.to_rest import start_vector
+from tests.helpers import assert_close
 
 RADIUS, HALF = 0.045, 2e-3
 
@@ -86,3 +94,30 @@ def test_contour_speed_of_a_thin_standing_disk_is_radius_times_rolling_rate() ->
     upward = np.array((0.0, np.sin(beta), np.cos(beta)))
     velocity = contour(1e-7, upward, np.array((0.0, 0.0, rolling)))
     np.testing.assert_allclose(velocity, (-RADIUS * rolling, 0.0, 0.0), atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("half", [0.0, HALF])
+def test_both_charts_of_the_attitude_give_the_same_motion(half: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    contact = PenaltyContact.damped(1e5, STEEL_DISK, half_thickness=half)
+    losses = Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4, air_drag=1.2)
+    table = Table(inclination=0.2, downhill=rng.uniform(-3.0, 3.0))
+    names = ("x_rate", "y_rate", "beta_rate", "gamma_rate")
+    rates = dict(zip(names, rng.normal(size=4), strict=True))
+    start = Start(beta=rng.uniform(0.3, 2.8), gamma=rng.uniform(-3.0, 3.0), spin=4.0, **rates)
+    scenario = Scenario(contact=contact, table=table, dissipation=losses, start=start)
+    state, disk = scenario.initial_state, scenario.disk
+
+    def velocities(moving: Sequence[Any]) -> list[Any]:
+        """Of S in inertial axes, and angular ones in those of the body."""
+        c, s, (x, y, z) = cos(moving[3]), sin(moving[3]), moving[6:9]
+        turning = EulerAngles.angular_velocity(moving[3:6], moving[9:])
+        return [c * x - s * y, s * x + c * y, z, *turning]
+
+    here = state_of(disk, state.coordinates, state.rates)
+    *changes, force = solver(scenario)(*here)
+    body, free = start_vector(disk, state), FreeBody(scenario)
+    found = np.array(free.derivative(0.0, body))[7:13]
+    assert_close(found, rate(velocities, here, changes), relative=1e-12)
+    assert free.readings(body[None])["normal_force"][0] == pytest.approx(force, rel=1e-12)
