@@ -95,7 +95,7 @@ def error(scenario: Scenario, motion: Motion, spins: Array = SPINS) -> float:
     r, rate = scenario.disk.radius, system.frequency
     units = np.array((r, r, r, 1.0, 1.0, 1.0, r * rate, r * rate, r * rate, rate, rate, rate))
     worst = 0.0
-    bases, _ = system.bases(spins)
+    bases = system.bases(spins)
     for spin, states, found in zip(spins, bases, system.matrices(spins), strict=True):
         into_paper = jacobian(
             lambda state: np.concatenate(paper_of(scenario.disk, state)), system.state(spin)

@@ -3,10 +3,10 @@
 Independent of the matrices of `linear_full` and `linear_reduced`: the nonlinear index-1 system
 s' = F(s) in the states of `mechanics.states` is differentiated by dual numbers along the tangent
 space T of the states that meet every constraint on position and velocity level. Its Jacobian J
-maps T into itself; with B a basis of T and L its inverse, the state matrix is L J B.
+maps T into itself, so that it is told by the numbers of a state that are free in T.
 
 Some directions of T are neutral. They, too, are mapped into themselves (which is checked), so
-that leaving them out of B leaves the other eigenvalues as they are:
+that leaving them out leaves the other eigenvalues as they are:
 
 - alpha: the disk may stand on the table in any direction;
 - its rate, unless the spin is held: the neighbouring stationary motion, an eigenvalue of zero;
@@ -143,49 +143,57 @@ class LinearFlow:
         result: Array = rows * self._units / self.scenario.disk.radius
         return result
 
-    def neutral(self, state: Array, *, drift: bool) -> Array:
-        """Directions in which a stationary state has neighbours, shape (12, j).
+    def neutral(self, *, drift: bool) -> list[int]:
+        """Numbers of a state by which a stationary one has neighbours.
+
+        A free spin is that about the centre of gravity: no other motion is stationary.
 
         Parameters
         ----------
-        state : ndarray, shape (12,)
         drift : bool
             Whether the place on the table is left out of them.
         """
-        held, every = self.scenario.constraints, np.eye(12)
-        directions = [every[3]]
-        if "constant-spin" not in held:
-            x, y = state[:2] / self.scenario.disk.radius
-            directions.append(every[9] + x * every[7] - y * every[6])
-        if not drift and has_drift(held):
-            directions += [every[0], every[1]]
-        return np.column_stack(directions)
+        held = self.scenario.constraints
+        free_spin = [] if "constant-spin" in held else [9]
+        place = [] if drift or not has_drift(held) else [0, 1]
+        return [3, *free_spin, *place]
 
 
-def dependent(rows: Array) -> npt.NDArray[np.intp]:
-    """Numbers of the columns by which rows, shape (m, 12), are solved best; shape (m,)."""
-    found: npt.NDArray[np.intp] = qr(rows, mode="r", pivoting=True)[1][: len(rows)]
-    return found
-
-
-def tangent_bases(rows: Array, solved: npt.NDArray[np.intp]) -> Array:
-    """Bases of what is normal to rows, shape (n, m, 12), each with a free number of its own.
+class Tangents:
+    """How states may deviate that meet every constraint, the neutral numbers left out.
 
     Parameters
     ----------
-    rows : ndarray, shape (n, m, 12)
-    solved : ndarray of int, shape (m,)
-        Numbers of a state that follow from the free ones, which are the others.
-
-    Returns
-    -------
-    ndarray, shape (n, 12, 12 - m)
+    normals : ndarray, shape (m, 12)
+        Of the constraints in one state.
+    neutral : list of ints
+        Numbers of a state that do not deviate.
     """
-    free = np.setdiff1d(np.arange(12), solved)
-    result = np.zeros((len(rows), 12, free.size))
-    result[:, free] = np.eye(free.size)
-    result[:, solved] = -np.linalg.solve(rows[:, :, solved], rows[:, :, free])
-    return result
+
+    def __init__(self, normals: Array, neutral: list[int]) -> None:
+        others = np.setdiff1d(np.arange(12), neutral)
+        best = qr(normals[:, others], mode="r", pivoting=True)[1]
+        self._solved = others[best[: len(normals)]]
+        self._neutral, self.free = neutral, others[np.sort(best[len(normals) :])]
+
+    def bases(self, normals: Array) -> Array:
+        """Deviations of all numbers by each free one, shape (n, 12, k), from (n, m, 12)."""
+        result = np.zeros((len(normals), 12, self.free.size))
+        result[:, self.free] = np.eye(self.free.size)
+        found = np.linalg.solve(normals[:, :, self._solved], normals[:, :, self.free])
+        result[:, self._solved] = -found
+        return result
+
+    def matrices(self, jacobians: Array, normals: Array) -> tuple[Array, float]:
+        """State matrices, shape (n, k, k), and what the neutral numbers do in them at most.
+
+        The flow maps what is tangent to the constraints into the same, so that the free numbers
+        tell the others.
+        """
+        rows = jacobians[:, self.free]
+        coupling = np.max(np.abs(rows[:, :, self._neutral]), axis=(1, 2))
+        worst = float(np.max(coupling / np.max(np.abs(jacobians), axis=(1, 2))))
+        return rows @ self.bases(normals), worst
 
 
 class NumericSystem:
@@ -223,35 +231,27 @@ class NumericSystem:
 
     def matrices(self, spins: Array, *, drift: bool = True) -> Array:
         """State matrices in 1/s at spins in rad/s, shape (n,), as `numeric_matrices` tells."""
-        bases, neutral = self.bases(spins, drift=drift)
         spin = (spins / self.frequency)[:, None, None]
         constant, linear, square = self._powers
         jacobians = constant + spin * linear + spin**2 * square
-        rows = np.linalg.pinv(bases)
-        coupling = np.max(np.abs(rows @ jacobians @ neutral), axis=(1, 2))
-        worst = float(np.max(coupling / np.max(np.abs(jacobians), axis=(1, 2))))
+        found, worst = self._tangents(drift=drift).matrices(jacobians, self._normals_at(spins))
         if worst > 1e-6:
             raise ArithmeticError(
                 f"a change of the spin or of the place of {self._scenario.name} is not neutral: "
                 f"relative coupling {worst:.1e}"
             )
-        return self.frequency * (rows @ jacobians @ bases)
+        return self.frequency * found
 
-    def bases(self, spins: Array, *, drift: bool = True) -> tuple[Array, Array]:
-        """Bases of the tangent spaces without the neutral directions, and these.
+    def bases(self, spins: Array, *, drift: bool = True) -> Array:
+        """Deviations of a state without units by each free number, shape (n, 12, k)."""
+        return self._tangents(drift=drift).bases(self._normals_at(spins))
 
-        Returns
-        -------
-        bases : ndarray, shape (n, 12, k)
-            In numbers of a state without units, smooth in the spin.
-        neutral : ndarray, shape (12, j)
-        """
-        neutral = self._flow.neutral(self.state(0.0), drift=drift)
+    def _tangents(self, *, drift: bool) -> Tangents:
+        return Tangents(self._normals[0], self._flow.neutral(drift=drift))
+
+    def _normals_at(self, spins: Array) -> Array:
         still, linear = self._normals
-        normals = still + (spins / self.frequency)[:, None, None] * linear
-        columns = np.broadcast_to(neutral.T, (spins.size, *neutral.T.shape))
-        rows = np.concatenate((normals, columns), axis=1)
-        return tangent_bases(rows, dependent(np.concatenate((still, neutral.T)))), neutral
+        return still + (spins / self.frequency)[:, None, None] * linear
 
     def accelerations(self, spin: float) -> Array:
         """Accelerations at the stationary motion without units, shape (6,): zero if it is one."""

@@ -7,7 +7,7 @@ alone, without slip. Here the same flow is linearised at one spin and one attitu
 import numpy as np
 
 from analysis.data.scenario import Scenario
-from analysis.stability.linear_numeric import LinearFlow, dependent, tangent_bases
+from analysis.stability.linear_numeric import LinearFlow, Tangents
 from analysis.stability.linear_reduced import ComplexArray
 
 
@@ -47,8 +47,8 @@ def stationary_eigenvalues(
             f"a motion at {spin:.9g} rad/s with beta {beta:.6g} and gamma {gamma:.6g} rad is not "
             f"stationary: its accelerations are {change:.1e} of those of the spinning"
         )
-    rows = np.concatenate((flow.normals(state), flow.neutral(state, drift=False).T))
-    basis = tangent_bases(rows[None], dependent(rows))[0]
-    matrix = flow.frequency * (np.linalg.pinv(basis) @ flow.jacobian(state) @ basis)
-    values = np.linalg.eigvals(matrix).astype(complex)
+    normals, jacobian = flow.normals(state), flow.jacobian(state)
+    tangents = Tangents(normals, flow.neutral(drift=False))
+    (matrix,), _ = tangents.matrices(jacobian[None], normals[None])
+    values = np.linalg.eigvals(flow.frequency * matrix).astype(complex)
     return values[np.lexsort((-values.imag, -values.real))]
