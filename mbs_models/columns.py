@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from analysis.data.agreement import error_at_ending
 from analysis.data.checks import Array
 
 COORDINATES = slice(0, 6)
@@ -13,14 +14,21 @@ TURNING = [ALPHA, GAMMA]
 BETA_RATE = 10
 NORMAL_FORCE = 12
 
+ANGLES, ANGLE_RATES = slice(4, 6), slice(10, 12)
+"""Those of beta and gamma."""
 
-def apart(first: Array, second: Array) -> float:
+
+def apart(first: Array, second: Array, *, flat: bool = False) -> float:
     """Largest difference of beta and gamma in rad, which is what tolerances speak of.
 
     Parameters
     ----------
-    first, second : ndarray, shape (n, 6 or more)
-        Samples at the same times.
+    first, second : ndarray, shape (n, 12 + k)
+        Samples with their times as the last column; those of the last may differ.
+    flat : bool
+        Whether the disk lies flat at the last sample: gamma means nothing there.
     """
-    angles = slice(BETA, GAMMA + 1)
-    return float(np.max(np.abs(first[:, angles] - second[:, angles])))
+    gaps, rates = first[:, ANGLES] - second[:, ANGLES], second[:, ANGLE_RATES].copy()
+    if flat:
+        gaps[-1, 1] = rates[-1, 1] = 0.0
+    return float(np.max(error_at_ending(gaps, first[:, -1] - second[:, -1], rates)))

@@ -36,24 +36,36 @@ class Ladder:
         They decide which powers of the step the error holds.
     decay : float
         Rate in 1/s at which friction brakes slip, at most.
+    flat : bool
+        Whether the runs end where the disk lies flat.
 
     Attributes
     ----------
     best : ndarray, shape (n, k)
         Best extrapolated samples so far.
+    best_times : ndarray, shape (n,)
+        Their times in s, of which that of an ending is extrapolated, too.
     estimate : float
-        Estimated error of beta and gamma of the last addition in rad.
+        Estimated error of beta and gamma of the last addition in rad; see `error_at_ending`.
     best_estimate : float
         Smallest estimate so far.
     """
 
-    def __init__(self, formulation: Formulation, integrator: IntegratorName, decay: float) -> None:
-        self._decay = decay
+    def __init__(
+        self,
+        formulation: Formulation,
+        integrator: IntegratorName,
+        decay: float,
+        *,
+        flat: bool = False,
+    ) -> None:
+        self._decay, self._flat = decay, flat
         self._exponents = error_exponents(formulation, integrator)
         self._row: list[Array] = []
         self._differences: list[float] = []
         self._worse = 0
         self.best: Array = np.empty((0, 0))
+        self.best_times: Array = np.empty(0)
         self.estimate = np.inf
         self.best_estimate = np.inf
 
@@ -65,7 +77,7 @@ class Ladder:
         """
         return self._worse >= 3 and self.best_estimate < 1e-5
 
-    def add(self, values: Array, step: float) -> None:
+    def add(self, values: Array, times: Array, step: float) -> None:
         """Add a run with half the step of the run before.
 
         Each extrapolated value is compared with its like from the run before. The difference is
@@ -80,16 +92,18 @@ class Ladder:
         Parameters
         ----------
         values : ndarray, shape (n, k)
-            No longer than those of the run before, which is cut to them.
+            Samples, no more than those of the run before, which is cut to them.
+        times : ndarray, shape (n,)
+            In s; but for the last of a run that has ended by itself, those of the run before.
         step : float
             In s.
         """
         self._row = [coarse[: len(values)] for coarse in self._row]
-        row = [values]
+        row = [np.column_stack((values, times))]
         for exponent, coarse in zip(self._exponents, self._row, strict=False):
             row.append(row[-1] + (row[-1] - coarse) / (2.0**exponent - 1.0))
         differences = [
-            max(apart(fine, coarse), ROUNDING)
+            max(apart(fine, coarse, flat=self._flat), ROUNDING)
             for coarse, fine in zip(self._row, row, strict=False)
         ]
         self.estimate = np.inf
@@ -97,7 +111,8 @@ class Ladder:
         for column, difference in enumerate(differences):
             estimate = caution * max(difference, self._expected(column, differences))
             if estimate < self.estimate:
-                self.estimate, self.best = estimate, row[column]
+                self.estimate = estimate
+                self.best, self.best_times = row[column][:, :-1], row[column][:, -1]
         self._differences = differences
         self._row = row
         improved = self.estimate < 0.5 * self.best_estimate

@@ -1,12 +1,13 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
+from collections.abc import Callable
 from math import pi
 from typing import Any, ClassVar
 
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
-from exudyn.lieGroupBasics import TExpSO3Inv
+from exudyn.lieGroupBasics import CompositionRuleForRotationVectors
 from exudyn.rigidBodyUtilities import (
     EulerParameters2GLocal,
     EulerParameters2RotationMatrix,
@@ -232,8 +233,8 @@ class Floating(Model):
         rotation = records[:, 3:12].reshape(-1, 3, 3)
         return frames.from_poses(position, rotation, velocity, angular)
 
-    def decode_accelerations(self, second_derivatives: Array) -> Array:
-        coordinates, rates = self.decode(self.record()[None])
+    def decode_accelerations(self, second_derivatives: Array, state: State) -> Array:
+        coordinates, rates = np.array([state.coordinates]), np.array([state.rates])
         angular = self._angular_acceleration(second_derivatives)
         result: Array = frames.accelerations_from_inertial(
             coordinates, rates, second_derivatives[None, :3], angular[None]
@@ -260,12 +261,18 @@ class FloatingLie(Floating):
     def encode(self, state: State) -> None:  # noqa: ARG002
         return None
 
-    def coordinate_rates(self) -> Array:
+    def path(self) -> Callable[[float], Array]:
         # On the Lie group the velocities are local angular velocities, not rates of coordinates.
-        rates = super().coordinate_rates()
-        vector = np.array(self.system.systemData.GetODE2CoordinatesTotal())[3:6]
-        rates[3:6] = TExpSO3Inv(vector) @ rates[3:6]
-        return rates
+        data, straight = self.system.systemData, super().path()
+        here, angular = data.GetODE2Coordinates()[3:6], data.GetODE2Coordinates_t()[3:6]
+        vector = data.GetODE2CoordinatesTotal()[3:6]
+
+        def turned(time: float) -> Array:
+            place = straight(time)
+            place[3:6] = here + CompositionRuleForRotationVectors(vector, time * angular) - vector
+            return place
+
+        return turned
 
     def _turning(self, torque: Array) -> Array:
         return torque

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from analysis.data.checks import choice
 from mbs_models.integrators import RULES, IntegratorName
-from mbs_models.quiet import quiet
+from mbs_models.solving import solving
 
 STAGES: dict[IntegratorName, int] = {
     name: rule.stages for name, rule in RULES.items() if rule.stages and not rule.controls_step
@@ -65,7 +65,7 @@ def _one_step(integrator: IntegratorName, z: complex, start: tuple[float, float]
     settings.timeIntegration.verboseMode = 0
     settings.timeIntegration.automaticStepSize = False
     settings.solution.file.write = False
-    with quiet():
+    with solving(system):
         system.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, integrator))
     return float(system.systemData.GetODE2Coordinates()[0])
 

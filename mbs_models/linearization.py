@@ -13,8 +13,8 @@ from analysis.data.start import Start
 from analysis.data.state import COORDINATES, State
 from mbs_models.build import build
 from mbs_models.probe import Probe, acceleration
-from mbs_models.quiet import quiet
 from mbs_models.scene import Scene
+from mbs_models.solving import solving
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -90,7 +90,7 @@ def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     (8,)
     """
     model = build(Scene.of(scene))
-    with quiet():
+    with solving(model.system):
         values, _ = model.system.ComputeODE2Eigenvalues(
             computeComplexEigenvalues=True, useAbsoluteValues=False
         )
@@ -181,11 +181,9 @@ def _accelerations(scene: Scene) -> Callable[[State], Array]:
     probe = Probe(model)
 
     def at(state: State) -> Array:
-        place = model.encode(state)
-        if place is None:
+        if not probe.moved_to(state):
             return acceleration(scene, state)[0]
-        probe.set_state(*place)
-        return model.decode_accelerations(probe.solve()[0])
+        return model.decode_accelerations(probe.solve()[0], state)
 
     return at
 

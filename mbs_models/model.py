@@ -1,6 +1,7 @@
 """An assembled engine system, and the way from its coordinates to the paper's."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from math import sqrt
 from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
@@ -117,18 +118,22 @@ class Model(ABC):
         return None
 
     @abstractmethod
-    def decode_accelerations(self, second_derivatives: Array) -> Array:
+    def decode_accelerations(self, second_derivatives: Array, state: State) -> Array:
         """Second derivatives of the co-rotating coordinates, shape (6,).
 
         Parameters
         ----------
         second_derivatives : ndarray, shape (n,)
             Those of the engine's coordinates in its current state.
+        state : State
+            The same state. Taken back from a rotation, alpha of a nearly flat disk is uncertain.
         """
 
-    def coordinate_rates(self) -> Array:
-        """Time derivatives of the engine's coordinates in its current state, shape (n,)."""
-        return np.array(self.system.systemData.GetODE2Coordinates_t())
+    def path(self) -> Callable[[float], Array]:
+        """From a time in s to the engine's coordinates, shape (n,), at the present velocities."""
+        data = self.system.systemData
+        here, velocities = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+        return lambda time: here + time * velocities
 
     def multipliers(
         self,

@@ -83,9 +83,11 @@ def one_pass(
     for first, intervals, spacing in _even_stretches(times):
         if blocks:
             scene = scene.starting_at(state_of(blocks[-1].values[-1]))
-        substeps = max(1, int(np.ceil(spacing / step - 1e-9))) << halvings
-        longest = max(longest, spacing / substeps)
-        block = runner.stretch(scene, float(times[first]), intervals, spacing, substeps)
+        substeps = max(1, int(np.ceil(spacing / step - 1e-9)))
+        longest = max(longest, spacing / (substeps << halvings))
+        block = runner.stretch(
+            scene, float(times[first]), intervals, spacing, substeps, halvings=halvings
+        )
         blocks.append(block)
         if block.ended is not None:
             break

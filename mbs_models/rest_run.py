@@ -15,9 +15,9 @@ from analysis.data.dissipation import CAUSES, RestCriterion
 from analysis.data.endings import Condition, Ending, Poses, ending_met, first_met
 from analysis.data.trajectory import Setting
 from analysis.data.watch import Watch
-from mbs_models.quiet import quiet
 from mbs_models.runs import EngineError, StepLimiter
 from mbs_models.scene import Scene
+from mbs_models.solving import Ended, solving
 from mbs_models.tally import Tally
 
 STRETCH = 0.1
@@ -208,7 +208,7 @@ class RestRun:
         is_due = self._calls % LOOK == 0 and not self._is_locating
         if is_due and self._watch.is_over(moment, self._end):
             self.is_over = True
-            raise EngineError("time limit")
+            raise Ended("time limit")
         return self._limiter.limit(system, moment)
 
     def _advance(self, intervals: int) -> None:
@@ -224,7 +224,7 @@ class RestRun:
         system: Any = self._model.system
         solver = exu.DynamicSolverType
         try:
-            with quiet():
+            with solving(system):
                 system.SolveDynamic(
                     self._settings(intervals, spacing, begin),
                     solverType=solver.DOPRI5 if self._step is None else solver.RK44,

@@ -14,7 +14,7 @@ from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.newton import complete_jacobian
 from mbs_models.probe import Probe
-from mbs_models.quiet import quiet
+from mbs_models.solving import Ended, solving
 
 MINIMUM_STEP = 1e-9
 """Step in s at which step control gives up."""
@@ -115,16 +115,10 @@ def run(
     if integrator.controls_step:
         system.SetPreStepUserFunction(limiter.limit)
     stopped: list[float] = []
-    raised: list[BaseException] = []
     if stop is not None:
 
         def after_step(_system: Any, moment: float) -> bool:
-            # An exception would not get through the engine: it ends the run, and goes on after.
-            try:
-                over = stop(moment)
-            except BaseException as error:  # noqa: BLE001
-                raised.append(error)
-                over = True
+            over = stop(moment)
             if over:
                 stopped.append(moment)
             return not over
@@ -133,14 +127,12 @@ def run(
     begin = time.process_time()
     failure = None
     try:
-        with quiet():
+        with solving(system):
             system.SolveDynamic(
                 settings, solverType=getattr(exu.DynamicSolverType, integrator.name)
             )
     except exu.ExudynError as error:
         failure = error
-    if raised:
-        raise raised[0]
     samples = _samples(model, integrator, start, spacing)
     complete = len(samples.records) == intervals + 1 or bool(stopped)
     samples = replace(
@@ -215,7 +207,7 @@ class StepLimiter:
         rest = sample - start
         if step <= 1.001 * self._minimum < rest:
             self.stalled = True
-            raise EngineError("minimum step")
+            raise Ended("minimum step")
         # Equal steps to the next sample: a short last one would hold up the step control.
         steps = ceil(rest / step - 1e-9)
         iteration.currentStepSize = rest / steps

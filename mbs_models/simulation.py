@@ -64,7 +64,8 @@ def simulate(
     step : float, optional
         Largest step in s; shortened so that every sample falls on a step.
     tolerance : float, optional
-        Largest error in beta and gamma in rad; 1e-8 if neither is given.
+        Largest error in beta and gamma in rad, and in s that of the time at which the motion ends
+        by itself; 1e-8 if neither is given.
     integrator : Integrator or str, optional
         With its options, or the name of one of `integrators(scene.built_as)`; by default the
         first of them, and DOPRI5 where it can be taken and halving fixed steps leads to nothing.

@@ -114,12 +114,19 @@ class Runner:
         self.forces: list[float] = []
 
     def stretch(
-        self, scene: Scene, begin: float, intervals: int, spacing: float, substeps: int
+        self,
+        scene: Scene,
+        begin: float,
+        intervals: int,
+        spacing: float,
+        substeps: int,
+        *,
+        halvings: int = 0,
     ) -> Block:
-        """Samples of one stretch of even spacing."""
+        """Samples of one stretch of even spacing, with so many steps between them, halved."""
         model = self._build(scene)
         start = None if self.moments else self._checked_start(model)
-        finer, substeps = self._fineness(model, spacing, substeps)
+        finer, substeps = self._fineness(model, spacing, substeps, halvings)
         period = spacing / finer
         says = says_of(self._conditions, may_pull=not self._must_not_pull(model))
         if not self._watch.steps_left:
@@ -220,21 +227,27 @@ class Runner:
         self._watch.steps += samples.counts["steps"] + samples.counts.get("rejected_steps", 0)
         self.seconds += samples.seconds
 
-    def _fineness(self, model: Model, spacing: float, substeps: int) -> tuple[int, int]:
+    def _fineness(
+        self, model: Model, spacing: float, substeps: int, halvings: int
+    ) -> tuple[int, int]:
         """Records per sample, and steps per record.
 
         Less than about a radian lies between two records, so that neither turns nor a contact
         that pulls are missed. That is estimated from the rates at the start, and from those that
-        the fall of the disk can add.
+        the fall of the disk can add. Runs of which each has half the step of the one before have
+        the same records, as far as the first has the steps: endings are located from there, and
+        else could not be extrapolated.
         """
         fall = np.sqrt(model.scenario.table.gravity / model.scenario.disk.radius)
         fastest = 2.0 * (sum(abs(rate) for rate in model.start.rates[3:]) + fall)
         needed = int(np.ceil(fastest * spacing))
         if self._integrator.controls_step:
-            return needed, int(np.ceil(substeps / needed))
-        divisors = (k for k in range(1, substeps) if k >= needed and substeps % k == 0)
-        finer = next(divisors, substeps)
-        return finer, substeps // finer
+            return needed, int(np.ceil((substeps << halvings) / needed))
+        divisors = (k for k in range(needed, substeps) if substeps % k == 0)
+        finer, steps = next(divisors, substeps), substeps << halvings
+        while finer < min(needed, steps):
+            finer *= 2
+        return finer, steps // finer
 
 
 def _failed(

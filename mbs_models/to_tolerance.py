@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from analysis.data.checks import TimeLimitError, ToleranceError
-from analysis.data.endings import TIME_LIMIT
+from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.data.state import FlatError
 from mbs_models.columns import apart
 from mbs_models.effort import HALVINGS
@@ -96,11 +96,10 @@ def to_tolerance(
         if not over and kind != (result.ended, result.times.size):
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
-            ladder = empty()
-        ladder.add(np.column_stack((result.values, result.times)), result.step)
+            ladder = empty(flat=result.ended == FLAT)
+        ladder.add(result.values, result.times, result.step)
         if ladder.estimate <= tolerance:
-            values, times = ladder.best[:, :-1], ladder.best[:, -1]
-            best = replace(result, times=times, values=values, counts=counts)
+            best = replace(result, times=ladder.best_times, values=ladder.best, counts=counts)
             return integrator, best, ladder.estimate
         if over:
             what = f"a step of {result.step:.3g} s"
@@ -136,7 +135,9 @@ def _by_step_control(
             coarse.ended,
             coarse.times.size,
         ):
-            estimate = CAUTION * max(apart(fine.values, coarse.values), ROUNDING)
+            one, other = (np.column_stack((each.values, each.times)) for each in (fine, coarse))
+            difference = apart(one, other, flat=fine.ended == FLAT)
+            estimate = CAUTION * max(difference, ROUNDING)
             if estimate <= tolerance:
                 return integrator, replace(fine, counts=counts), estimate
         if local < LEAST_LOCAL:

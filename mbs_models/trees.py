@@ -142,7 +142,7 @@ class EulerTree(_Tree):
         back = np.argsort(self._order)
         return records[:, :6][:, back], records[:, 6:][:, back]
 
-    def decode_accelerations(self, second_derivatives: Array) -> Array:
+    def decode_accelerations(self, second_derivatives: Array, state: State) -> Array:
         return second_derivatives[np.argsort(self._order)]
 
 
@@ -207,10 +207,10 @@ class ContactTree(_Tree):
         rates = np.column_stack((xd, yd - r * sb * bd, r * cb * bd, ad, bd, gd))
         return coordinates, rates
 
-    def decode_accelerations(self, second_derivatives: Array) -> Array:
+    def decode_accelerations(self, second_derivatives: Array, state: State) -> Array:
         r = self.scenario.disk.radius
         add, xdd, ydd, bdd, gdd = second_derivatives
-        beta, bd = self.record()[[3, 8]]
+        beta, bd = state.coordinates[4], state.rates[4]
         sb, cb = np.sin(beta), np.cos(beta)
         return np.array(
             (

@@ -9,15 +9,18 @@ import numpy as np
 import pytest
 
 from analysis import (
+    Ensemble,
     FrictionLaw,
     SmoothCoulomb,
     Start,
+    ToleranceError,
     Trajectory,
     simulate,
     simulate_many,
 )
 from analysis.compiled import code, places
-from tests.helpers import assert_close, model
+from analysis.models import simulation
+from tests.helpers import assert_close, model, not_none
 from validation.studies import compiled_speed
 
 pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
@@ -65,6 +68,40 @@ def test_members_of_a_batch_are_those_of_single_runs() -> None:
     assert reasons == {None, "inverted", "flat"}
     assert isinstance(outcomes[-1], ValueError)
     assert "takes the load 'weight' alone" in str(outcomes[-1])
+
+
+def test_estimates_cover_the_time_at_which_a_condition_ends_a_member() -> None:
+    members = [model(4, start=Start(spin=spin)) for spin in (36.0, 40.0, 44.0)]
+    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted"}
+    ends = [0.0, 1.0]
+    outcomes = simulate_many(members, ends, **how, tolerance=1e-3)
+    coarse, fine = (simulate_many(members, ends, **how, local_tolerance=x) for x in (1e-6, 1e-9))
+    for member, *three in zip(members, outcomes, coarse, fine, strict=True):
+        outcome, *pair = (each for each in three if isinstance(each, Trajectory))
+        single = simulate(member, ends, **how, method="taylor", tolerance=1e-3)
+        assert outcome.error_estimate == pytest.approx(single.error_estimate, rel=1e-3)
+        late = abs(pair[0].times[-1] - pair[1].times[-1])
+        assert late > 1e-12
+        assert not_none(outcome.error_estimate) > 2.0 * late
+
+
+def test_members_that_taylor_takes_to_no_tolerance_run_with_dop853(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(simulation, "COMPILED_TOLERANCES", (1e-6, 1e-6))
+    members = [model(4, start=Start(spin=spin)) for spin in (30.0, 40.0)]
+    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-9}
+    times = np.linspace(0.0, 0.5, 6)
+    spins = Ensemble(scenario=members[0], fields={"spin": np.array([30.0, 40.0])})
+    listed, arrays = (simulate_many(each, times, **how) for each in (members, spins))
+    for number, member in enumerate(members):
+        alone = simulate(member, times, **how)
+        for outcome in (listed[number], arrays[number]):
+            assert isinstance(outcome, Trajectory)
+            assert outcome.method == alone.method
+            np.testing.assert_array_equal(outcome.coordinates, alone.coordinates)
+    insisting = simulate_many(members, times, **how, method="taylor")
+    assert all(isinstance(outcome, ToleranceError) for outcome in insisting)
 
 
 def test_members_that_cannot_be_compiled_run_all_the_same() -> None:

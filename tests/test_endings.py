@@ -1,5 +1,6 @@
 """Why a motion ends, and where: flat, inverted, or where the user says."""
 
+from functools import cache
 from itertools import count
 from math import pi, sin
 from pathlib import Path
@@ -13,6 +14,7 @@ import mbs_models
 from analysis import (
     Ending,
     Form,
+    Level,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -184,3 +186,81 @@ def test_of_two_conditions_of_one_name_none_is_forgotten() -> None:
 def test_an_ending_has_a_reason(reason: Any) -> None:
     with pytest.raises(ValueError, match=f"^reason must be text, got {reason!r}$"):
         Ending(reason=reason, time=1.0, value=0.0)
+
+
+@cache
+def ended_starts(*levels: Level) -> list[tuple[Scenario, str]]:
+    """Random starts of models in turns, and what their runs end at."""
+    random = np.random.default_rng(31)
+    spins = {"inverted": (30.0, 70.0), "lost": (10.0, 40.0), "contact would pull": (80.0, 160.0)}
+    found = []
+    for number in range(60):
+        reason = [*spins][number % 3]
+        start = Start(
+            spin=random.uniform(*spins[reason]),
+            beta=random.uniform(0.9, 2.2),
+            gamma=random.uniform(0.3, 2.8) if reason == "lost" else random.uniform(-2.3, -0.8),
+        )
+        found.append((model(levels[number % len(levels)], start=start), reason))
+    return found
+
+
+def errors_at_ending(run: Trajectory, stop_when: tuple[str, ...]) -> tuple[float, float]:
+    """Errors of the ending's time in s and of all states in rad, by Taylor's method."""
+    how: dict[str, Any] = {"form": run.method["form"], "method": "taylor"}
+    how["local_tolerance"] = 3e-14
+    ended = analysis.simulate(run.scenario, [0.0, 1.5], stop_when=stop_when, **how)
+    whole = analysis.simulate(run.scenario, run.times, allow_pulling=True, **how)
+    late = abs(not_none(run.ending).time - not_none(ended.ending).time)
+    return late, float(np.max(np.abs(run.coordinates - whole.coordinates)[:, 4:]))
+
+
+@pytest.mark.parametrize(
+    ("start", "tolerance", "time"),
+    [
+        # The first two runs end in nearly the same state, half a microsecond apart.
+        (Start(spin=45.2112, gamma=-1.467538, beta=1.356142), 1e-6, 0.743089983348),
+        # Two runs of an early reversal of slip, where friction has a kink, agree by chance.
+        (Start(spin=37.25768, gamma=-1.761848, beta=1.823287), 1e-8, 0.469902896322),
+    ],
+)
+def test_tolerance_covers_the_time_of_an_ending_and_the_state_there(
+    start: Start, tolerance: float, time: float
+) -> None:
+    scenario = model(4, start=start)
+    run = analysis.simulate(scenario, [0.0, 2.0], tolerance=tolerance, stop_when="inverted")
+    assert not_none(run.ending).time == pytest.approx(time, abs=tolerance / 3.0)
+    whole = analysis.simulate(
+        scenario, run.times, form="reduced", method="Radau", local_tolerance=1e-9
+    )
+    assert np.max(np.abs(run.coordinates - whole.coordinates)[:, 4:]) < tolerance
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("samples", [2, 151])
+@pytest.mark.parametrize(
+    ("method", "levels"),
+    # Steps of SciPy's methods still go across the least slip where it has two directions.
+    [("DOP853", (3, 4)), ("taylor", (1, 2))],
+)
+def test_tolerance_is_kept_where_conditions_end_random_runs(
+    method: Any, levels: tuple[Level, ...], samples: int
+) -> None:
+    random = np.random.default_rng(32)
+    ended = 0
+    for scenario, reason in ended_starts(*levels):
+        stop_when = () if reason == "contact would pull" else (reason,)
+        tolerance = 10.0 ** -random.integers(3, 10)
+        run = analysis.simulate(
+            scenario,
+            np.linspace(0.0, 1.5, samples),
+            tolerance=tolerance,
+            stop_when=stop_when,
+            method=method,
+        )
+        if run.ending is None or run.ending.reason == "flat":
+            continue
+        late, apart = errors_at_ending(run, stop_when)
+        assert max(late, apart) <= tolerance + 1e-11, (scenario, tolerance)
+        ended += 1
+    assert ended > 30

@@ -7,7 +7,7 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import Level, PenaltyContact, Scenario, Start, State, Trajectory
+from analysis import LEVELS, Level, PenaltyContact, Scenario, Start, State, Trajectory
 from analysis.data.endings import REACHED, StopWhen
 from mbs_models import Formulation, Scene, formulations
 from tests.helpers import model, mostly_slow, not_none
@@ -124,3 +124,99 @@ def test_a_single_run_of_fixed_steps_ends_too(formulation: Formulation) -> None:
     run = mbs_models.simulate(Scene(Scenario(), formulation), LONG, step=1e-3, stop_when=slow)
     assert not_none(run.ending).reason == "slow"
     assert run.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-9)
+
+
+def check_tolerance_at_ending(
+    scene: Scene, times: list[float], tolerance: float, stop_when: StopWhen = ()
+) -> None:
+    """Neither the time of an ending nor the state at that time is off by more than allowed.
+
+    Against in-house runs with a local tolerance of 1e-12: up to the ending, and up to the time
+    that the engine gives.
+    """
+    found = mbs_models.simulate(scene, times, tolerance=tolerance, stop_when=stop_when)
+    same = analysis.simulate(scene.scenario, times, local_tolerance=1e-12, stop_when=stop_when)
+    if same.ending is None and not stop_when:
+        # Not every contact would pull.
+        assert found.ending is None
+        return
+    ending = not_none(found.ending)
+    assert not_none(same.ending).reason == ending.reason
+    assert abs(ending.time - not_none(same.ending).time) <= tolerance
+    before = np.linspace(0.0, ending.time, 11)
+    then = analysis.simulate(scene.scenario, before, local_tolerance=1e-12, allow_pulling=True)
+    assert np.max(np.abs(found.coordinates[-1] - then.coordinates[-1])[4:]) <= tolerance
+    assert 0.0 < not_none(found.error_estimate) <= tolerance
+
+
+TOLD = {
+    "lost": (2, "euler-tree", Start(spin=14.5, beta=1.53, gamma=1.78), 1e-7),
+    "Model 3": (3, "euler-tree", Start(spin=38.0, beta=1.5, gamma=-1.4), 1e-6),
+    "Model 4": (4, "euler-tree", Start(spin=59.3464, beta=1.35434, gamma=-1.570456), 1e-6),
+    "closer": (4, "euler-tree", Start(spin=45.2112, beta=1.356142, gamma=-1.467538), 1e-8),
+}
+
+
+@pytest.mark.parametrize("case", mostly_slow(TOLD, ["lost"]))
+def test_tolerance_holds_for_the_time_of_an_ending_and_for_the_state_there(case: str) -> None:
+    level, formulation, start, tolerance = TOLD[case]
+    scene = Scene(model(level, start=start), formulation)  # type: ignore[arg-type]
+    told = "lost" if case == "lost" else "inverted"
+    check_tolerance_at_ending(scene, [0.0, 2.0], tolerance, told)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(18))
+def test_tolerance_holds_at_endings_of_random_motions(number: int) -> None:
+    random = np.random.default_rng(number)
+    told = ("inverted", "lost", ())[number % 3]
+    spins = {"inverted": (33.0, 60.0), "lost": (5.0, 29.0), (): (150.0, 230.0)}[told]
+    start = Start(
+        spin=random.uniform(*spins),
+        beta=random.uniform(1.3, 1.8),
+        gamma=random.uniform(1.3, 1.8) * (1.0 if told == "lost" else -1.0),
+    )
+    scenario = model(LEVELS[random.integers(4)], start=start)
+    scene = Scene(scenario, random.choice(formulations(scenario)).item())
+    times = [0.0, 2.5] if random.random() < 0.6 else np.linspace(0.0, 2.5, 251).tolist()
+    tolerance = 10.0 ** -random.integers(3, 9).item()
+    check_tolerance_at_ending(scene, times, tolerance, told)
+
+
+TENTHS = np.linspace(0.0, 0.1, 11)
+
+
+@pytest.mark.parametrize("formulation", ["euler-tree", "floating"])
+def test_a_condition_that_is_negative_between_two_steps_alone_ends_the_run(
+    formulation: Formulation,
+) -> None:
+    def near(state: State) -> float:
+        return (state.coordinates[3] - 40.0 * 0.045) ** 2 - (40.0 * 4e-4) ** 2
+
+    # Model 4 turns at 40 rad/s: from 0.0446 to 0.0454 s, between steps at 0.044 and 0.046 s.
+    run = mbs_models.simulate(Scene(model(4), formulation), TENTHS, step=2e-3, stop_when=near)
+    assert not_none(run.ending).reason == "near"
+    assert not_none(run.ending).time == pytest.approx(0.0446, abs=1e-5)
+
+
+def early(state: State) -> float:
+    return 1.0 - state.coordinates[3]
+
+
+def late(state: State) -> float:
+    return 1.01 - state.coordinates[3]
+
+
+@pytest.mark.parametrize("conditions", [[early, late], [late, early]])
+@pytest.mark.parametrize("formulation", ["euler-tree", "floating"])
+def test_of_two_endings_in_one_step_the_earlier_counts(
+    formulation: Formulation, conditions: list[StopWhen]
+) -> None:
+    run = mbs_models.simulate(
+        Scene(model(4), formulation),
+        TENTHS,
+        step=2e-3,
+        stop_when=conditions,  # type: ignore[arg-type]
+    )
+    assert not_none(run.ending).reason == "early"
+    assert not_none(run.ending).time == pytest.approx(0.025, abs=1e-5)

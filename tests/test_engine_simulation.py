@@ -171,16 +171,34 @@ def test_lost_order_shows_up_as_a_slow_ladder_and_not_as_a_false_estimate() -> N
     ladder = Ladder("euler-tree", "TrapezoidalIndex2", 0.0)
     for step in (1.0, 0.5, 0.25, 0.125):
         # A first-order error, which the extrapolation in even powers does not expect.
-        ladder.add(np.full((3, 12), 1.0 + 0.1 * step), step)
+        ladder.add(np.full((3, 12), 1.0 + 0.1 * step), np.arange(3.0), step)
         if ladder.estimate < np.inf:
             assert ladder.estimate >= float(np.max(np.abs(ladder.best - 1.0)))
+
+
+@pytest.mark.parametrize(
+    ("errors", "least"),
+    [
+        # Two runs that agree by chance: their error may still be a quarter of that before.
+        ((0.0, 0.1, 0.1), 0.1 / 4),
+        # Two extrapolated runs that agree by chance: no better than the next order.
+        ((0.16, 0.04, 0.01), 0.03 / 4),
+    ],
+)
+def test_runs_that_agree_by_chance_count_for_what_those_before_let_expect(
+    errors: tuple[float, ...], least: float
+) -> None:
+    ladder = Ladder("euler-tree", "TrapezoidalIndex2", 0.0)
+    for halvings, error in enumerate(errors):
+        ladder.add(np.full((3, 12), 1.0 + error), np.arange(3.0), 0.01 / 2**halvings)
+    assert ladder.estimate >= 0.999 * least
 
 
 def estimate(decay: float) -> float:
     """Estimate after runs with errors of order 4 and 6, the last with a step of 0.01 s."""
     ladder = Ladder("euler-tree", "TrapezoidalIndex2", decay)
     for step in (0.04, 0.02, 0.01):
-        ladder.add(np.full((3, 12), 1.0 + step**4 + step**6), step)
+        ladder.add(np.full((3, 12), 1.0 + step**4 + step**6), np.arange(3.0), step)
     return ladder.estimate
 
 

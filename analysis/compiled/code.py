@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis.compiled import systems
 from analysis.compiled.library import heyoka
-from analysis.compiled.systems import ALIVE, REASON, SIGN, WHEN, Structure
+from analysis.compiled.systems import ALIVE, REASON, SIGN, WHEN, Structure, System
 from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL
 
@@ -60,8 +60,7 @@ class Code:
         for reason, symbol in system.endings.items():
             lets = reason == CONTACT_WOULD_PULL and self._structure.allow_pulling
             events.append(library.t_event(symbol, direction=either if lets else falling))
-        if system.slip is not None:
-            events.append(library.t_event(system.slip, callback=flip))
+        events += kinks(system, library.t_event)
         return library.taylor_adaptive(
             list(zip(system.variables, system.derivatives, strict=True)),
             [0.0] * len(system.variables),
@@ -77,8 +76,7 @@ class Code:
             library.t_event_batch(symbol, direction=falling, callback=_stop(number))
             for number, symbol in enumerate(system.endings.values())
         ]
-        if system.slip is not None:
-            events.append(library.t_event_batch(system.slip, callback=flip))
+        events += kinks(system, library.t_event_batch)
         derivatives = [alive * derivative for derivative in system.derivatives]
         return library.taylor_adaptive_batch(
             list(zip(system.variables, derivatives, strict=True)),
@@ -116,11 +114,11 @@ class Code:
 
     @cached_property
     def _slip(self) -> Any:
-        return heyoka().cfunc([self._system.slip], self._system.variables)
+        return heyoka().cfunc([self._system.kink], self._system.variables)
 
     def signs(self, states: Array, numbers: Array) -> Array:
-        """Signs of the slip at states, shape (n, m), where friction has a kink; shape (n,)."""
-        if self._system.slip is None:
+        """Signs of a slip in one direction at states, shape (n, m); shape (n,)."""
+        if not self._system.flips:
             return np.ones(len(states))
         return np.where(values(self._slip, states, numbers)[:, 0] < 0.0, -1.0, 1.0)
 
@@ -156,8 +154,20 @@ def values(function: Any, states: Array, numbers: Array) -> Array:
     return np.ascontiguousarray(found.T)
 
 
-def flip(solver: Any, direction: int, *lane: int) -> bool:
-    """Give the slip the sign it has from now on; the run goes on."""
+def kinks(system: System, event: Callable[..., Any]) -> list[Any]:
+    """Event, of heyoka's kind for one run or for batches, that ends a step at friction's kink.
+
+    A step across it has an error that its size does not show.
+    """
+    if system.kink is None:
+        return []
+    directions = heyoka().event_direction
+    turning = directions.any if system.flips else directions.positive
+    return [event(system.kink, callback=_flip, direction=turning)]
+
+
+def _flip(solver: Any, direction: int, *lane: int) -> bool:
+    """Give a slip in one direction the sign it has from now on; the run goes on in a new step."""
     if direction != 0:
         solver.pars[(SIGN, *lane)] = direction
     return True

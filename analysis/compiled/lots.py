@@ -10,7 +10,8 @@ import numpy as np
 from analysis.compiled.code import Code
 from analysis.compiled.library import heyoka
 from analysis.compiled.places import Places
-from analysis.compiled.systems import ALIVE, REASON, SIGN, SINGULAR, WHEN
+from analysis.compiled.systems import ALIVE, REASON, SIGN, SINGULAR, SPIN, WHEN
+from analysis.data.agreement import error_at_ending
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT
 from analysis.data.files import AnyArray
@@ -165,7 +166,7 @@ def run_to(lot: Lot, times: Array, ladder: Sequence[float], tolerances: Array) -
         judged.failures.update(failures)
         steps[pending] += fine.steps
         if rung:
-            judged.estimates[pending] = _estimates(fine, coarse, times, lot)
+            judged.estimates[pending] = _estimates(fine, coarse, times, lot, pending)
         done = np.isin(pending, list(failures))
         if len(ladder) == 1:
             done[:] = True
@@ -187,17 +188,26 @@ def run_to(lot: Lot, times: Array, ladder: Sequence[float], tolerances: Array) -
     return judged
 
 
-def _estimates(fine: Reached, coarse: Reached, times: Array, lot: Lot) -> Array:
-    """Estimated errors of beta and gamma of the finer runs in rad; see `simulation.compare`."""
+def _estimates(fine: Reached, coarse: Reached, times: Array, lot: Lot, members: Rows) -> Array:
+    """Estimated errors of the finer runs of some members in rad; see `simulation.compare`."""
     columns = slice(0, 2) if lot.form == "reduced" else slice(4, 6)
     grid = [np.searchsorted(times, each.ends, side="right") for each in (fine, coarse)]
     alike = (fine.reasons == coarse.reasons) & (grid[0] == grid[1])
     apart = np.abs(fine.states[:, :, columns] - coarse.states[:, :, columns]).max(axis=2)
     apart[np.arange(times.size) >= grid[0][:, None]] = 0.0
-    worst = apart.max(axis=1)
-    at_end = np.abs(fine.last[:, columns] - coarse.last[:, columns]).max(axis=1)
-    flat = lot.code.reasons.index(FLAT)
-    worst = np.where(fine.reasons == flat, worst, np.maximum(worst, at_end))
+    apart_at_end = fine.last[:, columns] - coarse.last[:, columns]
+    if lot.form == "reduced":
+        spins = lot.numbers[members, SPIN]
+        rates = np.column_stack((fine.last[:, 2], -spins * np.cos(fine.last[:, 0])))
+    else:
+        rates = fine.last[:, 10:12]
+    # Where the disk lies flat, only the sum or the difference of alpha and gamma has a meaning.
+    flat = fine.reasons == lot.code.reasons.index(FLAT)
+    apart_at_end[flat, 1] = 0.0
+    rates = np.where(flat[:, None] & [False, True], 0.0, rates)
+    worst = np.maximum(
+        apart.max(axis=1), error_at_ending(apart_at_end, fine.ends - coarse.ends, rates)
+    )
     return np.where(alike, np.maximum(CAUTION * worst, ROUNDING), np.inf)
 
 

@@ -18,9 +18,9 @@ from analysis.models.integration import (
     InitialValueProblem,
     Run,
     endings,
-    intervals,
     pulls_at_start,
 )
+from analysis.models.lookout import intervals
 
 
 def code_for(

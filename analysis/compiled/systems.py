@@ -144,15 +144,19 @@ class System:
     ----------
     variables, derivatives : list of symbols
         State and its time derivative.
-    slip : symbol, optional
-        Slip in the one direction there is, if the friction has a kink where it changes sign.
+    kink : symbol, optional
+        What is zero where the friction has a kink: the slip in the one direction there is, or
+        half the rate of its squared speed, which rises through zero where the slip is least.
+    flips : bool
+        Whether it is the slip in one direction.
     endings : mapping
         From reasons to symbols; a run ends where one turns negative.
     """
 
     variables: list[Any]
     derivatives: list[Any]
-    slip: Any
+    kink: Any
+    flips: bool
     endings: dict[str, Any]
 
 
@@ -199,23 +203,37 @@ def _index1(structure: Structure) -> tuple[System, Any, Any, Any]:
     variables = _variables()
     slips: list[Any] = []
 
-    def signed(slip_x: Any, slip_y: Any) -> Any:
-        slips.append(slip_y if "no-slip-along" in structure.constraints else slip_x)
-        return heyoka().par[SIGN] * slips[0]
+    def size(slip_x: Any, slip_y: Any) -> Any:
+        if structure.flips:
+            slips.append(slip_y if "no-slip-along" in structure.constraints else slip_x)
+            return heyoka().par[SIGN] * slips[0]
+        slips.extend((slip_x, slip_y))
+        return _size(FAINT)(slip_x, slip_y)
 
-    speed = signed if structure.flips else _size(FAINT)
-    solution, feedback = _solution(structure, variables, speed)
-    endings = {CONTACT_WOULD_PULL: solution[12]}
+    solution, feedback = _solution(structure, variables, size)
+    derivatives, endings = solution[:12], {CONTACT_WOULD_PULL: solution[12]}
     if feedback is not None:
         endings[SINGULAR] = 1.0 - feedback
+    kink = None
+    if structure.flips:
+        kink = slips[0]
+    elif structure.rubs and structure.kinked:
+        kink = sum(slip * _rate(slip, variables, derivatives) for slip in slips)
     system = System(
         variables=variables,
-        derivatives=solution[:12],
-        slip=slips[0] if structure.flips else None,
+        derivatives=derivatives,
+        kink=kink,
+        flips=structure.flips,
         endings=endings,
     )
     coordinates, rates = paper_of(_symbolic(structure).disk, variables)
     return system, coordinates, rates, variables[4]
+
+
+def _rate(symbol: Any, variables: list[Any], derivatives: list[Any]) -> Any:
+    """Time derivative of a symbol along a motion."""
+    parts = zip(variables, derivatives, strict=True)
+    return sum(heyoka().diff(symbol, variable) * rate for variable, rate in parts)
 
 
 def _reduced(structure: Structure) -> tuple[System, Any, Any, Any]:
@@ -228,7 +246,7 @@ def _reduced(structure: Structure) -> tuple[System, Any, Any, Any]:
         size = library.par[SIGN] * slip if structure.flips else _size(FAINT)(0.0, slip)
         return _per_speed(scenario, size) * slip
 
-    *derivatives, force = reduced.formula()(
+    *derivatives, force, _ = reduced.formula()(
         *scenario.numbers,
         scenario.spin,
         sin=library.sin,
@@ -238,7 +256,8 @@ def _reduced(structure: Structure) -> tuple[System, Any, Any, Any]:
     system = System(
         variables=variables,
         derivatives=derivatives,
-        slip=slips[0] if structure.flips else None,
+        kink=slips[0] if structure.flips else None,
+        flips=structure.flips,
         endings={CONTACT_WOULD_PULL: force},
     )
     coordinates, rates = reduced.expanded(scenario.disk, scenario.spin, 0.0, variables)

@@ -31,6 +31,9 @@ class Direction(NamedTuple):
         return dot(self.linear, velocity) + dot(self.turning, angular)
 
 
+SLIPS: ConstraintSet = ("no-slip-along", "no-slip-across")
+"""Constraints without which the disk slips along and across its edge."""
+
 LABELS = {
     "normal_force": "contact g_N = z - r sin(beta) = 0",
     "cog_force_x": "fixed centre of gravity g_Sx = x + e cos(gamma) = 0",

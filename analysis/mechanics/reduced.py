@@ -1,7 +1,7 @@
 """Model 4 in minimal coordinates, Eqs. (93)-(110)."""
 
 from collections.abc import Callable, Sequence
-from functools import cache, partial
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -25,8 +25,8 @@ def formula() -> Callable[..., Callable[..., tuple[Any, ...]]]:
     callable
         From `recorded.numbers`, the spin in rad/s and, by keyword, `friction`, see
         `acceleration_from`, and what `Recorder.code` tells, to a function of beta, gamma and the
-        rate of beta. That one returns their time derivatives, Eqs. (102) and (109), and the normal
-        contact force in N.
+        rate of beta. That one returns their time derivatives, Eqs. (102) and (109), the normal
+        contact force in N, and the lateral slip in m/s.
     """
     recorder = Recorder((*NUMBERS, "spin"), ("beta", "gamma", "beta_rate"), ("friction",))
     *given, spin = recorder.constants
@@ -34,13 +34,19 @@ def formula() -> Callable[..., Callable[..., tuple[Any, ...]]]:
     stand_in: Any = SimpleNamespace(disk=disk, weight=disk.mass * -given[-1])
     beta, gamma, rate = recorder.variables
     directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
-    second = acceleration_from(stand_in, spin, directions, rate, partial(call, "friction"))
+    slips: list[Any] = []
+
+    def friction(slip: Any) -> Any:
+        slips.append(slip)
+        return call("friction", slip)
+
+    second = acceleration_from(stand_in, spin, directions, rate, friction)
     force = normal_force_from(stand_in, spin, directions, rate, second)
-    return recorder.code([rate, -spin * directions[1], second, force])
+    return recorder.code([rate, -spin * directions[1], second, force, *slips])
 
 
 def solver(scenario: Scenario, spin: float) -> Solver:
-    """Function from beta, gamma and the rate of beta to what `formula` tells, 4 floats.
+    """Function from beta, gamma and the rate of beta to what `formula` tells, 5 floats.
 
     Parameters
     ----------

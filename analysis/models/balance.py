@@ -6,14 +6,13 @@ from scipy.integrate import cumulative_simpson
 from analysis.data.checks import Array
 from analysis.data.constraint_set import (
     PRESCRIBED,
-    ConstraintSet,
     multiplier_names,
     prescribed,
 )
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory
 from analysis.mechanics.attitude import EulerAngles
-from analysis.mechanics.constraints import places, velocities
+from analysis.mechanics.constraints import SLIPS, places, velocities
 from analysis.mechanics.newton_euler import kinetic_energy
 from analysis.mechanics.states import state_of
 
@@ -120,8 +119,7 @@ def _sliding(trajectory: Trajectory) -> tuple[Array, Array]:
     scenario = trajectory.scenario
     held, disk = scenario.constraints, scenario.disk
     state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
-    ways: ConstraintSet = ("no-slip-along", "no-slip-across")
-    slip = np.transpose(velocities(ways, disk, state)) * [way not in held for way in ways]
+    slip = np.transpose(velocities(SLIPS, disk, state)) * [way not in held for way in SLIPS]
     law = scenario.friction
     sizes = np.hypot(*slip.T).tolist()
     return slip, np.array([law.per_speed(size) for size in sizes])

@@ -17,6 +17,7 @@ from analysis.compiled.library import CannotCompileError, is_installed
 from analysis.compiled.parts import Request, simulate_ensemble
 from analysis.data.checks import (
     Array,
+    ToleranceError,
     choice,
     function,
     increasing_times,
@@ -88,9 +89,10 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
         Of every member, as in `simulate`. Functions in `stop_when` must be importable by name.
     method : str, optional
         As in `simulate`. By default "taylor" where heyoka is installed, and DOP853 for members
-        that cannot be compiled. Compiled members run in batches.
+        that cannot be compiled or that it does not take to their tolerance: `Trajectory.method`
+        tells. Compiled members run in batches.
     tolerance : float or sequence of floats, optional
-        Largest error in beta and gamma in rad, of all members or of each.
+        As in `simulate`, of all members or of each.
     workers : int, optional
         Number of processes, by default that of the cores; 1 runs everything in this process.
     executor : Executor, optional
@@ -274,13 +276,11 @@ def _motions(
         parts, failures, others = simulate_ensemble(ensemble, tolerances, request)
     scenarios = [ensemble[member] for member in others]
     asked = [tolerances[member] for member in others]
-    motions: dict[int, Trajectory] = {}
-    outcomes = _outcomes(scenarios, asked, times=times, how=how)
-    for member, outcome in zip(others, outcomes, strict=True):
-        if isinstance(outcome, Trajectory):
-            motions[member] = outcome
-        else:
-            failures[member] = outcome
+    outcomes = dict(zip(others, _outcomes(scenarios, asked, times=times, how=how), strict=True))
+    for member, error in failures.items():
+        outcomes[member] = _another_way(error, ensemble[member], tolerances[member], times, how)
+    motions = {row: each for row, each in outcomes.items() if isinstance(each, Trajectory)}
+    failures = {row: each for row, each in outcomes.items() if isinstance(each, Exception)}
     if motions:
         parts.append(Listed(np.array(list(motions)), list(motions.values()), times.size))
     return Trajectories(
@@ -297,23 +297,6 @@ def _outcomes(
 ) -> list[Outcome]:
     """Outcomes of some members, with their tolerances, in this process."""
     tasks = list(zip(scenarios, tolerances, strict=True))
-
-    def alone(task: tuple[Scenario, float | None], method: Method) -> Outcome:
-        try:
-            return simulate(
-                task[0],
-                times,
-                form=how.form,
-                method=method,
-                tolerance=task[1],
-                local_tolerance=how.local_tolerance,
-                stop_when=how.stop_when,
-                allow_pulling=how.allow_pulling,
-                time_limit=how.time_limit,
-            )
-        except (ArithmeticError, ValueError) as error:
-            return error
-
     if how.runs_in_batches:
         outcomes = simulate_batches(
             tasks,
@@ -323,9 +306,38 @@ def _outcomes(
             conditions=named_conditions(how.stop_when),
         )
     else:
-        outcomes = [alone(task, how.first) for task in tasks]
-    if how.method is None:
-        for number, outcome in enumerate(outcomes):
-            if isinstance(outcome, CannotCompileError):
-                outcomes[number] = alone(tasks[number], "DOP853")
-    return outcomes
+        outcomes = [_alone(*task, times, how, how.first) for task in tasks]
+    return [
+        _another_way(outcome, *task, times, how)
+        for outcome, task in zip(outcomes, tasks, strict=True)
+    ]
+
+
+def _another_way(
+    outcome: Outcome, scenario: Scenario, tolerance: float | None, times: Array, how: _How
+) -> Outcome:
+    """The same by DOP853, if Taylor's method has not come to an outcome and was not asked for."""
+    cannot = isinstance(outcome, CannotCompileError | ToleranceError)
+    if not cannot or how.method is not None or how.first == "DOP853":
+        return outcome
+    return _alone(scenario, tolerance, times, how, "DOP853")
+
+
+def _alone(
+    scenario: Scenario, tolerance: float | None, times: Array, how: _How, method: Method
+) -> Outcome:
+    """Outcome of one run by itself."""
+    try:
+        return simulate(
+            scenario,
+            times,
+            form=how.form,
+            method=method,
+            tolerance=tolerance,
+            local_tolerance=how.local_tolerance,
+            stop_when=how.stop_when,
+            allow_pulling=how.allow_pulling,
+            time_limit=how.time_limit,
+        )
+    except (ArithmeticError, ValueError) as error:
+        return error

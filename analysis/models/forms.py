@@ -13,7 +13,7 @@ from analysis.data.endings import Condition
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from analysis.mechanics import recorded, reduced
-from analysis.mechanics.constraints import check_admissible
+from analysis.mechanics.constraints import SLIPS, check_admissible, velocities
 from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import paper_arrays, state_of
 from analysis.models.effort import longest_step
@@ -147,6 +147,11 @@ def _full(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
         # Where friction knows that force, a system without solution is told from here.
         return solved(*state.tolist())[12]
 
+    slips = tuple(way for way in SLIPS if way not in scenario.constraints)
+
+    def slip(state: Array) -> float:
+        return float(velocities(slips, scenario.disk, state.tolist())[0])
+
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
         coordinates, rates = paper_arrays(scenario.disk, states)
         # The first sample is the start itself, without the rounding on the way to it and back.
@@ -160,6 +165,7 @@ def _full(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
             lambda state: sin(state[4]),
             normal_force,
             longest if scenario.contact is None else min(longest, contact_time(scenario)),
+            slip=slip if scenario.rubs and len(slips) == 1 else None,
         ),
         expand,
         lambda state: _state(*paper_arrays(scenario.disk, state)),
@@ -190,6 +196,7 @@ def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
             lambda state: sin(state[0]),
             lambda state: solved(*state.tolist())[3],
             longest_step(scenario),
+            slip=(lambda state: solved(*state.tolist())[4]) if scenario.rubs else None,
         ),
         expand,
         state,

@@ -18,6 +18,7 @@ from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.watch import Watch
+from analysis.models.lookout import Found, Lookout, Step
 
 Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -31,6 +32,9 @@ _SOLVERS: dict[str, Any] = {
     "LSODA": LSODA,
 }
 
+
+STILL = 1e-9
+"""Slip in m/s that has no sign."""
 
 NEARLY_FLAT = LEAST_TILT
 """Sine of the angle between disk and table at which a motion in Euler angles ends."""
@@ -53,6 +57,9 @@ class InitialValueProblem:
         In s.
     conditions : mapping
         From reasons to functions of a state; the motion ends where one turns negative.
+    slip : callable, optional
+        From a state to the slip in the one direction there is, in m/s; friction has a kink where
+        that changes its sign.
     """
 
     right_hand_side: Callable[[float, Array], npt.ArrayLike]
@@ -61,6 +68,7 @@ class InitialValueProblem:
     normal_force: Callable[[Array], float]
     longest_step: float
     conditions: Mapping[str, Callable[[Array], float]] = field(default_factory=dict)
+    slip: Callable[[Array], float] | None = None
 
     def with_steps_up_to(self, part: float) -> "InitialValueProblem":
         """The same problem with this part of its longest step."""
@@ -127,52 +135,95 @@ def integrate(
     ValueError
         If the contact would have to pull at the start and must not.
     """
-    lookout = _Lookout(problem, float(times[0]), allow_pulling)
-    solver = _SOLVERS[method](
-        problem.right_hand_side,
-        times[0],
-        problem.start,
-        times[-1],
-        rtol=local_tolerance,
-        atol=local_tolerance,
-        max_step=problem.longest_step,
-        **_jacobian(problem, method),
-    )
-    ended: str | None = None
+    pulls_at_start(problem, allow_pulling=allow_pulling)
+    lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
+    solvers: list[Any] = []
+
+    def started(moment: float, state: Array, end: float, first_step: float | None = None) -> Any:
+        solver = _SOLVERS[method](
+            problem.right_hand_side,
+            moment,
+            state,
+            end,
+            rtol=local_tolerance,
+            atol=local_tolerance,
+            max_step=problem.longest_step,
+            first_step=first_step,
+            **_jacobian(problem, method),
+        )
+        solvers.append(solver)
+        return solver
+
+    found: Found | None = None
     states, row = [problem.start], 1
-    while row < times.size and ended is None:
-        message = solver.step()
+    for step in _steps(started, problem, times):
         watch.steps += 1
         if not watch.steps_left:
-            watch.flattest = (solver.t, asin(min(1.0, problem.leaning(solver.y))))
+            watch.flattest = step.end, asin(min(1.0, problem.leaning(step.last)))
             raise watch.given_up(method)
-        if solver.status == "failed":
-            raise ArithmeticError(f"{method} stopped after t = {solver.t:g} s: {message}")
-        within = times[row : np.searchsorted(times, solver.t, side="right")]
-        for moment, state in _states(solver, within):
-            if lookout.ends(moment, state, solver):
-                ended = lookout.reason
-                break
-            if row < times.size and moment == times[row]:
-                states.append(state)
-                row += 1
-        else:
-            if watch.is_over(solver.t, times[-1]) and row < times.size:
-                ended = TIME_LIMIT
+        found = lookout.ending(step)
+        count = int(np.searchsorted(times, step.end, side="right"))
+        states += step.states(times[row:count])
+        row = count
+        if found is None and watch.is_over(step.end, times[-1]) and row < times.size:
+            found = Found(TIME_LIMIT, 0.0)
+        if found is not None:
+            break
     reached = times[:row]
-    if ended is not None:
-        last, state = lookout.end or (solver.t, solver.y)
-        if last > reached[-1]:
-            reached = np.append(reached, last)
-            states.append(state)
-    return Run(
-        reached,
-        np.array(states),
-        _evaluations(solver),
-        ended,
-        lookout.pulling(reached[-1]),
-        lookout.value,
-    )
+    if found is not None and step.end > reached[-1]:
+        reached = np.append(reached, step.end)
+        states.append(step.last)
+    ended, value = found or (None, 0.0)
+    pulling = lookout.pulling(reached[-1])
+    return Run(reached, np.array(states), sum(map(_evaluations, solvers)), ended, pulling, value)
+
+
+def _steps(
+    started: Callable[..., Any], problem: InitialValueProblem, times: Array
+) -> Iterator[Step]:
+    """Steps of a run, none of which goes across a kink of friction.
+
+    A step that does is taken again up to there: its error would be larger than it shows.
+
+    Parameters
+    ----------
+    started : callable
+        From a time, a state, a last time and the length of a first step to a solver.
+    problem : InitialValueProblem
+    times : ndarray, shape (n,)
+    """
+    slip = problem.slip or (lambda _: 0.0)
+    solver, before = started(times[0], problem.start, times[-1]), slip(problem.start)
+    while solver.status == "running":
+        state = solver.y.copy()
+        step = _step(solver)
+        after = slip(step.last)
+        turn = _turn(slip, before, step, after)
+        if step.begin < turn < step.end:
+            upto = started(step.begin, state, turn, turn - step.begin)
+            while upto.status == "running":
+                yield _step(upto)
+            length = min(step.end - step.begin, times[-1] - turn)
+            solver = started(turn, upto.y, times[-1], length)
+            before = slip(upto.y)
+        else:
+            yield step
+            before = after
+
+
+def _turn(slip: Callable[[Array], float], before: float, step: Step, after: float) -> float:
+    """Time at which slip changes its sign within a step, or its end."""
+    if before * after >= 0.0 or min(abs(before), abs(after)) <= STILL:
+        return step.end
+    return float(brentq(lambda time: slip(step.path(time)), step.begin, step.end))
+
+
+def _step(solver: Any) -> Step:
+    message = solver.step()
+    if solver.status == "failed":
+        name = type(solver).__name__
+        raise ArithmeticError(f"{name} stopped after t = {solver.t:g} s: {message}")
+    return Step(solver)
 
 
 def _evaluations(solver: Any) -> int:
@@ -203,14 +254,6 @@ def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
     return {"jac": jacobian}
 
 
-def _states(solver: Any, within: Array) -> Iterator[tuple[float, Array]]:
-    """Times and states within the last step, and those at its end."""
-    before = within[within < solver.t]
-    if before.size:
-        yield from zip(before.tolist(), solver.dense_output()(before).T, strict=True)
-    yield solver.t, solver.y
-
-
 def pulls_at_start(problem: InitialValueProblem, *, allow_pulling: bool) -> bool:
     """Whether the contact pulls at the start; `ValueError` if it does and must not."""
     force = problem.normal_force(problem.start)
@@ -229,80 +272,3 @@ def endings(problem: InitialValueProblem) -> dict[str, Callable[[Array], float]]
         CONTACT_WOULD_PULL: problem.normal_force,
         **problem.conditions,
     }
-
-
-def intervals(edges: list[float], last: float) -> tuple[tuple[float, float], ...]:
-    """Intervals between edges in turns, the last one open up to `last`."""
-    closed = [*edges, last] if len(edges) % 2 else edges
-    return tuple(zip(closed[::2], closed[1::2], strict=True))
-
-
-class _Lookout:
-    """Looks out for what ends a motion, and for a contact that pulls.
-
-    Parameters
-    ----------
-    problem : InitialValueProblem
-    begin : float
-        Time of the start in s.
-    allow_pulling : bool
-
-    Attributes
-    ----------
-    reason : str
-        Why the motion ends.
-    end : tuple of time and state, or None
-        Where it does.
-    value : float
-        What the condition says there.
-    """
-
-    def __init__(self, problem: InitialValueProblem, begin: float, allow_pulling: bool) -> None:
-        pulls = pulls_at_start(problem, allow_pulling=allow_pulling)
-        self._conditions = endings(problem)
-        self._allow, self._time = allow_pulling, begin
-        self._values = {name: says(problem.start) for name, says in self._conditions.items()}
-        self._edges = [begin] if pulls else []
-        self.reason, self.value = "", 0.0
-        self.end: tuple[float, Array] | None = None
-
-    def ends(self, moment: float, state: Array, solver: Any) -> bool:
-        """Look at a state within the last step; returns whether the motion ends up to there."""
-        if moment <= self._time:
-            return False
-        crossings: list[tuple[float, str]] = []
-        for name, says in self._conditions.items():
-            before, here = self._values[name], says(state)
-            self._values[name] = here
-            crosses = here < 0.0 <= before
-            lets = self._allow and name == CONTACT_WOULD_PULL
-            if crosses or (lets and before < 0.0 <= here):
-                path = solver.dense_output()
-                edge = _root(_along(path, says), self._time, moment)
-                if lets:
-                    self._edges.append(edge)
-                else:
-                    crossings.append((edge, name))
-        self._time = moment
-        if not crossings:
-            return False
-        edge, self.reason = min(crossings)
-        self.end = (edge, solver.dense_output()(edge))
-        self.value = self._conditions[self.reason](self.end[1])
-        return True
-
-    def pulling(self, last: float) -> tuple[tuple[float, float], ...]:
-        """Times between which the contact has pulled, up to `last`."""
-        return intervals(self._edges, last)
-
-
-def _along(path: Any, function: Callable[[Array], float]) -> Callable[[float], float]:
-    """Function of the state as one of time, over the last step of a solver."""
-    return lambda time: function(path(time))
-
-
-def _root(function: Callable[[float], float], first: float, last: float) -> float:
-    """Where a function that is not negative at `first` and not positive at `last` is zero."""
-    if function(first) * function(last) >= 0.0:
-        return last
-    return float(brentq(function, first, last, xtol=1e-14, rtol=1e-14))

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.compiled.runs import CompiledScenario
+from analysis.data.agreement import error_at_ending
 from analysis.data.checks import (
     Array,
     TimeLimitError,
@@ -39,6 +40,9 @@ COMPILED_TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15)
 
 CAUTION = 2.0
 """Estimated error over the difference of two runs that it is taken from."""
+
+_MOMENT = 1e-7
+"""Time in s over which rates are told by a difference."""
 
 
 def simulate(
@@ -76,7 +80,8 @@ def simulate(
         Of SciPy; Radau, BDF and LSODA are for stiff problems. Or Taylor's method, compiled,
         tens of times as fast from the second run on (extra `fast`; ideal contact only).
     tolerance : float, optional
-        Largest error in beta and gamma in rad; 1e-8 if neither tolerance is given.
+        Largest error in beta and gamma in rad at any one time, and in s of the time of an ending;
+        1e-8 if neither tolerance is given.
     local_tolerance : float, optional
         Relative tolerance of a single step; the absolute one is the same number in m and rad.
     stop_when : str, callable or sequence of them
@@ -155,7 +160,7 @@ def simulate(
         assert local_tolerance is not None
         result, estimate = run(local_tolerance), None
     else:
-        result, local_tolerance, estimate = _integrate_to(run, posed.attitudes, tolerance, method)
+        result, local_tolerance, estimate = _integrate_to(run, posed, tolerance, method)
     if result.ended == TIME_LIMIT:
         result = replace(result, value=watch.seconds)
     settings: dict[str, Setting] = {
@@ -198,7 +203,7 @@ def trajectory(
 
 def _integrate_to(
     run: Callable[[float, float], Run],
-    attitudes: Callable[[Array], Array],
+    posed: PosedForm,
     tolerance: float,
     method: Method,
 ) -> tuple[Run, float, float]:
@@ -217,7 +222,7 @@ def _integrate_to(
         longest *= 0.8
         fine = run(local, longest)
         evaluations += fine.evaluations
-        fine, estimate = compare(fine, coarse, attitudes)
+        fine, estimate = compare(fine, coarse, posed)
         if estimate <= tolerance:
             return replace(fine, evaluations=evaluations), local, estimate
         coarse = fine
@@ -237,11 +242,11 @@ def unreachable(tolerance: float, method: Method, estimate: float) -> ToleranceE
     )
 
 
-def compare(fine: Run, coarse: Run, attitudes: Callable[[Array], Array]) -> tuple[Run, float]:
+def compare(fine: Run, coarse: Run, posed: PosedForm) -> tuple[Run, float]:
     """The finer run as far as it can be judged, and its estimated error.
 
-    The error in beta and gamma is infinite if the two do not end alike. Where the contact
-    would pull, the last states are those of two endings.
+    The error in beta and gamma, and in the time of an ending, is infinite if the two do not end
+    alike.
     """
     if fine.ended == TIME_LIMIT and fine.times.size > 2:
         fine = replace(fine, times=fine.times[:-1], states=fine.states[:-1])
@@ -250,10 +255,29 @@ def compare(fine: Run, coarse: Run, attitudes: Callable[[Array], Array]) -> tupl
     common = fine.times.size
     if coarse.times.size < common:
         return fine, inf
-    # Where the disk lies flat, only the sum or the difference of alpha and gamma has a meaning.
-    judged = slice(common - 1 if fine.ended == FLAT else common)
-    apart = np.abs(attitudes(fine.states[judged]) - attitudes(coarse.states[judged]))
-    return fine, max(CAUTION * float(np.max(apart)), ROUNDING)
+    error = ROUNDING / CAUTION
+    if fine.ended not in {None, TIME_LIMIT}:
+        common -= 1
+        error = max(error, _apart_at_ending(fine, coarse, posed))
+    apart = posed.attitudes(fine.states[:common]) - posed.attitudes(coarse.states[:common])
+    return fine, CAUTION * max(error, float(np.max(np.abs(apart))))
+
+
+def _apart_at_ending(fine: Run, coarse: Run, posed: PosedForm) -> float:
+    """How far two runs are apart at their endings, as `error_at_ending` has it."""
+
+    def angles(state: Array) -> Array:
+        if fine.ended == FLAT:
+            # There only the sum or the difference of alpha and gamma has a meaning.
+            return np.array([posed.problem.leaning(state)])
+        found: Array = posed.attitudes(state[None])[0]
+        return found
+
+    time, state = fine.times[-1], fine.states[-1]
+    moved = state + _MOMENT * np.asarray(posed.problem.right_hand_side(time, state))
+    rates = (angles(moved) - angles(state)) / _MOMENT
+    apart = angles(state) - angles(coarse.states[-1])
+    return float(error_at_ending(apart, time - coarse.times[-1], rates))
 
 
 def local_tolerances(tolerance: float, method: Method) -> list[float]:

@@ -16,11 +16,10 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from analysis.data.checks import Array, number, positive, whole
-from analysis.data.constraint_set import ConstraintSet
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
 from analysis.mechanics import recorded
-from analysis.mechanics.constraints import places, velocities
+from analysis.mechanics.constraints import SLIPS, places, velocities
 from analysis.mechanics.states import state_of
 from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.linear_stationary import stationary_eigenvalues
@@ -33,8 +32,6 @@ STARTS = 40
 _ANYWHERE = (-1.0, -1.0, 0.1, -3.0), (1.0, 1.0, 3.0, 3.0)
 _NEARLY_UPRIGHT = (-0.02, -0.02, 1.55, -3.0), (0.02, 0.02, 1.6, 3.0)
 """Least and largest x / r, y / r, beta and gamma of starts."""
-
-_SLIPS: ConstraintSet = ("no-slip-along", "no-slip-across")
 
 _SMALL = 1e-10
 _SLOPE_STEP = 1e-6
@@ -186,7 +183,7 @@ def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
     state = np.array(state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))).tolist()
     rates = np.array(recorded.solver(scenario)(*state)[6:12]) / unit
     held = scenario.constraints
-    slips = tuple(each for each in _SLIPS if each in held)
+    slips = tuple(each for each in SLIPS if each in held)
     return np.concatenate(
         (
             rates[:2] / disk.radius,

@@ -13,7 +13,7 @@ import numpy as np
 
 from analysis import MODELS, Ensemble, Form, Method, Scenario, Start, simulate, simulate_many
 from analysis.compiled import systems
-from analysis.compiled.code import code_of, flip
+from analysis.compiled.code import code_of, kinks
 from analysis.compiled.library import heyoka
 from analysis.compiled.places import deeper
 from analysis.compiled.systems import SIGN, Structure
@@ -206,12 +206,11 @@ def by_hand(scenario: Scenario, form: Form, local_tolerance: float) -> Callable[
     """Sampling of one run with an integrator of heyoka."""
     system, numbers, start = _pieces([scenario], form)
     library = heyoka()
-    kink = [] if system.slip is None else [library.t_event(system.slip, callback=flip)]
     solver = library.taylor_adaptive(
         list(zip(system.variables, system.derivatives, strict=True)),
         start[0],
         tol=local_tolerance,
-        t_events=kink,
+        t_events=kinks(system, library.t_event),
     )
 
     def call() -> Any:
@@ -230,12 +229,11 @@ def batches_by_hand(
     system, numbers, starts = _pieces(members, form)
     library = heyoka()
     width = library.recommended_simd_size()
-    kink = [] if system.slip is None else [library.t_event_batch(system.slip, callback=flip)]
     solver = library.taylor_adaptive_batch(
         list(zip(system.variables, system.derivatives, strict=True)),
         np.zeros((starts.shape[1], width)),
         tol=local_tolerance,
-        t_events=kink,
+        t_events=kinks(system, library.t_event_batch),
     )
     grid = np.ascontiguousarray(np.broadcast_to(TIMES[:, None], (TIMES.size, width)))
 

@@ -107,7 +107,7 @@ def halved(drawn: Draw) -> Halved | None:
             raise
         if run.ended is not None:
             return None
-        ladder.add(run.values, run.step)
+        ladder.add(run.values, run.times, run.step)
         if np.isfinite(ladder.estimate):
             error = float(np.max(np.abs(ladder.best[:, BETA : GAMMA + 1] - truth)))
             rungs.append(Rung(count.steps, ladder.estimate, error))

@@ -146,7 +146,7 @@ class Extrapolation:
         self._seconds += run.seconds
         for name, count in run.counts.items():
             self._counts[name] = self._counts.get(name, 0) + count
-        self._ladder.add(run.values.values, run.values.step)
+        self._ladder.add(run.values.values, run.values.times, run.values.step)
         if not np.isfinite(self._ladder.estimate):
             return None
         values = replace(run.values, values=self._ladder.best)
@@ -155,7 +155,9 @@ class Extrapolation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InHouseMethod:
-    """In-house equations with a method of SciPy.
+    """In-house equations with a method of SciPy as it is.
+
+    It goes across a reversal of slip, where the library ends a step.
 
     Parameters
     ----------

@@ -1,0 +1,67 @@
+"""Calls of the engine's solvers: silent, and what Python raises within them comes through."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+
+_PASSED_ON = (exu.ExudynError, SystemError)
+"""What an error within the engine becomes: one of its own, or the interpreter's complaint about an
+interrupt that the engine saw between user functions and did not raise."""
+
+ABSURD = 1e12
+"""Size of a coordinate or rate of the engine that no motion has; a step that was too long does."""
+
+
+class Ended(Exception):  # noqa: N818 - nothing is wrong
+    """What a user function raises to end a run; the engine reports it as an error of its own."""
+
+
+@contextmanager
+def solving(system: Any) -> Iterator[None]:
+    """Keep the engine from printing, and pass on what its user functions raise.
+
+    The engine turns that into an error of its own: an interrupt, or the failure of a friction
+    law, would be taken for a step too long.
+
+    Parameters
+    ----------
+    system : exudyn.MainSystem
+
+    Raises
+    ------
+    BaseException
+        As a user function has raised it.
+    exudyn.ExudynError
+        If the engine itself has failed, or a user function raised `Ended` or could not make sense
+        of a state that is `ABSURD`.
+    """
+    before = exu.config.printToConsole
+    exu.config.printToConsole = False
+    try:
+        yield
+    except _PASSED_ON as error:
+        raised = _raised(error)
+        if raised is None or isinstance(raised, Ended):
+            raise
+        if isinstance(raised, ValueError | ArithmeticError) and _is_absurd(system):
+            raise exu.SolverError("a step was so long that the motion exploded") from error
+        raise raised from None
+    finally:
+        exu.config.printToConsole = before
+
+
+def _raised(error: BaseException) -> BaseException | None:
+    """What a user function raised that made the engine fail, through all calls in between."""
+    cause: BaseException | None = error
+    while isinstance(cause, _PASSED_ON):
+        cause = cause.__cause__
+    return cause
+
+
+def _is_absurd(system: Any) -> bool:
+    data = system.systemData
+    state = np.concatenate((data.GetODE2Coordinates(), data.GetODE2Coordinates_t()))
+    return not bool(np.all(np.abs(state) < ABSURD))
