@@ -196,7 +196,7 @@ def multipliers(structure: Structure) -> tuple[list[Any], list[Any]]:
     variables = _variables()
     # The kink does no harm here, but 0 / 0 would.
     solution, _ = _solution(structure, variables, _size(1e-150))
-    return variables, solution[12:]
+    return variables, solution[12:-1]
 
 
 def _index1(structure: Structure) -> tuple[System, Any, Any, Any]:
@@ -207,33 +207,22 @@ def _index1(structure: Structure) -> tuple[System, Any, Any, Any]:
         if structure.flips:
             slips.append(slip_y if "no-slip-along" in structure.constraints else slip_x)
             return heyoka().par[SIGN] * slips[0]
-        slips.extend((slip_x, slip_y))
         return _size(FAINT)(slip_x, slip_y)
 
     solution, feedback = _solution(structure, variables, size)
-    derivatives, endings = solution[:12], {CONTACT_WOULD_PULL: solution[12]}
+    endings = {CONTACT_WOULD_PULL: solution[12]}
     if feedback is not None:
         endings[SINGULAR] = 1.0 - feedback
-    kink = None
-    if structure.flips:
-        kink = slips[0]
-    elif structure.rubs and structure.kinked:
-        kink = sum(slip * _rate(slip, variables, derivatives) for slip in slips)
+    kinked = structure.rubs and structure.kinked
     system = System(
         variables=variables,
-        derivatives=derivatives,
-        kink=kink,
+        derivatives=solution[:12],
+        kink=slips[0] if structure.flips else solution[-1] if kinked else None,
         flips=structure.flips,
         endings=endings,
     )
     coordinates, rates = paper_of(_symbolic(structure).disk, variables)
     return system, coordinates, rates, variables[4]
-
-
-def _rate(symbol: Any, variables: list[Any], derivatives: list[Any]) -> Any:
-    """Time derivative of a symbol along a motion."""
-    parts = zip(variables, derivatives, strict=True)
-    return sum(heyoka().diff(symbol, variable) * rate for variable, rate in parts)
 
 
 def _reduced(structure: Structure) -> tuple[System, Any, Any, Any]:
@@ -272,7 +261,7 @@ def _variables() -> list[Any]:
 def _solution(
     structure: Structure, variables: list[Any], speed: Callable[[Any, Any], Any]
 ) -> tuple[list[Any], Any]:
-    """Derivative and multipliers, and the part of the normal force that friction calls for."""
+    """What `recorded.formula` tells, and the part of the normal force that friction calls for."""
     library, scenario = heyoka(), _symbolic(structure)
     feedback: list[Any] = []
 
@@ -284,6 +273,7 @@ def _solution(
         structure.constraints,
         structure.load if structure.rubs else None,
         horizontal=structure.horizontal,
+        slowing=True,
     )
     try:
         found = code(

@@ -12,7 +12,7 @@ from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from analysis.mechanics.attitude import EulerAngles, Frame
 from analysis.mechanics.states import state_of
-from analysis.mechanics.vectors import NONE, Numbers, Vector, cross, dot
+from analysis.mechanics.vectors import NONE, Numbers, Vector, dot
 
 
 class Direction(NamedTuple):
@@ -45,18 +45,22 @@ LABELS = {
 """What each constraint demands, by the name of its multiplier."""
 
 
-def contact_point(disk: Any, frame: Frame) -> Vector:
-    """Lowest point of the thin disk seen from S in m, in a frame whose e_x lies in the disk."""
-    x, y, _ = frame.ahead
-    return disk.radius * y - disk.eccentricity, -(disk.radius * x), 0.0
+def rim_directions(disk: Any, frame: Frame) -> tuple[Direction, Direction, Direction]:
+    """Directions in which the lowest point of the thin disk moves along the axes of the frame.
 
-
-def at_point(point: Vector, frame: Frame) -> tuple[Direction, Direction, Direction]:
-    """Directions in which a point of the disk moves along the axes of the frame."""
+    The e_x of the frame lies in the disk, so that the point, seen from S, is -r e_z x e_x - e x
+    with axes of the body; its cross products with the axes of the frame are these.
+    """
+    r, e, (x, y, _) = disk.radius, disk.eccentricity, frame.ahead
+    lever = r, 0.0, 0.0
+    ahead, across, up = (
+        (-(r * c * x), e * c - r * c * y, along - e * b)
+        for along, (_, b, c) in zip(lever, frame, strict=True)
+    )
     return (
-        Direction((1.0, 0.0, 0.0), cross(point, frame.ahead)),
-        Direction((0.0, 1.0, 0.0), cross(point, frame.across)),
-        Direction((0.0, 0.0, 1.0), cross(point, frame.up)),
+        Direction((1.0, 0.0, 0.0), ahead),
+        Direction((0.0, 1.0, 0.0), across),
+        Direction((0.0, 0.0, 1.0), up),
     )
 
 
@@ -72,7 +76,7 @@ def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[D
         Euler angles in rad.
     """
     frame = EulerAngles.frame(angles)
-    ahead, across, up = at_point(contact_point(disk, frame), frame)
+    ahead, across, up = rim_directions(disk, frame)
     every = {
         "normal_force": up,
         "cog_force_x": Direction((1.0, 0.0, 0.0), NONE),
@@ -88,7 +92,7 @@ def places(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
     """Position-level residuals of Eqs. (66) and (83) in m, 1 or 3, from a state of `states`."""
     position, angles = state[:3], state[3:6]
     frame = EulerAngles.frame(angles)
-    height = position[2] + dot(contact_point(disk, frame), frame.up)
+    height = position[2] + disk.radius * frame.across[2] - disk.eccentricity * frame.up[0]
     return [height, *position[:2]] if "fixed-cog" in constraints else [height]
 
 

@@ -13,10 +13,10 @@ from analysis.data.constraint_set import ConstraintSet
 from analysis.data.friction import Load
 from analysis.mechanics.attitude import EulerAngles, Moving
 from analysis.mechanics.constraints import (
+    SLIPS,
     Direction,
-    at_point,
-    contact_point,
     directions,
+    rim_directions,
 )
 from analysis.mechanics.dual import rate
 from analysis.mechanics.elimination import solve
@@ -56,8 +56,8 @@ class IdealContact:
     per_speed: Callable[[Any], Any]
     contact_load: Callable[[Any, Any], Any]
 
-    def derivative(self, state: Numbers) -> tuple[list[Any], list[Any]]:
-        """Time derivative of a state, 12 numbers, and the multipliers.
+    def derivative(self, state: Numbers) -> tuple[list[Any], list[Any], Any]:
+        """Time derivative of a state, 12 numbers, the multipliers, and `_slowing`.
 
         They solve the systems of index 1, with all constraints on acceleration level: Eq. (80),
         Eq. (79) if friction takes the contact force as its load, Eq. (92) for the further
@@ -74,7 +74,7 @@ class IdealContact:
         held = directions(self.constraints, self.disk, moving.attitude)
         responses = [response(self.disk, each) for each in held]
         matrix = [[each.along(*other) for other in responses] for each in held]
-        changes = self._changes(moving)
+        changes = self._changes(self.constraints, moving)
         sides = [
             [
                 -(each.along(*acceleration) + change)
@@ -93,17 +93,26 @@ class IdealContact:
         for force, by_force in zip(forces, responses, strict=True):
             acceleration = together(acceleration, force, by_force)
         multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
-        return EulerAngles.derivative(moving, acceleration), multipliers
+        derivative = EulerAngles.derivative(moving, acceleration)
+        return derivative, multipliers, self._slowing(moving, acceleration)
 
-    def _changes(self, moving: Moving) -> list[Any]:
-        """Changes of what the constraints hold, by the turning of their directions alone."""
+    def _changes(self, constraints: ConstraintSet, moving: Moving) -> list[Any]:
+        """Changes of what constraints hold, by the turning of their directions alone."""
 
         def held(angles: Numbers) -> list[Any]:
-            every = directions(self.constraints, self.disk, angles)
+            every = directions(constraints, self.disk, angles)
             # One with a scale keeps the spin what it is.
             return [dot(each.turning, moving.angular) - each.scale * moving.spin for each in every]
 
         return rate(held, moving.attitude, moving.rates)
+
+    def _slowing(self, moving: Moving, acceleration: tuple[Vector, Vector]) -> Any:
+        """Half the rate of the squared slip speed, which is zero where the slip is least."""
+        ways = directions(SLIPS, self.disk, moving.attitude)
+        slips = [way.along(moving.velocity, moving.angular) for way in ways]
+        turned = self._changes(SLIPS, moving)
+        rates = [way.along(*acceleration) + each for way, each in zip(ways, turned, strict=True)]
+        return slips[0] * rates[0] + slips[1] * rates[1]
 
     def _load(self, alone: Any, added: Any) -> Any:
         if self.load == "contact":
@@ -114,7 +123,7 @@ class IdealContact:
 def friction(contact: IdealContact, moving: Moving) -> Direction:
     """Friction for each newton of load; the disk slides where it is not held."""
     frame, held = moving.frame, contact.constraints
-    ahead, across, _ = at_point(contact_point(contact.disk, frame), frame)
+    ahead, across, _ = rim_directions(contact.disk, frame)
     along, sideways = (way.along(moving.velocity, moving.angular) for way in (ahead, across))
     slip_x = 0.0 if "no-slip-along" in held else along
     slip_y = 0.0 if "no-slip-across" in held else sideways

@@ -18,7 +18,7 @@ from analysis.data.contact import PenaltyContact
 from analysis.data.dissipation import Dissipation
 from analysis.data.elementary import sqrt
 from analysis.mechanics.attitude import Chart, Frame, Moving, Quaternion
-from analysis.mechanics.constraints import Direction, at_point
+from analysis.mechanics.constraints import Direction
 from analysis.mechanics.dual import rate
 from analysis.mechanics.newton_euler import (
     Speed,
@@ -58,6 +58,15 @@ READINGS = {
     "energies": 3,
 }
 """Arrays of a `SpatialMotion` that are read off a state, and their numbers for each sample."""
+
+
+def at_point(point: Vector, frame: Frame) -> tuple[Direction, Direction, Direction]:
+    """Directions in which a point of the disk, seen from S, moves along the axes of the frame."""
+    return (
+        Direction((1.0, 0.0, 0.0), cross(point, frame.ahead)),
+        Direction((0.0, 1.0, 0.0), cross(point, frame.across)),
+        Direction((0.0, 0.0, 1.0), cross(point, frame.up)),
+    )
 
 
 class Touch(NamedTuple):

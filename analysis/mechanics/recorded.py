@@ -54,7 +54,7 @@ def disk_of(values: Numbers) -> Any:
 
 @cache
 def formula(
-    held: ConstraintSet, load: Load | None, *, horizontal: bool
+    held: ConstraintSet, load: Load | None, *, horizontal: bool, slowing: bool = False
 ) -> Callable[..., Callable[..., tuple[Any, ...]]]:
     """Code of `IdealContact.derivative` for a structure.
 
@@ -66,13 +66,15 @@ def formula(
         What presses the disk on the table where friction acts; None where there is none.
     horizontal : bool
         Whether the table is level.
+    slowing : bool
+        Whether half the rate of the squared slip speed is told, too.
 
     Returns
     -------
     callable
         From `numbers` and, by keyword, the functions of `IdealContact` and `sin` and `cos` of
         these kinds of numbers, to a function of the 12 numbers of a state; that one returns the
-        derivative and the multipliers, 12 + n numbers.
+        derivative and the multipliers, 12 + n numbers, and what `slowing` asks for.
     """
     recorder = Recorder(NUMBERS, STATE, _FUNCTIONS)
     along, across, down = recorder.constants[6:]
@@ -83,8 +85,8 @@ def formula(
         load=load,
         **{name: partial(call, name) for name in _FUNCTIONS},
     )
-    derivative, multipliers = contact.derivative(recorder.variables)
-    return recorder.code([*derivative, *multipliers])
+    derivative, multipliers, slower = contact.derivative(recorder.variables)
+    return recorder.code([*derivative, *multipliers, *([slower] if slowing else [])])
 
 
 def solver(scenario: Scenario) -> Solver:
