@@ -25,7 +25,7 @@ from analysis import (
     multiplier_names,
 )
 from analysis.data.checks import Array
-from analysis.models import reduced
+from analysis.mechanics import reduced
 
 T = TypeVar("T")
 
@@ -168,7 +168,7 @@ all_sets = pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
 def reduced_run(scenario: Scenario, spin: float, begin: Array, end: float) -> Array:
     """State of the reduced system at a time in s, shape (3,)."""
     found = solve_ivp(
-        lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()),
+        reduced.right_hand_side(scenario, spin),
         (0.0, end),
         begin,
         method="LSODA",

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from analysis import SmoothCoulomb
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear.asymmetric import AsymmetricCycle, asymmetric_family, changes
 from analysis.nonlinear.family import Bifurcation, bifurcations, cycle_family
 from tests.helpers import model, reduced_run
@@ -56,7 +56,7 @@ def difference_of_swings(spin: float) -> float:
 
     upright.direction = -1.0  # type: ignore[attr-defined]
     run = solve_ivp(
-        lambda _, x: reduced.right_hand_side(WEAK, spin, x.tolist()),
+        reduced.right_hand_side(WEAK, spin),
         (0.0, 60.0),
         (np.pi / 2, np.pi / 2 + 1.9, -1.0),
         method="LSODA",

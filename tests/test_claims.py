@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from analysis import Inversion, Level, Load, Scenario, SmoothCoulomb, Trajectory, simulate
-from analysis.models import index1
+from analysis.mechanics.recorded import accelerations
 from tests.helpers import random_trajectory
 from validation.studies.claims import (
     attraction,
@@ -152,7 +152,7 @@ def test_contact_matrix_is_singular_at_the_coefficient_found() -> None:
         # Sliding along e_y without turning.
         u = np.array([0.0, speed, 0.0, 0.0, 0.0, 0.0])
         try:
-            index1.accelerations(Scenario(friction=friction), z, u)
+            accelerations(Scenario(friction=friction), z, u)
         except ArithmeticError:
             return True
         return False

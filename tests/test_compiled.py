@@ -38,7 +38,8 @@ from analysis.compiled.runs import CompiledScenario
 from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
 from analysis.data.friction import LOADS
-from analysis.models import index1, reduced
+from analysis.mechanics import reduced
+from analysis.mechanics.recorded import solver
 from analysis.models.forms import pose
 from tests.helpers import assert_close, model, mostly_slow, random_disk, random_table
 
@@ -107,21 +108,19 @@ def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(
     states[:, 4] = random.uniform(0.3, pi - 0.3, size=1000)
     found = signed(system.derivatives, system, scenario, states)
     held = values(forces, variables, scenario, states)
-    rows, accelerations, pure = [], [], []
+    solve, rows, pure = solver(scenario), [], []
     for row, state in enumerate(states.tolist()):
         try:
-            acceleration, force = index1.accelerations(scenario, state[:6], state[6:])
+            result = solve(*state)
         except ArithmeticError:
             continue
         # A contact that pulls has no load for the pure system; a compiled run ends before.
-        if load == "weight" or force[0] > 0.0:
+        if load == "weight" or result[12] > 0.0:
             rows.append(row)
-            accelerations.append(acceleration)
-            pure.append(force)
+            pure.append(result)
     assert len(rows) == 1000 if load == "weight" else len(rows) > 100
-    np.testing.assert_array_equal(found[:, :6], states[:, 6:])
-    assert_rows_close(found[rows, 6:], accelerations, relative=1e-10)
-    assert_rows_close(held[rows], pure, relative=1e-10)
+    assert_rows_close(found[rows], np.array(pure)[:, :12], relative=1e-10)
+    assert_rows_close(held[rows], np.array(pure)[:, 12:], relative=1e-10)
 
 
 def test_compiled_and_pure_reduced_systems_are_the_same_at_1000_states() -> None:
@@ -131,10 +130,7 @@ def test_compiled_and_pure_reduced_systems_are_the_same_at_1000_states() -> None
     system = systems.build(structure)
     symbols = [*system.derivatives, system.endings["contact would pull"]]
     states = random.normal(size=(1000, 3))
-    pure = [
-        (*reduced.right_hand_side(scenario, 3.0, x), reduced.normal_force(scenario, 3.0, x))
-        for x in states.tolist()
-    ]
+    pure = [reduced.solver(scenario, 3.0)(*x)[:4] for x in states.tolist()]
     assert_rows_close(signed(symbols, system, scenario, states), pure, relative=1e-12)
 
 
@@ -147,7 +143,7 @@ def test_compiled_and_pure_friction_laws_are_the_same(law: FrictionLaw) -> None:
     states = np.random.default_rng(14).normal(size=(100, 12))
     states *= 10.0 ** -np.linspace(0.0, 8.0, 100)[:, None]
     states[:, 4] = 1.0
-    pure = [index1.accelerations(scenario, x[:6], x[6:])[1] for x in states.tolist()]
+    pure = [solver(scenario)(*x)[12:] for x in states.tolist()]
     assert_rows_close(values(forces, variables, scenario, states), pure, relative=1e-12)
 
 

@@ -24,21 +24,12 @@ from analysis import (
     State,
     multiplier_names,
 )
-from analysis.models import constraints as rows
-from analysis.models import equations
+from analysis.mechanics import constraints as rows
+from analysis.mechanics import paper
 from tests.helpers import (
     all_sets,
-    assert_close,
-    cog,
-    derivative,
-    jacobian,
     model,
-    random_disk,
     random_scenario,
-    random_state,
-    rotation,
-    slip,
-    turn_z,
 )
 
 SLIPS = ("no-slip-along", "no-slip-across")
@@ -58,71 +49,6 @@ def shifted(start: State, field: str, index: int, amount: float) -> State:
     return replace(start, **{field: tuple(values)})
 
 
-@seeds
-def test_contact_distance_is_the_height_of_the_lowest_point_of_the_rim(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    disk, (z, _) = random_disk(random), random_state(random)
-    around = np.linspace(-pi, pi, 200_001)
-    rim = disk.radius * np.array([np.cos(around), np.sin(around), np.zeros_like(around)])
-    lowest = np.min(z[2] + rotation(z)[2] @ rim)
-    # The lowest of the sampled points lies at most radius * step² / 8 above the lowest of all.
-    assert rows.positions(MODELS[1], disk, z)[0] == pytest.approx(lowest, abs=1e-9)
-
-
-@seeds
-def test_cog_constraint_holds_the_cog_above_the_origin(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    disk, (z, _) = random_disk(random), random_state(random)
-    in_frame = turn_z(-z[3]) @ cog(disk, z)
-    assert_close(rows.positions(MODELS[2], disk, z)[1:], in_frame[:2])
-
-
-@all_sets
-@seeds
-def test_directions_are_the_gradient_of_the_positions(
-    constraints: ConstraintSet, seed: int
-) -> None:
-    random = np.random.default_rng(seed)
-    disk, (z, _) = random_disk(random), random_state(random)
-    gradient = jacobian(lambda place: rows.positions(constraints, disk, place), z)
-    assert_close(rows.directions(constraints, disk, z)[: len(gradient)], gradient)
-
-
-@all_sets
-@seeds
-def test_acceleration_terms_are_the_change_of_the_directions(
-    constraints: ConstraintSet, seed: int
-) -> None:
-    random = np.random.default_rng(seed)
-    disk, (z, u) = random_disk(random), random_state(random)
-    change = derivative(lambda t: rows.directions(constraints, disk, z + t * u))
-    terms = rows.acceleration_terms(constraints, disk, z, u)
-    np.testing.assert_allclose(terms, change @ u, rtol=0.0, atol=1e-11)
-
-
-@seeds
-def test_slip_rows_give_the_contact_points_velocity(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    disk, (z, u) = random_disk(random), random_state(random)
-    velocity = slip(disk, lambda t: z + t * u)
-    np.testing.assert_allclose(rows.directions(ROLLING, disk, z)[1:] @ u, velocity, rtol=1e-11)
-
-
-@seeds
-def test_contact_forces_have_the_directions_of_the_equations(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    disk, (z, _) = random_disk(random), random_state(random)
-    found = rows.directions(ROLLING, disk, z)
-    np.testing.assert_array_equal(found[0], equations.normal_direction(disk, z))
-    np.testing.assert_array_equal(found[1:].T, equations.tangential_directions(disk, z))
-
-
-def test_spin_row_is_the_rate_of_alpha_alone() -> None:
-    z, _ = random_state(np.random.default_rng(0))
-    row = rows.directions(MODELS[4], STEEL_DISK, z)[4]
-    np.testing.assert_array_equal(row, [0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
-
-
 def test_all_sets_but_the_one_without_freedom_are_possible() -> None:
     assert len(POSSIBLE_SETS) == len(set(POSSIBLE_SETS)) == 2**4 - 1
     assert set(MODELS.values()) <= set(POSSIBLE_SETS)
@@ -132,7 +58,7 @@ def test_all_sets_but_the_one_without_freedom_are_possible() -> None:
 def test_every_possible_set_has_independent_constraints(constraints: ConstraintSet) -> None:
     for seed in range(20):
         scenario, z, _ = random_scenario(constraints, seed)
-        directions = rows.directions(constraints, scenario.disk, z)
+        directions = paper.constraint_directions(constraints, scenario.disk, z)
         assert np.min(np.linalg.svd(directions, compute_uv=False)) > 1e-2
 
 

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import pi
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,8 +21,9 @@ from analysis import (
     Start,
     Table,
 )
-from analysis.models import equations, index1
-from analysis.rest import free_disk
+from analysis.mechanics import newton_euler, penalty, recorded
+from analysis.mechanics.constraints import Direction
+from analysis.mechanics.vectors import scaled
 from mbs_models import Formulation, Scene
 from tests.helpers import mostly_slow, not_none
 from validation.run import run
@@ -122,38 +122,40 @@ def test_motion_is_compared_up_to_shortly_before_the_disk_lies_flat() -> None:
     assert detail == "over 0.06118 s"
 
 
-def mirrored(table: Any) -> Any:
-    """Table that leans to the other side of the inertial x axis."""
-    along, across, down = table.vector
-    return SimpleNamespace(
-        pressing=table.pressing, vector=(along, -across, down), is_horizontal=table.is_horizontal
-    )
-
-
 def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
     """Scenario in which one sign of the in-house equations is wrong."""
     if name == "gyroscopic forces":
-        right = equations.gyroscopic_rows
-        monkeypatch.setattr(equations, "gyroscopic_rows", lambda *a: [-h for h in right(*a)])
+        free = newton_euler.free_acceleration
+
+        def backwards(disk: Any, gravity: Any, moving: Any) -> Any:
+            linear, turning = free(disk, gravity, moving._replace(spin=-moving.spin))
+            return linear, scaled(-1.0, turning)
+
+        monkeypatch.setattr(newton_euler, "free_acceleration", backwards)
     if name == "friction":
-        per_load = index1.friction_rows
-        monkeypatch.setattr(index1, "friction_rows", lambda *a: [-part for part in per_load(*a)])
+        per_load = newton_euler.friction
+
+        def driving(*given: Any) -> Any:
+            force, moment, _ = per_load(*given)
+            return Direction(scaled(-1.0, force), scaled(-1.0, moment))
+
+        monkeypatch.setattr(newton_euler, "friction", driving)
     if name == "slope":
-        gravity = equations.gravity_rows
+        numbers = recorded.numbers
         monkeypatch.setattr(
-            equations,
-            "gravity_rows",
-            lambda disk, table, z: gravity(disk, mirrored(table), z),
+            recorded,
+            "numbers",
+            lambda scenario: (*(found := numbers(scenario))[:7], -found[7], found[8]),
         )
         return Scenario(table=SLOPE)
     if name == "penalty":
-        touch = free_disk.FreeDisk.touch
+        touch = penalty.YieldingTable.touch
 
-        def wrong(self: free_disk.FreeDisk, state: list[float]) -> free_disk.Contact:
-            found = touch(self, state)
-            return found._replace(slip=tuple(-part for part in found.slip))  # type: ignore[arg-type]
+        def wrong(self: penalty.YieldingTable, moving: Any) -> penalty.Touch:
+            found = touch(self, moving)
+            return found._replace(slip=tuple(-part for part in found.slip))
 
-        monkeypatch.setattr(free_disk.FreeDisk, "touch", wrong)
+        monkeypatch.setattr(penalty.YieldingTable, "touch", wrong)
         return Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK))
     return Scenario()
 
@@ -162,7 +164,7 @@ def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
 def test_wrong_sign_on_one_side_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def forget() -> None:
         comparisons.reference.cache_clear()
-        index1.recorded.cache_clear()
+        recorded.formula.cache_clear()
 
     forget()
     scenario = bent(name, monkeypatch)

@@ -24,7 +24,8 @@ from analysis import (
     load_run,
 )
 from analysis.data.endings import REACHED
-from analysis.models import index1
+from analysis.mechanics import recorded
+from analysis.mechanics.free_body import Solver
 from tests.helpers import model, not_none
 
 FALLING = Start(beta=1.0, gamma=pi / 2, spin=0.0)
@@ -67,7 +68,7 @@ def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> N
     # Beyond beta = 0 the equations go on to the next singular tilt and get stuck there.
     calls = count()
 
-    def counting(scenario: Scenario) -> index1.Solver:
+    def counting(scenario: Scenario) -> Solver:
         solve = solver(scenario)
 
         def within_budget(*state: float) -> tuple[float, ...]:
@@ -76,8 +77,8 @@ def test_falling_flat_ends_the_integration(monkeypatch: pytest.MonkeyPatch) -> N
 
         return within_budget
 
-    solver = index1.solver
-    monkeypatch.setattr(index1, "solver", counting)
+    solver = recorded.solver
+    monkeypatch.setattr(recorded, "solver", counting)
     run = analysis.simulate(Scenario(start=FALLING), [0.0, 0.5], tolerance=1e-6)
     assert not_none(run.ending).reason == "flat"
     assert next(calls) > 100

@@ -24,8 +24,8 @@ from analysis import (
     multiplier_names,
 )
 from analysis.data.constraint_set import set_name
-from analysis.models import constraints as rows
-from analysis.models import index1
+from analysis.mechanics import paper
+from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.build import build
 from mbs_models.inventory import inventory
@@ -87,7 +87,7 @@ def test_accelerations_and_forces_are_those_of_the_in_house_equations(
             start=random_start(constraints, random),
         )
         state = scenario.initial_state
-        expected = index1.accelerations(scenario, state.coordinates, state.rates)
+        expected = accelerations(scenario, state.coordinates, state.rates)
         found = mbs_models.acceleration(Scene(scenario, formulation))
         assert found[1].shape == (len(multiplier_names(constraints)),)
         for one, other in zip(found, expected, strict=True):
@@ -109,7 +109,7 @@ def test_accelerations_and_forces_are_right_near_a_flat_disk(
         start = replace(random_start(constraints, random), beta=beta, spin=spin)
         scenario = Scenario(constraints=constraints, start=start)
         state = scenario.initial_state
-        expected = index1.accelerations(scenario, state.coordinates, state.rates)
+        expected = accelerations(scenario, state.coordinates, state.rates)
         found = mbs_models.acceleration(Scene(scenario, formulation))
         for one, other, least in zip(found, expected, (1e-10 / tilt**2, 1e-7), strict=True):
             scale = max(scenario.weight, float(np.max(np.abs(other))))
@@ -125,7 +125,7 @@ def test_random_starts_are_as_free_as_the_constraints_leave_them(
     state = random_start(constraints, np.random.default_rng(0)).state(
         constraints, analysis.STEEL_DISK
     )
-    matrix = rows.directions(constraints, analysis.STEEL_DISK, state.coordinates)
+    matrix = paper.constraint_directions(constraints, analysis.STEEL_DISK, state.coordinates)
     free = 6 - np.linalg.matrix_rank(matrix) + ("constant-spin" in constraints)
     assert sum(each.endswith("_rate") for each in names) + 1 == free
 

@@ -32,7 +32,7 @@ from analysis import (
 from analysis.data.checks import Array
 from analysis.data.friction import law_from, law_values
 from analysis.data.own import foreign_names
-from analysis.models import index1
+from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
 from analysis.stability.spectra import SYSTEMS, System
 from mbs_models import Scene, formulations
@@ -120,7 +120,7 @@ def test_accelerations_agree_under_every_law(law: FrictionLaw, level: Level, loa
     start = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
     scenario = model(level, friction=replace(law, load=load), start=start)
     state = scenario.initial_state
-    expected, forces = index1.accelerations(scenario, state.coordinates, state.rates)
+    expected, forces = accelerations(scenario, state.coordinates, state.rates)
     for formulation in formulations(scenario):
         scene = Scene(scenario=scenario, formulation=formulation)
         found, multipliers = mbs_models.acceleration(scene)

@@ -1,4 +1,4 @@
-"""The full linear system: structure, and agreement with the nonlinear equations."""
+"""The full linear system: structure, and agreement with the nonlinear paper."""
 
 from math import pi
 
@@ -17,7 +17,7 @@ from analysis import (
     SmoothCoulomb,
     Table,
 )
-from analysis.models import index1
+from analysis.mechanics.recorded import accelerations
 from analysis.stability.linear_full import full_system, without_drift
 from tests.helpers import assert_close, random_disk
 
@@ -65,7 +65,7 @@ def test_state_matrix_predicts_small_accelerations_of_the_nonlinear_model() -> N
     r = STEEL_DISK.radius
     z = (x, y, r * np.cos(beta), 0.0, pi / 2 + beta, pi / 2 + gamma)
     u = (rates[0], rates[1], -r * np.sin(beta) * rates[2], spin, rates[2], rates[3])
-    found = index1.accelerations(PAPER, z, u)[0][[0, 1, 4, 5]]
+    found = accelerations(PAPER, z, u)[0][[0, 1, 4, 5]]
     assert_close(found, (matrix @ deviation)[4:], relative=1e-6)
 
 

@@ -20,7 +20,7 @@ from analysis import (
     Start,
 )
 from analysis.data.frames import poses
-from analysis.models.equations import mass_matrix
+from analysis.mechanics.paper import mass_matrix
 from mbs_models import Formulation
 from tests.scenes import scene_of
 from validation.studies.robustness.penalty_limit import penalty_error

@@ -26,7 +26,7 @@ from analysis import (
     power,
 )
 from analysis.data.checks import Array
-from analysis.models import index1
+from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.endings import dips, pulling_times, zero
 from tests.helpers import arc, cog, model, not_none, second_derivative, slip
@@ -133,7 +133,7 @@ def test_accelerations_of_a_pulling_contact_agree(level: Level, formulation: Any
     scenario = model(level, friction=CONTACT, start=start)
     engine, forces = mbs_models.acceleration(Scene(scenario, formulation))
     state = scenario.initial_state
-    in_house, multipliers = index1.accelerations(scenario, state.coordinates, state.rates)
+    in_house, multipliers = accelerations(scenario, state.coordinates, state.rates)
     assert multipliers[0] < 0.0
     np.testing.assert_allclose(engine, in_house, rtol=1e-8, atol=1e-6)
     np.testing.assert_allclose(forces, multipliers, rtol=1e-8, atol=1e-6)
@@ -151,7 +151,7 @@ def test_pulling_contact_rubs_under_the_weight_if_that_is_the_load_and_not_under
     if side == "engine":
         found, forces = mbs_models.acceleration(Scene(scenario))
     else:
-        found, forces = index1.accelerations(scenario, state.coordinates, state.rates)
+        found, forces = accelerations(scenario, state.coordinates, state.rates)
     assert forces[0] < 0.0
     # In a time so slow that differences over milliseconds see little of the turning.
     slowed, disk = 1e-2, scenario.disk
@@ -172,7 +172,7 @@ def test_friction_that_calls_for_its_own_load_has_no_accelerations() -> None:
     scenario = Scenario(friction=steep, start=start)
     state = scenario.initial_state
     with pytest.raises(ArithmeticError, match="each newton of normal force calls for"):
-        index1.accelerations(scenario, state.coordinates, state.rates)
+        accelerations(scenario, state.coordinates, state.rates)
     with pytest.raises(ArithmeticError, match="each newton of normal force calls for"):
         mbs_models.acceleration(Scene(scenario, "floating"))
 

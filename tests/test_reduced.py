@@ -10,7 +10,8 @@ import sympy
 
 from analysis import MODELS, STEEL_DISK, Scenario, SmoothCoulomb, Table
 from analysis.data.checks import Array
-from analysis.models import constraints, index1, reduced
+from analysis.mechanics import paper, reduced
+from analysis.mechanics.recorded import accelerations
 from tests.helpers import (
     assert_close,
     derivative,
@@ -81,7 +82,7 @@ def test_reduced_equations_are_the_projection_of_the_full_ones(
     terms = projection(parameter_values(scenario.disk, scenario.table), spin, x)
     mass, force, direction, slip = (float(term[0, 0]) for term in terms)
     force += direction * -coefficient * scenario.weight * slip / (abs(slip) + 0.1)
-    assert reduced.acceleration(scenario, spin, x) == pytest.approx(force / mass, rel=1e-12)
+    assert reduced.solver(scenario, spin)(*x)[2] == pytest.approx(force / mass, rel=1e-12)
 
 
 @coefficients
@@ -94,31 +95,31 @@ def test_index_1_system_of_model_4_accelerates_like_the_reduced_one(
     if large:
         scenario, spin = replace(scenario, disk=STEEL_DISK), 40.0 + spin
     z, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
-    accelerations, _ = index1.accelerations(scenario, z[0], u[0])
-    expected = reduced.acceleration(scenario, spin, x)
-    assert accelerations[4] == pytest.approx(expected, rel=1e-10)
+    found, _ = accelerations(scenario, z[0], u[0])
+    expected = reduced.solver(scenario, spin)(*x)[2]
+    assert found[4] == pytest.approx(expected, rel=1e-10)
 
 
 @seeds
 def test_index_1_system_of_model_4_follows_the_reduced_kinematics(seed: int) -> None:
     scenario, spin, x = sample(seed)
     z, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
-    accelerations, _ = index1.accelerations(scenario, z[0], u[0])
-    right = np.array(reduced.right_hand_side(scenario, spin, x))
+    found, _ = accelerations(scenario, z[0], u[0])
+    right = np.array(reduced.solver(scenario, spin)(*x)[:3])
 
     def rates(t: float) -> Array:
         _, rows = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]) + t * right)
         return rows.ravel()
 
-    assert_close(accelerations, derivative(rates), relative=1e-11)
+    assert_close(found, derivative(rates), relative=1e-11)
 
 
 @seeds
 def test_expanded_states_meet_all_constraints(seed: int) -> None:
     scenario, spin, x = sample(seed)
     z, u = reduced.expand(scenario.disk, spin, np.array([1.7]), np.array([x]))
-    residuals = constraints.directions(MODELS[4], scenario.disk, z[0]) @ u[0]
-    positions = constraints.positions(MODELS[4], scenario.disk, z[0])
+    residuals = paper.constraint_directions(MODELS[4], scenario.disk, z[0]) @ u[0]
+    positions = paper.constraint_positions(MODELS[4], scenario.disk, z[0])
     np.testing.assert_allclose(positions, 0.0, rtol=0, atol=1e-15)
     np.testing.assert_allclose(residuals[:4], 0.0, rtol=0.0, atol=1e-14)
     assert residuals[4] == spin
@@ -127,7 +128,7 @@ def test_expanded_states_meet_all_constraints(seed: int) -> None:
 @seeds
 def test_expanded_rates_are_the_rates_of_the_expanded_coordinates(seed: int) -> None:
     scenario, spin, x = sample(seed)
-    right = np.array(reduced.right_hand_side(scenario, spin, x))
+    right = np.array(reduced.solver(scenario, spin)(*x)[:3])
 
     def coordinates(t: float) -> Array:
         states = np.array([x]) + t * right
@@ -141,8 +142,8 @@ def test_expanded_rates_are_the_rates_of_the_expanded_coordinates(seed: int) -> 
 def test_reduced_system_looks_at_the_weight_alone() -> None:
     scenario, spin, x = sample(0)
     by_contact = replace(scenario, friction=SmoothCoulomb(load="contact"))
-    expected = reduced.acceleration(scenario, spin, x)
-    assert reduced.acceleration(by_contact, spin, x) == expected
+    expected = reduced.solver(scenario, spin)(*x)[2]
+    assert reduced.solver(by_contact, spin)(*x)[2] == expected
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -162,12 +163,12 @@ def test_reduced_acceleration_takes_arrays_and_complex_numbers(seed: int) -> Non
 
     many = np.array(x)[:, None] + np.array((0.0, 0.01, 0.02))
     for column, value in zip(many.T, found(many), strict=True):
-        expected = reduced.acceleration(scenario, spin, column.tolist())
+        expected = reduced.solver(scenario, spin)(*column.tolist())[2]
         assert value == pytest.approx(expected, rel=1e-13)
 
     def stepped(t: float) -> Array:
         states = (np.array(x) + t * np.eye(3)).tolist()
-        return np.array([reduced.acceleration(scenario, spin, state) for state in states])
+        return np.array([reduced.solver(scenario, spin)(*state)[2] for state in states])
 
     exact = found(np.array(x)[:, None] + 1e-100j * np.eye(3)).imag / 1e-100
     assert_close(exact, derivative(stepped), 1e-9)

@@ -9,7 +9,7 @@ import pytest
 
 from analysis import Start
 from analysis.data.checks import Array
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear.rotating import Rotation, RotationFamily, folds, rotating_family
 from tests.calls import printed
 from tests.calls import run as call
@@ -53,7 +53,7 @@ def test_the_reduced_system_comes_back_after_a_turn(family: RotationFamily) -> N
 def test_deviations_of_rotating_motions_grow_by_the_multiplier(family: RotationFamily) -> None:
     for rotation in (family.rotations[2], family.rotations[5]):
         begin, size = rotation.states[0], 1e-5
-        along = np.array(reduced.right_hand_side(PAPER, rotation.spin, begin.tolist()))
+        along = np.array(reduced.solver(PAPER, rotation.spin)(*begin.tolist())[:3])
         deviation, sizes = np.array((size, 0.0, 0.0)), []
         for _ in range(2):
             deviation = (

@@ -1,5 +1,6 @@
 """What the in-house simulation refuses, and how it reports what it cannot do."""
 
+from collections.abc import Callable
 from math import nan
 from typing import Any
 
@@ -19,7 +20,8 @@ from analysis import (
     simulate,
 )
 from analysis.data.checks import Array
-from analysis.models import reduced, simulation
+from analysis.mechanics import reduced
+from analysis.models import simulation
 from analysis.models.integration import Run
 from tests.helpers import model
 
@@ -27,7 +29,11 @@ from tests.helpers import model
 def test_integration_that_gives_up_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
     # gamma = 1 / (1.005 - t) has no value at t = 1.005 s.
     scenario = model(4, start=Start(gamma=1 / 1.005))
-    monkeypatch.setattr(reduced, "right_hand_side", lambda *given: (0.0, given[-1][1] ** 2, 0.0))
+
+    def diverging(*_: object) -> Callable[[float, Array], tuple[float, ...]]:
+        return lambda _, x: (0.0, x[1] ** 2, 0.0)
+
+    monkeypatch.setattr(reduced, "right_hand_side", diverging)
     with pytest.raises(ArithmeticError, match=r"^DOP853 stopped after t = 1\.005 s: "):
         simulate(scenario, np.linspace(0.0, 2.0, 201), form="reduced")
 

@@ -1,19 +1,44 @@
-"""The spheroid's contact point: lowest point, limits, and its velocity along the rim."""
+"""The rim on a yielding table: lowest point, its velocity, and the motion in both charts."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from analysis import STEEL_DISK, Dissipation, PenaltyContact, Scenario, Start, Table
 from analysis.data.checks import Array
-from analysis.rest.free_disk import cross
-from analysis.rest.spheroid import Vector3, contact_point, contour_velocity, support_height
+from analysis.data.elementary import cos, sin
+from analysis.mechanics.attitude import EulerAngles
+from analysis.mechanics.dual import rate
+from analysis.mechanics.free_body import FreeBody
+from analysis.mechanics.penalty import lowest_point
+from analysis.mechanics.recorded import solver
+from analysis.mechanics.states import state_of
+from analysis.rest.to_rest import start_vector
+from tests.helpers import assert_close
 
 RADIUS, HALF = 0.045, 2e-3
 
 
-def vector(values: Array) -> Vector3:
-    x, y, z = values.tolist()
-    return x, y, z
+def lowest(half: float, upward: Iterable[float]) -> Array:
+    """Lowest point seen from the centre."""
+    disk = replace(STEEL_DISK, radius=RADIUS)
+    return np.array(lowest_point(disk, half, tuple(upward)))
+
+
+def height(half: float, upward: Array) -> float:
+    """Height of the centre over it."""
+    return float(-lowest(half, upward) @ upward)
+
+
+def contour(half: float, upward: Array, angular: Array) -> Array:
+    """Velocity of the lowest point over the rim."""
+    change = np.cross(upward, angular)
+    disk = replace(STEEL_DISK, radius=RADIUS)
+    return np.array(rate(lambda up: lowest_point(disk, half, up), upward, change))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -23,25 +48,24 @@ def test_contact_point_is_the_lowest_of_many_points_of_the_surface(seed: int) ->
     sphere = rng.normal(size=(20000, 3))
     sphere /= np.linalg.norm(sphere, axis=1)[:, None]
     heights = (sphere * (RADIUS, RADIUS, HALF)) @ upward
-    point = np.array(contact_point(RADIUS, HALF, vector(upward)))
+    point = lowest(HALF, upward)
     assert np.sum((point / (RADIUS, RADIUS, HALF)) ** 2) == pytest.approx(1.0)
     assert point @ upward <= heights.min()
-    assert point @ upward == pytest.approx(-support_height(RADIUS, HALF, vector(upward)))
 
 
 @pytest.mark.parametrize("face", [1.0, -1.0])
 def test_flat_disk_has_a_smooth_contact_on_either_face(face: float) -> None:
-    assert contact_point(RADIUS, HALF, (0.0, 0.0, face)) == (0.0, 0.0, -face * HALF)
-    x, y, _ = contact_point(RADIUS, HALF, (1e-9, 0.0, face))
+    assert lowest(HALF, (0.0, 0.0, face)).tolist() == [0.0, 0.0, -face * HALF]
+    x, y, _ = lowest(HALF, (1e-9, 0.0, face))
     assert x == pytest.approx(-(RADIUS**2) / HALF * 1e-9)
     assert y == 0.0
 
 
 @pytest.mark.parametrize("beta", [0.5, 1.0, 1.5])
 def test_spheroid_lies_above_the_thin_disk_by_a_second_order_height(beta: float) -> None:
-    upward = (np.sin(beta), 0.0, np.cos(beta))
+    upward = np.array((np.sin(beta), 0.0, np.cos(beta)))
     halves = np.array((1e-4, 1e-5))
-    errors = [support_height(RADIUS, h, upward) - RADIUS * np.sin(beta) for h in halves]
+    errors = [height(h, upward) - RADIUS * np.sin(beta) for h in halves]
     expected = halves**2 * np.cos(beta) ** 2 / (2 * RADIUS * np.sin(beta))
     np.testing.assert_allclose(errors, expected, rtol=1e-4, atol=1e-17)
     # A torus, the other candidate, lies higher by a first-order height.
@@ -57,18 +81,43 @@ def test_contour_velocity_is_the_rate_of_the_contact_point(seed: int) -> None:
     def after(time: float) -> Array:
         # In the body frame, the vertical turns backwards.
         turned = Rotation.from_rotvec(-time * angular).apply(upward)
-        return np.array(contact_point(RADIUS, HALF, vector(turned)))
+        return lowest(HALF, turned)
 
     step = 1e-5
-    velocity = contour_velocity(
-        RADIUS, HALF, vector(upward), cross(vector(upward), vector(angular))
-    )
+    velocity = contour(HALF, upward, angular)
     np.testing.assert_allclose(velocity, (after(step) - after(-step)) / (2 * step), atol=1e-8)
     assert abs(np.dot(velocity, upward)) < 1e-15
 
 
 def test_contour_speed_of_a_thin_standing_disk_is_radius_times_rolling_rate() -> None:
     beta, rolling = 1.2, 3.0
-    upward = (0.0, np.sin(beta), np.cos(beta))
-    velocity = contour_velocity(RADIUS, 1e-7, upward, cross(upward, (0.0, 0.0, rolling)))
+    upward = np.array((0.0, np.sin(beta), np.cos(beta)))
+    velocity = contour(1e-7, upward, np.array((0.0, 0.0, rolling)))
     np.testing.assert_allclose(velocity, (-RADIUS * rolling, 0.0, 0.0), atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("half", [0.0, HALF])
+def test_both_charts_of_the_attitude_give_the_same_motion(half: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    contact = PenaltyContact.damped(1e5, STEEL_DISK, half_thickness=half)
+    losses = Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4, air_drag=1.2)
+    table = Table(inclination=0.2, downhill=rng.uniform(-3.0, 3.0))
+    names = ("x_rate", "y_rate", "beta_rate", "gamma_rate")
+    rates = dict(zip(names, rng.normal(size=4), strict=True))
+    start = Start(beta=rng.uniform(0.3, 2.8), gamma=rng.uniform(-3.0, 3.0), spin=4.0, **rates)
+    scenario = Scenario(contact=contact, table=table, dissipation=losses, start=start)
+    state, disk = scenario.initial_state, scenario.disk
+
+    def velocities(moving: Sequence[Any]) -> list[Any]:
+        """Of S in inertial axes, and angular ones in those of the body."""
+        c, s, (x, y, z) = cos(moving[3]), sin(moving[3]), moving[6:9]
+        turning = EulerAngles.angular_velocity(moving[3:6], moving[9:])
+        return [c * x - s * y, s * x + c * y, z, *turning]
+
+    here = state_of(disk, state.coordinates, state.rates)
+    *changes, force = solver(scenario)(*here)
+    body, free = start_vector(disk, state), FreeBody(scenario)
+    found = np.array(free.derivative(0.0, body))[7:13]
+    assert_close(found, rate(velocities, here, changes), relative=1e-12)
+    assert free.readings(body[None])["normal_force"][0] == pytest.approx(force, rel=1e-12)

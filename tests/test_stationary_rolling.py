@@ -22,7 +22,7 @@ from analysis import (
 from analysis.data.checks import Array
 from analysis.data.dissipation import Dissipation
 from analysis.data.spatial_motion import SpatialMotion
-from analysis.models import equations
+from analysis.mechanics import paper
 from analysis.rest.final_stage import fit_power_law, precession
 from analysis.rest.stationary_rolling import (
     axial_spin,
@@ -47,14 +47,14 @@ def rolling_accelerations(state: State) -> Array:
     r, beta = DISK.radius, z[4]
 
     def directions(place: Array) -> Array:
-        normal = equations.normal_direction(DISK, place)
-        return np.column_stack((normal, equations.tangential_directions(DISK, place))).T
+        normal = paper.normal_direction(DISK, place)
+        return np.column_stack((normal, paper.tangential_directions(DISK, place))).T
 
     W, step = directions(z), 1e-7
     W_rate = (directions(z + step * u) - directions(z - step * u)) / (2 * step)
     np.testing.assert_allclose(W @ u, 0.0, atol=1e-12)
-    matrix = np.block([[equations.mass_matrix(DISK, z), -W.T], [W, np.zeros((3, 3))]])
-    forces = equations.gyroscopic_forces(DISK, z, u) + equations.gravity_forces(DISK, Table(), z)
+    matrix = np.block([[paper.mass_matrix(DISK, z), -W.T], [W, np.zeros((3, 3))]])
+    forces = paper.gyroscopic_forces(DISK, z, u) + paper.gravity_forces(DISK, Table(), z)
     assert r * sin(beta) == z[2]
     return np.linalg.solve(matrix, np.concatenate((forces, -W_rate @ u)))
 

@@ -94,7 +94,7 @@ class Code:
 
     @cached_property
     def multipliers(self) -> Any:
-        """Function of coordinates and rates."""
+        """Function of states of the index-1 system."""
         variables, forces = systems.multipliers(self._structure)
         return heyoka().cfunc(forces, variables, compact_mode=self._compact)
 
@@ -104,7 +104,7 @@ class Code:
         Parameters
         ----------
         variables : ndarray, shape (12, k, n)
-            Coordinates and rates.
+            States of the index-1 system.
         numbers : ndarray, shape (k, p)
         """
         function, shape = self.multipliers, variables.shape

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +10,7 @@ from analysis.compiled.batches import PosedMember, checked_effort, ladder_to
 from analysis.compiled.code import Code, values
 from analysis.compiled.lots import RUNNING, Judged, Lot, run_to
 from analysis.compiled.runs import code_for
+from analysis.compiled.systems import SPIN
 from analysis.data.checks import Array
 from analysis.data.endings import Condition
 from analysis.data.ensemble import Ensemble
@@ -20,7 +19,8 @@ from analysis.data.members import Rows, in_columns
 from analysis.data.scenario import Scenario
 from analysis.data.trajectories import BETA, Part, Samples
 from analysis.data.trajectory import Trajectory
-from analysis.models import reduced
+from analysis.mechanics import reduced
+from analysis.mechanics.states import paper_arrays, state_of
 from analysis.models.effort import longest_step
 from analysis.models.forms import Form, check_form, default_form, start_values
 from analysis.models.integration import Run
@@ -45,7 +45,7 @@ class CompiledPart:
     reasons : tuple of str
         Of the endings.
     frame : tuple of two ndarrays, shapes (k, 12) and (k, p)
-        Coordinates and rates at the start, and parameters of the code.
+        State of the index-1 system at the start, and parameters of the code.
     """
 
     rows: Rows
@@ -114,10 +114,9 @@ class CompiledPart:
         inner = np.minimum(columns, self.times.size - 1)
         over = (times > ends)[..., None]
         states = np.where(over, reached.last[rows, None], reached.states[rows[:, None], inner])
-        if self.form == "index-1":
-            return states[:, :, :6], states[:, :, 6:]
         starts, numbers = (each[rows] for each in self.frame)
-        return _expanded(starts, numbers, states, np.minimum(times, ends) - self.times[0])
+        passed = np.minimum(times, ends) - self.times[0]
+        return _expanded(self.form, starts, numbers, states, passed)
 
     def samples(self, some: slice) -> Samples:
         """Samples of some of them, with their ends and constraint forces."""
@@ -129,20 +128,18 @@ class CompiledPart:
         over = columns >= counts[:, None]
         states[over] = np.repeat(judged.last[some], over.sum(axis=1), axis=0)
         start, numbers = (each[some] for each in self.frame)
-        variables = np.empty((12, *times.shape))
+        coordinates, rates = _expanded(self.form, start, numbers, states, times - self.times[0])
         if self.form == "reduced":
-            _expand(start, numbers, states, times - self.times[0], variables)
+            found = (np.moveaxis(each, 2, 0) for each in (coordinates, rates))
+            variables = np.stack(state_of(systems.disk_of(numbers[:, None]), *found))
         else:
-            variables[:] = np.moveaxis(states, 2, 0)
+            variables = np.ascontiguousarray(np.moveaxis(states, 2, 0))
         code = code_for(self.ensemble[0], self.form, self.conditions, allow_pulling=False)
         forces = code.multipliers_of(variables, numbers)
-        found = (variables[:6], variables[6:], forces)
-        return Samples(times, *(np.moveaxis(each, 0, 2) for each in found))
+        return Samples(times, coordinates, rates, np.moveaxis(forces, 0, 2))
 
     def _expanded(self, states: Array, passed: Array) -> tuple[Array, Array]:
-        if self.form == "index-1":
-            return states[:, :, :6], states[:, :, 6:]
-        return _expanded(*self.frame, states, passed)
+        return _expanded(self.form, *self.frame, states, passed)
 
     def trajectory(self, row: int) -> Trajectory:
         """Motion of one of them."""
@@ -150,21 +147,20 @@ class CompiledPart:
         return member.trajectory(self.judged, row, self.times, float(self.tolerances[row]))
 
 
-def _expanded(starts: Array, numbers: Array, states: Array, passed: Array) -> tuple[Array, Array]:
-    """Coordinates and rates from reduced states, shape (k, n, 3), at times since the start."""
-    found = np.empty((*passed.shape, 12))
-    _expand(starts, numbers, states, passed, np.moveaxis(found, 2, 0))
-    return found[:, :, :6], found[:, :, 6:]
-
-
-def _expand(starts: Array, numbers: Array, states: Array, passed: Array, out: Array) -> None:
-    """The same as variables, shape (12, k, n)."""
-    disk: Any = SimpleNamespace(**systems.disk_numbers(numbers[:, None]))
-    spin = starts[:, None, 9]
+def _expanded(
+    form: Form, starts: Array, numbers: Array, states: Array, passed: Array
+) -> tuple[Array, Array]:
+    """Coordinates and rates, each shape (k, n, 6), from states at times since the start."""
+    disk = systems.disk_of(numbers[:, None])
+    if form == "index-1":
+        return paper_arrays(disk, states)
+    spin = numbers[:, None, SPIN]
     alpha = starts[:, None, 3] + spin * passed
+    found = np.empty((*passed.shape, 12))
     coordinates, rates = reduced.expanded(disk, spin, alpha, np.moveaxis(states, 2, 0))
-    for row, value in enumerate(coordinates + rates):
-        out[row] = value
+    for column, value in enumerate(coordinates + rates):
+        found[:, :, column] = value
+    return found[:, :, :6], found[:, :, 6:]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -210,7 +206,6 @@ def simulate_ensemble(
         check_form(scenario, form)
         effort = checked_effort(scenario, request.times, least, request.local_tolerance)
         code = code_for(scenario, form, request.conditions, allow_pulling=False)
-        state = scenario.initial_state
         return (
             code,
             form,
@@ -219,7 +214,7 @@ def simulate_ensemble(
                 systems.parameters(scenario),
                 (longest_step(scenario),),
                 (effort.most,),
-                state.coordinates + state.rates,
+                start_values(scenario, "index-1"),
             ],
         )
 

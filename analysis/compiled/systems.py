@@ -1,4 +1,4 @@
-"""The equations of `analysis.models`, evaluated on symbols in place of numbers.
+"""The equations of `analysis.mechanics`, evaluated on symbols in place of numbers.
 
 Nothing here is mechanics: the functions that single runs call are given symbols of heyoka, and
 what they return is compiled. Numbers of a scenario become parameters, so that scenarios alike in
@@ -8,9 +8,11 @@ structure share what is compiled.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
-from itertools import count
+from itertools import count, islice
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
+
+import numpy as np
 
 from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.data.checks import Array
@@ -19,7 +21,8 @@ from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.data.friction import FrictionLaw, Load
 from analysis.data.members import Members
 from analysis.data.scenario import Scenario
-from analysis.models import index1, reduced
+from analysis.mechanics import recorded, reduced
+from analysis.mechanics.states import paper_of
 from analysis.models.integration import NEARLY_FLAT
 
 FAINT = 1e-8
@@ -30,9 +33,6 @@ It acts for nanoseconds, and moves nothing by more than 1e-14 of its size.
 
 SINGULAR = "singular"
 """Ending of a run where friction calls for a newton of normal force for each newton of it."""
-
-_DISK = ("mass", "radius", "eccentricity", "inertia_x", "inertia_y", "inertia_z")
-
 
 _NUMBERS = (float, Members)
 
@@ -117,26 +117,23 @@ def parameters(scenario: Scenario) -> list[float]:
 
     The first ones are set during a run, `SIGN`, `ALIVE`, `REASON`, `WHEN`.
     """
-    law, table = scenario.friction, scenario.table
+    law = scenario.friction
     values = (getattr(law, name) for name in _names(type(law)))
     return [
         *(1.0, 1.0, 0.0, 0.0),
         scenario.initial_state.rates[3],
-        *(getattr(scenario.disk, name) for name in _DISK),
-        table.pressing,
-        *table.vector[:2],
+        *recorded.numbers(scenario),
         *(value for value in values if isinstance(value, _NUMBERS)),
     ]
 
 
-def disk_numbers(numbers: Array) -> dict[str, Array]:
-    """Numbers of the disk by name among those of `parameters`, shape (..., p); each (...)."""
-    return {name: numbers[..., 5 + place] for place, name in enumerate(_DISK)}
-
-
 SIGN, ALIVE, REASON, WHEN, SPIN = range(5)
-"""Numbers of parameters: sign of the slip, whether, why and when a run of a batch ended, and the
-spinning speed at the start."""
+"""Numbers of parameters: sign of the slip; whether, why and when a run of a batch ended; spin."""
+
+
+def disk_of(numbers: Array) -> Any:
+    """The disk told by those of `parameters`, shape (..., p), with an array for each number."""
+    return recorded.disk_of(np.moveaxis(numbers, -1, 0)[SPIN + 1 :])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,40 +160,18 @@ class System:
     endings: dict[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class _Symbolic:
+def _symbolic(structure: Structure) -> Any:
     """Stand-in for a scenario, with parameters for numbers."""
-
-    constraints: ConstraintSet
-    disk: Any
-    table: Any
-    friction: Any
-    rubs: bool
-    sign: Any
-    spin: Any
-
-    @property
-    def weight(self) -> Any:
-        return self.disk.mass * self.table.pressing
-
-
-def _symbolic(structure: Structure) -> _Symbolic:
-    numbers = (heyoka().par[number] for number in count(4))
-    spin = next(numbers)
-    disk = SimpleNamespace(**{name: next(numbers) for name in _DISK})
-    pressing, along, across = (next(numbers) for _ in range(3))
-    table = SimpleNamespace(
-        pressing=pressing, vector=(along, across, -pressing), is_horizontal=structure.horizontal
-    )
+    symbols = (heyoka().par[number] for number in count(SPIN))
+    spin = next(symbols)
+    given = list(islice(symbols, len(recorded.NUMBERS)))
     # A law checks its numbers when it is made, and symbols are none.
     law = object.__new__(structure.law)
     options = dict(structure.options)
     for field in fields(structure.law):
-        value = options[field.name] if field.name in options else next(numbers)
+        value = options[field.name] if field.name in options else next(symbols)
         object.__setattr__(law, field.name, value)
-    return _Symbolic(
-        structure.constraints, disk, table, law, structure.rubs, heyoka().par[SIGN], spin
-    )
+    return SimpleNamespace(numbers=given, disk=recorded.disk_of(given), friction=law, spin=spin)
 
 
 def build(structure: Structure) -> System:
@@ -207,9 +182,8 @@ def build(structure: Structure) -> System:
     CannotCompileError
         If its friction law or a condition does what cannot be done with symbols.
     """
-    scenario = _symbolic(structure)
     makers = {"index-1": _index1, "reduced": _reduced}
-    system, coordinates, rates, beta = makers[structure.form](scenario, structure)
+    system, coordinates, rates, beta = makers[structure.form](structure)
     system.endings[FLAT] = heyoka().sin(beta) - NEARLY_FLAT
     state = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
@@ -218,114 +192,111 @@ def build(structure: Structure) -> System:
 
 
 def multipliers(structure: Structure) -> tuple[list[Any], list[Any]]:
-    """Variables z and u, and the constraint forces at them, at every single state."""
-    coordinates, rates = _variables()
-    scenario = _symbolic(structure)
+    """Variables of an index-1 system, and the constraint forces, at every single state."""
+    variables = _variables()
     # The kink does no harm here, but 0 / 0 would.
-    solution, _ = _solution(scenario, coordinates, rates, _size(1e-150))
-    return [*coordinates, *rates], list(solution[6:])
+    solution, _ = _solution(structure, variables, _size(1e-150))
+    return variables, solution[12:-1]
 
 
-def _index1(scenario: _Symbolic, structure: Structure) -> tuple[System, Any, Any, Any]:
-    z, u = _variables()
+def _index1(structure: Structure) -> tuple[System, Any, Any, Any]:
+    variables = _variables()
     slips: list[Any] = []
 
     def size(slip_x: Any, slip_y: Any) -> Any:
         if structure.flips:
             slips.append(slip_y if "no-slip-along" in structure.constraints else slip_x)
-            return scenario.sign * slips[0]
-        slips.extend((slip_x, slip_y))
+            return heyoka().par[SIGN] * slips[0]
         return _size(FAINT)(slip_x, slip_y)
 
-    solution, feedback = _solution(scenario, z, u, size)
-    endings = {CONTACT_WOULD_PULL: solution[6]}
+    solution, feedback = _solution(structure, variables, size)
+    endings = {CONTACT_WOULD_PULL: solution[12]}
     if feedback is not None:
         endings[SINGULAR] = 1.0 - feedback
-    variables, derivatives = [*z, *u], [*u, *solution[:6]]
-    kink = None
-    if structure.flips:
-        kink = slips[0]
-    elif structure.rubs and structure.kinked:
-        kink = sum(slip * _rate(slip, variables, derivatives) for slip in slips)
+    kinked = structure.rubs and structure.kinked
     system = System(
         variables=variables,
-        derivatives=derivatives,
-        kink=kink,
+        derivatives=solution[:12],
+        kink=slips[0] if structure.flips else solution[-1] if kinked else None,
         flips=structure.flips,
         endings=endings,
     )
-    return system, tuple(z), tuple(u), z[4]
+    coordinates, rates = paper_of(_symbolic(structure).disk, variables)
+    return system, coordinates, rates, variables[4]
 
 
-def _rate(symbol: Any, variables: list[Any], derivatives: list[Any]) -> Any:
-    """Time derivative of a symbol along a motion."""
-    parts = zip(variables, derivatives, strict=True)
-    return sum(heyoka().diff(symbol, variable) * rate for variable, rate in parts)
-
-
-def _reduced(scenario: _Symbolic, structure: Structure) -> tuple[System, Any, Any, Any]:
-    library, stand_in = heyoka(), cast("Scenario", scenario)
-    beta, gamma, rate = library.make_vars("beta", "gamma", "beta_rate")
-    trig = library.sin(beta), library.cos(beta), library.sin(gamma), library.cos(gamma)
+def _reduced(structure: Structure) -> tuple[System, Any, Any, Any]:
+    library, scenario = heyoka(), _symbolic(structure)
+    variables = library.make_vars("beta", "gamma", "beta_rate")
     slips: list[Any] = []
 
     def friction(slip: Any) -> Any:
         slips.append(slip)
-        size = scenario.sign * slip if structure.flips else _size(FAINT)(0.0, slip)
+        size = library.par[SIGN] * slip if structure.flips else _size(FAINT)(0.0, slip)
         return _per_speed(scenario, size) * slip
 
-    spin: Any = scenario.spin
-    second = reduced.acceleration_from(
-        stand_in, spin, trig, rate, friction if structure.rubs else lambda _: 0.0
-    )
-    force = reduced.normal_force_from(stand_in, spin, trig, rate, second)
+    *derivatives, force, _ = reduced.formula()(
+        *scenario.numbers,
+        scenario.spin,
+        sin=library.sin,
+        cos=library.cos,
+        friction=friction if structure.rubs else lambda _: 0.0,
+    )(*variables)
     system = System(
-        variables=[beta, gamma, rate],
-        derivatives=[rate, -spin * trig[1], second],
+        variables=variables,
+        derivatives=derivatives,
         kink=slips[0] if structure.flips else None,
         flips=structure.flips,
         endings={CONTACT_WOULD_PULL: force},
     )
-    coordinates, rates = reduced.expanded(scenario.disk, spin, 0.0, (beta, gamma, rate))
-    return system, coordinates, rates, beta
+    coordinates, rates = reduced.expanded(scenario.disk, scenario.spin, 0.0, variables)
+    return system, coordinates, rates, variables[0]
 
 
-def _variables() -> tuple[list[Any], list[Any]]:
-    names = ("x", "y", "z", "alpha", "beta", "gamma")
-    library = heyoka()
-    rates = library.make_vars(*(f"{name}_rate" for name in names))
-    return library.make_vars(*names), rates
+def _variables() -> list[Any]:
+    variables: list[Any] = heyoka().make_vars(*recorded.STATE)
+    return variables
 
 
 def _solution(
-    scenario: _Symbolic, z: list[Any], u: list[Any], speed: Callable[[Any, Any], Any]
+    structure: Structure, variables: list[Any], speed: Callable[[Any, Any], Any]
 ) -> tuple[list[Any], Any]:
-    """Accelerations and multipliers, and the part of the normal force that friction calls for."""
+    """What `recorded.formula` tells, and the part of the normal force that friction calls for."""
+    library, scenario = heyoka(), _symbolic(structure)
+    feedback: list[Any] = []
 
-    def is_zero(entry: Any) -> bool:
-        return bool(entry == (0.0 if isinstance(entry, float) else heyoka().expression(0.0)))
+    def contact_load(alone: Any, added: Any) -> Any:
+        feedback.append(added)
+        return alone / (1.0 - added)
 
+    code = recorded.formula(
+        structure.constraints,
+        structure.load if structure.rubs else None,
+        horizontal=structure.horizontal,
+        slowing=True,
+    )
     try:
-        columns = index1.solution(cast("Scenario", scenario), z, u, speed, is_zero)
+        found = code(
+            *scenario.numbers,
+            sin=library.sin,
+            cos=library.cos,
+            speed=speed,
+            per_speed=scenario.friction.per_speed,
+            contact_load=contact_load,
+        )(*variables)
     except (TypeError, ValueError, AttributeError) as error:
-        raise _unexpressed(f"friction law {type(scenario.friction).__name__}", error) from error
-    if len(columns) == 1:
-        return _symbols(columns[0]), None
-    frictionless, feedback = columns[0][6], columns[1][6]
-    return _symbols(index1.loaded(columns, frictionless / (1.0 - feedback))), feedback
-
-
-def _symbols(entries: list[Any]) -> list[Any]:
-    """Entries of which some may be floats, such as the acceleration of a constant spin."""
-    symbol = heyoka().expression
-    return [symbol(entry) if isinstance(entry, float) else entry for entry in entries]
+        raise _unexpressed(f"friction law {structure.law.__name__}", error) from error
+    symbol = library.expression
+    # Some may be floats, such as the acceleration of a constant spin.
+    symbols = [symbol(entry) if isinstance(entry, float) else entry for entry in found]
+    return symbols, feedback[0] if feedback else None
 
 
 def _size(faint: float) -> Callable[[Any, Any], Any]:
     return lambda slip_x, slip_y: heyoka().sqrt(slip_x * slip_x + slip_y * slip_y + faint**2)
 
 
-def _per_speed(scenario: _Symbolic, speed: Any) -> Any:
+def _per_speed(scenario: Any, speed: Any) -> Any:
     law = scenario.friction
     return _expressed(f"friction law {type(law).__name__}", law.per_speed, speed)
 

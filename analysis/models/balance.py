@@ -1,16 +1,20 @@
 """Constraint drift and energy balance of a trajectory."""
 
-from collections.abc import Iterator
-
 import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import PRESCRIBED, multiplier_names, prescribed
+from analysis.data.constraint_set import (
+    PRESCRIBED,
+    multiplier_names,
+    prescribed,
+)
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory
-from analysis.models import constraints, equations
-from analysis.models.index1 import friction_per_load
+from analysis.mechanics.attitude import EulerAngles
+from analysis.mechanics.constraints import SLIPS, places, velocities
+from analysis.mechanics.newton_euler import kinetic_energy
+from analysis.mechanics.states import state_of
 
 
 def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Array, Array]:
@@ -32,23 +36,14 @@ def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Arra
     >>> bool(np.all(np.diff(kinetic + potential) < 0.0))  # friction only takes
     True
     """
-    disk, table = scenario.disk, scenario.table
-    places, speeds = np.transpose(coordinates), np.transpose(rates)
-    kinetic = 0.5 * sum(
-        speeds[row] * entry * speeds[column]
-        for row, entries in enumerate(equations.mass_rows(disk, places))
-        for column, entry in enumerate(entries)
-    )
-    x, y, z, alpha, beta, gamma = places
-    e, sine = disk.eccentricity, np.sin(gamma)
-    potential = table.pressing * (z + e * np.sin(beta) * sine)
-    if not table.is_horizontal:
-        # Of S in the R-frame, and gravity along the table in its axes.
-        across, along = x + e * np.cos(gamma), y + e * np.cos(beta) * sine
-        gx, gy, _ = table.vector
-        potential -= across * (np.cos(alpha) * gx + np.sin(alpha) * gy)
-        potential -= along * (np.cos(alpha) * gy - np.sin(alpha) * gx)
-    return kinetic, disk.mass * potential
+    disk = scenario.disk
+    x, y, z, *rest = state_of(disk, np.transpose(coordinates), np.transpose(rates))
+    angular = EulerAngles.angular_velocity(rest[:3], rest[6:9])
+    kinetic = kinetic_energy(disk, (rest[3], rest[4], rest[5]), angular)
+    along, across, down = scenario.table.vector
+    sine, cosine = np.sin(rest[0]), np.cos(rest[0])
+    drop = (cosine * x - sine * y) * along + (sine * x + cosine * y) * across + z * down
+    return kinetic, -disk.mass * drop
 
 
 def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:
@@ -71,14 +66,14 @@ def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:
     """
     held, disk = trajectory.scenario.constraints, trajectory.scenario.disk
     names = multiplier_names(held)
-    places, rates = trajectory.coordinates.T, trajectory.rates.T
-    velocities = [
-        sum(part * rate for part, rate in zip(row, rates, strict=True))
-        for name, row in zip(names, constraints.direction_rows(held, disk, places), strict=True)
+    state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
+    speeds = [
+        speed
+        for name, speed in zip(names, velocities(held, disk, state), strict=True)
         if name not in PRESCRIBED
     ]
-    position = np.max(np.abs(constraints.position_rows(held, disk, places)), axis=0)
-    return position, np.max(np.abs(velocities), axis=0)
+    position = np.max(np.abs(places(held, disk, state)), axis=0)
+    return position, np.max(np.abs(speeds), axis=0)
 
 
 def contact_forces(trajectory: Trajectory) -> Array:
@@ -111,18 +106,23 @@ def contact_forces(trajectory: Trajectory) -> Array:
         raise ValueError("trajectory must be that of a disk with a sharp rim, got a rounded one")
     result = np.zeros((trajectory.times.size, 3))
     result[:, 2] = trajectory.normal_force
-    loads = _loads(trajectory)
-    for row, (z, u) in enumerate(_states(trajectory)):
-        result[row, :2] = loads[row] * friction_per_load(scenario, z, u)[:2]
+    slip, per_speed = _sliding(trajectory)
+    result[:, :2] = -(_loads(trajectory) * per_speed)[:, None] * slip
     for column, name in enumerate(("tangential_force", "lateral_force")):
         if name in multiplier_names(scenario.constraints):
             result[:, column] += trajectory.multiplier(name)
     return result
 
 
-def _states(trajectory: Trajectory) -> Iterator[tuple[list[float], list[float]]]:
-    """Coordinates and rates of every sample, as floats."""
-    return zip(trajectory.coordinates.tolist(), trajectory.rates.tolist(), strict=True)
+def _sliding(trajectory: Trajectory) -> tuple[Array, Array]:
+    """Slip that is not held, in R-frame axes, and friction for each newton and m/s of it."""
+    scenario = trajectory.scenario
+    held, disk = scenario.constraints, scenario.disk
+    state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
+    slip = np.transpose(velocities(SLIPS, disk, state)) * [way not in held for way in SLIPS]
+    law = scenario.friction
+    sizes = np.hypot(*slip.T).tolist()
+    return slip, np.array([law.per_speed(size) for size in sizes])
 
 
 def _loads(trajectory: Trajectory) -> Array:
@@ -148,9 +148,8 @@ def power(trajectory: Trajectory) -> Array:
     True
     """
     scenario = trajectory.scenario
-    result = _loads(trajectory)
-    for row, (z, u) in enumerate(_states(trajectory)):
-        result[row] *= friction_per_load(scenario, z, u) @ u
+    slip, per_speed = _sliding(trajectory)
+    result: Array = -_loads(trajectory) * per_speed * np.sum(slip**2, axis=1)
     for name in prescribed(scenario.constraints):
         result += trajectory.multiplier(name) * trajectory.rate(PRESCRIBED[name])
     return result

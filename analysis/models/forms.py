@@ -3,22 +3,22 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from math import cos, hypot, sin
+from math import sin
 from typing import Literal, get_args
 
 import numpy as np
 
-from analysis.data import frames
 from analysis.data.checks import Array, choice
 from analysis.data.endings import Condition
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
-from analysis.models import index1, reduced
-from analysis.models.constraints import check_admissible
+from analysis.mechanics import recorded, reduced
+from analysis.mechanics.constraints import SLIPS, check_admissible, velocities
+from analysis.mechanics.free_body import Solver
+from analysis.mechanics.states import paper_arrays, state_of
 from analysis.models.effort import longest_step
 from analysis.models.integration import InitialValueProblem
-from analysis.rest.free_disk import FreeDisk, vertical
-from analysis.rest.to_rest import contact_time, sampled, start_vector
+from analysis.rest.to_rest import contact_time
 
 Form = Literal["index-1", "reduced", "free-body"]
 FORMS: tuple[Form, ...] = get_args(Form)
@@ -79,7 +79,7 @@ def pose(
         If the form does not know what is in the scenario, or the start breaks a constraint.
     """
     check_form(scenario, form)
-    makers = {"index-1": _index1, "reduced": _reduced, "free-body": _free_body}
+    makers = {"index-1": _full, "reduced": _reduced, "free-body": _full}
     posed = makers[form](scenario, multipliers)
     if not conditions:
         return posed
@@ -119,7 +119,7 @@ def check_form(scenario: Scenario, form: str) -> None:
 
 
 def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
-    """State of the index-1 or of the reduced system at the start.
+    """State at the start.
 
     Parameters
     ----------
@@ -130,38 +130,33 @@ def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
     start = scenario.initial_state
     if form == "reduced":
         return *start.coordinates[4:6], start.rates[4]
-    return start.coordinates + start.rates
+    return state_of(scenario.disk, start.coordinates, start.rates)
 
 
-def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
-    multipliers = compiled or partial(_multipliers, scenario)
-    solved = index1.solver(scenario)
+def _full(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
+    start, solved = scenario.initial_state, recorded.solver(scenario)
+    longest = longest_step(scenario)
+    multipliers = compiled or partial(_multipliers, solved)
 
-    def derivative(_: float, state: Array) -> list[float]:
-        values = state.tolist()
-        return [*values[6:], *solved(*values)[:6]]
+    def derivative(_: float, state: Array) -> tuple[float, ...]:
+        return solved(*state.tolist())[:12]
 
     def normal_force(state: Array) -> float:
         if compiled is not None and scenario.friction.load == "weight":
             return float(compiled(state[None])[0, 0])
         # Where friction knows that force, a system without solution is told from here.
-        return solved(*state.tolist())[6]
+        return solved(*state.tolist())[12]
 
-    held = {"no-slip-along", "no-slip-across"} & set(scenario.constraints)
+    slips = tuple(way for way in SLIPS if way not in scenario.constraints)
 
     def slip(state: Array) -> float:
-        values, parts = state.tolist(), [0.0]
-
-        def noted(slip_x: float, slip_y: float) -> float:
-            # The one that is held is zero.
-            parts.append(slip_x + slip_y)
-            return 0.0
-
-        index1.friction_rows(scenario, values[:6], values[6:], noted)
-        return float(parts[-1])
+        return float(velocities(slips, scenario.disk, state.tolist())[0])
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
-        return states[:, :6], states[:, 6:], multipliers(states)
+        coordinates, rates = paper_arrays(scenario.disk, states)
+        # The first sample is the start itself, without the rounding on the way to it and back.
+        coordinates[0], rates[0] = start.coordinates, start.rates
+        return coordinates, rates, multipliers(states)
 
     return PosedForm(
         InitialValueProblem(
@@ -169,96 +164,43 @@ def _index1(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
             np.array(start_values(scenario, "index-1")),
             lambda state: sin(state[4]),
             normal_force,
-            longest_step(scenario),
-            slip=slip if scenario.rubs and len(held) == 1 else None,
+            longest if scenario.contact is None else min(longest, contact_time(scenario)),
+            slip=slip if scenario.rubs and len(slips) == 1 else None,
         ),
         expand,
-        lambda state: _state(state[:6], state[6:]),
+        lambda state: _state(*paper_arrays(scenario.disk, state)),
         lambda states: states[:, 4:6],
     )
 
 
 def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
-    multipliers = compiled or partial(_multipliers, scenario)
+    multipliers = compiled or partial(_multipliers, recorded.solver(scenario))
     start = scenario.initial_state
     spin, alpha = start.rates[3], start.coordinates[3]
 
-    def derivative(_: float, state: Array) -> tuple[float, float, float]:
-        return reduced.right_hand_side(scenario, spin, state.tolist())
+    solved = reduced.solver(scenario, spin)
 
     def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
         turned = alpha + spin * (times - times[0])
         coordinates, rates = reduced.expand(scenario.disk, spin, turned, states)
-        return coordinates, rates, multipliers(np.hstack((coordinates, rates)))
-
-    def slip(values: Array) -> float:
-        beta, gamma, beta_rate = values.tolist()
-        parts = [0.0]
-
-        def noted(lateral: float) -> float:
-            parts.append(lateral)
-            return 0.0
-
-        trig = sin(beta), cos(beta), sin(gamma), cos(gamma)
-        reduced.acceleration_from(scenario, spin, trig, beta_rate, noted)
-        return parts[-1]
+        states = np.array(state_of(scenario.disk, coordinates.T, rates.T)).T
+        return coordinates, rates, multipliers(states)
 
     def state(values: Array) -> State:
         return _state(*_first(reduced.expand(scenario.disk, spin, np.zeros(1), values[None])))
 
     return PosedForm(
         InitialValueProblem(
-            derivative,
+            reduced.right_hand_side(scenario, spin),
             np.array(start_values(scenario, "reduced")),
             lambda state: sin(state[0]),
-            lambda state: reduced.normal_force(scenario, spin, state.tolist()),
+            lambda state: solved(*state.tolist())[3],
             longest_step(scenario),
-            slip=slip if scenario.rubs else None,
+            slip=(lambda state: solved(*state.tolist())[4]) if scenario.rubs else None,
         ),
         expand,
         state,
         lambda states: states[:, :2],
-    )
-
-
-def _free_body(scenario: Scenario, _: Multipliers | None) -> PosedForm:
-    model = FreeDisk(scenario)
-    start = scenario.initial_state
-
-    def kinematics(times: Array, states: Array) -> tuple[Array, Array, Array]:
-        states = states.copy()
-        states[:, 3:7] /= np.linalg.norm(states[:, 3:7], axis=1)[:, None]
-        motion = sampled(model, times, states)
-        coordinates, rates = frames.from_poses(
-            motion["positions"],
-            frames.rotations(motion["quaternions"]),
-            motion["velocities"],
-            motion["angular_velocities"],
-        )
-        return coordinates, rates, motion["normal_force"]
-
-    def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
-        coordinates, rates, force = kinematics(times, states)
-        # The first sample is the start itself, turns and all.
-        coordinates[0], rates[0] = start.coordinates, start.rates
-        frames.follow_turns(times, coordinates, rates)
-        return coordinates, rates, force[:, None]
-
-    def leaning(state: Array) -> float:
-        x, y, _ = vertical(state.tolist())
-        return hypot(x, y)
-
-    return PosedForm(
-        InitialValueProblem(
-            model.derivative,
-            start_vector(scenario.disk, start),
-            leaning,
-            lambda state: model.touch(state.tolist()).force,
-            min(longest_step(scenario), contact_time(model)),
-        ),
-        expand,
-        lambda state: _state(*_first(kinematics(np.zeros(1), state[None]))),
-        lambda states: np.array([vertical(state) for state in states.tolist()]),
     )
 
 
@@ -270,7 +212,6 @@ def _first(rows: tuple[Array, ...]) -> tuple[Array, Array]:
     return rows[0][0], rows[1][0]
 
 
-def _multipliers(scenario: Scenario, states: Array) -> Array:
-    """Constraint forces at coordinates and rates, shape (n, 12); shape (n, k)."""
-    solved = index1.solver(scenario)
-    return np.array([solved(*values)[6:] for values in states.tolist()])
+def _multipliers(solved: Solver, states: Array) -> Array:
+    """Constraint forces at states of the index-1 system, shape (n, 12); shape (n, k)."""
+    return np.array([solved(*values)[12:] for values in states.tolist()])

@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear.collocation import NoCycleError, collocated_period, period_values
 from analysis.nonlinear.cycle import WholePeriod
 from analysis.nonlinear.family import Bifurcation, CycleFamily, bifurcations, cycle_family
@@ -232,7 +232,7 @@ def _swing(scenario: Scenario, spin: float, state: Array) -> tuple[Array, Array]
     # A part of the period first, in which the disk leaves the event's place.
     for end, events in ((0.5 / spin * np.pi, None), (20.0, upright)):
         run = solve_ivp(
-            lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()),
+            reduced.right_hand_side(scenario, spin),
             (0.0, end),
             state,
             method="LSODA",

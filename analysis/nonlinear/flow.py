@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
-from analysis.models.reduced import acceleration_from
+from analysis.mechanics.reduced import acceleration_from
 from analysis.stability.scope import require_spinning
 
 _STEP = 1e-100

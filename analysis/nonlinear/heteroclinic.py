@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from analysis.data.checks import Array, number, positive
 from analysis.data.checks import local_tolerance as one_step
 from analysis.data.scenario import Scenario
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear import flow
 from analysis.nonlinear.cycle import Cycle
 from analysis.stability.linear_reduced import ComplexArray, critical_speed, reduced_matrices
@@ -145,9 +145,7 @@ def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
     tolerance = one_step("tolerance", tolerance, 0.0)
     values, growing = saddle(scenario, spin)
 
-    def rates(_: float, x: Array) -> tuple[float, float, float]:
-        return reduced.right_hand_side(scenario, spin, x.tolist())
-
+    rates = reduced.right_hand_side(scenario, spin)
     winds = values[1].imag != 0.0
     run = solve_ivp(
         rates,

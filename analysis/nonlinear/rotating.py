@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear.collocation import (
     NoCycleError,
     collocated_period,
@@ -240,7 +240,7 @@ def _turn(scenario: Scenario, spin: float, state: Array) -> tuple[Array, Array]:
 
     turned.terminal = True  # type: ignore[attr-defined]
     run = solve_ivp(
-        lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()),
+        reduced.right_hand_side(scenario, spin),
         (0.0, _LONGEST),
         state,
         method="LSODA",

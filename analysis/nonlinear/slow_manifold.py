@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from analysis.data.checks import Array, positive, real_array
 from analysis.data.scenario import Scenario
-from analysis.models.reduced import acceleration_from, right_hand_side
+from analysis.mechanics.reduced import acceleration_from, right_hand_side
 from analysis.nonlinear import flow
 from analysis.nonlinear.shooting import open_amplitude
 from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices
@@ -343,7 +343,7 @@ def _distance(scenario: Scenario, spin: float) -> tuple[float, float]:
     start = np.array((np.pi / 2, np.pi / 2 + 1.0))
     begin = np.append(start, slow_rates(scenario, spin, start[:, None])[0])
     run = solve_ivp(
-        lambda _, x: right_hand_side(scenario, spin, x.tolist()),
+        right_hand_side(scenario, spin),
         (0.0, 2.0),
         begin,
         method="LSODA",

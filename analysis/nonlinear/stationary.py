@@ -18,8 +18,9 @@ from scipy.optimize import least_squares
 from analysis.data.checks import Array, number, positive, whole
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.models import index1
-from analysis.models.equations import tangential_directions
+from analysis.mechanics import recorded
+from analysis.mechanics.constraints import SLIPS, places, velocities
+from analysis.mechanics.states import state_of
 from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.linear_stationary import stationary_eigenvalues
 from analysis.stability.scope import require_spinning, spin_scale
@@ -178,20 +179,17 @@ def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
 def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
     disk, unit = scenario.disk, spin**2 + spin_scale(scenario) ** 2
     x, y, beta, gamma = disk.radius * place[0], disk.radius * place[1], place[2], place[3]
-    z = np.array((x, y, disk.radius * np.sin(beta), 0.0, beta, gamma))
-    u = np.array((0.0, 0.0, 0.0, spin, 0.0, 0.0))
-    rates = index1.accelerations(scenario, z, u)[0] / unit
-    slip = tangential_directions(disk, z).T @ u / (spin * disk.radius)
-    e = disk.eccentricity
-    cog = np.array((x + e * np.cos(gamma), y + e * np.cos(beta) * np.sin(gamma)))
+    coordinates = (x, y, disk.radius * np.sin(beta), 0.0, beta, gamma)
+    state = np.array(state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))).tolist()
+    rates = np.array(recorded.solver(scenario)(*state)[6:12]) / unit
     held = scenario.constraints
+    slips = tuple(each for each in SLIPS if each in held)
     return np.concatenate(
         (
             rates[:2] / disk.radius,
             rates[3:],
-            slip[:1] if "no-slip-along" in held else [],
-            slip[1:] if "no-slip-across" in held else [],
-            cog / disk.radius if "fixed-cog" in held else [],
+            np.array(velocities(slips, disk, state)) / (spin * disk.radius),
+            np.array(places(held, disk, state)[1:]) / disk.radius,
         )
     )
 

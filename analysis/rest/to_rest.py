@@ -33,8 +33,8 @@ from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.data.state import State
 from analysis.data.trajectory import versions
 from analysis.data.watch import Progress, Watch
+from analysis.mechanics.free_body import FreeBody
 from analysis.models.effort import rest_effort
-from analysis.rest.free_disk import FreeDisk, norm, to_inertial
 
 RestMethod = Literal["LSODA", "DOP853", "RK45"]
 REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
@@ -136,7 +136,7 @@ def simulate_to_rest(
     check_slipping(scenario.friction)
     task = _Task(
         scenario=scenario,
-        model=FreeDisk(scenario),
+        model=FreeBody(scenario),
         start=start_vector(scenario.disk, scenario.initial_state),
         times=np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing,
         criterion=RestCriterion()
@@ -153,7 +153,7 @@ def simulate_to_rest(
 
 
 def start_vector(disk: Disk, start: State) -> Array:
-    """State of `FreeDisk` for a start in the paper's coordinates, shape (19,)."""
+    """State of `FreeBody` for a start in the paper's coordinates, shape (19,)."""
     position, rotation = frames.poses(np.array([start.coordinates]))
     velocity, angular = frames.twists(np.array([start.coordinates]), np.array([start.rates]))
     A = rotation[0]
@@ -164,7 +164,7 @@ def start_vector(disk: Disk, start: State) -> Array:
         (
             cog,
             frames.quaternions(rotation)[0],
-            A.T @ cog_velocity,
+            cog_velocity,
             A.T @ angular[0],
             np.zeros(len(CAUSES)),
         )
@@ -180,7 +180,7 @@ class _Task:
     """What is to be integrated, and who watches."""
 
     scenario: Scenario
-    model: FreeDisk
+    model: FreeBody
     start: Array
     times: Array
     criterion: RestCriterion
@@ -238,7 +238,7 @@ class _Task:
     ) -> Any:
         """Result of SciPy from the first to the last of these times."""
 
-        def derivative(time: float, state: Array) -> list[float]:
+        def derivative(time: float, state: Array) -> tuple[float, ...]:
             counts["right_hand_sides"] += 1
             if counts["right_hand_sides"] % LOOK == 0 and self.watch.is_over(time, self.times[-1]):
                 raise _OverError
@@ -251,7 +251,7 @@ class _Task:
             method=self.method,
             rtol=local_tolerance,
             atol=0.01 * local_tolerance,
-            max_step=contact_time(self.model),
+            max_step=contact_time(self.scenario),
             **wanted,
         )
         if not result.success:
@@ -317,47 +317,16 @@ def _with_unit_quaternions(states: Array) -> Array:
     return states
 
 
-def contact_time(model: FreeDisk) -> float:
+def contact_time(scenario: Scenario) -> float:
     """Half a period in s of the disk on its contact: steps no longer find every impact."""
-    return pi / sqrt(model.contact.stiffness * model.disk.contact_mobility)
+    return pi / sqrt(scenario.penalty_contact.stiffness * scenario.disk.contact_mobility)
 
 
-def sampled(model: FreeDisk, times: Array, states: Array) -> dict[str, Any]:
-    """Arrays of a `SpatialMotion` from states of `FreeDisk`."""
-    offset = [-model.disk.eccentricity, 0.0, 0.0]
-    rows = []
-    for state in states.tolist():
-        quaternion, angular = state[3:7], state[10:13]
-        touch = model.touch(state)
-        # From S to G the velocity changes by w x (-e, 0, 0).
-        centre_velocity = [
-            state[7],
-            state[8] + angular[2] * offset[0],
-            state[9] - angular[1] * offset[0],
-        ]
-        rows.append(
-            (
-                *to_inertial(quaternion, offset),
-                *to_inertial(quaternion, centre_velocity),
-                *to_inertial(quaternion, angular),
-                *to_inertial(quaternion, list(touch.point)),
-                norm(touch.slip),
-                norm(touch.contour),
-                touch.force,
-                *model.energies(state),
-            )
-        )
-    values = np.array(rows)
+def sampled(model: FreeBody, times: Array, states: Array) -> dict[str, Any]:
+    """Arrays of a `SpatialMotion` from states of `FreeBody`."""
     return {
         "times": times,
-        "positions": states[:, :3] + values[:, :3],
         "quaternions": states[:, 3:7],
-        "velocities": values[:, 3:6],
-        "angular_velocities": values[:, 6:9],
-        "contact_points": states[:, :3] + values[:, 9:12],
-        "slip_speeds": values[:, 12],
-        "contour_speeds": values[:, 13],
-        "normal_force": values[:, 14],
-        "energies": values[:, 15:18],
         "dissipated": states[:, 13:],
+        **model.readings(states),
     }

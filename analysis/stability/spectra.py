@@ -27,7 +27,7 @@ from analysis.stability.scope import spin_scale
 
 System = Literal["full", "reduced", "numeric"]
 SYSTEMS: tuple[System, ...] = get_args(System)
-"""Eq. (55), for Model 1; Eq. (111), for Model 4; any constraints, linearised numerically."""
+"""Eq. (55), for Model 1; Eq. (111), for Model 4; any constraints, linearised by dual numbers."""
 
 Matrices = Callable[[Array], Array]
 """State matrices, shape (n, k, k), at spins in rad/s, shape (n,)."""
@@ -100,8 +100,8 @@ def matrices_over_spin(
         On a horizontal table, with the ideal contact; "full" takes that of Model 1 alone, and
         "reduced" that of Model 4.
     system : {"full", "reduced", "numeric"}, optional
-        Eq. (55), Eq. (111), or any constraints linearised numerically; by default the one that is
-        closed for these constraints, and "numeric" if none is.
+        Eq. (55), Eq. (111), or any constraints linearised by dual numbers; by default the one
+        that is closed for these constraints, and "numeric" if none is.
     motion : {"inverted", "noninverted"}
     drift : bool
         Whether the drift pair +-i spin stays in, where there is one.

@@ -182,8 +182,8 @@ def _eigenvalues(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Eigenvalues of the stationary spinning motions over the spin, in 1/s.\n\n"
         "full: the eight of Eq. (55), Model 1; reduced: the three of Eq. (111), Model 4;\n"
-        "numeric: those of any constraints, linearised numerically. With --source engine they\n"
-        "come from the engine. Columns follow the branches.",
+        "numeric: those of any constraints, linearised by dual numbers. With --source engine\n"
+        "they come from the engine. Columns follow the branches.",
     )
     eigenvalues.set_defaults(module="stability")
     _add_system(eigenvalues)

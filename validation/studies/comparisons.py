@@ -20,9 +20,7 @@ from analysis import (
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.data.trajectory import Source
-from analysis.models import index1
-from analysis.rest.free_disk import FreeDisk
-from analysis.rest.to_rest import start_vector
+from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
 from mbs_models import Scene
 from validation.kit.limits import largest
@@ -102,19 +100,18 @@ def acceleration_differences(scene: Scene, states: int, seed: int = 1) -> tuple[
         Number of states that count.
     """
     scenario, rng = scene.scenario, np.random.default_rng(seed)
-    compare = _ideal_differences if scenario.contact is None else _penalty_differences
-    found = [compare(scene, random_state(scenario, rng)) for _ in range(states)]
+    found = [_differences(scene, random_state(scenario, rng)) for _ in range(states)]
     counted = [each for each in found if each is not None]
     accelerations, forces = (largest(pair[side] for pair in counted) for side in (0, 1))
     return accelerations, forces, len(counted)
 
 
-def _ideal_differences(scene: Scene, state: State) -> tuple[float, float] | None:
+def _differences(scene: Scene, state: State) -> tuple[float, float] | None:
     """Relative differences of accelerations and multipliers; None where both are singular."""
     found: list[tuple[Array, Array] | None] = []
     sides: tuple[Callable[[], tuple[Array, Array]], ...] = (
         lambda: mbs_models.acceleration(scene, state),
-        lambda: index1.accelerations(scene.scenario, state.coordinates, state.rates),
+        lambda: accelerations(scene.scenario, state.coordinates, state.rates),
     )
     for side in sides:
         try:
@@ -127,39 +124,6 @@ def _ideal_differences(scene: Scene, state: State) -> tuple[float, float] | None
     # A random normal force may vanish, so multipliers are measured by the weight as well.
     least = max(scene.scenario.weight, float(np.max(np.abs(inhouse[1]))))
     return _relative(engine[0], inhouse[0]), _relative(engine[1], inhouse[1], least)
-
-
-def _penalty_differences(scene: Scene, state: State) -> tuple[float, float]:
-    """The same on a penalty contact, whose in-house equations know of no Euler angles.
-
-    The engine's accelerations carry the state of the free body along a path.
-    """
-    scenario = scene.scenario
-    acceleration, forces = mbs_models.acceleration(scene, state)
-    z, u = np.array(state.coordinates), np.array(state.rates)
-
-    def velocities(time: float) -> Array:
-        place, rates = z + time * u + time * time / 2 * acceleration, u + time * acceleration
-        return start_vector(scenario.disk, State(coordinates=place, rates=rates))[7:13]  # type: ignore[arg-type]
-
-    model, here = FreeDisk(scenario), start_vector(scenario.disk, state)
-    expected = np.array(model.derivative(0.0, here)[7:13])
-    found = _derivative(velocities, 0.02 / max(1.0, float(np.max(np.abs(u)))))
-    force = np.array([model.touch(here.tolist()).force])
-    return (
-        _relative(found, expected, scenario.table.gravity),
-        _relative(forces, force, max(scenario.weight, float(force[0]))),
-    )
-
-
-def _derivative(function: Callable[[float], Array], step: float) -> Array:
-    """Derivative at 0 by central differences of eighth order."""
-    weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
-    differences = [
-        weight * (function(k * step) - function(-k * step)) for k, weight in enumerate(weights, 1)
-    ]
-    result: Array = np.sum(differences, axis=0) / step
-    return result
 
 
 def _relative(found: Array, expected: Array, least: float = 0.0) -> float:

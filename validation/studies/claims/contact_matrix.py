@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 
 from analysis import STEEL_DISK, SmoothCoulomb, Trajectory
 from analysis.data.checks import Array
-from analysis.models import equations
+from analysis.mechanics import paper
 from validation.studies.claims.claim import Claim, grade
 
 
@@ -33,7 +33,7 @@ def least_coefficients(run: Trajectory, *, any_slip: bool) -> Array:
         if any_slip:
             result[row] = normal / np.linalg.norm(tangential)
             continue
-        slip = equations.tangential_directions(run.scenario.disk, z).T @ u
+        slip = paper.tangential_directions(run.scenario.disk, z).T @ u
         pressing = tangential @ slip / (np.linalg.norm(slip) + run.scenario.friction.finest_speed)
         result[row] = normal / pressing if pressing > 0.0 else np.inf
     return result
@@ -41,9 +41,9 @@ def least_coefficients(run: Trajectory, *, any_slip: bool) -> Array:
 
 def _responses(z: Array) -> tuple[float, Array]:
     """Normal acceleration of the contact point by a unit force along the normal, and by W_T."""
-    normal = equations.normal_direction(STEEL_DISK, z)
-    response = np.linalg.solve(equations.mass_matrix(STEEL_DISK, z), normal)
-    return float(normal @ response), equations.tangential_directions(STEEL_DISK, z).T @ response
+    normal = paper.normal_direction(STEEL_DISK, z)
+    response = np.linalg.solve(paper.mass_matrix(STEEL_DISK, z), normal)
+    return float(normal @ response), paper.tangential_directions(STEEL_DISK, z).T @ response
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,12 +74,12 @@ def is_singular(least: Bound) -> bool:
     if not np.isfinite(least.coefficient):
         return False
     z = np.array((0.0, 0.0, 0.0, 0.0, least.beta, least.gamma))
-    normal = equations.normal_direction(STEEL_DISK, z)
+    normal = paper.normal_direction(STEEL_DISK, z)
     _, tangential = _responses(z)
     # Of unit length, as epsilon goes to zero.
     slip = tangential / np.linalg.norm(tangential)
-    friction = equations.tangential_directions(STEEL_DISK, z) @ slip
-    mass = equations.mass_matrix(STEEL_DISK, z)
+    friction = paper.tangential_directions(STEEL_DISK, z) @ slip
+    mass = paper.mass_matrix(STEEL_DISK, z)
 
     def determinant(coefficient: float) -> float:
         force = normal - coefficient * friction

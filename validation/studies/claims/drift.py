@@ -4,7 +4,7 @@ import numpy as np
 
 from analysis import Trajectory
 from analysis.data.checks import Array
-from analysis.models import equations
+from analysis.mechanics import paper
 from validation.studies.claims.claim import Claim, grade
 
 
@@ -29,7 +29,7 @@ def claims(run: Trajectory) -> list[Claim]:
     away = np.linalg.norm(position - position[0], axis=1)
     slip = np.array(
         [
-            equations.tangential_directions(run.scenario.disk, z).T @ u
+            paper.tangential_directions(run.scenario.disk, z).T @ u
             for z, u in zip(run.coordinates, run.rates, strict=True)
         ]
     )

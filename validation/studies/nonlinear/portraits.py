@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from analysis import Scenario
 from analysis.data.checks import Array
-from analysis.models import reduced
+from analysis.mechanics import reduced
 from analysis.nonlinear.cycle import INVERTED
 from analysis.nonlinear.family import cycle_at
 from analysis.nonlinear.heteroclinic import saddle
@@ -94,9 +94,7 @@ def _on_slow_manifold(scenario: Scenario, spin: float, gamma: float) -> Array:
 
 
 def _forwards(scenario: Scenario, spin: float, begin: Array) -> Array:
-    return _curve(
-        lambda _, x: reduced.right_hand_side(scenario, spin, x.tolist()), begin, _LONG, "LSODA"
-    )
+    return _curve(reduced.right_hand_side(scenario, spin), begin, _LONG, "LSODA")
 
 
 def _backwards(scenario: Scenario, spin: float, begin: Array) -> Array:

@@ -7,7 +7,7 @@ what the results need. Zeros take no time, and what comes of constants alone is 
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import cos, sin
+from math import cos, sin, sqrt
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,9 +21,14 @@ class Recorder:
     ----------
     constants, variables : sequence of str
         Names of what is known beforehand and of what comes with each call; symbols from then on.
+    functions : sequence of str
+        Names of those of `call` beside sine, cosine and square root.
     """
 
-    def __init__(self, constants: Sequence[str], variables: Sequence[str]) -> None:
+    def __init__(
+        self, constants: Sequence[str], variables: Sequence[str], functions: Sequence[str] = ()
+    ) -> None:
+        self._functions = functions
         self.constants = [Symbol(self, name, fixed=True) for name in constants]
         self.variables = [Symbol(self, name, fixed=False) for name in variables]
         self._kept: dict[str, Symbol] = {}
@@ -56,9 +61,17 @@ class Recorder:
                 inline[name] = f"({text})"
             elif name in uses:
                 (before if symbol.fixed else body).append(f"{name} = {text}")
+        arguments = [
+            *map(str, self.constants),
+            "*",
+            "sin=sin",
+            "cos=cos",
+            "sqrt=sqrt",
+            *self._functions,
+        ]
         return "\n".join(
             (
-                f"def bind({', '.join(map(str, self.constants))}):",
+                f"def bind({', '.join(arguments)}):",
                 *(f"    {line}" for line in before),
                 f"    def formula({', '.join(map(str, self.variables))}):",
                 *(f"        {line}" for line in body),
@@ -67,16 +80,17 @@ class Recorder:
             )
         )
 
-    def code(self, results: Sequence[Any], **functions: Any) -> Callable[..., Callable[..., Any]]:
+    def code(self, results: Sequence[Any]) -> Callable[..., Callable[..., Any]]:
         """From constants to a function, which goes from variables to the results.
+
+        Both are of any kind, as are the functions, which go by keyword; sine, cosine and square
+        root are those of floats unless others are given.
 
         Parameters
         ----------
         results : sequence of symbols or floats
-        **functions
-            Those of `call` that are neither constants nor of Python.
         """
-        names: dict[str, Any] = {"sin": sin, "cos": cos, **functions}
+        names: dict[str, Any] = {"sin": sin, "cos": cos, "sqrt": sqrt}
         exec(self.source(results), names)  # noqa: S102 - formulas of ours, and nothing else
         bind: Callable[..., Callable[..., Any]] = names["bind"]
         return bind
@@ -99,33 +113,46 @@ class Symbol:
     def __neg__(self) -> "Symbol":
         return self.recorder.keep("-{}", self)
 
-    def __add__(self, other: Any) -> "Symbol":
-        return self if other == 0.0 else self.recorder.keep("{} + {}", self, _plain(other))
+    def _with(self, text: str, first: Any, second: Any) -> Any:
+        """Symbol for an operation; other kinds of numbers work it out by themselves."""
+        if not (isinstance(first, _KNOWN) and isinstance(second, _KNOWN)):
+            return NotImplemented
+        return self.recorder.keep(text, _plain(first), _plain(second))
+
+    def __add__(self, other: Any) -> Any:
+        return self if _is(other, 0.0) else self._with("{} + {}", self, other)
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> "Symbol":
-        return self if other == 0.0 else self.recorder.keep("{} - {}", self, _plain(other))
+    def __sub__(self, other: Any) -> Any:
+        return self if _is(other, 0.0) else self._with("{} - {}", self, other)
 
-    def __rsub__(self, other: Any) -> "Symbol":
-        return -self if other == 0.0 else self.recorder.keep("{} - {}", _plain(other), self)
+    def __rsub__(self, other: Any) -> Any:
+        return -self if _is(other, 0.0) else self._with("{} - {}", other, self)
 
     def __mul__(self, other: Any) -> Any:
-        if other == 0.0:
+        if _is(other, 0.0):
             return 0.0
-        return self if other == 1.0 else self.recorder.keep("{} * {}", self, _plain(other))
+        return self if _is(other, 1.0) else self._with("{} * {}", self, other)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> "Symbol":
-        return self if other == 1.0 else self.recorder.keep("{} / {}", self, _plain(other))
+    def __truediv__(self, other: Any) -> Any:
+        return self if _is(other, 1.0) else self._with("{} / {}", self, other)
 
     def __rtruediv__(self, other: Any) -> Any:
-        return 0.0 if other == 0.0 else self.recorder.keep("{} / {}", _plain(other), self)
+        return 0.0 if _is(other, 0.0) else self._with("{} / {}", other, self)
+
+
+_KNOWN = (Symbol, float, int)
+
+
+def _is(operand: Any, number: float) -> bool:
+    return isinstance(operand, (float, int)) and operand == number
 
 
 def call(name: str, *operands: Any) -> Symbol:
-    """Symbol for what the function of this name returns."""
+    """Symbol for what the function of this name returns; one of the operands is a symbol."""
     recorder = next(each.recorder for each in operands if isinstance(each, Symbol))
     return recorder.keep(f"{name}({', '.join('{}' for _ in operands)})", *operands)
 
@@ -134,4 +161,6 @@ def _plain(operand: Any) -> Any:
     return operand if isinstance(operand, Symbol) else float(operand)
 
 
-elementary.register(Symbol, SimpleNamespace(sin=partial(call, "sin"), cos=partial(call, "cos")))
+elementary.register(
+    Symbol, SimpleNamespace(**{name: partial(call, name) for name in ("sin", "cos", "sqrt")})
+)

@@ -1,19 +1,52 @@
 """Model 4 in minimal coordinates, Eqs. (93)-(110)."""
 
 from collections.abc import Callable, Sequence
-from math import cos, sin
+from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from analysis.data import elementary
 from analysis.data.checks import Array
 from analysis.data.disk import Disk
+from analysis.data.elementary import cos, sin
 from analysis.data.scenario import Scenario
+from analysis.mechanics.free_body import Solver
+from analysis.mechanics.recorded import NUMBERS, disk_of, numbers
+from analysis.mechanics.recorder import Recorder, call
 
 
-def acceleration(scenario: Scenario, spin: float, x: Sequence[float]) -> float:
-    """Second derivative of beta from Eqs. (102)-(108) in rad/s².
+@cache
+def formula() -> Callable[..., Callable[..., tuple[Any, ...]]]:
+    """Code of the reduced system.
+
+    Returns
+    -------
+    callable
+        From `recorded.numbers`, the spin in rad/s and, by keyword, `friction`, see
+        `acceleration_from`, and what `Recorder.code` tells, to a function of beta, gamma and the
+        rate of beta. That one returns their time derivatives, Eqs. (102) and (109), the normal
+        contact force in N, and the lateral slip in m/s.
+    """
+    recorder = Recorder((*NUMBERS, "spin"), ("beta", "gamma", "beta_rate"), ("friction",))
+    *given, spin = recorder.constants
+    disk = disk_of(given)
+    stand_in: Any = SimpleNamespace(disk=disk, weight=disk.mass * -given[-1])
+    beta, gamma, rate = recorder.variables
+    directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    slips: list[Any] = []
+
+    def friction(slip: Any) -> Any:
+        slips.append(slip)
+        return call("friction", slip)
+
+    second = acceleration_from(stand_in, spin, directions, rate, friction)
+    force = normal_force_from(stand_in, spin, directions, rate, second)
+    return recorder.code([rate, -spin * directions[1], second, force, *slips])
+
+
+def solver(scenario: Scenario, spin: float) -> Solver:
+    """Function from beta, gamma and the rate of beta to what `formula` tells, 5 floats.
 
     Parameters
     ----------
@@ -22,29 +55,33 @@ def acceleration(scenario: Scenario, spin: float, x: Sequence[float]) -> float:
         constraints nor `friction.load` is looked at.
     spin : float
         Constant spinning speed in rad/s (paper: Omega).
-    x : sequence of 3 floats
-        Minimal coordinates beta and gamma in rad and the minimal velocity, the rate of beta, in
-        rad/s.
     """
-    beta, gamma, beta_rate = x
-    directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
     per_speed = scenario.friction.per_speed
-    return float(
-        acceleration_from(
-            scenario, spin, directions, beta_rate, lambda slip: per_speed(abs(slip)) * slip
-        )
-    )
+
+    def friction(slip: float) -> float:
+        return per_speed(abs(slip)) * slip
+
+    found: Solver = formula()(*numbers(scenario), spin, friction=friction)
+    return found
+
+
+def right_hand_side(
+    scenario: Scenario, spin: float
+) -> Callable[[float, Array], tuple[float, ...]]:
+    """Time derivative of states x = (beta, gamma, beta_rate), Eqs. (102), (109), for SciPy."""
+    solve = solver(scenario, spin)
+    return lambda _, x: solve(*x.tolist())[:3]
 
 
 def acceleration_from(
     scenario: Scenario, spin: Any, directions: Sequence[Any], bd: Any, friction: Callable[..., Any]
 ) -> Any:
-    """The same for numbers of any kind: arrays for many states, complex ones for derivatives.
+    """Second derivative of beta from Eqs. (102)-(108) in rad/s², for numbers of any kind.
 
     Parameters
     ----------
     scenario : Scenario
-        See `acceleration`; its friction law is not looked at.
+        See `solver`; its friction law is not looked at.
     spin : number or array
         In rad/s.
     directions : sequence of 4 numbers or arrays
@@ -56,28 +93,21 @@ def acceleration_from(
     """
     disk, weight = scenario.disk, scenario.weight
     m, r, e = disk.mass, disk.radius, disk.eccentricity
-    A, B_bar, Omega = disk.inertia_x, disk.inertia_y - m * e * e, spin
+    A, B_bar, _ = disk.inertia_about_cog
+    Omega = spin
     sb, cb, sg, cg = directions
     height = r + e * sg
-    M = A * cg * cg + B_bar * sg * sg + m * height**2 * cb * cb
+    M = A * cg * cg + B_bar * sg * sg + m * height * height * cb * cb
     h = (
-        (A * cg * cg + B_bar * sg * sg) * Omega**2 * sb * cb
+        (A * cg * cg + B_bar * sg * sg) * Omega * Omega * sb * cb
         - 2 * (A - B_bar) * Omega * bd * cb * sg * cg
-        + m * height**2 * bd * bd * sb * cb
-        + m * e * height * Omega**2 * sb * cb**3 * sg
+        + m * height * height * bd * bd * sb * cb
+        + m * e * height * Omega * Omega * sb * cb * cb * cb * sg
         - m * e * height * (3 * sb * sb - 2) * Omega * bd * cb * cg
     )
     f = -weight * height * cb
     slip = height * bd * sb - e * Omega * sb * sb * cg
     return (h + f - height * sb * weight * friction(slip)) / M
-
-
-def normal_force(scenario: Scenario, spin: float, x: Sequence[float]) -> float:
-    """Normal contact force in N; parameters are those of `acceleration`."""
-    beta, gamma, beta_rate = x
-    directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
-    second = acceleration(scenario, spin, x)
-    return float(normal_force_from(scenario, spin, directions, beta_rate, second))
 
 
 def normal_force_from(
@@ -96,13 +126,6 @@ def normal_force_from(
     rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
     rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
     return scenario.weight + disk.mass * rise
-
-
-def right_hand_side(
-    scenario: Scenario, spin: float, x: Sequence[float]
-) -> tuple[float, float, float]:
-    """Time derivative of the reduced state x = (beta, gamma, beta_rate), Eqs. (102), (109)."""
-    return x[2], -spin * cos(x[0]), acceleration(scenario, spin, x)
 
 
 def expand(disk: Disk, spin: float, alpha: Array, x: Array) -> tuple[Array, Array]:
@@ -135,8 +158,8 @@ def expanded(
     """The six coordinates and the six rates of `expand`, for numbers of any kind."""
     r, e = disk.radius, disk.eccentricity
     beta, gamma, beta_rate = x
-    sb, cb = elementary.sin(beta), elementary.cos(beta)
-    sg, cg = elementary.sin(gamma), elementary.cos(gamma)
+    sb, cb = sin(beta), cos(beta)
+    sg, cg = sin(gamma), cos(gamma)
     coordinates = (-e * cg, -e * cb * sg, r * sb, alpha, beta, gamma)
     rates = (
         -e * spin * cb * sg,

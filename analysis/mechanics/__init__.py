@@ -1,0 +1,1 @@
+"""The mechanics of the disk, written once for numbers of any kind."""

@@ -1,0 +1,169 @@
+"""Charts of the attitude: Euler angles, and quaternions for a disk that may lie flat.
+
+Each gives the axes of a frame on the table, seen from the body: e_x and e_y along it and the
+vertical. The frame may turn about the vertical; velocities of the centre of gravity are taken in
+its axes, angular velocities in those of the body: with these the mass matrix is constant and
+diagonal.
+"""
+
+from typing import Any, NamedTuple
+
+from analysis.data.elementary import cos, sin
+from analysis.mechanics.vectors import Numbers, Vector, dot
+
+
+class Frame(NamedTuple):
+    """Axes of a frame on the table, in axes of the body."""
+
+    ahead: Vector
+    across: Vector
+    up: Vector
+
+    def seen(self, vector: Vector) -> Vector:
+        """Components along the frame's axes of a vector in axes of the body."""
+        return dot(self.ahead, vector), dot(self.across, vector), dot(self.up, vector)
+
+    def in_body(self, vector: Vector) -> Vector:
+        """Components along the body's axes of a vector in axes of the frame."""
+        x, y, z = zip(*self, strict=True)
+        return dot(x, vector), dot(y, vector), dot(z, vector)
+
+
+class Moving(NamedTuple):
+    """A state taken apart.
+
+    Position and velocity of S in axes of the frame, which turns with `spin`; the attitude as a
+    chart tells it, and its rates; the angular velocity in axes of the body.
+    """
+
+    position: Vector
+    attitude: Numbers
+    rates: Numbers
+    velocity: Vector
+    angular: Vector
+    frame: Frame
+    spin: Any
+
+
+class EulerAngles:
+    """The paper's angles alpha, beta, gamma in z-x-z order; the frame is R, turned by alpha.
+
+    A state holds the position of S, the angles, the velocity of S and the rates of the angles.
+    """
+
+    @staticmethod
+    def moving(state: Numbers) -> Moving:
+        """A state of 12 numbers taken apart."""
+        position, angles, velocity, rates = (tuple(state[k : k + 3]) for k in (0, 3, 6, 9))
+        angular = EulerAngles.angular_velocity(angles, rates)
+        frame = EulerAngles.frame(angles)
+        return Moving(position, angles, rates, velocity, angular, frame, rates[0])
+
+    @staticmethod
+    def derivative(moving: Moving, acceleration: tuple[Vector, Vector]) -> list[Any]:
+        """Time derivative of the state, with these changes of its velocities."""
+        x, y, _ = moving.position
+        u, v, w = moving.velocity
+        place = u + moving.spin * y, v - moving.spin * x, w
+        linear, turning = acceleration
+        second = EulerAngles.accelerations(moving.attitude, moving.rates, turning)
+        return [*place, *moving.rates, *linear, *second]
+
+    @staticmethod
+    def gravity(moving: Moving, gravity: Vector) -> Vector:
+        """Gravity in axes of the frame, from that in axes of the table."""
+        x, y, z = gravity
+        if isinstance(x, float) and isinstance(y, float) and x == y == 0.0:
+            return gravity
+        sa, ca = sin(moving.attitude[0]), cos(moving.attitude[0])
+        return ca * x + sa * y, ca * y - sa * x, z
+
+    @staticmethod
+    def frame(angles: Numbers) -> Frame:
+        """The frame R."""
+        _, beta, gamma = angles
+        sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+        return Frame((cg, -sg, 0.0), (cb * sg, cb * cg, -sb), (sb * sg, sb * cg, cb))
+
+    @staticmethod
+    def turning(angles: Numbers) -> tuple[Vector, Any]:
+        """Direction along which the angular velocity is the rate of alpha times a factor."""
+        _, beta, gamma = angles
+        return (sin(gamma), cos(gamma), 0.0), sin(beta)
+
+    @staticmethod
+    def accelerations(angles: Numbers, rates: Numbers, change: Numbers) -> Vector:
+        """Second derivatives of the angles, from the change of the angular velocity."""
+        _, beta, gamma = angles
+        spin, tilting, rolling = rates
+        p, q, s = change
+        sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+        spinning = (sg * p + cg * q + tilting * (rolling - spin * cb)) / sb
+        return (
+            spinning,
+            cg * p - sg * q - spin * rolling * sb,
+            s - cb * spinning + sb * spin * tilting,
+        )
+
+    @staticmethod
+    def angular_velocity(angles: Numbers, rates: Numbers) -> Vector:
+        """Angular velocity in axes of the body."""
+        ahead, _, up = EulerAngles.frame(angles)
+        alpha_rate, beta_rate, gamma_rate = rates
+        return (
+            alpha_rate * up[0] + beta_rate * ahead[0],
+            alpha_rate * up[1] + beta_rate * ahead[1],
+            alpha_rate * up[2] + gamma_rate,
+        )
+
+
+class Quaternion:
+    """A quaternion, scalar part first, of any length; the frame is the inertial one.
+
+    A state holds the position of S, the quaternion, the velocity of S and the angular velocity.
+    """
+
+    @staticmethod
+    def moving(state: Numbers) -> Moving:
+        """A state of 13 numbers taken apart."""
+        quaternion = tuple(state[3:7])
+        position, velocity, angular = (tuple(state[k : k + 3]) for k in (0, 7, 10))
+        rates, frame = Quaternion.rates(quaternion, angular), Quaternion.frame(quaternion)
+        return Moving(position, quaternion, rates, velocity, angular, frame, 0.0)
+
+    @staticmethod
+    def derivative(moving: Moving, acceleration: tuple[Vector, Vector]) -> list[Any]:
+        """Time derivative of the state, with these changes of its velocities."""
+        linear, turning = acceleration
+        return [*moving.velocity, *moving.rates, *linear, *turning]
+
+    @staticmethod
+    def gravity(_: Moving, gravity: Vector) -> Vector:
+        """Gravity in axes of the frame, which are those of the table."""
+        return gravity
+
+    @staticmethod
+    def frame(quaternion: Numbers) -> Frame:
+        """The inertial frame."""
+        w, x, y, z = quaternion
+        double = 2.0 / (w * w + x * x + y * y + z * z)
+        return Frame(
+            (1.0 - double * (y * y + z * z), double * (x * y - w * z), double * (x * z + w * y)),
+            (double * (x * y + w * z), 1.0 - double * (x * x + z * z), double * (y * z - w * x)),
+            (double * (x * z - w * y), double * (y * z + w * x), 1.0 - double * (x * x + y * y)),
+        )
+
+    @staticmethod
+    def rates(quaternion: Numbers, angular: Numbers) -> tuple[Any, Any, Any, Any]:
+        """Rates of the quaternion."""
+        s, x, y, z = quaternion
+        p, q, r = (0.5 * each for each in angular)
+        return (
+            -x * p - y * q - z * r,
+            s * p + y * r - z * q,
+            s * q + z * p - x * r,
+            s * r + x * q - y * p,
+        )
+
+
+Chart = type[EulerAngles] | type[Quaternion]

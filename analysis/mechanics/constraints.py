@@ -1,0 +1,149 @@
+"""The constraints: directions in which they hold the disk, and how far a state is off them.
+
+A constraint holds a velocity, which is linear in the velocity of the centre of gravity S and the
+angular velocity. Its direction is that linear form; its multiplier acts along it, so that it is a
+force in N, or a moment in N m for the constant spin, Eqs. (31), (84), (87) and (88).
+"""
+
+from typing import Any, NamedTuple
+
+from analysis.data.constraint_set import PRESCRIBED, ConstraintSet, multiplier_names
+from analysis.data.scenario import Scenario
+from analysis.data.state import State
+from analysis.mechanics.attitude import EulerAngles, Frame
+from analysis.mechanics.states import state_of
+from analysis.mechanics.vectors import NONE, Numbers, Vector, dot
+
+
+class Direction(NamedTuple):
+    """A linear form of the velocity of S in axes of the frame and of the turning in the body's.
+
+    What a constraint holds is the form over a scale: the form of the spin stays finite where the
+    disk is nearly flat, and the spin does not.
+    """
+
+    linear: Vector
+    turning: Vector
+    scale: Any = 1.0
+
+    def along(self, velocity: Vector, angular: Vector) -> Any:
+        """The form of these velocities."""
+        return dot(self.linear, velocity) + dot(self.turning, angular)
+
+
+SLIPS: ConstraintSet = ("no-slip-along", "no-slip-across")
+"""Constraints without which the disk slips along and across its edge."""
+
+LABELS = {
+    "normal_force": "contact g_N = z - r sin(beta) = 0",
+    "cog_force_x": "fixed centre of gravity g_Sx = x + e cos(gamma) = 0",
+    "cog_force_y": "fixed centre of gravity g_Sy = y + e cos(beta) sin(gamma) = 0",
+    "tangential_force": "no tangential slip gamma_x = 0",
+    "lateral_force": "no lateral slip gamma_y = 0",
+    "spin_torque": "constant spin gamma_alpha = 0",
+}
+"""What each constraint demands, by the name of its multiplier."""
+
+
+def rim_directions(disk: Any, frame: Frame) -> tuple[Direction, Direction, Direction]:
+    """Directions in which the lowest point of the thin disk moves along the axes of the frame.
+
+    The e_x of the frame lies in the disk, so that the point, seen from S, is -r e_z x e_x - e x
+    with axes of the body; its cross products with the axes of the frame are these.
+    """
+    r, e, (x, y, _) = disk.radius, disk.eccentricity, frame.ahead
+    lever = r, 0.0, 0.0
+    ahead, across, up = (
+        (-(r * c * x), e * c - r * c * y, along - e * b)
+        for along, (_, b, c) in zip(lever, frame, strict=True)
+    )
+    return (
+        Direction((1.0, 0.0, 0.0), ahead),
+        Direction((0.0, 1.0, 0.0), across),
+        Direction((0.0, 0.0, 1.0), up),
+    )
+
+
+def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[Direction]:
+    """Directions of the constraints of a set, in the order of their multipliers.
+
+    Parameters
+    ----------
+    constraints : tuple of str
+    disk : Disk
+        Or what has its numbers, of any kind.
+    angles : sequence of 3 numbers
+        Euler angles in rad.
+    """
+    frame = EulerAngles.frame(angles)
+    ahead, across, up = rim_directions(disk, frame)
+    every = {
+        "normal_force": up,
+        "cog_force_x": Direction((1.0, 0.0, 0.0), NONE),
+        "cog_force_y": Direction((0.0, 1.0, 0.0), NONE),
+        "tangential_force": ahead,
+        "lateral_force": across,
+        "spin_torque": Direction(NONE, *EulerAngles.turning(angles)),
+    }
+    return [every[name] for name in multiplier_names(constraints)]
+
+
+def places(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
+    """Position-level residuals of Eqs. (66) and (83) in m, 1 or 3, from a state of `states`."""
+    position, angles = state[:3], state[3:6]
+    frame = EulerAngles.frame(angles)
+    height = position[2] + disk.radius * frame.across[2] - disk.eccentricity * frame.up[0]
+    return [height, *position[:2]] if "fixed-cog" in constraints else [height]
+
+
+def velocities(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
+    """Velocity-level residuals in m/s, and the spin in rad/s, from a state of `states`.
+
+    Those of `places` are their rates, seen from the turning frame.
+    """
+    x, y, _, *angles = state[:6]
+    velocity, spin = (state[6], state[7], state[8]), state[9]
+    angular = EulerAngles.angular_velocity(angles, state[9:12])
+    turning = {"cog_force_x": spin * y, "cog_force_y": -spin * x}
+    held = zip(multiplier_names(constraints), directions(constraints, disk, angles), strict=True)
+    return [
+        each.along(velocity, angular) / each.scale + turning.get(name, 0.0) for name, each in held
+    ]
+
+
+def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) -> None:
+    """Raise if `state` breaks a constraint of the scenario.
+
+    A constant spin is that of the state itself, so no state can break it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    state : State
+    tolerance : float
+        Largest residual let through, in m on position level; on velocity level in m/s for a spin
+        of up to 1 rad/s, growing with it.
+
+    Raises
+    ------
+    ValueError
+        Naming the first broken constraint, its level and by how much it is broken.
+    """
+    held, disk = scenario.constraints, scenario.disk
+    moving = state_of(disk, state.coordinates, state.rates)
+    checks = (
+        ("position", "m", places(held, disk, moving), tolerance),
+        (
+            "velocity",
+            "m/s",
+            velocities(held, disk, moving),
+            tolerance * max(1.0, abs(state.rates[3])),
+        ),
+    )
+    for kind, unit, residuals, allowed in checks:
+        for name, residual in zip(multiplier_names(held), residuals, strict=False):
+            if abs(residual) > allowed and name not in PRESCRIBED:
+                raise ValueError(
+                    f"start breaks '{LABELS[name]}' of {scenario.name} on {kind} level "
+                    f"by {residual:.3e} {unit}, allowed is {allowed:.1e}"
+                )

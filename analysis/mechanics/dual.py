@@ -1,0 +1,102 @@
+"""Dual numbers: values that carry their derivative in one direction, exact to rounding."""
+
+from collections.abc import Callable, Iterable, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from analysis.data import elementary
+from analysis.data.checks import Array
+from analysis.data.elementary import cos, sin, sqrt
+
+
+class Dual:
+    """A number and its derivative in a direction, both of any kind; calculates as floats do.
+
+    Parameters
+    ----------
+    value, change : number
+        The change may have more than one entry where the value has one: an array of changes is
+        one for each of several directions.
+    """
+
+    __slots__ = ("change", "value")
+    # Arrays leave an operation with one to it.
+    __array_ufunc__ = None
+
+    def __init__(self, value: Any, change: Any) -> None:
+        self.value, self.change = value, change
+
+    def __neg__(self) -> "Dual":
+        return Dual(-self.value, -self.change)
+
+    def __add__(self, other: Any) -> "Dual":
+        other = dual(other)
+        return Dual(self.value + other.value, self.change + other.change)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> "Dual":
+        other = dual(other)
+        return Dual(self.value - other.value, self.change - other.change)
+
+    def __rsub__(self, other: Any) -> "Dual":
+        return dual(other) - self
+
+    def __mul__(self, other: Any) -> "Dual":
+        other = dual(other)
+        change = self.value * other.change + other.value * self.change
+        return Dual(self.value * other.value, change)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> "Dual":
+        other = dual(other)
+        quotient = self.value / other.value
+        return Dual(quotient, (self.change - quotient * other.change) / other.value)
+
+    def __rtruediv__(self, other: Any) -> "Dual":
+        return dual(other) / self
+
+
+def dual(number: Any) -> Dual:
+    """The number itself, or a constant."""
+    return number if isinstance(number, Dual) else Dual(number, 0.0)
+
+
+def rate(
+    function: Callable[[Sequence[Any]], Iterable[Any]], place: Iterable[Any], change: Iterable[Any]
+) -> list[Any]:
+    """Derivative of a function of several numbers along a change of them.
+
+    Parameters
+    ----------
+    function : callable
+        From a sequence of n numbers of any kind to some numbers.
+    place, change : n numbers
+        Neither of them dual: derivatives of derivatives are not told apart.
+    """
+    moving = [Dual(value, each) for value, each in zip(place, change, strict=True)]
+    return [dual(result).change for result in function(moving)]
+
+
+def derivatives(function: Callable[[Sequence[Any]], Iterable[Any]], place: Array) -> Array:
+    """Jacobian of a function of several numbers, shape (k, n), at a place, shape (n,)."""
+    changes = rate(function, np.asarray(place).tolist(), np.eye(len(place)))
+    return np.array([np.broadcast_to(each, len(place)) for each in changes])
+
+
+def _sqrt(x: Dual) -> Dual:
+    root = sqrt(x.value)
+    return Dual(root, x.change / (2.0 * root))
+
+
+elementary.register(
+    Dual,
+    SimpleNamespace(
+        sin=lambda x: Dual(sin(x.value), cos(x.value) * x.change),
+        cos=lambda x: Dual(cos(x.value), -sin(x.value) * x.change),
+        sqrt=_sqrt,
+    ),
+)

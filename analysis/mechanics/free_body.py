@@ -1,0 +1,121 @@
+"""The equations of a disk on a penalty contact as code, recorded for one scenario each."""
+
+from collections.abc import Callable
+from functools import partial
+from math import hypot
+from typing import Any
+
+import numpy as np
+
+from analysis.data.checks import Array
+from analysis.data.scenario import Scenario
+from analysis.mechanics.attitude import EulerAngles, Quaternion
+from analysis.mechanics.penalty import READINGS, YieldingTable
+from analysis.mechanics.recorder import Recorder, Symbol, call
+
+Solver = Callable[..., tuple[float, ...]]
+"""From the floats of a state to its time derivative and what else follows from it."""
+
+_FUNCTIONS = ("spring", "normal_force", "load", "speed", "per_speed")
+
+
+def free_solver(scenario: Scenario) -> Solver:
+    """Function from a state in Euler angles, 12 floats, to its derivative and the normal force.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With a penalty contact.
+    """
+
+    def results(table: YieldingTable, state: list[Symbol]) -> list[Any]:
+        derivative, touch, _ = table.derivative(EulerAngles, state)
+        return [*derivative, touch.force]
+
+    return _recorded(scenario, 12, results)
+
+
+class FreeBody:
+    """A disk on a table that yields, in a chart that is regular in every attitude.
+
+    Its state holds that of `Quaternion`, 13 numbers, and the energy taken so far by each of
+    `dissipation.CAUSES` (6).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With a penalty contact.
+
+    Raises
+    ------
+    ValueError
+        If the contact is the ideal one.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.contact, self.disk = scenario.penalty_contact, scenario.disk
+
+        def derivative(table: YieldingTable, state: list[Symbol]) -> list[Any]:
+            found, _, powers = table.derivative(Quaternion, state)
+            return [*found, *powers]
+
+        self._derivative = _recorded(scenario, 13, derivative)
+        self._readings = _recorded(scenario, 13, YieldingTable.readings)
+
+    def derivative(self, _: float, state: Array) -> tuple[float, ...]:
+        """Time derivative of the state, 19 numbers."""
+        return self._derivative(*state[:13].tolist())
+
+    def energies(self, state: list[float]) -> tuple[float, ...]:
+        """Kinetic, gravitational (counted from the table) and elastic energy in J."""
+        return self._readings(*state[:13])[-3:]
+
+    def readings(self, states: Array) -> dict[str, Array]:
+        """Arrays of a `SpatialMotion` by their names, from states, shape (n, 19)."""
+        rows = np.array([self._readings(*state[:13]) for state in states.tolist()])
+        ends = np.cumsum(list(READINGS.values()))
+        parts = np.split(rows, ends[:-1], axis=1)
+        return {
+            name: part if width > 1 else part[:, 0]
+            for (name, width), part in zip(READINGS.items(), parts, strict=True)
+        }
+
+
+def _recorded(
+    scenario: Scenario,
+    size: int,
+    results: Callable[[YieldingTable, list[Symbol]], list[Any]],
+) -> Solver:
+    """Code of results from a state of this size, with the numbers of a scenario in it."""
+    recorder = Recorder((), [f"s{number}" for number in range(size)], _FUNCTIONS)
+    table = YieldingTable(
+        disk=scenario.disk,
+        rim=scenario.penalty_contact,
+        gravity=scenario.table.vector,
+        dissipation=scenario.dissipation,
+        **{name: partial(call, name) for name in _FUNCTIONS},
+    )
+    code = recorder.code(results(table, recorder.variables))
+    solver: Solver = code(speed=hypot, per_speed=scenario.friction.per_speed, **_forces(scenario))
+    return solver
+
+
+def _forces(scenario: Scenario) -> dict[str, Callable[..., float]]:
+    """What of a contact may open: spring, spring and damper, and the load of friction."""
+    contact, weight = scenario.penalty_contact, scenario.weight
+    by_weight = scenario.friction.load == "weight"
+
+    def spring(gap: float) -> float:
+        return 0.0 if gap > 0.0 and not contact.bilateral else -contact.stiffness * gap
+
+    def normal_force(gap: float, gap_rate: float) -> float:
+        force = -contact.stiffness * gap - contact.damping * gap_rate
+        lifted = not contact.bilateral and (gap > 0.0 or force < 0.0)
+        return 0.0 if lifted else force
+
+    def load(force: float) -> float:
+        if by_weight and (force > 0.0 or contact.bilateral):
+            return weight
+        return max(0.0, force)
+
+    return {"spring": spring, "normal_force": normal_force, "load": load}

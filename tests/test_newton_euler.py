@@ -1,0 +1,321 @@
+"""The equations of motion against Newton's, Euler's and Lagrange's laws, and the paper's."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from itertools import product
+from math import hypot
+
+import numpy as np
+import pytest
+import sympy
+
+from analysis import (
+    LAWS,
+    LOADS,
+    MODELS,
+    MULTIPLIERS,
+    STEEL_DISK,
+    ConstraintSet,
+    FrictionLaw,
+    Load,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Table,
+    ViscousFriction,
+    multiplier_names,
+)
+from analysis.data.checks import Array
+from analysis.mechanics import paper
+from analysis.mechanics.recorded import accelerations, solver
+from analysis.mechanics.recorded import jacobian as exact_jacobian
+from analysis.mechanics.states import paper_of, state_of
+from tests.helpers import (
+    OUTER_STEP,
+    all_sets,
+    arc,
+    assert_close,
+    centre,
+    cog,
+    contact_arm,
+    derivative,
+    jacobian,
+    parameter_values,
+    random_disk,
+    random_scenario,
+    random_state,
+    random_table,
+    rigid_body,
+    second_derivative,
+    slip,
+    turn_z,
+)
+
+loads = pytest.mark.parametrize("load", LOADS)
+seeds = pytest.mark.parametrize("seed", range(3))
+
+
+def sample(constraints: ConstraintSet, load: Load, seed: int) -> tuple[Scenario, Array, Array]:
+    return random_scenario(constraints, seed, SmoothCoulomb(load=load))
+
+
+def friction_in_frame(scenario: Scenario, load: float, slip_x: float, slip_y: float) -> Array:
+    """Eq. (3), in R-frame axes; what does not slip does not rub."""
+    friction = scenario.friction
+    assert isinstance(friction, SmoothCoulomb)
+    if "no-slip-along" in scenario.constraints:
+        slip_x = 0.0
+    if "no-slip-across" in scenario.constraints:
+        slip_y = 0.0
+    scale = friction.coefficient * load / (hypot(slip_x, slip_y) + friction.smoothing)
+    force: Array = -scale * np.array([slip_x, slip_y, 0.0])
+    return force
+
+
+@cache
+def lagrange() -> Callable[..., list[Array]]:
+    """Terms of Lagrange's equations, and directions of all constraints, of order `MULTIPLIERS`."""
+    body = rigid_body(rotating=True)
+    held = [
+        body.normal_direction,
+        body.cog.jacobian(body.coordinates)[:2, :].T,
+        body.tangential_directions,
+        sympy.eye(6)[:, 3],
+    ]
+    terms = [body.mass_matrix, body.gyroscopic_forces + body.gravity_forces, *held]
+    arguments = [body.parameters, body.coordinates, body.rates]
+    function: Callable[..., list[Array]] = sympy.lambdify(arguments, terms, cse=True)
+    return function
+
+
+@all_sets
+@loads
+@seeds
+def test_accelerations_and_forces_meet_lagranges_equations(
+    constraints: ConstraintSet, load: Load, seed: int
+) -> None:
+    scenario, z, u = sample(constraints, load, seed)
+    acceleration, forces = accelerations(scenario, z, u)
+    M, others, *held = lagrange()(parameter_values(scenario.disk, scenario.table), z, u)
+    every = dict(zip(MULTIPLIERS, np.hstack(held).T, strict=True))
+    W = np.array([every[name] for name in multiplier_names(constraints)])
+    pressing = max(0.0, forces[0]) if load == "contact" else scenario.weight
+    across = np.array((every["tangential_force"], every["lateral_force"]))
+    rubbing = friction_in_frame(scenario, pressing, *(across @ u))[:2]
+    known = others[:, 0] + W.T @ forces + across.T @ rubbing
+    assert_close(M @ acceleration, known, relative=1e-12)
+
+
+def by_lapack(scenario: Scenario, z: Array, u: Array) -> Array | None:
+    """The paper's system solved with row pivots; None if it has no solution."""
+    columns = np.linalg.solve(*paper.index_1_system(scenario, z, u)).T
+    if len(columns) == 1:
+        alone: Array = columns[0]
+        return alone
+    if columns[1, 6] >= 1.0:
+        return None
+    loaded: Array = columns[0] + max(0.0, columns[0, 6]) / (1.0 - columns[1, 6]) * columns[1]
+    return loaded
+
+
+@all_sets
+@loads
+def test_printed_systems_have_the_same_solution_under_every_law(
+    constraints: ConstraintSet, load: Load
+) -> None:
+    random, found = np.random.default_rng(len(constraints)), 0
+    for law, table in product(LAWS.values(), (Table(), random_table(random))):
+        disk, friction = random_disk(random), law(load=load)
+        scenario = Scenario(constraints=constraints, disk=disk, table=table, friction=friction)
+        for _ in range(5):
+            # Slips are what drift leaves, and change nothing; a held centre of gravity is held.
+            state = np.array(state_of(disk, *random_state(random)))
+            if "fixed-cog" in constraints:
+                state[[0, 1, 6, 7]] = 0.0
+            z, u = (np.array(each) for each in paper_of(disk, state))
+            expected = by_lapack(scenario, z, u)
+            if expected is None:
+                with pytest.raises(ArithmeticError, match="each newton of normal force"):
+                    accelerations(scenario, z, u)
+            else:
+                assert_close(np.concatenate(accelerations(scenario, z, u)), expected, 1e-11)
+                found += 1
+    assert found > 20
+
+
+@seeds
+def test_states_are_the_papers_coordinates_with_the_motion_of_the_centre_of_gravity(
+    seed: int,
+) -> None:
+    random = np.random.default_rng(seed)
+    disk, (z, u) = random_disk(random), random_state(random)
+    state = np.array(state_of(disk, z, u))
+    path = arc(z, u, np.zeros(6))
+    into_frame = turn_z(-z[3])
+    assert_close(state[:3], into_frame @ cog(disk, z))
+    assert_close(state[6:9], into_frame @ derivative(lambda t: cog(disk, path(t))))
+    np.testing.assert_array_equal(state[9:], u[3:])
+    assert_close(np.concatenate(paper_of(disk, state)), np.concatenate((z, u)))
+
+
+@all_sets
+@seeds
+@pytest.mark.parametrize("tilt", [1e-6, 1e-3])
+def test_a_nearly_flat_disk_loses_no_more_digits_than_its_angles(
+    constraints: ConstraintSet, seed: int, tilt: float
+) -> None:
+    scenario, _, _ = sample(constraints, "weight", seed)
+    assert isinstance(scenario.start, Start)
+    start = replace(scenario.start, beta=tilt)
+    level = replace(scenario, start=start, table=Table())
+    state = level.initial_state
+    found = np.concatenate(accelerations(level, state.coordinates, state.rates))
+    matrix, right = paper.index_1_system(level, state.coordinates, state.rates)
+    error = np.linalg.norm(matrix @ found - right[:, 0]) / np.linalg.norm(matrix * found)
+    # The angular velocity tells the rates of alpha and gamma apart by the sine of beta alone.
+    assert error < 1e-15 / tilt
+
+
+@all_sets
+@loads
+@seeds
+def test_jacobian_is_the_slope_of_the_time_derivative(
+    constraints: ConstraintSet, load: Load, seed: int
+) -> None:
+    scenario, z, u = sample(constraints, load, seed)
+    solve, state = solver(scenario), np.array(state_of(scenario.disk, z, u))
+    slopes = jacobian(lambda x: np.array(solve(*x.tolist())[:12]), state)
+    assert_close(exact_jacobian(scenario)(state), slopes, relative=1e-9)
+
+
+@pytest.mark.parametrize("law", LAWS.values())
+def test_friction_has_its_slope_at_no_slip(law: type[FrictionLaw]) -> None:
+    # Differences err by the kink of the law, however small their step.
+    scenario = Scenario(friction=law())
+    found = exact_jacobian(scenario)(np.array(state_of(scenario.disk, *upright(scenario))))
+    viscous = replace(scenario, friction=ViscousFriction(viscosity=law().gradient))
+    state = np.array(state_of(scenario.disk, *upright(scenario)))
+    assert_close(found, exact_jacobian(viscous)(state))
+
+
+def upright(scenario: Scenario) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Coordinates and rates of inverted spinning."""
+    state = replace(scenario, start=Start(gamma=np.pi / 2, spin=30.0)).initial_state
+    return state.coordinates, state.rates
+
+
+@all_sets
+@loads
+@seeds
+def test_what_is_held_stays_as_it_is(constraints: ConstraintSet, load: Load, seed: int) -> None:
+    scenario, z, u = sample(constraints, load, seed)
+    disk = scenario.disk
+    acceleration, _ = accelerations(scenario, z, u)
+    path = arc(z, u, acceleration)
+    lowest = second_derivative(lambda t: centre(path(t)) + contact_arm(disk, path(t)))
+    changes = [lowest[2]]
+    if "fixed-cog" in constraints:
+        changes += second_derivative(lambda t: cog(disk, path(t)))[:2].tolist()
+    slips = derivative(lambda t: slip(disk, path, t), OUTER_STEP)
+    changes += [slips[0]] * ("no-slip-along" in constraints)
+    changes += [slips[1]] * ("no-slip-across" in constraints)
+    changes += [acceleration[3]] * ("constant-spin" in constraints)
+    assert len(changes) == len(multiplier_names(constraints))
+    np.testing.assert_allclose(changes, 0.0, rtol=0.0, atol=1e-10)
+
+
+@all_sets
+@seeds
+def test_contact_load_is_the_weight_load_with_its_coefficient_scaled(
+    constraints: ConstraintSet, seed: int
+) -> None:
+    scenario, z, u = sample(constraints, "contact", seed)
+    found, forces = accelerations(scenario, z, u)
+    coefficient = 0.3 * max(0.0, forces[0]) / scenario.weight
+    scaled = replace(scenario, friction=SmoothCoulomb(coefficient=coefficient))
+    expected = accelerations(scaled, z, u)
+    assert_close(found, expected[0])
+    assert_close(forces, expected[1])
+
+
+@all_sets
+@seeds
+def test_motion_does_not_depend_on_the_direction_it_is_seen_from(
+    constraints: ConstraintSet, seed: int
+) -> None:
+    leaning, z, u = sample(constraints, "contact", seed)
+    scenario = replace(leaning, table=Table())
+    turned = z + np.array([0.0, 0.0, 0.0, 2.0, 0.0, 0.0])
+    seen = accelerations(scenario, z, u)
+    elsewhere = accelerations(scenario, turned, u)
+    np.testing.assert_array_equal(seen[0], elsewhere[0])
+    np.testing.assert_array_equal(seen[1], elsewhere[1])
+
+
+@all_sets
+@seeds
+def test_a_leaning_table_turns_with_what_lies_on_it(constraints: ConstraintSet, seed: int) -> None:
+    scenario, z, u = sample(constraints, "contact", seed)
+    downhill = scenario.table.downhill + 2.0
+    turned = replace(scenario, table=replace(scenario.table, downhill=downhill))
+    seen = accelerations(scenario, z, u)
+    elsewhere = accelerations(turned, z + np.array([0.0, 0.0, 0.0, 2.0, 0.0, 0.0]), u)
+    assert_close(elsewhere[0], seen[0], relative=1e-11)
+    assert_close(elsewhere[1], seen[1], relative=1e-11)
+
+
+@loads
+@seeds
+def test_motion_does_not_depend_on_the_place_on_the_table(load: Load, seed: int) -> None:
+    scenario, z, u = sample(MODELS[1], load, seed)
+    shift = turn_z(-z[3]) @ np.array([0.7, -0.4, 0.0])
+    moved, faster = z.copy(), u.copy()
+    moved[:3] += shift
+    # The same inertial velocity, seen in the turning frame from another place.
+    faster[:3] -= u[3] * np.array([-shift[1], shift[0], 0.0])
+    acceleration, here_forces = accelerations(scenario, z, u)
+    elsewhere, there_forces = accelerations(scenario, moved, faster)
+    here, there = arc(z, u, acceleration), arc(moved, faster, elsewhere)
+    assert there_forces[0] == pytest.approx(here_forces[0], rel=1e-12)
+    assert_close(
+        second_derivative(lambda t: centre(there(t))),
+        second_derivative(lambda t: centre(here(t))),
+        relative=1e-9,
+    )
+    assert_close(
+        second_derivative(lambda t: there(t)[3:]),
+        second_derivative(lambda t: here(t)[3:]),
+        relative=1e-9,
+    )
+
+
+def test_a_still_standing_disk_rests_on_its_weight() -> None:
+    scenario = Scenario(start=Start(gamma=np.pi / 2, spin=0.0))
+    state = scenario.initial_state
+    acceleration, forces = accelerations(scenario, state.coordinates, state.rates)
+    np.testing.assert_allclose(acceleration, 0.0, rtol=0.0, atol=1e-11)
+    assert forces[0] == pytest.approx(STEEL_DISK.mass * 9.81, rel=1e-12)
+
+
+def test_a_disk_slides_down_a_leaning_table_like_a_block() -> None:
+    # Upright and across the slope, with the centre of gravity over the contact: nothing turns it.
+    lean = 0.3
+    scenario = Scenario(
+        disk=replace(STEEL_DISK, eccentricity=0.0),
+        friction=SmoothCoulomb(coefficient=0.0),
+        table=Table(inclination=lean, downhill=0.4),
+        start=Start(spin=0.0, alpha=1.1),
+    )
+    state = scenario.initial_state
+    acceleration, forces = accelerations(scenario, state.coordinates, state.rates)
+    along = turn_z(1.1) @ np.array([*acceleration[:2], 0.0])
+    expected = 9.81 * np.sin(lean) * np.array([np.cos(0.4), np.sin(0.4), 0.0])
+    np.testing.assert_allclose(along, expected, rtol=0.0, atol=1e-12)
+    assert forces[0] == pytest.approx(STEEL_DISK.mass * 9.81 * np.cos(lean), rel=1e-12)
+
+
+def test_a_flat_disk_is_called_singular() -> None:
+    centred = Scenario(disk=replace(STEEL_DISK, eccentricity=0.0))
+    with pytest.raises(ArithmeticError, match="singular index-1 system of Model 1"):
+        accelerations(centred, np.zeros(6), np.ones(6))
