@@ -73,15 +73,18 @@ class Pool:
     workers: int
     is_lost: Callable[[], bool] = lambda: False
 
+    def check(self) -> None:
+        """Raise `OSError` if the workers are lost."""
+        if self.is_lost():
+            raise _lost()
+
     def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
         """Call a function in a worker; `OSError` if the workers are lost."""
-        if not self.is_lost():
-            try:
-                return self.executor.submit(function, *arguments)
-            except RuntimeError as error:
-                # How executors of this interface say that they are broken or shut down.
-                raise _lost() from error
-        raise _lost()
+        try:
+            return self.executor.submit(function, *arguments)
+        except RuntimeError as error:
+            # How executors of this interface say that they are broken or shut down.
+            raise _lost() from error
 
 
 def _lost() -> OSError:

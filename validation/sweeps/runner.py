@@ -202,18 +202,22 @@ class _Work:
 
         `OSError` if they are lost, as soon as nothing is running any more.
         """
-        while self._lost is None and len(self._chunks) < 2 * self._pool.workers:
-            size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
-            chunk = list(islice(todo, size))
-            if not chunk:
-                break
-            call = (self._text, chunk, self._limit, self._hanging)
-            try:
+        try:
+            self._pool.check()
+            while self._lost is None and len(self._chunks) < 2 * self._pool.workers:
+                size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
+                chunk = list(islice(todo, size))
+                if not chunk:
+                    break
+                call = (self._text, chunk, self._limit, self._hanging)
                 self._chunks[self._pool.submit(run_chunk, *call)] = chunk
-            except OSError as error:
-                self._lost = error
-        if self._lost is not None and not self._chunks and not self._alone:
-            # Not before: the case over which they were lost would be in the way again.
+        except OSError as error:
+            self._lost = error
+            # The case over which they were lost would be in the way of the next call, too.
+            for chunk in self._chunks.values():
+                self._run_alone(chunk)
+            self._chunks.clear()
+        if self._lost is not None and not self._alone:
             raise self._lost
         return bool(self._chunks or self._alone)
 
