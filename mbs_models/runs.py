@@ -199,7 +199,7 @@ class StepLimiter:
         """Replace the step that the engine has just proposed; its function before each step."""
         self.steps += 1
         if self.steps > self.most:
-            raise EngineError("too many steps")
+            raise Ended
         iteration = system.sys["dynamicSolver"].it
         step = iteration.currentStepSize
         start = iteration.currentTime - step

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from analysis.data.agreement import needed
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.data.state import FlatError
@@ -98,7 +99,7 @@ def to_tolerance(
             kind = (result.ended, result.times.size)
             ladder = empty(flat=result.ended == FLAT)
         ladder.add(result.values, result.times, result.step)
-        if ladder.estimate <= tolerance:
+        if ladder.estimate <= needed(tolerance, result.ended):
             best = replace(result, times=ladder.best_times, values=ladder.best, counts=counts)
             return integrator, best, ladder.estimate
         if over:
@@ -138,7 +139,7 @@ def _by_step_control(
             one, other = (np.column_stack((each.values, each.times)) for each in (fine, coarse))
             difference = apart(one, other, flat=fine.ended == FLAT)
             estimate = CAUTION * max(difference, ROUNDING)
-            if estimate <= tolerance:
+            if estimate <= needed(tolerance, fine.ended):
                 return integrator, replace(fine, counts=counts), estimate
         if local < LEAST_LOCAL:
             return None

@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array, ToleranceError
-from analysis.data.endings import AT_REST, TIME_LIMIT
+from analysis.data.endings import AT_REST, FLAT, TIME_LIMIT
+from analysis.data.limits import LEAST_TILT
 from analysis.data.spatial_motion import SpatialMotion
 
 RUNS = 5
@@ -95,6 +96,14 @@ def error_at_ending(
     moved = np.maximum(np.abs(rates), LEAST_RATE) * np.abs(time_apart)[..., None]
     found: Array = np.max(np.abs(apart) + moved, axis=-1)
     return found
+
+
+def needed(tolerance: float, ended: str | None) -> float:
+    """Largest error in rad of a run that is asked for to a tolerance and has ended for a reason.
+
+    One that is said to lie flat has to tell that from passing by.
+    """
+    return min(tolerance, LEAST_TILT) if ended == FLAT else tolerance
 
 
 def _apart(fine: SpatialMotion, coarse: SpatialMotion) -> float:

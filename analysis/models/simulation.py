@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.compiled.runs import CompiledScenario
-from analysis.data.agreement import error_at_ending
+from analysis.data.agreement import error_at_ending, needed
 from analysis.data.checks import (
     Array,
     TimeLimitError,
@@ -223,7 +223,7 @@ def _integrate_to(
         fine = run(local, longest)
         evaluations += fine.evaluations
         fine, estimate = compare(fine, coarse, posed)
-        if estimate <= tolerance:
+        if estimate <= needed(tolerance, fine.ended):
             return replace(fine, evaluations=evaluations), local, estimate
         coarse = fine
     if coarse.ended == TIME_LIMIT:
