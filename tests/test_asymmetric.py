@@ -58,7 +58,8 @@ def difference_of_swings(spin: float) -> float:
     run = solve_ivp(
         reduced.right_hand_side(WEAK, spin),
         (0.0, 60.0),
-        (np.pi / 2, np.pi / 2 + 1.9, -1.0),
+        # Not on the event itself, whose sign rounding would decide.
+        (np.pi / 2 - 0.01, np.pi / 2 + 1.9, -1.0),
         method="LSODA",
         rtol=1e-9,
         atol=1e-10,

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from itertools import product
 from math import hypot
 
 import numpy as np
@@ -45,7 +44,6 @@ from tests.helpers import (
     random_disk,
     random_scenario,
     random_state,
-    random_table,
     rigid_body,
     second_derivative,
     slip,
@@ -125,10 +123,10 @@ def test_printed_systems_have_the_same_solution_under_every_law(
     constraints: ConstraintSet, load: Load
 ) -> None:
     random, found = np.random.default_rng(len(constraints)), 0
-    for law, table in product(LAWS.values(), (Table(), random_table(random))):
+    for law in LAWS.values():
         disk, friction = random_disk(random), law(load=load)
-        scenario = Scenario(constraints=constraints, disk=disk, table=table, friction=friction)
-        for _ in range(5):
+        scenario = Scenario(constraints=constraints, disk=disk, friction=friction)
+        for _ in range(10):
             # Slips are what drift leaves, and change nothing; a held centre of gravity is held.
             state = np.array(state_of(disk, *random_state(random)))
             if "fixed-cog" in constraints:

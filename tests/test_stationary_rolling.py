@@ -54,7 +54,7 @@ def rolling_accelerations(state: State) -> Array:
     W_rate = (directions(z + step * u) - directions(z - step * u)) / (2 * step)
     np.testing.assert_allclose(W @ u, 0.0, atol=1e-12)
     matrix = np.block([[paper.mass_matrix(DISK, z), -W.T], [W, np.zeros((3, 3))]])
-    forces = paper.gyroscopic_forces(DISK, z, u) + paper.gravity_forces(DISK, Table(), z)
+    forces = paper.gyroscopic_forces(DISK, z, u) + paper.gravity_forces(Scenario(disk=DISK), z)
     assert r * sin(beta) == z[2]
     return np.linalg.solve(matrix, np.concatenate((forces, -W_rate @ u)))
 

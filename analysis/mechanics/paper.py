@@ -20,7 +20,6 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import MULTIPLIERS, ConstraintSet, multiplier_names
 from analysis.data.disk import Disk
 from analysis.data.scenario import Scenario
-from analysis.data.table import Table
 
 Vector = Sequence[float] | Array
 
@@ -108,29 +107,18 @@ def gyroscopic_forces(disk: Disk, z: Vector, u: Vector) -> Array:
     return np.array((h1, h2, h3, h4, h5, h6))
 
 
-def gravity_forces(disk: Disk, table: Table, z: Vector) -> Array:
-    """Generalised gravitational force f, Eq. (30), shape (6,); on a leaning table, too.
+def gravity_forces(scenario: Scenario, z: Vector) -> Array:
+    """Generalised gravitational force f, Eqs. (30) and (142), shape (6,), on a level table.
 
     Parameters
     ----------
-    disk : Disk
-    table : Table
+    scenario : Scenario
     z : array_like, shape (6,)
-        Co-rotating coordinates.
+        Co-rotating or inertial coordinates.
     """
-    x, y, _, alpha, beta, gamma = z
-    m, e = disk.mass, disk.eccentricity
-    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
-    weight = m * table.pressing
-    f5, f6 = -weight * e * cb * sg, -weight * e * sb * cg
-    # Gravity along the table in axes of the R-frame; it acts at S = (x + e cg, y + e cb sg).
-    gx, gy, _ = table.vector
-    sa, ca = sin(alpha), cos(alpha)
-    fx, fy = m * (ca * gx + sa * gy), m * (ca * gy - sa * gx)
-    f4 = (x + e * cg) * fy - (y + e * cb * sg) * fx
-    f5 -= e * sb * sg * fy
-    f6 += e * (cb * cg * fy - sg * fx)
-    return np.array((fx, fy, -weight, f4, f5, f6))
+    weight, e, beta, gamma = scenario.weight, scenario.disk.eccentricity, z[4], z[5]
+    f5, f6 = -weight * e * cos(beta) * sin(gamma), -weight * e * sin(beta) * cos(gamma)
+    return np.array((0.0, 0.0, -weight, 0.0, f5, f6))
 
 
 def normal_direction(disk: Disk, z: Vector) -> Array:
@@ -223,7 +211,7 @@ def index_1_system(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Arr
     """Matrix and right-hand sides for accelerations and multipliers.
 
     The second and third block row of Eq. (80), of Eq. (79) if the friction law takes the contact
-    force as its load, and of Eq. (92) for the further constraints.
+    and of Eq. (92) for the further constraints. The table is to be level.
 
     Returns
     -------
@@ -234,7 +222,7 @@ def index_1_system(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Arr
     held, disk = scenario.constraints, scenario.disk
     W = constraint_directions(held, disk, z)
     matrix = np.block([[mass_matrix(disk, z), -W.T], [W, np.zeros((len(W), len(W)))]])
-    forces = gyroscopic_forces(disk, z, u) + gravity_forces(disk, scenario.table, z)
+    forces = gyroscopic_forces(disk, z, u) + gravity_forces(scenario, z)
     friction = scenario.rubs * friction_per_load(scenario, z, u)
     by_contact = scenario.rubs and scenario.friction.load == "contact"
     if not by_contact:
@@ -312,13 +300,6 @@ def inertial_gyroscopic_forces(disk: Disk, q: Vector, u: Vector) -> Array:
         + ad * bd * sb * ((A - B) * c2g + C)
     )
     return np.array((h1, h2, h3, h4, h5, h6))
-
-
-def inertial_gravity_forces(disk: Disk, table: Table, q: Vector) -> Array:
-    """Generalised gravitational force, Eq. (142), shape (6,); on a leaning table, too."""
-    force = gravity_forces(disk, table, (0.0, 0.0, *q[2:]))
-    force[:2] = disk.mass * np.array(table.vector[:2])
-    return force
 
 
 def inertial_tangential_directions(disk: Disk, q: Vector) -> Array:

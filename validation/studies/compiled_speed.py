@@ -18,6 +18,7 @@ from analysis.compiled.library import heyoka
 from analysis.compiled.places import deeper
 from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
+from analysis.models.forms import start_values
 from analysis.models.simulation import COMPILED_TOLERANCES
 from validation.kit.limits import holds
 from validation.kit.tables import Cell, Table
@@ -253,8 +254,6 @@ def _pieces(members: Sequence[Scenario], form: Form) -> tuple[systems.System, Ar
     """Symbols, parameters and starts of members alike in structure."""
     structure = Structure.of(members[0], form, {}, allow_pulling=False)
     numbers = np.array([systems.parameters(member) for member in members])
-    starts = np.array([member.initial_state.vector for member in members])
-    if form == "reduced":
-        starts = starts[:, [4, 5, 10]]
+    starts = np.array([start_values(member, form) for member in members])
     numbers[:, SIGN] = code_of(structure).signs(starts, numbers)
     return systems.build(structure), numbers, starts
