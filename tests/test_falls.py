@@ -1,6 +1,7 @@
 """Disks that fall: they end flat when they lie flat, or pass nearly flat and go on."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import cos, sin, sqrt
 from typing import Any
 
@@ -10,12 +11,20 @@ from scipy.integrate import quad
 
 import analysis
 import mbs_models
-from analysis import CENTRED_DISK, Scenario, SmoothCoulomb, Start, ToleranceError, Trajectory
+from analysis import (
+    CENTRED_DISK,
+    Level,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    ToleranceError,
+    Trajectory,
+)
 from analysis.data import limits
 from analysis.data.endings import FLAT
 from analysis.data.limits import LEAST_TILT
 from mbs_models import Integrator, Scene
-from tests.helpers import not_none
+from tests.helpers import model, not_none
 
 Run = Callable[..., Trajectory]
 
@@ -80,6 +89,29 @@ def test_disk_that_passes_nearly_flat_goes_on_alike_on_both_sides() -> None:
     found = [RUNS[side](HIDDEN, [0.0, 0.05], tolerance=asked) for side, asked in sides.items()]
     assert [run.ending for run in found] == [None, None]
     assert np.abs(found[0].coordinates - found[1].coordinates)[:, 4:].max() < 2e-6
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("beta", [0.1, 0.5])
+def test_rates_that_grow_near_flat_are_in_the_way_of_no_tolerance(
+    level: Level, beta: float
+) -> None:
+    low = model(level, start=Start(spin=0.0, beta=beta))
+    coarse, fine = (
+        analysis.simulate(low, [0.0, 0.1], tolerance=tolerance) for tolerance in (1e-5, 1e-9)
+    )
+    assert fine.counts["right_hand_sides"] < 100_000
+    assert coarse.ending is None is fine.ending
+    assert np.abs(coarse.coordinates - fine.coordinates)[:, 4:].max() < 1e-5
+
+
+def test_disk_that_begins_nearly_flat_falls_in_the_time_that_it_takes() -> None:
+    start = Start(spin=0.0, beta=np.pi - np.radians(0.01), gamma=-np.pi / 2)
+    low = Scenario(friction=SmoothCoulomb(coefficient=0.0), start=start)
+    ending = not_none(analysis.simulate(low, [0.0, 1.0], tolerance=1e-9).ending)
+    mirrored = replace(low, start=replace(start, beta=np.radians(0.01)))
+    assert ending.reason == FLAT
+    assert ending.time == pytest.approx(time_of_fall(mirrored), abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -51,23 +51,49 @@ class EulerAngles:
     A state holds the position of S, the angles, the velocity of S and the rates of the angles.
     """
 
-    @staticmethod
-    def moving(state: Numbers) -> Moving:
+    @classmethod
+    def moving(cls, state: Numbers) -> Moving:
         """A state of 12 numbers taken apart."""
-        position, angles, velocity, rates = (tuple(state[k : k + 3]) for k in (0, 3, 6, 9))
-        angular = EulerAngles.angular_velocity(angles, rates)
-        frame = EulerAngles.frame(angles)
-        return Moving(position, angles, rates, velocity, angular, frame, rates[0])
+        position, angles, velocity, turning = (tuple(state[k : k + 3]) for k in (0, 3, 6, 9))
+        rates, angular = cls.rates(angles, turning), cls.angular(angles, turning)
+        return Moving(position, angles, rates, velocity, angular, cls.frame(angles), rates[0])
 
-    @staticmethod
-    def derivative(moving: Moving, acceleration: tuple[Vector, Vector]) -> list[Any]:
+    @classmethod
+    def derivative(cls, moving: Moving, acceleration: tuple[Vector, Vector]) -> list[Any]:
         """Time derivative of the state, with these changes of its velocities."""
         x, y, _ = moving.position
         u, v, w = moving.velocity
         place = u + moving.spin * y, v - moving.spin * x, w
-        linear, turning = acceleration
-        second = EulerAngles.accelerations(moving.attitude, moving.rates, turning)
-        return [*place, *moving.rates, *linear, *second]
+        linear, change = acceleration
+        return [*place, *moving.rates, *linear, *cls.changes(moving, change)]
+
+    @staticmethod
+    def rates(_: Numbers, turning: Numbers) -> Vector:
+        """Rates of the angles, from the last three numbers of a state."""
+        return turning[0], turning[1], turning[2]
+
+    @classmethod
+    def angular(cls, angles: Numbers, turning: Numbers) -> Vector:
+        """Angular velocity in axes of the body, from the last three numbers of a state."""
+        return cls.angular_velocity(angles, turning)
+
+    @staticmethod
+    def turning_of(_: Numbers, rates: Numbers) -> Vector:
+        """The last three numbers of a state, from the rates of the angles."""
+        return rates[0], rates[1], rates[2]
+
+    @staticmethod
+    def changes(moving: Moving, change: Vector) -> Vector:
+        """Changes of the last three numbers of a state, from that of the angular velocity."""
+        (_, beta, gamma), (spin, tilting, rolling) = moving.attitude, moving.rates
+        p, q, s = change
+        sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+        spinning = (sg * p + cg * q + tilting * (rolling - spin * cb)) / sb
+        return (
+            spinning,
+            cg * p - sg * q - spin * rolling * sb,
+            s - cb * spinning + sb * spin * tilting,
+        )
 
     @staticmethod
     def gravity(moving: Moving, gravity: Vector) -> Vector:
@@ -92,20 +118,6 @@ class EulerAngles:
         return (sin(gamma), cos(gamma), 0.0), sin(beta)
 
     @staticmethod
-    def accelerations(angles: Numbers, rates: Numbers, change: Numbers) -> Vector:
-        """Second derivatives of the angles, from the change of the angular velocity."""
-        _, beta, gamma = angles
-        spin, tilting, rolling = rates
-        p, q, s = change
-        sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
-        spinning = (sg * p + cg * q + tilting * (rolling - spin * cb)) / sb
-        return (
-            spinning,
-            cg * p - sg * q - spin * rolling * sb,
-            s - cb * spinning + sb * spin * tilting,
-        )
-
-    @staticmethod
     def angular_velocity(angles: Numbers, rates: Numbers) -> Vector:
         """Angular velocity in axes of the body."""
         ahead, _, up = EulerAngles.frame(angles)
@@ -115,6 +127,38 @@ class EulerAngles:
             alpha_rate * up[1] + beta_rate * ahead[1],
             alpha_rate * up[2] + gamma_rate,
         )
+
+
+class EulerTurning(EulerAngles):
+    """The same, with the angular velocity in axes of the body in place of the rates.
+
+    It stays smooth where the disk is nearly flat and the rates of alpha and gamma grow beyond all
+    bounds. Elsewhere it changes faster than they do.
+    """
+
+    @staticmethod
+    def rates(angles: Numbers, turning: Numbers) -> Vector:
+        """Rates of the angles, from the last three numbers of a state."""
+        _, beta, gamma = angles
+        p, q, s = turning
+        sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+        spin = (sg * p + cg * q) / sb
+        return spin, cg * p - sg * q, s - cb * spin
+
+    @classmethod
+    def angular(cls, _: Numbers, turning: Numbers) -> Vector:
+        """Angular velocity in axes of the body, from the last three numbers of a state."""
+        return turning[0], turning[1], turning[2]
+
+    @staticmethod
+    def turning_of(angles: Numbers, rates: Numbers) -> Vector:
+        """The last three numbers of a state, from the rates of the angles."""
+        return EulerAngles.angular_velocity(angles, rates)
+
+    @staticmethod
+    def changes(_: Moving, change: Vector) -> Vector:
+        """Changes of the last three numbers of a state, from that of the angular velocity."""
+        return change
 
 
 class Quaternion:

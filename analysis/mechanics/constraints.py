@@ -96,18 +96,20 @@ def places(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
     return [height, *position[:2]] if "fixed-cog" in constraints else [height]
 
 
-def velocities(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
+def velocities(
+    constraints: ConstraintSet, disk: Any, state: Numbers, chart: type[EulerAngles] = EulerAngles
+) -> list[Any]:
     """Velocity-level residuals in m/s, and the spin in rad/s, from a state of `states`.
 
     Those of `places` are their rates, seen from the turning frame.
     """
-    x, y, _, *angles = state[:6]
-    velocity, spin = (state[6], state[7], state[8]), state[9]
-    angular = EulerAngles.angular_velocity(angles, state[9:12])
-    turning = {"cog_force_x": spin * y, "cog_force_y": -spin * x}
-    held = zip(multiplier_names(constraints), directions(constraints, disk, angles), strict=True)
+    moving = chart.moving(state)
+    x, y, _ = moving.position
+    turning = {"cog_force_x": moving.spin * y, "cog_force_y": -moving.spin * x}
+    every = directions(constraints, disk, moving.attitude)
     return [
-        each.along(velocity, angular) / each.scale + turning.get(name, 0.0) for name, each in held
+        each.along(moving.velocity, moving.angular) / each.scale + turning.get(name, 0.0)
+        for name, each in zip(multiplier_names(constraints), every, strict=True)
     ]
 
 

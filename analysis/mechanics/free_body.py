@@ -19,17 +19,19 @@ Solver = Callable[..., tuple[float, ...]]
 _FUNCTIONS = ("spring", "normal_force", "load", "speed", "per_speed")
 
 
-def free_solver(scenario: Scenario) -> Solver:
+def free_solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:
     """Function from a state in Euler angles, 12 floats, to its derivative and the normal force.
 
     Parameters
     ----------
     scenario : Scenario
         With a penalty contact.
+    chart : EulerAngles or EulerTurning
+        What a state holds.
     """
 
     def results(table: YieldingTable, state: list[Symbol]) -> list[Any]:
-        derivative, touch, _ = table.derivative(EulerAngles, state)
+        derivative, touch, _ = table.derivative(chart, state)
         return [*derivative, touch.force]
 
     return _recorded(scenario, 12, results)

@@ -46,6 +46,8 @@ class IdealContact:
     contact_load : callable
         Load in N, from the normal force without friction and from what of it each newton of load
         calls for through friction.
+    chart : EulerAngles or EulerTurning
+        What a state holds.
     """
 
     constraints: ConstraintSet
@@ -55,6 +57,7 @@ class IdealContact:
     speed: Speed
     per_speed: Callable[[Any], Any]
     contact_load: Callable[[Any, Any], Any]
+    chart: type[EulerAngles] = EulerAngles
 
     def derivative(self, state: Numbers) -> tuple[list[Any], list[Any], Any]:
         """Time derivative of a state, 12 numbers, the multipliers, and `_slowing`.
@@ -68,8 +71,8 @@ class IdealContact:
         state : sequence of 12 numbers
             See `states`.
         """
-        moving = EulerAngles.moving(state)
-        gravity = EulerAngles.gravity(moving, self.gravity)
+        moving = self.chart.moving(state)
+        gravity = self.chart.gravity(moving, self.gravity)
         acceleration = free_acceleration(self.disk, gravity, moving)
         held = directions(self.constraints, self.disk, moving.attitude)
         responses = [response(self.disk, each) for each in held]
@@ -93,7 +96,7 @@ class IdealContact:
         for force, by_force in zip(forces, responses, strict=True):
             acceleration = together(acceleration, force, by_force)
         multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
-        derivative = EulerAngles.derivative(moving, acceleration)
+        derivative = self.chart.derivative(moving, acceleration)
         return derivative, multipliers, self._slowing(moving, acceleration)
 
     def _changes(self, constraints: ConstraintSet, moving: Moving) -> list[Any]:

@@ -14,6 +14,7 @@ from analysis.data.constraint_set import ConstraintSet
 from analysis.data.friction import Load
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
+from analysis.mechanics.attitude import EulerAngles
 from analysis.mechanics.dual import Dual, derivatives, dual, rate
 from analysis.mechanics.free_body import Solver, free_solver
 from analysis.mechanics.newton_euler import IdealContact
@@ -54,7 +55,12 @@ def disk_of(values: Numbers) -> Any:
 
 @cache
 def formula(
-    held: ConstraintSet, load: Load | None, *, horizontal: bool, slowing: bool = False
+    held: ConstraintSet,
+    load: Load | None,
+    *,
+    horizontal: bool,
+    slowing: bool = False,
+    chart: type[EulerAngles] = EulerAngles,
 ) -> Callable[..., Callable[..., tuple[Any, ...]]]:
     """Code of `IdealContact.derivative` for a structure.
 
@@ -68,6 +74,8 @@ def formula(
         Whether the table is level.
     slowing : bool
         Whether half the rate of the squared slip speed is told, too.
+    chart : EulerAngles or EulerTurning
+        What a state holds.
 
     Returns
     -------
@@ -83,13 +91,14 @@ def formula(
         disk=disk_of(recorder.constants),
         gravity=(0.0, 0.0, down) if horizontal else (along, across, down),
         load=load,
+        chart=chart,
         **{name: partial(call, name) for name in _FUNCTIONS},
     )
     derivative, multipliers, slower = contact.derivative(recorder.variables)
     return recorder.code([*derivative, *multipliers, *([slower] if slowing else [])])
 
 
-def solver(scenario: Scenario) -> Solver:
+def solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:
     """Function that gives the time derivative and the multipliers at one state after the other.
 
     An ideal contact that pulls (negative normal force) is no load: friction never gives energy.
@@ -98,6 +107,8 @@ def solver(scenario: Scenario) -> Solver:
     ----------
     scenario : Scenario
         With the ideal contact, or a penalty contact, whose force stands for the multipliers.
+    chart : EulerAngles or EulerTurning
+        What a state holds.
 
     Returns
     -------
@@ -105,9 +116,9 @@ def solver(scenario: Scenario) -> Solver:
         It raises `ArithmeticError` where `accelerations` does.
     """
     if scenario.contact is not None:
-        return free_solver(scenario)
+        return free_solver(scenario, chart)
     per_speed = scenario.friction.per_speed
-    return _bound(scenario, speed=hypot, per_speed=per_speed, contact_load=_contact_load)
+    return _bound(scenario, chart, speed=hypot, per_speed=per_speed, contact_load=_contact_load)
 
 
 def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
@@ -134,6 +145,7 @@ def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
 
     solve = _bound(
         scenario,
+        EulerAngles,
         sin=elementary.sin,
         cos=elementary.cos,
         speed=_speed,
@@ -143,12 +155,15 @@ def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
     return lambda state: derivatives(lambda moving: solve(*moving)[:12], state)
 
 
-def _bound(scenario: Scenario, **functions: Any) -> Callable[..., tuple[Any, ...]]:
+def _bound(
+    scenario: Scenario, chart: type[EulerAngles], **functions: Any
+) -> Callable[..., tuple[Any, ...]]:
     """Code of a scenario, which is named where it cannot be run."""
     code = formula(
         scenario.constraints,
         scenario.friction.load if scenario.rubs else None,
         horizontal=bool(scenario.table.is_horizontal),
+        chart=chart,
     )(*numbers(scenario), **functions)
 
     def solve(*state: Any) -> tuple[Any, ...]:

@@ -1,8 +1,9 @@
 """States of the equations of motion, and the paper's coordinates.
 
 A state in Euler angles holds the position of the centre of gravity S in axes of the frame R (3),
-alpha, beta and gamma, the velocity of S in axes of R (3) and the rates of the angles (3). All
-functions take numbers of any kind, arrays of many states among them.
+alpha, beta and gamma, the velocity of S in axes of R (3) and the rates of the angles, or what else
+its chart tells the turning by (3). All functions take numbers of any kind, arrays of many states
+among them.
 """
 
 from typing import Any
@@ -11,10 +12,13 @@ import numpy as np
 
 from analysis.data.checks import Array
 from analysis.data.elementary import cos, sin
+from analysis.mechanics.attitude import EulerAngles
 from analysis.mechanics.vectors import Numbers, Vector
 
 
-def state_of(disk: Any, coordinates: Numbers, rates: Numbers) -> tuple[Any, ...]:
+def state_of(
+    disk: Any, coordinates: Numbers, rates: Numbers, chart: type[EulerAngles] = EulerAngles
+) -> tuple[Any, ...]:
     """State of the paper's coordinates and their rates, 6 numbers each.
 
     Parameters
@@ -22,24 +26,31 @@ def state_of(disk: Any, coordinates: Numbers, rates: Numbers) -> tuple[Any, ...]
     disk : Disk
     coordinates, rates : sequence of 6 numbers
         In m, rad, m/s and rad/s; those of the constraints do not matter.
+    chart : EulerAngles or EulerTurning
     """
     (a, b, c), (u, v, w) = _offset(disk, coordinates, rates)
     x, y, z, spin = coordinates[0] + a, coordinates[1] + b, coordinates[2] + c, rates[3]
     velocity = rates[0] + u - spin * y, rates[1] + v + spin * x, rates[2] + w
-    return x, y, z, *coordinates[3:], *velocity, *rates[3:]
+    turning = chart.turning_of(coordinates[3:], rates[3:])
+    return x, y, z, *coordinates[3:], *velocity, *turning
 
 
-def paper_of(disk: Any, state: Numbers) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+def paper_of(
+    disk: Any, state: Numbers, chart: type[EulerAngles] = EulerAngles
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The paper's coordinates and their rates, 6 numbers each, of a state."""
-    (a, b, c), (u, v, w) = _offset(disk, state[:6], state[6:])
-    x, y, z, spin = state[0], state[1], state[2], state[9]
+    turning = chart.rates(state[3:6], state[9:12])
+    (a, b, c), (u, v, w) = _offset(disk, state[:6], (*state[6:9], *turning))
+    x, y, z, spin = state[0], state[1], state[2], turning[0]
     rates = state[6] + spin * y - u, state[7] - spin * x - v, state[8] - w
-    return (x - a, y - b, z - c, *state[3:6]), (*rates, *state[9:])
+    return (x - a, y - b, z - c, *state[3:6]), (*rates, *turning)
 
 
-def paper_arrays(disk: Any, states: Array) -> tuple[Array, Array]:
+def paper_arrays(
+    disk: Any, states: Array, chart: type[EulerAngles] = EulerAngles
+) -> tuple[Array, Array]:
     """The paper's coordinates and their rates, each shape (..., 6), of states, (..., 12)."""
-    coordinates, rates = paper_of(disk, np.moveaxis(states, -1, 0))
+    coordinates, rates = paper_of(disk, np.moveaxis(states, -1, 0), chart)
     return np.stack(coordinates, axis=-1), np.stack(rates, axis=-1)
 
 

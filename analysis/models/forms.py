@@ -13,6 +13,7 @@ from analysis.data.endings import Condition
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from analysis.mechanics import recorded, reduced
+from analysis.mechanics.attitude import EulerAngles, EulerTurning
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocities
 from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import paper_arrays, state_of
@@ -60,6 +61,8 @@ def pose(
     form: Form,
     conditions: Mapping[str, Condition] | None = None,
     multipliers: Multipliers | None = None,
+    *,
+    nearly_flat: bool = False,
 ) -> PosedForm:
     """Initial value problem of a scenario.
 
@@ -72,6 +75,9 @@ def pose(
         From reasons to functions of a `State`; the motion ends where one turns negative.
     multipliers : callable, optional
         Another way to the constraint forces, shape (n, k), from states, shape (n, 12).
+    nearly_flat : bool
+        Whether the disk comes so low that the rates of its angles are no variables to integrate;
+        the minimal coordinates have none that grow.
 
     Raises
     ------
@@ -79,8 +85,10 @@ def pose(
         If the form does not know what is in the scenario, or the start breaks a constraint.
     """
     check_form(scenario, form)
-    makers = {"index-1": _full, "reduced": _reduced, "free-body": _full}
-    posed = makers[form](scenario, multipliers)
+    if form == "reduced":
+        posed = _reduced(scenario, multipliers)
+    else:
+        posed = _full(scenario, multipliers, EulerTurning if nearly_flat else EulerAngles)
     if not conditions:
         return posed
 
@@ -133,8 +141,8 @@ def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
     return state_of(scenario.disk, start.coordinates, start.rates)
 
 
-def _full(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
-    start, solved = scenario.initial_state, recorded.solver(scenario)
+def _full(scenario: Scenario, compiled: Multipliers | None, chart: type[EulerAngles]) -> PosedForm:
+    start, solved = scenario.initial_state, recorded.solver(scenario, chart)
     longest = longest_step(scenario)
     multipliers = compiled or partial(_multipliers, solved)
 
@@ -150,10 +158,10 @@ def _full(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
 
     def slip(state: Array) -> float:
-        return float(velocities(slips, scenario.disk, state.tolist())[0])
+        return float(velocities(slips, scenario.disk, state.tolist(), chart)[0])
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
-        coordinates, rates = paper_arrays(scenario.disk, states)
+        coordinates, rates = paper_arrays(scenario.disk, states, chart)
         # The first sample is the start itself, without the rounding on the way to it and back.
         coordinates[0], rates[0] = start.coordinates, start.rates
         return coordinates, rates, multipliers(states)
@@ -161,14 +169,14 @@ def _full(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
     return PosedForm(
         InitialValueProblem(
             derivative,
-            np.array(start_values(scenario, "index-1")),
+            np.array(state_of(scenario.disk, start.coordinates, start.rates, chart)),
             lambda state: sin(state[4]),
             normal_force,
             longest if scenario.contact is None else min(longest, contact_time(scenario)),
             slip=slip if scenario.rubs and len(slips) == 1 else None,
         ),
         expand,
-        lambda state: _state(*paper_arrays(scenario.disk, state)),
+        lambda state: _state(*paper_arrays(scenario.disk, state, chart)),
         lambda states: states[:, 4:6],
     )
 

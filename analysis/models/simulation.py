@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from math import inf
 
 import numpy as np
@@ -130,37 +131,37 @@ def simulate(
     compiled = None
     if method == "taylor":
         compiled = CompiledScenario(scenario, form, conditions, allow_pulling=allow_pulling)
-    posed = pose(scenario, form, conditions, compiled.multipliers if compiled else None)
-    if local_tolerance is None:
-        tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
-    elif tolerance is not None:
-        raise ValueError("give either tolerance or local_tolerance, not both")
-    else:
-        local_tolerance = one_step("local_tolerance", local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
+    tolerance, local_tolerance = _accuracy(tolerance, local_tolerance)
     effort = simulation_effort(
         scenario, times, method=method, tolerance=tolerance, local_tolerance=local_tolerance
     )
     effort.check()
     watch = Watch(time_limit, progress, effort.most)
 
-    def run(local: float, longest: float = 1.0) -> Run:
+    def run(posed: PosedForm, local: float, longest: float = 1.0) -> Run:
         problem = posed.problem.with_steps_up_to(longest)
         if compiled is not None:
             return compiled.integrate(problem, times, local, watch)
-        return integrate(
-            problem,
-            times,
-            method,
-            local,
-            allow_pulling=allow_pulling,
-            watch=watch,
-        )
+        found = integrate(problem, times, method, local, allow_pulling=allow_pulling, watch=watch)
+        if found.ended == _LOW:
+            raise _NearlyFlatError
+        return found
 
-    if tolerance is None:
-        assert local_tolerance is not None
-        result, estimate = run(local_tolerance), None
-    else:
-        result, local_tolerance, estimate = _integrate_to(run, posed, tolerance, method)
+    def solved(posed: PosedForm) -> tuple[Run, float, float | None]:
+        if tolerance is None:
+            assert local_tolerance is not None
+            return run(posed, local_tolerance), local_tolerance, None
+        return _integrate_to(partial(run, posed), posed, tolerance, method)
+
+    posed = pose(scenario, form, conditions, compiled.multipliers if compiled else None)
+    try:
+        # Minimal coordinates, and a spin that is held, have no rates that grow.
+        if compiled is None and form != "reduced" and "constant-spin" not in scenario.constraints:
+            posed = _until_low(posed)
+        result, local_tolerance, estimate = solved(posed)
+    except _NearlyFlatError:
+        posed = pose(scenario, form, conditions, nearly_flat=True)
+        result, local_tolerance, estimate = solved(posed)
     if result.ended == TIME_LIMIT:
         result = replace(result, value=watch.seconds)
     settings: dict[str, Setting] = {
@@ -170,6 +171,46 @@ def simulate(
         "local_tolerance": local_tolerance,
     }
     return trajectory(scenario, posed, result, settings, estimate)
+
+
+def _accuracy(
+    tolerance: float | None, local_tolerance: float | None
+) -> tuple[float | None, float | None]:
+    """The one of the two that is given, or the usual tolerance."""
+    if local_tolerance is None:
+        return positive("tolerance", 1e-8 if tolerance is None else tolerance), None
+    if tolerance is not None:
+        raise ValueError("give either tolerance or local_tolerance, not both")
+    return None, one_step("local_tolerance", local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
+
+
+_LOW = "low"
+"""Ends a run that the rates of the angles are no variables for."""
+
+_LOWEST = 0.05
+"""Sine of the angle between disk and table below which they are not.
+
+Rounding makes the second derivatives of alpha and gamma uncertain by 1e-16 over its square, which
+step control takes for an error at the tightest tolerances.
+"""
+
+
+class _NearlyFlatError(Exception):
+    """A motion comes below `_LOWEST`."""
+
+
+def _until_low(posed: PosedForm) -> PosedForm:
+    """The same that ends where the disk comes low; `_NearlyFlatError` if it begins there."""
+    problem = posed.problem
+
+    def height(state: Array) -> float:
+        return problem.leaning(state) - _LOWEST
+
+    if height(problem.start) < 0.0:
+        raise _NearlyFlatError
+    return replace(
+        posed, problem=replace(problem, conditions={**problem.conditions, _LOW: height})
+    )
 
 
 def trajectory(
