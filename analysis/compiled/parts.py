@@ -130,8 +130,8 @@ class CompiledPart:
         start, numbers = (each[some] for each in self.frame)
         coordinates, rates = _expanded(self.form, start, numbers, states, times - self.times[0])
         if self.form == "reduced":
-            found = (np.moveaxis(each, 2, 0) for each in (coordinates, rates))
-            variables = np.stack(state_of(systems.disk_of(numbers[:, None]), *found))
+            z, u = (np.moveaxis(each, 2, 0) for each in (coordinates, rates))
+            variables = np.stack(state_of(systems.disk_of(numbers[:, None]), z, u))
         else:
             variables = np.ascontiguousarray(np.moveaxis(states, 2, 0))
         code = code_for(self.ensemble[0], self.form, self.conditions, allow_pulling=False)

@@ -163,7 +163,7 @@ def _bound(
         scenario.constraints,
         scenario.friction.load if scenario.rubs else None,
         horizontal=bool(scenario.table.is_horizontal),
-        chart=chart,
+        chart=chart,  # type: ignore[arg-type] # a class can be hashed
     )(*numbers(scenario), **functions)
 
     def solve(*state: Any) -> tuple[Any, ...]:
