@@ -15,6 +15,11 @@ ABSURD = 1e12
 """Size of a coordinate or rate of the engine that no motion has; a step that was too long does."""
 
 
+_OF_MATH = ("math domain error", "math range error")
+"""What Python's functions say of infinite numbers, at which a step that was too long calls a user
+function; the engine may be back at the start of the step when that is seen here."""
+
+
 class Ended(Exception):  # noqa: N818 - nothing is wrong
     """What a user function raises to end a run; the engine reports it as an error of its own."""
 
@@ -46,7 +51,9 @@ def solving(system: Any) -> Iterator[None]:
         raised = _raised(error)
         if raised is None or isinstance(raised, Ended):
             raise
-        if isinstance(raised, ValueError | ArithmeticError) and _is_absurd(system):
+        if isinstance(raised, ValueError | ArithmeticError) and (
+            str(raised) in _OF_MATH or _is_absurd(system)
+        ):
             raise exu.SolverError("a step was so long that the motion exploded") from error
         raise raised from None
     finally:

@@ -10,6 +10,8 @@ import analysis
 import mbs_models
 from analysis import (
     LOADS,
+    STEEL_DISK,
+    PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -277,3 +279,13 @@ def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, sp
     )
     assert run.counts["newton_iterations"] <= 8 * run.counts["steps"]
     assert build(scene).force_rounding < 1e-11 * scene.scenario.weight
+
+
+def test_step_that_is_far_too_long_for_a_stiff_contact_is_the_engines_failure() -> None:
+    # Within the step, friction is asked for at infinite numbers, of which there is no sine.
+    contact = PenaltyContact.damped(1e4, STEEL_DISK)
+    scenario = Scenario(friction=SmoothCoulomb(load="contact"), contact=contact)
+    with pytest.raises(EngineError, match="a step was so long that the motion exploded"):
+        mbs_models.simulate(
+            Scene(scenario, "floating"), [0.0, 0.4], step=0.1, integrator="GeneralizedAlpha"
+        )
