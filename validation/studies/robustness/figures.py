@@ -87,10 +87,10 @@ def _verdicts(level: Level | None, outcomes: Sequence[Outcome]) -> Picture:
         figure,
         name="robustness-other-sets" if level is None else f"robustness-model-{level}",
         title=f"Hard cases, {'other sets' if level is None else f'Model {level}'}",
-        caption=f"Each mark is a run with one integrator; dotted: the {TOLERANCE:g} rad asked "
-        "for, unless a label says otherwise. Hollow: accurate up to where the run ends early. "
-        "Above the line, if there are any: runs without a result. Crosses: results that are "
-        "inaccurate in an angle, in the energy or in where they end.",
+        caption="Each mark is a run with one integrator; dotted: the largest error that was asked "
+        "for. Hollow: accurate up to where the run ends early. Above the line, if there are any: "
+        "runs without a result. Crosses: results that are inaccurate in an angle, in the energy "
+        "or in where they end.",
         stacked=True,
     )
 
@@ -135,7 +135,9 @@ def _panel(axes: Axes, outcomes: Sequence[Outcome], bands: Mapping[Verdict, floa
             color=colour,
             fillstyle="none" if hollow else "full",
         )
-    axes.axhline(TOLERANCE, color="#777777", linewidth=0.8, linestyle=":")
+    asked = {labels.index(each.label): each.tolerance for each in outcomes}
+    low, high = ([number + side for number in asked] for side in (-0.5, 0.5))
+    axes.hlines(list(asked.values()), low, high, color="#777777", linewidth=0.8, linestyle=":")
     if bands:
         axes.axhline(10.0, color="#777777", linewidth=0.8)
     top = 10.0 * max(bands.values(), default=0.1)
