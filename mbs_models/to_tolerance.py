@@ -99,7 +99,7 @@ def to_tolerance(
             kind = (result.ended, result.times.size)
             ladder = empty(flat=result.ended == FLAT)
         ladder.add(result.values, result.times, result.step)
-        if ladder.estimate <= needed(tolerance, result.ended):
+        if ladder.estimate <= needed(tolerance, result.ended == FLAT):
             best = replace(result, times=ladder.best_times, values=ladder.best, counts=counts)
             return integrator, best, ladder.estimate
         if over:
@@ -139,7 +139,7 @@ def _by_step_control(
             one, other = (np.column_stack((each.values, each.times)) for each in (fine, coarse))
             difference = apart(one, other, flat=fine.ended == FLAT)
             estimate = CAUTION * max(difference, ROUNDING)
-            if estimate <= needed(tolerance, fine.ended):
+            if estimate <= needed(tolerance, fine.ended == FLAT):
                 return integrator, replace(fine, counts=counts), estimate
         if local < LEAST_LOCAL:
             return None

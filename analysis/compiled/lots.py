@@ -11,7 +11,7 @@ from analysis.compiled.code import Code
 from analysis.compiled.library import heyoka
 from analysis.compiled.places import Places
 from analysis.compiled.systems import ALIVE, REASON, SIGN, SINGULAR, SPIN, WHEN
-from analysis.data.agreement import error_at_ending
+from analysis.data.agreement import error_at_ending, needed
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT
 from analysis.data.files import AnyArray
@@ -171,7 +171,8 @@ def run_to(lot: Lot, times: Array, ladder: Sequence[float], tolerances: Array) -
         if len(ladder) == 1:
             done[:] = True
         elif rung:
-            done |= judged.estimates[pending] <= tolerances[pending]
+            flat = fine.reasons == lot.code.reasons.index(FLAT)
+            done |= judged.estimates[pending] <= needed(tolerances[pending], flat)
         judged.local_tolerances[pending] = local
         if done.all() and pending.size == members:
             judged = replace(judged, reached=fine)

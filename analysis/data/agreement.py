@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array, ToleranceError
-from analysis.data.endings import AT_REST, FLAT, TIME_LIMIT
+from analysis.data.endings import AT_REST, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.spatial_motion import SpatialMotion
 
@@ -98,12 +98,19 @@ def error_at_ending(
     return found
 
 
-def needed(tolerance: float, ended: str | None) -> float:
-    """Largest error in rad of a run that is asked for to a tolerance and has ended for a reason.
+def needed(tolerance: npt.ArrayLike, flat: npt.ArrayLike) -> Array:
+    """Largest errors in rad of runs that are asked for to a tolerance.
 
-    One that is said to lie flat has to tell that from passing by.
+    A disk that is said to lie flat has to be told from one that passes by.
+
+    Parameters
+    ----------
+    tolerance : array_like, shape (...)
+        In rad.
+    flat : array_like of bool, shape (...)
+        Whether a run ends where the disk lies flat.
     """
-    return min(tolerance, LEAST_TILT) if ended == FLAT else tolerance
+    return np.where(flat, np.minimum(tolerance, LEAST_TILT), tolerance)
 
 
 def _apart(fine: SpatialMotion, coarse: SpatialMotion) -> float:

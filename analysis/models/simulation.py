@@ -138,11 +138,17 @@ def simulate(
     effort.check()
     watch = Watch(time_limit, progress, effort.most)
 
+    evaluations: list[int] = []
+
     def run(posed: PosedForm, local: float, longest: float = 1.0) -> Run:
         problem = posed.problem.with_steps_up_to(longest)
         if compiled is not None:
-            return compiled.integrate(problem, times, local, watch)
-        found = integrate(problem, times, method, local, allow_pulling=allow_pulling, watch=watch)
+            found = compiled.integrate(problem, times, local, watch)
+        else:
+            found = integrate(
+                problem, times, method, local, allow_pulling=allow_pulling, watch=watch
+            )
+        evaluations.append(found.evaluations)
         if found.ended == _LOW:
             raise _NearlyFlatError
         return found
@@ -162,6 +168,7 @@ def simulate(
     except _NearlyFlatError:
         posed = pose(scenario, form, conditions, nearly_flat=True)
         result, local_tolerance, estimate = solved(posed)
+    result = replace(result, evaluations=sum(evaluations))
     if result.ended == TIME_LIMIT:
         result = replace(result, value=watch.seconds)
     settings: dict[str, Setting] = {
@@ -250,22 +257,20 @@ def _integrate_to(
 ) -> tuple[Run, float, float]:
     """Tighten the local tolerance until the estimated error of beta and gamma is small enough.
 
-    Returns the run, with the evaluations of all there were, its local tolerance and that error.
+    Returns the run, its local tolerance and that error.
     """
     first, *tighter = local_tolerances(tolerance, method)
     longest = 1.0
-    coarse = run(first, longest)
-    evaluations, estimate = coarse.evaluations, inf
+    coarse, estimate = run(first, longest), inf
     for local in tighter:
         if coarse.ended == TIME_LIMIT:
             break
         # Not both may take the longest steps there are.
         longest *= 0.8
         fine = run(local, longest)
-        evaluations += fine.evaluations
         fine, estimate = compare(fine, coarse, posed)
-        if estimate <= needed(tolerance, fine.ended):
-            return replace(fine, evaluations=evaluations), local, estimate
+        if estimate <= needed(tolerance, fine.ended == FLAT):
+            return fine, local, estimate
         coarse = fine
     if coarse.ended == TIME_LIMIT:
         raise TimeLimitError(
