@@ -16,7 +16,7 @@ from validation.maps.stored import Study
 from validation.studies import maps
 from validation.studies.claims.claim import VERDICTS
 
-DOCS = Path(__file__).parent.parent / "docs" / "sweeps.md"
+DOCS = Path(__file__).parents[3] / "docs" / "sweeps.md"
 TABLE = (
     "| map, from Table 3 | runs | in place of | other side agrees | "
     "difference, median and largest in rad |"

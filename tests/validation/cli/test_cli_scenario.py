@@ -36,7 +36,7 @@ from validation.commands.scenarios import chosen_scenario
 from validation.parser.top import parser
 from validation.studies import crosscheck
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[3]
 PAPER = Scenario()
 RING = "--radius 0.05 --hole-radius 0.02 --hole-distance 0.02 --thickness 0.01 --density 7700"
 STATE = State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.1), rates=(0.0,) * 6)

@@ -10,7 +10,7 @@ import pytest
 from analysis.compiled import library
 from tests.calls import refusal, run
 from tests.sweeps import sweep
-from tests.test_cli_scenario import chosen
+from tests.validation.cli.test_cli_scenario import chosen
 from validation.commands.sweep import chosen_design
 from validation.parser import sweeps
 from validation.sweeps.axes import LAYOUTS, MOST_CASES

@@ -10,7 +10,7 @@ import pytest
 from analysis import Trajectory, load_run
 from validation import cli
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[3]
 FULL = Path("/dev/full")
 SCENE = "scene --model 2"
 LOST = "tippedisk: standard output "

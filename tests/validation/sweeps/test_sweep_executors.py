@@ -19,7 +19,7 @@ from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[3]
 AXES = ("spin=30:45:60",)
 OPTIONS = ["--model", "4", "--formulation", "reduced", "--end", "0.3", "--tolerance", "1e-4"]
 

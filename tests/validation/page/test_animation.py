@@ -252,7 +252,7 @@ def test_report_carries_players_side_by_side_and_as_files(tmp_path: Path) -> Non
 
 
 def test_installed_package_ships_the_player() -> None:
-    project = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text())
+    project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
     shipped = project["tool"]["setuptools"]["package-data"]["validation.kit.animation"]
     assert set(shipped) == {"player.css", "player.js"}
     assert isinstance(player(inversion(), name="a", title="A"), Animation)

@@ -287,7 +287,7 @@ def test_folder_is_free_again_when_the_process_in_it_was_killed(tmp_path: Path) 
         [sys.executable, "-c", HOLDER, str(tmp_path)],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        cwd=Path(__file__).parent.parent,
+        cwd=Path(__file__).parents[3],
     ) as process:
         assert not_none(process.stdout).readline() == b"held\n"
         with pytest.raises(OSError, match="another process works in it"), open_store(tmp_path):

@@ -29,7 +29,7 @@ from validation.kit import figures
 from validation.studies import full_report, inversion
 from validation.studies.claims.claim import VERDICTS
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[3]
 
 FIGURES = {
     *(f"paper-fig-{number}" for number in (6, 7, 8, 9, 10, 11)),

@@ -272,7 +272,7 @@ def test_file_runs_the_module_of_its_law_and_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "own_law.py").write_text(
-        "from tests.test_scenario_file import Own\n\nclass Rough(Own):\n    pass\n"
+        "from tests.analysis.data.test_scenario_file import Own\n\nclass Rough(Own):\n    pass\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
     text = scenario_text(Scenario(friction=TanhCoulomb()))

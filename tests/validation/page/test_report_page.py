@@ -16,7 +16,7 @@ from validation.kit.tables import LONG, SHOWN, Table
 from validation.studies import modelled, summary
 from validation.studies.work_precision import runs
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[3]
 
 
 def picture(name: str, paper: str = "") -> Picture:

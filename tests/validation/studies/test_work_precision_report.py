@@ -20,7 +20,7 @@ from validation.studies.work_precision.runs import Curve, Run
 from validation.studies.work_precision.section import make_section
 from validation.studies.work_precision.stored import Study, gathered, shipped
 
-RESULTS = Path(__file__).parents[1] / "docs" / "results.md"
+RESULTS = Path(__file__).parents[3] / "docs" / "results.md"
 
 
 @cache

@@ -31,7 +31,7 @@ from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep, look_ahead, run_case
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[3]
 SPINS = ("spin=30:40:3", "mu=0.2,0.3")
 
 

@@ -12,10 +12,10 @@ import pytest
 from tests.helpers import is_running
 from validation.studies.robustness.isolated import run_isolated
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[3]
 
 POOL = """
-from tests.test_workers import note_and_work
+from tests.analysis.data.test_workers import note_and_work
 from analysis.data.workers import Pool
 from sys import argv
 if __name__ == "__main__":
@@ -24,7 +24,7 @@ if __name__ == "__main__":
 """
 
 ISOLATED = """
-from tests.test_workers import note_and_work
+from tests.analysis.data.test_workers import note_and_work
 from validation.studies.robustness.isolated import run_isolated
 from sys import argv
 if __name__ == "__main__":
@@ -32,7 +32,7 @@ if __name__ == "__main__":
 """
 
 NESTED = """
-from tests.test_workers import isolate
+from tests.analysis.data.test_workers import isolate
 from analysis.data.workers import Pool
 from sys import argv
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[3]
 
 WRITER = """
 import sys

@@ -16,7 +16,7 @@ from analysis import FlatError, Scenario, SmoothCoulomb, State
 from mbs_models import EngineError, Formulation, Scene
 from tests.scenes import rest_scene, scene_of
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 TIMES = np.linspace(0.0, 0.5, 51)
 
 WAYS: list[Formulation] = ["contact-tree", "euler-tree", "floating", "floating-lie"]

@@ -327,7 +327,7 @@ def test_home_that_cannot_be_written_says_nothing() -> None:
     done = subprocess.run(
         [sys.executable, "-c", code],
         env=os.environ | {"HOME": "/proc/none", "XDG_CACHE_HOME": "/proc/none"},
-        cwd=Path(__file__).parent.parent,
+        cwd=Path(__file__).parents[3],
         capture_output=True,
         text=True,
         check=True,

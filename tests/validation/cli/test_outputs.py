@@ -17,7 +17,7 @@ from analysis import load_run
 from analysis.data.files import whole_file
 from tests.calls import printed, refusal, run
 from tests.helpers import random_trajectory
-from tests.test_streams import process
+from tests.validation.cli.test_streams import process
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and modes of POSIX")
 
@@ -226,7 +226,7 @@ def test_home_that_cannot_be_written_to_is_not_spoken_of(tmp_path: Path) -> None
         capture_output=True,
         text=True,
         check=False,
-        cwd=Path(__file__).parent.parent,
+        cwd=Path(__file__).parents[3],
         env={
             name: value
             for name, value in os.environ.items()
