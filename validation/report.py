@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import sqlite3
 import time
 from base64 import b64decode, b64encode
@@ -23,7 +24,7 @@ from validation.kit.progress import bar, say
 from validation.kit.provenance import PACKAGES, Provenance, machine
 from validation.kit.sources import behind, digest
 from validation.page.content import StudyModule, Verdict
-from validation.page.section import Section, environment, table_html
+from validation.page.section import PlainSection, Section, environment, table_html
 from validation.study import RESULTS, Check, Found, Study
 
 DISK = ("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps")
@@ -63,6 +64,8 @@ class MadeSection:
     Parameters
     ----------
     name, title, html : str
+    text : str
+        As Markdown without files beside it.
     checks : list of Check
     verdicts : list of Verdict
     files : dict
@@ -72,6 +75,7 @@ class MadeSection:
     name: str
     title: str
     html: str
+    text: str
     checks: list[Check]
     verdicts: list[Verdict]
     files: dict[str, bytes]
@@ -105,6 +109,18 @@ class Report:
 def verdict(checks: Sequence[Check]) -> bool:
     """Whether all checks hold, at least one of them measured on the spot."""
     return any(check.where == "fresh" for check in checks) and all(c.holds for c in checks)
+
+
+def as_text(report: Report) -> str:
+    """The verdicts and sections of a report as one page of Markdown."""
+    verdicts = [
+        f"- {each.statement} **{each.answer}**: {each.numbers} ({each.criterion})"
+        for section in report.sections
+        for each in section.verdicts
+    ]
+    sections = [f"## {section.title}\n\n{section.text.strip()}" for section in report.sections]
+    text = "\n\n".join(["# All results", "\n".join(verdicts), *sections])
+    return re.sub(r"\n{3,}", "\n\n", text) + "\n"
 
 
 def find(name: str) -> StudyModule:
@@ -241,18 +257,23 @@ def make_section(name: str, found: Found, results: Path) -> MadeSection:
     try:
         content = module.present(rows)
         section = Section(short(module), content)
-        text = section.html(about, _text(module))
+        page = section.html(about, _text(module))
+        text = PlainSection(short(module), content).filled(about, _text(module))
     except Exception as error:  # noqa: BLE001
         # A section that cannot be made says so, and the report fails.
         return _broken(module, f"{type(error).__name__}: {error}", checks)
     return MadeSection(
         name=short(module),
         title=module.TITLE,
-        html=text,
+        html=page,
+        text=text,
         checks=[*checks, *content.checks],
         verdicts=list(content.verdicts),
         files=section.files,
     )
+
+
+_NOTHING = "This section could not be made: see the checks that fail."
 
 
 def _broken(module: StudyModule, reason: str, checks: Sequence[Check] = ()) -> MadeSection:
@@ -261,7 +282,8 @@ def _broken(module: StudyModule, reason: str, checks: Sequence[Check] = ()) -> M
     return MadeSection(
         name=name,
         title=module.TITLE,
-        html="<p>This section could not be made: see the checks that fail.</p>",
+        html=f"<p>{_NOTHING}</p>",
+        text=_NOTHING,
         checks=[*checks, failed],
         verdicts=[],
         files={},
@@ -306,6 +328,7 @@ def _keep_section(path: Path, identity: str, section: MadeSection) -> None:
         "name": section.name,
         "title": section.title,
         "html": section.html,
+        "text": section.text,
         "checks": [[_told(value) for value in check] for check in section.checks],
         "verdicts": [asdict(each) for each in section.verdicts],
         "files": {name: b64encode(text).decode() for name, text in section.files.items()},

@@ -55,7 +55,7 @@ class Study:
         empty where it did not; anything raised is a crash. Importable by its name, for worker
         processes.
     keys : sequence of str
-        Columns that tell the rows of a case apart; their numbers are whole ones or text.
+        Columns that tell the rows of a case apart, numbers by their first six digits.
     sample : sequence of str
         Labels of the cases that are measured again. With some, the table comes with the package;
         without, all cases are measured for each report.
@@ -440,7 +440,8 @@ def _compared(
 ) -> Iterator[Check]:
     """Checks of the rows of one case; a number that is none holds nothing."""
     here, there = (
-        {tuple(row[key] for key in study.keys): row for row in rows} for rows in (fresh, stored)
+        {tuple(_key(row[key]) for key in study.keys): row for row in rows}
+        for rows in (fresh, stored)
     )
     alone = len(here.keys() ^ there.keys())
     both = [(row, there[key]) for key, row in here.items() if key in there]
@@ -458,6 +459,11 @@ def _compared(
             default=(0.0, 0.0),
         )
         yield at_most(f"{name}: {column}", *worst)
+
+
+def _key(value: Any) -> Any:
+    """A value that tells rows apart; numbers may differ in their last digits."""
+    return f"{value:.6g}" if isinstance(value, float) else value
 
 
 def _apart(one: Any, other: Any, stored: Row, limit: Limit | None) -> tuple[float, float]:
