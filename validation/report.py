@@ -19,7 +19,7 @@ import pandas as pd
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
 from validation import study as kit
-from validation.kit.processes import Processes
+from validation.kit.processes import open_processes
 from validation.kit.progress import bar, say
 from validation.kit.provenance import PACKAGES, Provenance, machine
 from validation.kit.sources import behind, digest
@@ -148,6 +148,7 @@ def make(
     *,
     only: Collection[str] = (),
     fresh: bool = False,
+    workers: int | None = None,
     results: Path = RESULTS,
     pages: Sequence[Page] = PAGES,
 ) -> Report:
@@ -160,6 +161,8 @@ def make(
         Names of the sections to make, by default all.
     fresh : bool
         Measure everything again.
+    workers : int, optional
+        As in `validation.study.measured`.
     results : Path
         Where the stored tables lie.
     pages : sequence of Page
@@ -180,8 +183,8 @@ def make(
         # What measures times runs last, beside its like.
         ordered = sorted(studies.values(), key=lambda study: bool(study.timed))
         tasks = [task for study in ordered for task in study.tasks(whole=False)]
-        found = kit.measured(tasks, folder / KEPT, fresh=fresh, title="measure")
-        sections = _sections(modules, found, folder / KEPT, results)
+        found = kit.measured(tasks, folder / KEPT, workers=workers, fresh=fresh, title="measure")
+        sections = _sections(modules, found, folder / KEPT, results, workers)
         made = f"Made in {time.perf_counter() - begin:.0f} s; {_surroundings()}."
         stored = stored_table(modules, results)
         page = _write(folder, pages, sections, stored, made, whole=not only)
@@ -207,7 +210,11 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def _sections(
-    modules: Sequence[StudyModule], found: Found, kept: Path, results: Path
+    modules: Sequence[StudyModule],
+    found: Found,
+    kept: Path,
+    results: Path,
+    workers: int | None,
 ) -> list[MadeSection]:
     """Sections of studies, drawn side by side where they are not kept."""
     made: dict[str, MadeSection] = {}
@@ -220,7 +227,8 @@ def _sections(
             made[module.__name__] = known
         else:
             calls[module] = (path, identity, own)
-    with Processes(max(1, min(len(calls), os.cpu_count() or 1))) as pool:
+    number = os.cpu_count() or 1 if workers is None else workers
+    with open_processes(min(number, len(calls))) as pool:
         futures = [
             (module, path, identity, pool.submit(make_section, module.__name__, own, results))
             for module, (path, identity, own) in calls.items()

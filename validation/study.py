@@ -22,7 +22,7 @@ from pebble import ProcessExpired
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
 from validation.kit.limits import holds
-from validation.kit.processes import Processes
+from validation.kit.processes import open_processes
 from validation.kit.progress import bar
 from validation.kit.provenance import PACKAGES, Provenance, machine
 from validation.kit.sources import behind
@@ -159,7 +159,8 @@ def measured(
         Where finished rows are kept, and found again while nothing changes that they hang on:
         the code of the study and of both sides, the versions, the machine.
     workers : int, optional
-        Number of processes, by default that of the cores.
+        Number of processes, by default that of the cores; 0 for none but this one, where no time
+        limit holds and a debugger sees everything.
     fresh : bool
         Measure all of them again.
     title : str
@@ -174,7 +175,7 @@ def measured(
             left.append(task)
         else:
             found[task.key] = known
-    for task, rows in _run(left, workers or os.cpu_count() or 1, title):
+    for task, rows in _run(left, os.cpu_count() or 1 if workers is None else workers, title):
         if not isinstance(rows, Exception):
             kept[task.study.name].add(task, rows)
         found[task.key] = rows
@@ -240,7 +241,7 @@ def _run(
     if not tasks:
         return
     cases = {name: study.cases() for name, study in _studies(tasks).items()}
-    pool = Processes(min(workers, len(tasks)))
+    pool = open_processes(min(workers, len(tasks)))
     try:
         futures = {
             pool.submit_within(

@@ -200,11 +200,17 @@ class PlainSection(Section):
         return f"`{self.name}-{name}.csv`"
 
     def figure(
-        self, name: str, title: str, caption: str = "", paper: str = "", wide: bool = False
+        self,
+        name: str,
+        title: str,
+        caption: str = "",
+        paper: str = "",
+        wide: bool = False,  # noqa: ARG002 # there is nothing to be wide
     ) -> str:
         """The title of a figure and what it is about."""
         self._left.discard(name)
-        return f"\n\n*Figure in the report: {title}.* {caption}\n\n"
+        beside = f" (paper: {paper})" if paper else ""
+        return f"\n\n*Figure in the report: {title}{beside}.* {caption}\n\n"
 
     def drawing(self, name: str, title: str, caption: str = "") -> str:
         """The same of a drawing."""
