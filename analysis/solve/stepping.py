@@ -18,7 +18,7 @@ from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.watch import Watch
-from analysis.models.lookout import Found, Lookout, Step
+from analysis.solve.lookout import Found, Lookout, Step
 
 Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -55,6 +55,9 @@ class InitialValueProblem:
         From a state to the normal contact force in N.
     longest_step : float
         In s.
+    attitudes : callable
+        From states, shape (n, m), to numbers that tell beta and gamma, shape (n, k), in rad;
+        errors are judged by them.
     conditions : mapping
         From reasons to functions of a state; the motion ends where one turns negative.
     slip : callable, optional
@@ -67,6 +70,7 @@ class InitialValueProblem:
     leaning: Callable[[Array], float]
     normal_force: Callable[[Array], float]
     longest_step: float
+    attitudes: Callable[[Array], Array]
     conditions: Mapping[str, Callable[[Array], float]] = field(default_factory=dict)
     slip: Callable[[Array], float] | None = None
 
@@ -90,6 +94,7 @@ class Run:
         Why it ended before the last time asked for.
     value : float
         What the condition that ended it says there.
+    steps : int
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
     """
@@ -100,6 +105,7 @@ class Run:
     ended: str | None
     pulling: tuple[tuple[float, float], ...]
     value: float = 0.0
+    steps: int = 0
 
 
 def integrate(
@@ -155,7 +161,7 @@ def integrate(
         return solver
 
     found: Found | None = None
-    states, row = [problem.start], 1
+    states, row, begun = [problem.start], 1, watch.steps
     for step in _steps(started, problem, times):
         watch.steps += 1
         if not watch.steps_left:
@@ -174,8 +180,15 @@ def integrate(
         reached = np.append(reached, step.end)
         states.append(step.last)
     ended, value = found or (None, 0.0)
-    pulling = lookout.pulling(reached[-1])
-    return Run(reached, np.array(states), sum(map(_evaluations, solvers)), ended, pulling, value)
+    return Run(
+        reached,
+        np.array(states),
+        sum(map(_evaluations, solvers)),
+        ended,
+        lookout.pulling(reached[-1]),
+        value,
+        watch.steps - begun,
+    )
 
 
 def _steps(
