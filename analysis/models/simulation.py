@@ -245,4 +245,4 @@ def local_tolerances(tolerance: float, method: Method) -> list[float]:
     if method == "taylor":
         rungs = [each for each in COMPILED_TOLERANCES if each <= tolerance / 3.0]
         return rungs if len(rungs) > 1 else list(COMPILED_TOLERANCES[-2:])
-    return tighter_and_tighter(tolerance, TIGHTEST_LOCAL_TOLERANCE)
+    return tighter_and_tighter(tolerance / 3.0, TIGHTEST_LOCAL_TOLERANCE)

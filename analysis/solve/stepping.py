@@ -40,6 +40,10 @@ NEARLY_FLAT = LEAST_TILT
 """Sine of the angle between disk and table at which a motion in Euler angles ends."""
 
 
+class SolverError(ArithmeticError):
+    """A solver has given up."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class InitialValueProblem:
     """An initial value problem of the disk.
@@ -63,6 +67,9 @@ class InitialValueProblem:
     slip : callable, optional
         From a state to the slip in the one direction there is, in m/s; friction has a kink where
         that changes its sign.
+    difference : float
+        Part of a variable, or of 1 if that is smaller, by which it is moved to differentiate the
+        right-hand side; friction may bend within less than usual.
     """
 
     right_hand_side: Callable[[float, Array], npt.ArrayLike]
@@ -73,6 +80,7 @@ class InitialValueProblem:
     attitudes: Callable[[Array], Array]
     conditions: Mapping[str, Callable[[Array], float]] = field(default_factory=dict)
     slip: Callable[[Array], float] | None = None
+    difference: float = 1e-8
 
     def with_steps_up_to(self, part: float) -> "InitialValueProblem":
         """The same problem with this part of its longest step."""
@@ -134,7 +142,7 @@ def integrate(
 
     Raises
     ------
-    ArithmeticError
+    SolverError
         If the solver gives up.
     ToleranceError
         If the call is out of steps.
@@ -235,7 +243,7 @@ def _step(solver: Any) -> Step:
     message = solver.step()
     if solver.status == "failed":
         name = type(solver).__name__
-        raise ArithmeticError(f"{name} stopped after t = {solver.t:g} s: {message}")
+        raise SolverError(f"{name} stopped after t = {solver.t:g} s: {message}")
     return Step(solver)
 
 
@@ -259,7 +267,7 @@ def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
         columns = []
         for index, value in enumerate(state):
             moved = state.copy()
-            moved[index] += 1e-8 * max(1.0, abs(value))
+            moved[index] += problem.difference * max(1.0, abs(value))
             step = moved[index] - value
             columns.append((np.asarray(problem.right_hand_side(moment, moved)) - base) / step)
         return np.column_stack(columns)

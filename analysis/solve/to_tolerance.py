@@ -126,12 +126,12 @@ def _apart_at_ending(fine: Run, coarse: Run, problem: InitialValueProblem) -> fl
     return float(error_at_ending(apart, time - coarse.times[-1], rates))
 
 
-def tighter_and_tighter(tolerance: float, tightest: float) -> list[float]:
+def tighter_and_tighter(first: float, tightest: float) -> list[float]:
     """Local tolerances of the runs to a tolerance, in turn, none below the tightest.
 
     Two runs of nearly the same one would agree without being right.
     """
-    local = max(min(tolerance / 3.0, 1e-3), 10.0 * tightest)
+    local = max(min(first, 1e-3), 10.0 * tightest)
     tolerances = [local]
     while local >= 3.0 * tightest:
         local /= 10.0
