@@ -14,7 +14,7 @@ from analysis.data.checks import choice, increasing_times
 from analysis.data.endings import StopWhen
 from analysis.data.limits import Effort
 from analysis.data.trajectory import SOURCES, Source
-from analysis.models import effort as inhouse_effort
+from analysis.solve import effort as inhouse_effort
 
 if TYPE_CHECKING:
     from mbs_models import Integrator, IntegratorName

@@ -14,7 +14,10 @@ MODELS = (1, 2, 3, 4)
 CONSTRAINTS = ("contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin")
 FORMULATIONS = ("floating", "floating-lie", "euler-tree", "contact-tree")
 FORMS = ("index-1", "reduced", "free-body")
-INTEGRATORS = ("RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha")
+INTEGRATORS = (
+    *("RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"),
+    *("DOP853", "Radau", "LSODA"),
+)
 METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor")
 LOADS = ("weight", "contact")
 DISKS = ("steel", "steel-rounded")

@@ -15,7 +15,7 @@ from analysis import Trajectory, load_run
 from analysis.data.constraint_set import CONSTRAINTS
 from analysis.data.endings import CONDITIONS, INVERTED
 from analysis.data.trajectory import SOURCES
-from analysis.models.integration import METHODS
+from analysis.solve.stepping import METHODS
 from mbs_models import INTEGRATORS
 from tests.calls import printed, refusal, run
 from tests.helpers import not_none

@@ -5,14 +5,14 @@ the disk, as finely as the tolerance asks; friction at no slip, for explicit met
 Euler angles, which turn the faster the flatter the disk leans.
 """
 
-from math import inf
+from math import inf, pi
 from typing import NamedTuple
 
 from analysis.data.checks import Array, choice, positive
 from analysis.data.elementary import sin, sqrt
 from analysis.data.limits import Effort
 from analysis.data.scenario import Scenario
-from analysis.models.integration import Method
+from analysis.solve.stepping import Method
 
 
 class _Method(NamedTuple):
@@ -53,6 +53,11 @@ def longest_step(scenario: Scenario) -> float:
     """
     fall = 0.5 * sqrt(scenario.disk.radius / scenario.table.gravity)
     return min(fall, 2.0 / max(abs(scenario.initial_state.rates[3]), 1e-3))
+
+
+def contact_time(scenario: Scenario) -> float:
+    """Half a period in s of the disk on its contact: steps no longer find every impact."""
+    return pi / sqrt(scenario.penalty_contact.stiffness * scenario.disk.contact_mobility)
 
 
 def simulation_effort(

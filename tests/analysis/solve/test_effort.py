@@ -11,8 +11,8 @@ import analysis
 import mbs_models
 from analysis import LEVELS, STEEL_DISK, Level, PenaltyContact, Scenario, SmoothCoulomb, Start
 from analysis.data.limits import MOST_STEPS, Effort
-from analysis.models import effort
-from analysis.models.integration import METHODS, Method
+from analysis.solve import effort
+from analysis.solve.stepping import METHODS, Method
 from mbs_models import Integrator, Scene, rest_run
 from mbs_models import effort as engine_effort
 from tests.helpers import model

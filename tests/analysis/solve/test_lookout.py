@@ -12,7 +12,7 @@ import mbs_models
 from analysis import METHODS, MODELS, Method, Scenario, Start, State, Trajectory
 from analysis.data.checks import Array
 from analysis.data.watch import Watch
-from analysis.models.integration import InitialValueProblem, integrate
+from analysis.solve.stepping import InitialValueProblem, integrate
 from tests.helpers import model, mostly_slow
 
 QUICK, ALL = 8, 300
@@ -177,7 +177,12 @@ def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
         return np.array([state[1], -50.0 * state[0] - 0.1 * state[1] ** 3])
 
     problem = InitialValueProblem(
-        right_hand_side, np.array([1.0, 0.0]), lambda _: 1.0, lambda _: 1.0, longest_step=0.5
+        right_hand_side,
+        np.array([1.0, 0.0]),
+        lambda _: 1.0,
+        lambda _: 1.0,
+        longest_step=0.5,
+        attitudes=lambda states: states,
     )
     times = np.linspace(0.0, 2.0, 21)
     run = integrate(problem, times, method, 1e-6, allow_pulling=False, watch=Watch())

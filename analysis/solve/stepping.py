@@ -18,7 +18,7 @@ from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.watch import Watch
-from analysis.models.lookout import Found, Lookout, Step
+from analysis.solve.lookout import Found, Lookout, Step
 
 Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -40,6 +40,10 @@ NEARLY_FLAT = LEAST_TILT
 """Sine of the angle between disk and table at which a motion in Euler angles ends."""
 
 
+class SolverError(ArithmeticError):
+    """A solver has given up."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class InitialValueProblem:
     """An initial value problem of the disk.
@@ -55,11 +59,17 @@ class InitialValueProblem:
         From a state to the normal contact force in N.
     longest_step : float
         In s.
+    attitudes : callable
+        From states, shape (n, m), to numbers that tell beta and gamma, shape (n, k), in rad;
+        errors are judged by them.
     conditions : mapping
         From reasons to functions of a state; the motion ends where one turns negative.
     slip : callable, optional
         From a state to the slip in the one direction there is, in m/s; friction has a kink where
         that changes its sign.
+    difference : float
+        Part of a variable, or of 1 if that is smaller, by which it is moved to differentiate the
+        right-hand side; friction may bend within less than usual.
     """
 
     right_hand_side: Callable[[float, Array], npt.ArrayLike]
@@ -67,8 +77,10 @@ class InitialValueProblem:
     leaning: Callable[[Array], float]
     normal_force: Callable[[Array], float]
     longest_step: float
+    attitudes: Callable[[Array], Array]
     conditions: Mapping[str, Callable[[Array], float]] = field(default_factory=dict)
     slip: Callable[[Array], float] | None = None
+    difference: float = 1e-8
 
     def with_steps_up_to(self, part: float) -> "InitialValueProblem":
         """The same problem with this part of its longest step."""
@@ -90,6 +102,7 @@ class Run:
         Why it ended before the last time asked for.
     value : float
         What the condition that ended it says there.
+    steps : int
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
     """
@@ -100,6 +113,7 @@ class Run:
     ended: str | None
     pulling: tuple[tuple[float, float], ...]
     value: float = 0.0
+    steps: int = 0
 
 
 def integrate(
@@ -128,7 +142,7 @@ def integrate(
 
     Raises
     ------
-    ArithmeticError
+    SolverError
         If the solver gives up.
     ToleranceError
         If the call is out of steps.
@@ -155,7 +169,7 @@ def integrate(
         return solver
 
     found: Found | None = None
-    states, row = [problem.start], 1
+    states, row, begun = [problem.start], 1, watch.steps
     for step in _steps(started, problem, times):
         watch.steps += 1
         if not watch.steps_left:
@@ -174,8 +188,15 @@ def integrate(
         reached = np.append(reached, step.end)
         states.append(step.last)
     ended, value = found or (None, 0.0)
-    pulling = lookout.pulling(reached[-1])
-    return Run(reached, np.array(states), sum(map(_evaluations, solvers)), ended, pulling, value)
+    return Run(
+        reached,
+        np.array(states),
+        sum(map(_evaluations, solvers)),
+        ended,
+        lookout.pulling(reached[-1]),
+        value,
+        watch.steps - begun,
+    )
 
 
 def _steps(
@@ -222,7 +243,7 @@ def _step(solver: Any) -> Step:
     message = solver.step()
     if solver.status == "failed":
         name = type(solver).__name__
-        raise ArithmeticError(f"{name} stopped after t = {solver.t:g} s: {message}")
+        raise SolverError(f"{name} stopped after t = {solver.t:g} s: {message}")
     return Step(solver)
 
 
@@ -246,7 +267,7 @@ def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
         columns = []
         for index, value in enumerate(state):
             moved = state.copy()
-            moved[index] += 1e-8 * max(1.0, abs(value))
+            moved[index] += problem.difference * max(1.0, abs(value))
             step = moved[index] - value
             columns.append((np.asarray(problem.right_hand_side(moment, moved)) - base) / step)
         return np.column_stack(columns)
