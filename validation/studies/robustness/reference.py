@@ -14,8 +14,8 @@ from analysis.data.endings import FLAT
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
 from mbs_models import EngineError, Integrator
 from validation.kit.limits import largest
+from validation.kit.located import up_to_ending
 from validation.studies.robustness.cases import STIFF, EndedProblem, HardProblem, Way
-from validation.studies.robustness.located import up_to_ending
 from validation.studies.robustness.work import StepCount
 
 ANGLES = slice(4, 6)
