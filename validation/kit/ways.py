@@ -2,26 +2,30 @@
 
 import warnings
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from analysis import Form, Method, Scenario, Trajectory
 from analysis.data.checks import Array
+from analysis.data.trajectory import Source
 from mbs_models import Formulation, IntegratorName
 from validation.run import run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Way:
-    """A way to compute a motion: formulation and integrator, or in-house form and method."""
+    """A way to compute a motion: formulation and integrator, or in-house form and method.
 
-    source: Literal["engine", "in-house"]
+    Without an integrator, the side chooses one.
+    """
+
+    source: Source
     formulation: Formulation | Form
-    integrator: IntegratorName | Method
+    integrator: IntegratorName | Method | None = None
 
     @property
     def name(self) -> str:
         """Formulation and integrator."""
-        return f"{self.formulation}, {self.integrator}"
+        return f"{self.formulation}, {self.integrator or 'as chosen'}"
 
     def run(self, scenario: Scenario, times: Array, **how: Any) -> Trajectory:
         """Run a scenario this way; the further arguments are those of `validation.run.run`.
