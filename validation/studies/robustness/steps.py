@@ -10,7 +10,7 @@ import numpy as np
 import mbs_models
 from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
-from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import state_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step

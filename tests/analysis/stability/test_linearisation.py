@@ -8,8 +8,6 @@ import pytest
 
 from analysis import (
     CENTRED_DISK,
-    LAWS,
-    LOADS,
     MODELS,
     MOTIONS,
     POSSIBLE_SETS,
@@ -17,9 +15,8 @@ from analysis import (
     STEEL_DISK,
     ConstraintSet,
     FrictionLaw,
-    Load,
+    Level,
     Motion,
-    PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Stribeck,
@@ -34,10 +31,13 @@ from analysis.mechanics.states import paper_of
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linear_full import full_system, signed_eccentricity
-from analysis.stability.linear_numeric import NumericSystem, numeric_matrices, upright_gamma
-from analysis.stability.linear_reduced import ComplexArray
-from analysis.stability.spectra import eigenvalues
-from analysis.stability.stable_spins import stable_spins
+from analysis.stability.linearisation import (
+    ComplexArray,
+    Linearisation,
+    spinning,
+    upright,
+)
+from analysis.stability.spectra import System, eigenvalues
 from tests.helpers import jacobian, mostly_slow, random_disk
 
 SPINS = np.array([0.0, 1e-3, 5.0, 30.0, 60.0])
@@ -91,7 +91,7 @@ def error(scenario: Scenario, motion: Motion, spins: Array = SPINS) -> float:
     The columns of the basis B, turned into the paper's coordinates, are tangent to the
     constraints, and the closed matrix A maps them as the numeric one N does: A B = B N.
     """
-    system = NumericSystem(scenario, upright_gamma(motion))
+    system = spinning(scenario, motion)
     r, rate = scenario.disk.radius, system.frequency
     units = np.array((r, r, r, 1.0, 1.0, 1.0, r * rate, r * rate, r * rate, rate, rate, rate))
     worst = 0.0
@@ -119,17 +119,6 @@ def test_every_set_linearises_to_the_closed_matrices_under_its_constraints(
         assert error(Scenario(constraints=constraints, disk=disk), motion) < 1e-11
 
 
-@pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize("smoothing", [1.0, 0.01, 1e-3])
-def test_kink_and_load_of_the_friction_law_do_not_spoil_the_derivatives(
-    load: Load, smoothing: float
-) -> None:
-    friction = SmoothCoulomb(smoothing=smoothing, load=load)
-    for constraints in MODELS.values():
-        scenario = Scenario(constraints=constraints, friction=friction)
-        assert error(scenario, "inverted") < 1e-10
-
-
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
 def test_linearisation_is_as_good_at_a_spin_far_from_those_it_is_made_of(
     constraints: ConstraintSet,
@@ -150,7 +139,6 @@ def sizes() -> dict[ConstraintSet, int]:
 def test_number_of_eigenvalues_is_what_the_freedom_leaves() -> None:
     for held, size in sizes().items():
         assert eigenvalues(Scenario(constraints=held), [7.0]).shape == (1, size)
-        assert numeric_matrices(Scenario(constraints=held), [7.0]).shape == (1, size, size)
     assert [sizes()[held] for held in MODELS.values()] == [8, 4, 3, 3]
     assert sizes()[ROLLING] == 6
 
@@ -168,10 +156,6 @@ LAWS_OF_ONE_GRADIENT: tuple[FrictionLaw, ...] = (
     TanhCoulomb(coefficient=0.6, smoothing=0.2),
     ViscousFriction(viscosity=3.0),
 )
-
-
-def test_laws_of_one_gradient_hold_every_shipped_law() -> None:
-    assert {type(law) for law in LAWS_OF_ONE_GRADIENT} == set(LAWS.values())
 
 
 @some_sets
@@ -202,12 +186,17 @@ def test_spins_grow_with_the_root_of_gravity(constraints: ConstraintSet, gravity
     assert gap(eigenvalues(there, faster * SPINS, "numeric") / faster, expected) < 1e-10
 
 
-@pytest.mark.parametrize("held", POSSIBLE_SETS, ids=set_name)
-def test_holding_the_spin_changes_no_other_eigenvalue(held: ConstraintSet) -> None:
-    both = (*held, "constant-spin")
-    if "constant-spin" not in held and both in POSSIBLE_SETS:
-        free = eigenvalues(Scenario(constraints=held), SPINS)
-        assert gap(eigenvalues(Scenario(constraints=both), SPINS, "numeric"), free) < 1e-10
+def test_printed_matrices_have_the_eigenvalues_of_the_linearisation() -> None:
+    closed: tuple[tuple[Level, System], ...] = ((1, "full"), (4, "reduced"))
+    for level, system in closed:
+        scenario = Scenario(constraints=MODELS[level])
+        for motion in MOTIONS:
+            printed = eigenvalues(scenario, SPINS, system, motion)
+            assert gap(eigenvalues(scenario, SPINS, "numeric", motion), printed) < 1e-11
+    third, fourth = (
+        eigenvalues(Scenario(constraints=MODELS[k]), SPINS, "numeric") for k in (3, 4)
+    )
+    assert gap(third, fourth) < 1e-11
 
 
 def test_endless_friction_rolls() -> None:
@@ -235,28 +224,8 @@ def test_round_disk_that_spins_without_slip_is_upright_above_the_textbooks_spin(
     assert change.spin == pytest.approx(threshold, rel=1e-9)
 
 
-def test_rolling_is_never_asymptotically_stable() -> None:
-    assert stable_spins(Scenario(constraints=ROLLING)) == ()
-
-
-def test_spinning_is_stable_with_slip_held_across_the_edge_and_not_along_it() -> None:
-    across = Scenario(constraints=("contact", "no-slip-across"))
-    along = Scenario(constraints=("contact", "no-slip-along"))
-    ((low, high),) = stable_spins(across)
-    assert low == pytest.approx(23.31109, abs=5e-6)
-    assert high == 60.0
-    assert stable_spins(along) == ()
-
-
-def test_stationary_motions_are_stationary_under_every_set() -> None:
-    for held in POSSIBLE_SETS:
-        for motion in MOTIONS:
-            system = NumericSystem(Scenario(constraints=held), upright_gamma(motion))
-            assert np.max(np.abs(system.accelerations(40.0))) < 1e-13
-
-
 def test_a_place_that_is_not_stationary_is_refused() -> None:
-    system = NumericSystem(Scenario(), pi / 2 - 0.2)
+    system = Linearisation(Scenario(), upright(Scenario(), pi / 2 - 0.2))
     with pytest.raises(ArithmeticError, match="change of the spin or of the place of Model 1"):
         system.matrices(np.array([20.0]))
 
@@ -266,15 +235,3 @@ def test_friction_may_bend_as_finely_as_it_likes(smoothing: float) -> None:
     scenario = Scenario(friction=SmoothCoulomb(coefficient=1e-4, smoothing=smoothing))
     # A slip of 1e-16 m/s, which rounding leaves at pi / 2, is that part of the smoothing.
     assert error(scenario, "inverted") < 1e-15 / smoothing
-
-
-def test_a_leaning_table_and_a_compliant_contact_are_refused() -> None:
-    leaning = Scenario(table=Table(inclination=0.03))
-    with pytest.raises(ValueError, match="numeric linearisation needs a horizontal table"):
-        numeric_matrices(leaning, [1.0])
-    with pytest.raises(ValueError, match="numeric linearisation needs the ideal contact"):
-        numeric_matrices(Scenario(contact=PenaltyContact(stiffness=1e5)), [1.0])
-    with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
-        numeric_matrices(Scenario(), 1.0, "upright")  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="spins must be finite numbers in rad/s, got nan"):
-        numeric_matrices(Scenario(), [1.0, np.nan])
