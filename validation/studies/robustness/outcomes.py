@@ -326,7 +326,7 @@ def cause(tolerance: float, found: Row) -> str:
     if verdict in GOOD:
         return ""
     if verdict in {"diverged", "refused"}:
-        return next((meaning for words, meaning in _BY_WORDS.items() if words in reason), reason)
+        return next((told for words, told in _BY_WORDS.items() if words in reason), str(reason))
     if verdict == "inaccurate" and found.get("error") is not None:
         if holds(_worst(found), _allowed(tolerance, found)):
             return "angles accurate, energy or constraint not"
@@ -335,7 +335,7 @@ def cause(tolerance: float, found: Row) -> str:
         "inaccurate": "runs where the reference cannot start",
         "not finished in the limit": "too many steps",
         "reference in doubt": "no reference is good enough",
-    }.get(verdict, verdict)
+    }.get(verdict, str(verdict))
 
 
 # --- The study ----------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 import mbs_models
-from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
+from analysis import STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.stability.linear_reduced import ComplexArray
 from analysis.stability.spectra import state_matrices
@@ -231,7 +231,7 @@ def _accurate(axis: Axis, value: float) -> list[Row]:
         ideal = Scenario(friction=SmoothCoulomb(load="contact"))
         contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
         scenario = replace(ideal, contact=contact)
-    method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
+    method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
     equations = Way(source="in-house", formulation="index-1", integrator=method)
     truth = equations.run(ideal, np.linspace(0.0, END, 5), local_tolerance=1e-8)
     return [
