@@ -163,10 +163,14 @@ def faster(run: Trajectory) -> Trajectory:
     return replace(run, rates=run.rates + 0.1 * (np.arange(6) == 4))
 
 
-@pytest.mark.parametrize("spoil", [partial(moved, angle=1e-6, column=2), faster])
-def test_drift_and_energy_count_as_well_as_the_angles(spoil: Any) -> None:
+@pytest.mark.parametrize(
+    ("wrong", "right", "spoil"),
+    [("drift", "energy", partial(moved, angle=5e-7, column=2)), ("energy", "drift", faster)],
+)
+def test_drift_and_energy_count_as_well_as_the_angles(wrong: str, right: str, spoil: Any) -> None:
     found = judge(EASY, spoil(known(EASY).first))
     assert (found["verdict"], found["broken"]) == ("inaccurate", False)
+    assert found[wrong] > outcomes.SLACK * TOLERANCE > found[right]
     assert cause(TOLERANCE, found) == "angles accurate, energy or constraint not"
 
 
