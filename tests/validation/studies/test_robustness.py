@@ -118,6 +118,17 @@ def test_random_draws_are_those_of_their_seed_and_within_their_ranges() -> None:
         assert 1e-8 <= problem.tolerance <= 1e-3
 
 
+@pytest.mark.parametrize(("broken", "code"), [(False, 0), (True, 1)])
+def test_random_motion_that_breaks_its_promise_fails(
+    broken: bool, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    row = dict.fromkeys(outcomes.COLUMNS) | {"verdict": "accurate", "reason": "", "broken": broken}
+    monkeypatch.setattr(random_scenarios, "reference_or_error", lambda _: None)
+    monkeypatch.setattr(random_scenarios, "outcome", lambda *_: row)
+    assert random_scenarios.main(["--number", "2"]) == code
+    assert ("2 BROKEN" in capsys.readouterr().out) is broken
+
+
 # --- What they are called -----------------------------------------------------------------------
 
 
