@@ -56,9 +56,10 @@ def pairs() -> dict[str, Pair]:
         Scene(replace(MODEL_2, friction=SMOOTH), "floating"),
     ]
     tree, free = Scene(MODEL_2, "euler-tree"), Scene(MODEL_2, "floating")
-    friction, *others = BALLAST
+    friction, sensors, *others = BALLAST
     made = [_ballast(friction, BALLAST[friction], scene) for scene in bare]
-    made += [_ballast(part, BALLAST[part], scene) for part in others for scene in (tree, free)]
+    made += [_ballast(sensors, BALLAST[sensors], scene) for scene in (tree, free)]
+    made += [_ballast(part, BALLAST[part], free) for part in others]
     made.append(_ballast("six joint axes where three do", six_axes, tree))
     beside: list[tuple[str, str, Scene, Scene]] = [
         (
@@ -206,9 +207,9 @@ def present(rows: Rows) -> Content:
             "scene": table["scene"],
             "with in ms": table["carried"],
             "without in ms": table["left out"],
-            "price in %": table["price"].round(1),
-            "from": table["least"].round(1),
-            "to": table["most"].round(1),
+            "price in %": table["price"].round(1) + 0.0,
+            "from": table["least"].round(1) + 0.0,
+            "to": table["most"].round(1) + 0.0,
         }
     )
     same = table[table["part"].isin([*BALLAST, "six joint axes where three do"])]
