@@ -13,7 +13,6 @@ from analysis import MODELS, MOTIONS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import SOURCES
 from mbs_models import Formulation, Scene
-from validation import benchmark
 from validation.kit import shipped
 from validation.kit.limits import holds, largest
 from validation.kit.report import Section
@@ -296,17 +295,3 @@ def test_no_table_hides_another_of_its_name() -> None:
     sections[1] = Section(name="c", title="c", tables=[held])
     with pytest.raises(ValueError, match="each table once, got two of a"):
         Tables.of(sections)
-
-
-@pytest.mark.parametrize(("reached", "code"), [(True, 0), (False, 1)])
-def test_benchmark_that_misses_what_it_should_reach_fails(
-    reached: bool, code: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    table = Table(name="a", title="a", columns=("reached",), rows=[[True], [reached]])
-    for name in ("targets", "stability", "engine_sweeps", "load_laws"):
-        monkeypatch.setattr(benchmark, name, lambda _: table)
-    for name in ("to_rest", "start_up"):
-        monkeypatch.setattr(benchmark, name, lambda: table)
-    monkeypatch.setattr(benchmark, "compiled", lambda _: [])
-    monkeypatch.setattr("sys.argv", ["benchmark"])
-    assert benchmark.main() == code
