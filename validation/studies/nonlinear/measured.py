@@ -2,11 +2,11 @@
 
 from contextlib import suppress
 from dataclasses import asdict
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from analysis import DISKS, MODELS, Dissipation, Scenario, SmoothCoulomb
+from analysis import DISKS, MODELS, Dissipation, Motion, Scenario, SmoothCoulomb
 from analysis.data.trajectory import Source
 from analysis.nonlinear.family import cycle_at, cycle_family
 from analysis.nonlinear.heteroclinic import (
@@ -16,10 +16,11 @@ from analysis.nonlinear.heteroclinic import (
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.rotating import folds, rotating_family
+from analysis.nonlinear.slow_manifold import distances, slow_cycle, time_scales
 from analysis.nonlinear.stationary import stationary_motions
 from analysis.stability import spectra
 from validation.studies.nonlinear import passage
-from validation.studies.nonlinear.held_spin import AMPLITUDE, HELD, SPIN, beginning, family, find
+from validation.studies.nonlinear.held_spin import AMPLITUDE, HELD, beginning, family, find
 from validation.studies.nonlinear.tables import prediction, small_cycles
 from validation.study import Row, Study
 
@@ -31,6 +32,10 @@ COMMON = ("spin", "period", "multiplier", "stable")
 """What is told of every periodic motion."""
 
 SWINGING, ROTATING = "cycles of Model 4", "rotating motions of Model 4"
+SLOW = "cycles on the slow manifold"
+
+SMOOTHING = (0.1, 0.05, 0.025, 0.0125)
+"""Smoothing speeds in m/s at which motions come near to the slow manifold."""
 
 
 def told(found: Any, *names: str) -> Row:
@@ -49,7 +54,7 @@ LARGE = (*AMPLITUDES, 1.3, 1.6, 1.9, 2.2, 2.5, 2.7, 2.74, 2.8, 2.9)
 
 def families() -> dict[str, str]:
     """The cycles and rotating motions of Model 4, and the cycles of Models 1 and 2."""
-    return {name: name for name in (SWINGING, ROTATING, *HELD_NAMES)}
+    return {name: name for name in (SWINGING, ROTATING, SLOW, *HELD_NAMES)}
 
 
 def follow_family(name: str) -> list[Row]:
@@ -58,6 +63,8 @@ def follow_family(name: str) -> list[Row]:
         rows = _swinging()
     elif name == ROTATING:
         rows = _rotating()
+    elif name == SLOW:
+        rows = _slow()
     else:
         own = ("amplitude", "half_multiplier", "complex_multiplier")
         rows = [{"kind": "motion", **told(c, *own, *COMMON)} for c in family(name, AMPLITUDES)]
@@ -91,6 +98,17 @@ def _rotating() -> list[Row]:
     ]
 
 
+def _slow() -> list[Row]:
+    amplitudes = np.linspace(0.05, 3.1, 25).tolist()
+    cycles = [slow_cycle(PAPER, amplitude) for amplitude in amplitudes]
+    rows: list[Row] = [{"kind": "motion", **told(each, "amplitude", "spin")} for each in cycles]
+    laws = [SmoothCoulomb(smoothing=each) for each in SMOOTHING]
+    near = distances([Scenario(constraints=MODELS[4], friction=law) for law in laws], 30.5)
+    separation = time_scales(PAPER, hopf_type(PAPER).spin).separation
+    orders = dict(zip(("surface", "corrected"), near.orders.tolist(), strict=True))
+    return [*rows, {"kind": "slow", "separation": separation, **orders}]
+
+
 def _whole(found: Any) -> Any:
     if found.reason is not None:
         raise ArithmeticError(f"the family ends early: {found.reason}")
@@ -102,34 +120,27 @@ FAMILIES = Study(name="families", cases=families, measure=follow_family, keys=("
 # --- The engine's cycles ------------------------------------------------------------------------
 
 
-class OnCycle(NamedTuple):
-    """A cycle that both sides find: one of `HELD`, with its spin in rad/s or amplitude in rad."""
-
-    name: str
-    given: int
-    value: float
-
-
-def repeated() -> dict[str, OnCycle]:
-    """Four cycles of Model 4, and one each of Models 1 and 2 at held spin."""
-    cycles = [OnCycle("Model 4", SPIN, spin) for spin in (30.2, 30.3, 30.5, 30.8)]
-    cycles += [OnCycle(name, AMPLITUDE, AMPLITUDES[2]) for name in HELD_NAMES]
-    units = {SPIN: "rad/s", AMPLITUDE: "rad"}
-    return {f"{each.name}, {each.value:g} {units[each.given]}": each for each in cycles}
+def repeated() -> dict[str, tuple[str, float]]:
+    """Four spins in rad/s of Model 4, and an amplitude in rad of Models 1 and 2 at held spin."""
+    cycles = {f"Model 4, {spin:g} rad/s": ("Model 4", spin) for spin in (30.2, 30.3, 30.5, 30.8)}
+    return cycles | {
+        f"{name}, {AMPLITUDES[2]:g} rad": (name, AMPLITUDES[2]) for name in HELD_NAMES
+    }
 
 
-def find_on_both(case: OnCycle) -> list[Row]:
+def find_on_both(case: tuple[str, float]) -> list[Row]:
     """A cycle in-house, and what the engine finds when it is put on it."""
-    scenario = Scenario(constraints=HELD[case.name])
-    if case.given == SPIN:
-        cycle = cycle_at(scenario, case.value)
-        start = beginning(cycle)
+    name, value = case
+    scenario = Scenario(constraints=HELD[name])
+    sides: dict[str, Any] = {}
+    if name in HELD_NAMES:
+        sides["in-house"] = family(name, [each for each in AMPLITUDES if each <= value])[-1]
+        start = sides["in-house"].unknowns
+        sides["engine"] = find(scenario, start, source="engine", fixed=AMPLITUDE)
     else:
-        cycle = family(case.name, [each for each in AMPLITUDES if each <= case.value])[-1]
-        start = cycle.unknowns
-    engine = find(scenario, start, source="engine", fixed=case.given)
+        sides["in-house"] = cycle_at(scenario, value)
+        sides["engine"] = find(scenario, beginning(sides["in-house"]), source="engine")
     names = ("spin", "amplitude", "period", "multiplier")
-    sides = {"in-house": cycle, "engine": engine}
     return [{"source": source, **told(each, *names)} for source, each in sides.items()]
 
 
@@ -185,7 +196,7 @@ def search(case: tuple[str, float]) -> list[Row]:
     scenario = Scenario(constraints=HELD[name])
     rows = []
     for number, each in enumerate(stationary_motions(scenario, spin)):
-        motion = "inverted" if each.gamma > 0.0 else "noninverted"
+        motion: Motion = "inverted" if each.gamma > 0.0 else "noninverted"
         of_spectra = None
         if not each.is_tilted:
             values = spectra.branches(scenario, [spin], motion=motion)

@@ -11,7 +11,7 @@ whose spin falls at a rate r from the Hopf point on is lost at
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -205,6 +205,7 @@ def follow(scenario: Scenario, end: float, source: Source) -> Passage:
     ArithmeticError
         If the run fails.
     """
+    accuracy: Any
     engine = source == "engine"
     if scenario.contact is None:
         times = np.linspace(0.0, end, round(end / SPACING) + 1)

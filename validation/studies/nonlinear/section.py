@@ -7,13 +7,18 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis import MODELS, Scenario, SmoothCoulomb
-from analysis.nonlinear.slow_manifold import distances, slow_connection, slow_cycle, time_scales
 from analysis.stability.linear_reduced import critical_speed
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.nonlinear import figures, measured, passage, portraits, tables
-from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, PAPER, ROTATING, SWINGING
+from validation.studies.nonlinear.measured import (
+    DISSIPATED,
+    HELD_NAMES,
+    PAPER,
+    ROTATING,
+    SLOW,
+    SWINGING,
+)
 from validation.study import Check, at_most, equal
 
 TITLE = "Nonlinear dynamics"
@@ -41,9 +46,6 @@ FIT, ROOT = 1e-3, 0.03
 SOON = 1.0
 """Time in s after a crossing within which a disk would be lost there."""
 
-SMOOTHING = (0.1, 0.05, 0.025, 0.0125)
-"""Smoothing speeds in m/s at which motions come near to the slow manifold."""
-
 
 def present(rows: Rows) -> Content:
     """Numbers, tables, figures, checks and verdicts."""
@@ -54,10 +56,11 @@ def present(rows: Rows) -> Content:
     fits = families[families.kind != "motion"].set_index("kind").T
     hopf, (connection, *_) = critical_speed(PAPER), _motions(connections, measured.OF_PAPER)
     apart = _apart(engine)
+    on_model_4 = [case for case in measured.repeated() if case.startswith("Model 4")]
     slowed, followed = passages[passages.lever > 0.0], passages[passages.lever.isna()]
     law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
-    swinging = SimpleNamespace(cycles=cycles, hopf=hopf)
-    rotating = SimpleNamespace(rotations=rotations, connection=connection, reason=None)
+    swinging: Any = SimpleNamespace(cycles=cycles, hopf=hopf)
+    rotating: Any = SimpleNamespace(rotations=rotations, connection=connection, reason=None)
     return Content(
         numbers={
             "cycles": cycles,
@@ -66,9 +69,6 @@ def present(rows: Rows) -> Content:
             "fits": fits,
             "apart": apart.abs().max(),
             "held": families[families.case.isin(HELD_NAMES)],
-            "first_order": slow_connection(PAPER).spin,
-            "orders": distances([_rubbing(each) for each in SMOOTHING], 30.5).orders,
-            "separation": time_scales(PAPER, hopf.spin).separation,
             "followed": followed.set_index("case"),
             "law": law,
             "growth": np.log(passage.LOST / passage.SMALL),
@@ -90,7 +90,12 @@ def present(rows: Rows) -> Content:
             "stationary": stationary[["case", "motion", "beta", "gamma", "growth"]],
         },
         figures={
-            "bifurcations": _bifurcations(swinging, connection.spin, engine),
+            "bifurcations": figures.bifurcation_diagram(
+                swinging,
+                connection=connection.spin,
+                slow=_places(families[(families.case == SLOW) & (families.kind == "motion")]),
+                engine=_places(engine[(engine.source == "engine") & engine.case.isin(on_model_4)]),
+            ).figure,
             "periods": figures.period_diagram(swinging, connection=connection.spin)[0].figure,
             "portraits": portraits.draw(curves),
             "plane": _plane(hopf.spin, connections),
@@ -115,8 +120,8 @@ def _motions(rows: pd.DataFrame, case: str) -> list[Any]:
     return list((found[found.kind == "motion"] if "kind" in found else found).itertuples())
 
 
-def _rubbing(smoothing: float) -> Scenario:
-    return Scenario(constraints=MODELS[4], friction=SmoothCoulomb(smoothing=smoothing))
+def _places(cycles: pd.DataFrame) -> list[tuple[float, float]]:
+    return list(zip(cycles.spin, cycles.amplitude, strict=True))
 
 
 def _apart(engine: pd.DataFrame) -> pd.DataFrame:
@@ -149,17 +154,6 @@ def _connection_table(found: pd.DataFrame) -> pd.DataFrame:
             "saddle index": found.saddle_index,
         }
     )
-
-
-def _bifurcations(swinging: Any, connection: float, engine: pd.DataFrame) -> Any:
-    slow = [slow_cycle(PAPER, amplitude) for amplitude in np.linspace(0.05, 3.1, 25).tolist()]
-    there = engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")]
-    return figures.bifurcation_diagram(
-        swinging,
-        connection=connection,
-        slow=[(each.spin, each.amplitude) for each in slow],
-        engine=list(zip(there.spin, there.amplitude, strict=True)),
-    ).figure
 
 
 def _plane(hopf: float, connections: pd.DataFrame) -> Any:
