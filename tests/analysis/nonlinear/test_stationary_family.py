@@ -26,7 +26,6 @@ from analysis.nonlinear.stationary import (
 from analysis.stability import spectra
 from analysis.stability.linearisation import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
-from validation.studies.nonlinear.tables import stationary_table
 
 
 @pytest.mark.parametrize(
@@ -187,11 +186,3 @@ def test_a_search_is_refused_where_it_means_nothing() -> None:
         stationary_branch(Scenario(), tilted, (20.0, 30.0))
     with pytest.raises(ValueError, match="unit must be positive"):
         Parameter(change=lambda _: Scenario(), value=1.0, unit=0.0)
-
-
-def test_the_table_names_what_is_tilted() -> None:
-    one = StationaryMotion(
-        spin=1.0, x=0.0, y=0.0, beta=1.2, gamma=0.3, eigenvalues=np.array([-2.0 + 1j]), value=1.0
-    )
-    rows = stationary_table([("Model 1", [one])]).rows
-    assert rows[0][2:] == ("tilted", -2.0)
