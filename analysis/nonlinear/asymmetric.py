@@ -43,7 +43,7 @@ class AsymmetricCycle(WholePeriod):
     """
 
     ends = Ends(held=0, follows=1)
-    noun = "cycle without symmetry"
+    noun = "cycle without symmetry with an amplitude"
     amplitude: float
 
     @classmethod

@@ -254,7 +254,7 @@ def test_a_family_that_fails_names_the_last_good_cycle(
 @pytest.mark.slow
 def test_a_collocation_from_far_off_fails_instead_of_finding_something() -> None:
     (cycle,) = cycle_family(PAPER, (1.0,)).cycles
-    with pytest.raises(NoCycleError, match="no periodic motion found at 1 rad"):
+    with pytest.raises(NoCycleError, match="no periodic motion with an amplitude of 1 rad found"):
         solve(PAPER, 1.0, replace(cycle, spin=-10.0, times=3.0 * cycle.times))
 
 
