@@ -24,8 +24,7 @@ from analysis.stability.chart import (
 )
 from analysis.stability.corners import Corner, corners
 from analysis.stability.critical import critical_speeds
-from analysis.stability.hopf_curves import HopfCurve, hopf_curves
-from analysis.stability.hopf_points import ExtendedSystem
+from analysis.stability.hopf_curves import ExtendedSystem, HopfCurve, hopf_curves
 from analysis.stability.linear_full import full_system
 from analysis.stability.linear_reduced import critical_speed
 from analysis.stability.linearisation import spin_scale
