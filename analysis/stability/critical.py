@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from analysis.data.checks import number
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.linearisation import ROUND_OFF, ComplexArray, spin_scale
+from analysis.stability.linearisation import ROUND_OFF, ZERO, ComplexArray, spin_scale
 from analysis.stability.spectra import (
     Branches,
     System,
@@ -28,12 +28,6 @@ from analysis.stability.spectra import (
 
 Side = Literal["below", "above"]
 Spectrum = Callable[[float], ComplexArray]
-
-_ZERO = 1e-6
-"""Eigenvalues and differences below this part of the largest eigenvalue count as zero.
-
-Round-off in the numeric systems, some 1e-12, splits a double zero into two of its square root.
-"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,7 +143,7 @@ def critical_speeds(
     values = np.delete(followed.values, followed.drift, axis=1)
     # Where all eigenvalues are zero, as those of a round disk that is held in all but its tilt,
     # what rounding makes of them is not to be judged against itself.
-    values[np.abs(values) < _ZERO * spin_scale(scenario)] = 0.0
+    values[np.abs(values) < ZERO * spin_scale(scenario)] = 0.0
     relevant = Branches(spins=followed.spins, values=values)
 
     crossings: list[Crossing] = []
@@ -212,7 +206,7 @@ def all_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
             )
             if around[0].real * around[1].real < 0.0:
                 frequencies = branch.imag[start : end + 1]
-                if np.all(frequencies > _ZERO * largest):
+                if np.all(frequencies > ZERO * largest):
                     result.append(_hopf_crossing(ends, around, spectrum))
                 elif np.all(frequencies == 0.0):
                     result.append(_static_crossing(ends, around, spectrum, _neutral(followed)))
@@ -266,7 +260,7 @@ def _between(ends: tuple[float, float], values: tuple[complex, complex], spin: f
 def _neutral(followed: Branches) -> int:
     """Number of eigenvalues that are zero at every spin."""
     size = np.abs(followed.values)
-    return int(np.min(np.sum(size < _ZERO * np.max(size), axis=1)))
+    return int(np.min(np.sum(size < ZERO * np.max(size), axis=1)))
 
 
 def _pair_changes(followed: Branches, spectrum: Spectrum) -> list[PairChange]:
@@ -287,7 +281,7 @@ def _pair_changes(followed: Branches, spectrum: Spectrum) -> list[PairChange]:
             partner = int(np.argmin(np.abs(values[inside] - np.conj(branch[inside]))))
             pairs = values[start : start + 2, [column, partner]]
             # A double zero that round-off splits into a pair is none.
-            if np.max(np.abs(pairs[:, 0] - pairs[:, 1])) > _ZERO * largest:
+            if np.max(np.abs(pairs[:, 0] - pairs[:, 1])) > ZERO * largest:
                 centres = pairs.mean(axis=1).real.tolist()
                 ends = (spins[start], spins[start + 1])
                 side: Side = "below" if is_complex[start] else "above"

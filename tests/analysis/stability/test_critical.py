@@ -29,7 +29,7 @@ from analysis.stability.chart import with_gradient
 from analysis.stability.critical import CriticalSpeeds, critical_speeds
 from analysis.stability.linear_reduced import critical_speed
 from analysis.stability.linear_variants import PRINTED, hopf_speeds, reproduces, variants
-from analysis.stability.spectra import System, relevant_matrices
+from analysis.stability.spectra import System, matrices_over_spin
 from analysis.stability.stable_spins import stable_spins
 from tests.helpers import not_none
 
@@ -78,7 +78,7 @@ def test_reduced_crossing_is_that_of_the_closed_form(
 
 def test_pair_is_born_where_the_discriminant_vanishes() -> None:
     for change in critical_speeds(model(4), (0.0, 100.0)).pair_changes:
-        matrix = relevant_matrices(model(4), change.spin)[0]
+        matrix = matrices_over_spin(model(4))(np.array([change.spin]))[0]
         polynomial = np.poly(matrix)
         scale = abs(change.value) + 1.0
         assert abs(np.polyval(polynomial, change.value)) < 1e-7 * scale**3
@@ -116,7 +116,7 @@ def test_no_hopf_crossing_is_missed(motion: Motion, gradient: float) -> None:
     scenario = with_gradient(PAPER, gradient)
 
     def matrices(*spins: float) -> Array:
-        return relevant_matrices(scenario, spins, motion=motion)
+        return matrices_over_spin(scenario, motion=motion)(np.array(spins))
 
     # The matrices are quadratic in the spin: S(Omega) = S_0 + Omega S_1 + Omega² S_2.
     less, constant, more = (pair_sums(matrix) for matrix in matrices(-30.0, 0.0, 30.0))

@@ -36,7 +36,7 @@ def test_every_eigenvalue_decays_inside_and_one_grows_outside(
     scenario = replace(MILD, constraints=MODELS[level])
     found = stable_spins(scenario, (0.0, 50.0), motion=motion)
     for spin in np.linspace(0.3, 49.7, 20).tolist():
-        values = spectra.relevant_matrices(scenario, spin, motion=motion)[0]
+        values = spectra.matrices_over_spin(scenario, motion=motion)(np.array([spin]))[0]
         inside = any(low < spin < high for low, high in found)
         assert (np.max(np.linalg.eigvals(values).real) < 0.0) == inside
 
