@@ -30,10 +30,9 @@ def stable_spins(
     found = critical_speeds(scenario, interval, system, motion)
     matrices = matrices_over_spin(scenario, system, motion)
     ends = [found.interval[0], *(each.spin for each in found.crossings), found.interval[1]]
-    result: list[tuple[float, float]] = []
-    for low, high in pairwise(ends):
-        values = np.linalg.eigvals(matrices(np.array([(low + high) / 2.0]))[0])
-        if np.max(values.real) + ROUND_OFF * np.max(np.abs(values)) < 0.0:
-            joined = result and result[-1][1] == low
-            result.append((result.pop()[0] if joined else low, high))
-    return tuple(result)
+
+    def decays(spin: float) -> bool:
+        values = np.linalg.eigvals(matrices(np.array([spin]))[0])
+        return bool(np.max(values.real) + ROUND_OFF * np.max(np.abs(values)) < 0.0)
+
+    return tuple((low, high) for low, high in pairwise(ends) if decays((low + high) / 2.0))
