@@ -62,6 +62,17 @@ def test_full_system_has_two_hopf_crossings_in_opposite_directions(
     assert found.reason is None
 
 
+def test_pairs_are_born_where_the_discriminant_vanishes() -> None:
+    first, *others = critical_speeds(model(4), (0.0, 100.0)).pair_changes
+    assert first.spin == pytest.approx(12.51344, abs=5e-6)
+    assert first.complex_side == "above"
+    for change in (first, *others):
+        polynomial = np.poly(matrices_over_spin(model(4))(np.array([change.spin]))[0])
+        scale = abs(change.value) + 1.0
+        assert abs(np.polyval(polynomial, change.value)) < 1e-7 * scale**3
+        assert abs(np.polyval(np.polyder(polynomial), change.value)) < 1e-7 * scale**2
+
+
 @pytest.mark.parametrize(
     ("level", "system"), [(4, "reduced"), (3, "numeric"), (4, "numeric")], ids=str
 )
@@ -74,15 +85,6 @@ def test_reduced_crossing_is_that_of_the_closed_form(
     assert crossing.spin == pytest.approx(closed.spin, rel=1e-10)
     assert crossing.frequency == pytest.approx(closed.frequency, rel=1e-9)
     assert (crossing.kind, crossing.stable_side) == ("hopf", "above")
-
-
-def test_pair_is_born_where_the_discriminant_vanishes() -> None:
-    for change in critical_speeds(model(4), (0.0, 100.0)).pair_changes:
-        matrix = matrices_over_spin(model(4))(np.array([change.spin]))[0]
-        polynomial = np.poly(matrix)
-        scale = abs(change.value) + 1.0
-        assert abs(np.polyval(polynomial, change.value)) < 1e-7 * scale**3
-        assert abs(np.polyval(np.polyder(polynomial), change.value)) < 1e-7 * scale**2
 
 
 def test_inverted_spinning_falls_over_statically_at_very_high_spin() -> None:

@@ -130,16 +130,6 @@ def test_noninverted_spinning_is_a_saddle_at_every_spin() -> None:
     assert np.all(form.eigenvalues[:, 0].real * form.eigenvalues[:, 1].real < 0.0)
 
 
-def test_noninverted_closed_form_marks_a_neutral_saddle_without_frequency() -> None:
-    critical = critical_speed(PAPER, "noninverted")
-    assert critical.kind == "saddle"
-    assert critical.frequency == 0.0
-    assert critical.spin == pytest.approx(27.6624, abs=5e-5)
-    values = np.linalg.eigvals(reduced_matrices(PAPER, critical.spin, "noninverted")[0])
-    assert np.all(values.imag == 0.0)
-    assert np.max(values.real) + np.sort(values.real)[1] == pytest.approx(0.0, abs=1e-10)
-
-
 def test_without_eccentricity_the_critical_speed_is_finite_and_static() -> None:
     disk = replace(STEEL_DISK, eccentricity=0.0)
     for motion in MOTIONS:
