@@ -52,6 +52,12 @@ _NEUTRAL = 1e-6
 ROUND_OFF = 1e-10
 """Real parts of less than this part of the largest eigenvalue are none."""
 
+ZERO = 1e-6
+"""Eigenvalues, and differences, below this part of sqrt(g / r) or of the largest one are none.
+
+Rounding, some 1e-12, splits a double zero into two of its square root.
+"""
+
 
 def spin_scale(scenario: Scenario) -> float:
     """Natural unit of spins and frequencies: sqrt(g / r) in rad/s."""
