@@ -1,6 +1,5 @@
 """What is no agreement: no number, nothing measured, or not as many things on both sides."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import inf, nan
 from typing import Any
@@ -8,27 +7,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-import mbs_models
-from analysis import MODELS, MOTIONS, Scenario, SmoothCoulomb, Start, Trajectory
-from analysis.data.checks import Array
+from analysis import Scenario
 from analysis.data.trajectory import SOURCES
-from mbs_models import Formulation, Scene
 from validation import benchmark
 from validation.kit import shipped
 from validation.kit.limits import holds, largest
 from validation.kit.report import Section
 from validation.kit.samples import Sample
 from validation.kit.tables import Table, Tables
-from validation.run import run
-from validation.studies import comparisons, crosscheck
-from validation.studies.crosscheck import Check
 from validation.studies.nonlinear import confirm as nonlinear_confirm
 from validation.studies.nonlinear import engine_cycles
 from validation.studies.rest import runs as rest
 from validation.studies.rest import section as rest_section
 from validation.studies.stability import eigenvalue_check
 
-CHECK = Check(quantity="q", formulation="floating", criterion=1.0, difference=0.5, detail="how")
 NOTHING = (nan, inf, None)
 
 
@@ -46,138 +38,6 @@ def test_largest_of_what_is_not_all_measured_is_infinite(found: list[float | Non
     assert largest([1.0, 2.0, 0.5]) == 2.0
 
 
-def spoiled(monkeypatch: pytest.MonkeyPatch, number: int, how: Callable[[Array], Array]) -> None:
-    """Let the engine's accelerations be others at one of the states."""
-    right, calls = mbs_models.acceleration, iter(range(1000))
-
-    def acceleration(*arguments: Any) -> tuple[Array, Array]:
-        found, forces = right(*arguments)
-        return (how(found), forces) if next(calls) == number else (found, forces)
-
-    monkeypatch.setattr(mbs_models, "acceleration", acceleration)
-
-
-def singular(_: Array) -> Array:
-    raise ArithmeticError("singular")
-
-
-def accelerations(states: int, scenario: Scenario | None = None) -> Check:
-    scenario = Scenario() if scenario is None else scenario
-    return crosscheck.check_formulation(scenario, "euler-tree", states=states, end=None)[0]
-
-
-@pytest.mark.parametrize(
-    "how", [lambda a: nan * a, lambda a: inf * a, singular], ids=["nan", "inf", "singular"]
-)
-@pytest.mark.parametrize("number", [0, 2])
-def test_one_state_without_a_number_on_one_side_is_no_agreement(
-    how: Callable[[Array], Array], number: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert accelerations(3).verdict is True
-    spoiled(monkeypatch, number, how)
-    assert accelerations(3).verdict is False
-
-
-def test_no_state_at_all_is_no_agreement() -> None:
-    assert accelerations(0).verdict is False
-
-
-def test_states_without_a_solution_on_either_side_are_not_counted() -> None:
-    friction = SmoothCoulomb(coefficient=1e3, load="contact")
-    found = accelerations(20, Scenario(friction=friction))
-    assert found.counted is not None
-    assert 0 < found.counted < 20
-    assert f"at {found.counted} of 20 random states" in found.detail
-    easy = accelerations(20)
-    assert easy.counted == 20
-    assert easy.detail == "relative, at 20 random states"
-
-
-@pytest.mark.parametrize(("seconds", "agree"), [(0.0, True), (1e-6, False)])
-def test_motion_that_ends_later_in_the_same_state_does_not_agree(
-    seconds: float, agree: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def late(scenario: Scenario, times: object, **options: Any) -> Trajectory:
-        found = run(scenario, times, **options)  # type: ignore[arg-type]
-        if options.get("source") == "in-house" or found.ending is None:
-            return found
-        ending = replace(found.ending, time=found.ending.time + seconds)
-        return replace(found, times=found.times + seconds, ending=ending)
-
-    comparisons.reference.cache_clear()
-    monkeypatch.setattr(comparisons, "run", late)
-    pulling = Scenario(start=Start(spin=100.0, beta=1.0))
-    difference, _ = comparisons.motion_difference(Scene(pulling), 0.1)
-    assert holds(difference, comparisons.ANGLE_LIMIT) is agree
-
-
-OTHERS = {
-    "not defined": replace(CHECK, difference=None, detail="why"),
-    "nan": replace(CHECK, difference=nan),
-    "wrong": replace(CHECK, difference=2.0),
-    "right": CHECK,
-}
-
-
-@pytest.mark.parametrize(
-    ("found", "verdict"),
-    [
-        (("not defined", "wrong", "right"), False),
-        (("wrong", "not defined", "right"), False),
-        (("right", "nan", "wrong"), False),
-        (("right", "not defined", "right"), "not defined: why"),
-        (("right", "right", "right"), True),
-    ],
-)
-def test_worst_formulation_of_a_set_is_a_wrong_one(
-    found: tuple[str, ...], verdict: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    counted = iter((50, 30, 40))
-    left = iter(found)
-
-    def check(_: Scenario, formulation: Formulation, **_options: object) -> list[Check]:
-        return [replace(OTHERS[next(left)], formulation=formulation, counted=next(counted))]
-
-    monkeypatch.setattr(crosscheck, "check_formulation", check)
-    monkeypatch.setattr(mbs_models, "formulations", lambda _: ("a", "b", "c"))
-    (worst,) = crosscheck.check_set(MODELS[2])
-    assert worst.verdict == verdict
-    assert worst.counted == 30
-
-
-def test_formulation_that_lacks_a_check_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    def check(_: Scenario, formulation: Formulation, **_options: object) -> list[Check]:
-        return [CHECK] * (1 if formulation == "floating" else 2)
-
-    monkeypatch.setattr(crosscheck, "check_formulation", check)
-    with pytest.raises(ValueError, match="zip"):
-        crosscheck.check_set(MODELS[2])
-    first: dict[tuple[str, ...], list[Check]] = {("a",): [CHECK]}
-    for others in ({}, first):
-        with pytest.raises(ValueError, match="same checks for all, and some, got others for b"):
-            crosscheck.overview("name", "title", ("case",), {**others, ("b",): []})
-
-
-def test_overview_says_how_many_states_count() -> None:
-    few = [replace(CHECK, counted=1000), replace(CHECK, quantity="p", counted=7)]
-    many = [replace(CHECK, counted=9), replace(CHECK, quantity="p", counted=8)]
-    table = crosscheck.overview(
-        "crosscheck-models", "title", ("case",), {("a",): few, ("b",): many}
-    )
-    assert [row[1] for row in table.rows] == [7, 8]
-    tables = Tables({table.name: table})
-    assert crosscheck.states_counted(tables) == "7 random states"
-
-
-def test_shipped_check_that_is_not_defined_when_made_again_is_not_confirmed() -> None:
-    results = {
-        job.key: [OTHERS["not defined" if job.key[0] == "fresh" else "right"]]
-        for job in [*crosscheck.jobs(), *crosscheck.shipped()]
-    }
-    confirmed, *_ = crosscheck.section(results).tables
-    assert [row[-1] for row in confirmed.rows] == [False] * 4 + [None]
-
-
 VALUES = np.array([1.0 + 2.0j, 1.0 - 2.0j, -3.0])
 
 
@@ -186,16 +46,11 @@ VALUES = np.array([1.0 + 2.0j, 1.0 - 2.0j, -3.0])
     [VALUES[:2], np.append(VALUES, -5.0), VALUES[:0], [1.0, 2.0, nan], [1.0, 2.0, inf]],
     ids=["fewer", "more", "none", "nan", "inf"],
 )
-def test_other_eigenvalues_are_infinitely_far_off(
-    found: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_other_eigenvalues_are_infinitely_far_off(found: Any) -> None:
     found = np.asarray(found, dtype=complex)
     assert eigenvalue_check.distance(VALUES[::-1], VALUES) == 0.0
     assert eigenvalue_check.distance(found, VALUES) == inf
     assert eigenvalue_check.distance(found[:0], VALUES[:0]) == inf
-    monkeypatch.setattr(mbs_models, "eigenvalues", lambda _: found)
-    for motion in MOTIONS:
-        assert comparisons.eigenvalue_difference(Scene(), motion)[0] == inf
 
 
 @pytest.mark.parametrize(
