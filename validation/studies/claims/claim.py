@@ -2,19 +2,14 @@
 
 import itertools
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
-from analysis.data.checks import choice
-from validation.kit.tables import Table
-
-Verdict = Literal["yes", "partly", "no"]
-VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+Answer = Literal["yes", "partly", "no"]
+ANSWERS: tuple[Answer, ...] = get_args(Answer)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Claim:
-    """A statement, how it is judged, what was measured and the verdict.
+class Claim(NamedTuple):
+    """A statement, how it is judged, what was measured and whether it holds.
 
     Parameters
     ----------
@@ -26,24 +21,16 @@ class Claim:
     measured : str
         Numbers with units.
     verdict : {"yes", "partly", "no"}
-
-    Raises
-    ------
-    ValueError
-        If the verdict is unknown.
     """
 
     place: str
     statement: str
     criterion: str
     measured: str
-    verdict: Verdict
-
-    def __post_init__(self) -> None:
-        choice("verdict", self.verdict, VERDICTS)
+    verdict: Answer
 
 
-def grade(*, yes: bool, partly: bool = False) -> Verdict:
+def grade(*, yes: bool, partly: bool = False) -> Answer:
     """Return "yes", else "partly", else "no"."""
     return "yes" if yes else "partly" if partly else "no"
 
@@ -56,18 +43,3 @@ def falls(values: Sequence[float]) -> bool:
 def listed(values: Iterable[float], form: str = ".2f") -> str:
     """Numbers separated by commas."""
     return ", ".join(f"{value:{form}}" for value in values)
-
-
-def table(claims: Sequence[Claim]) -> Table:
-    """All claims with their verdicts."""
-    return Table(
-        name="claims",
-        title="What the paper says, and what the runs show",
-        columns=("place", "statement", "criterion", "measured", "verdict"),
-        rows=[
-            [claim.place, claim.statement, claim.criterion, claim.measured, claim.verdict]
-            for claim in claims
-        ],
-        note="Each verdict is computed from the numbers beside it in every report.",
-        folded=False,
-    )
