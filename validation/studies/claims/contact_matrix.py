@@ -17,7 +17,7 @@ from analysis.data.checks import Array
 from analysis.mechanics import paper
 from mbs_models import Scene
 from validation.run import run
-from validation.studies.claims.claim import Claim, grade
+from validation.studies.claims.grades import Judged, grade
 from validation.studies.claims.motion import LATER, LONG
 from validation.studies.comparisons import solutions
 from validation.study import Check, Row, Study, at_most
@@ -138,23 +138,11 @@ CONTACT_MATRIX = Study(
 )
 
 
-def claim(table: pd.DataFrame) -> Claim:
+def judge(table: pd.DataFrame) -> Judged:
     """Section 4.1: A_0 is not guaranteed to be invertible."""
     (row,) = table.to_dict("records")
-    lost = [row["engine"] < STRONGEST, row["in_house"] < STRONGEST]
-    return Claim(
-        "Sect. 4.1",
-        "the matrix of (79) is not guaranteed to be invertible",
-        f"in some attitude, neither side has a solution for all coefficients up to {STRONGEST:g}; "
-        "partly: one side has",
-        f"at β = {row['beta']:.3f} and γ = {row['gamma']:.3f} rad the engine has no solution from "
-        f"μ = {row['engine']:.4f} on, in-house {row['in_house']:.4f}; the formula has "
-        f"{row['bound']:.4f} there and more in all other attitudes. At the places that Table 3's "
-        f"motion (μ = {row['of_motion']:g}) passes within {LATER:g} s, the worst slip needs "
-        f"μ = {row['worst_early']:.2f}, the slip it has μ = {row['slip_early']:.0f}; until "
-        f"{LONG:g} s {row['worst']:.2f} and {row['slip']:.1f}",
-        grade(yes=all(lost), partly=any(lost)),
-    )
+    lost = [row[side] < STRONGEST for side in ("engine", "in_house")]
+    return {"row": row, "strongest": STRONGEST, "verdict": grade(yes=all(lost), partly=any(lost))}
 
 
 def checks(table: pd.DataFrame) -> list[Check]:

@@ -1,5 +1,6 @@
 """What the paper says about the motion from Table 3 (Figures 7 to 9, Sections 4 and 5)."""
 
+import itertools
 from collections.abc import Sequence
 from math import inf
 
@@ -10,7 +11,8 @@ from analysis import LEVELS, MODELS, Level, Scenario, Trajectory, energies
 from analysis.data.checks import Array
 from analysis.mechanics import paper
 from validation.run import run as run_scenario
-from validation.studies.claims.claim import Claim, falls, grade, listed
+from validation.studies import inversion
+from validation.studies.claims.grades import Judged, grade, within
 from validation.study import Row, Study
 
 UPRIGHT = np.pi / 2
@@ -149,172 +151,84 @@ LONG_RUNS = Study(
     measure=long_run,
     columns={
         "settled": "from when γ stays near π/2, in s",
-        "constant_until": "until when the spin stays what it is at 2 s, in s",
+        "constant_until": f"until when the spin stays what it is at {LATER:g} s, in s",
         "end": "of the inversion or of the run in s",
-        "spin_at_4": "in rad/s at 4 s",
-        "lowest_spin": "in rad/s until the inversion is lost",
-        "away_early": "way of the COG from its start in m, within 2 s",
-        "away": "the same until the end",
-        "cog_speed": "root mean square until the inversion in m/s",
-        "slip_speed": "the same of the slip",
+        "away": "way of the COG from its start in m",
     },
 )
 
 
-# --- Claims -------------------------------------------------------------------------------------
+# --- Statements ---------------------------------------------------------------------------------
 
 
-def figure_7(contact: Trajectory, weight: Trajectory) -> list[Claim]:
-    """Claims about Figure 7, from runs of Model 1 under either load at the same times."""
-    force = contact.normal_force / contact.scenario.weight
-    late = contact.times >= 0.5
-    after = float(np.max(np.abs(contact.coordinate("gamma") - UPRIGHT)[late]))
-    reached = first_time(contact, "gamma", UPRIGHT)
-    short = [UPRIGHT - value_at(run, run.coordinate("gamma"), 0.5) for run in (contact, weight)]
-    inverted = contact.inversion_time
-    shown = "not" if inverted is None else f"after {inverted:.3f} s"
-    tilt, spread = largest_tilt(contact), float(np.max(np.abs(force - 1.0)))
-    beta, gamma = np.max(np.abs(weight.coordinates - contact.coordinates), axis=0)[4:]
-    place = "Sect. 4.1, Fig. 7"
-    return [
-        Claim(
-            place,
-            "γ converges within 0.5 s to π/2",
-            f"within {NEAR:g} rad from 0.5 s on; partly: reaches π/2 by then",
-            f"with the load λ_N {short[0]:.2f} rad short at 0.5 s (m g: {short[1]:.2f}), first at "
-            f"π/2 after {reached:.3f} s, overshoot {overshoot(contact):.2f} rad (m g: "
-            f"{overshoot(weight):.2f}); the disk is inverted {shown}",
-            grade(yes=after <= NEAR, partly=reached <= 0.5),
-        ),
-        Claim(
-            place,
-            "β only changes slightly",
-            "at most 0.1 rad from π/2; partly: 0.5 rad",
-            f"at most {tilt:.2f} rad from π/2",
-            grade(yes=tilt <= 0.1, partly=tilt <= 0.5),
-        ),
-        Claim(
-            "Sect. 4.1",
-            "the normal force is nearly constant",
-            "within 10 % of m g; partly: 30 %",
-            f"between {force.min():.3f} and {force.max():.3f} m g",
-            grade(yes=spread <= 0.1, partly=spread <= 0.3),
-        ),
-        Claim(
-            place,
-            "with the loads m g and λ_N, β and γ differ by some 1e-2 rad",
-            "at most 1e-2 rad; partly: at most 5e-2 rad",
-            f"largest Δβ {beta:.1e}, largest Δγ {gamma:.1e} rad",
-            grade(yes=max(beta, gamma) <= 1e-2, partly=max(beta, gamma) <= 5e-2),
-        ),
-    ]
+def judge(runs: inversion.Runs, short: inversion.Runs, longs: pd.DataFrame) -> dict[str, Judged]:
+    """All statements on the motion from Table 3.
 
-
-def drift(longs: pd.DataFrame) -> list[Claim]:
-    """Claims of Section 4.2 on the horizontal motion, from the long run of Model 1."""
-    run, disk = longs.iloc[0], Scenario().disk
-    early, speed, slip = run["away_early"], run["cog_speed"], run["slip_speed"]
-    times_e, ratio = early / disk.eccentricity, speed / slip
-    return [
-        Claim(
-            "Sect. 4.2",
-            "the centre of gravity hardly moves horizontally",
-            f"in Model 1 at most by the eccentricity within {LATER:g} s; partly: by twice that",
-            f"{1e3 * early:.1f} mm, {times_e:.1f} times the eccentricity or "
-            f"{early / disk.radius:.2f} of the radius; {1e3 * run['away']:.0f} mm until "
-            f"{LONG:g} s",
-            grade(yes=times_e <= 1, partly=times_e <= 2),
-        ),
-        Claim(
-            "Sect. 4.2",
-            "the part of the slip that comes from horizontal motion is negligible",
-            "in Model 1, until the inversion, the root mean square of the COG's speed is at most "
-            "10 % of that of the slip; partly: 50 %",
-            f"{100 * ratio:.0f} %: {speed:.3f} of {slip:.3f} m/s",
-            grade(yes=ratio <= 0.1, partly=ratio <= 0.5),
-        ),
-    ]
-
-
-def constraints(levels: Sequence[Trajectory], longs: pd.DataFrame) -> list[Claim]:
-    """Claims on what each constraint changes, from runs over 4 s and the long ones."""
-    counts = [turning_points(run) for run in levels]
-    beyond, tilts = ([measure(run) for run in levels] for measure in (overshoot, largest_tilt))
-    settled = longs["settled"].tolist()
-    reached = [first_time(run, "gamma", UPRIGHT) for run in levels]
-    shown = [f"{time:.2f} s" if np.isfinite(time) else "never" for time in settled]
-    return [
-        Claim(
-            "Sect. 4.2",
-            "a high-frequency oscillation of Model 1 has disappeared in Model 2",
-            f"at most half as many turning points of β from 0.5 s to {levels[0].times[-1]:g} s",
-            f"{counts[0]} in Model 1, {counts[1]} in Model 2",
-            grade(yes=counts[1] <= counts[0] / 2),
-        ),
-        Claim(
-            "Sect. 4.2, as a sequence",
-            "each further constraint leaves fewer oscillations",
-            "the number of turning points of β falls from model to model",
-            f"Models 1 to 4: {', '.join(map(str, counts))}",
-            grade(yes=falls(counts)),
-        ),
-        Claim(
-            "Sect. 5",
-            "the additional constraints lead to less overshooting",
-            "the overshoot of γ falls from model to model; partly: Models 2 to 4 all overshoot "
-            "less than Model 1",
-            f"Models 1 to 4: {listed(beyond)} rad",
-            grade(yes=falls(beyond), partly=max(beyond[1:]) < beyond[0]),
-        ),
-        Claim(
-            "Sect. 5, 7",
-            "the additional constraints lead to faster convergence",
-            f"the time from which γ stays within {NEAR:g} rad of π/2 until {LONG:g} s falls from "
-            "model to model; partly: Models 2 to 4 are all faster than Model 1",
-            f"Models 1 to 4: {', '.join(shown)}; γ is first at π/2 after {listed(reached)} s",
-            grade(yes=falls(settled), partly=max(settled[1:]) < settled[0]),
-        ),
-        Claim(
-            "Sect. 5",
-            "β remains close to π/2 in all models",
-            "at most 0.1 rad from π/2; partly: 0.5 rad",
-            f"Models 1 to 4: at most {listed(tilts)} rad",
-            grade(yes=max(tilts) <= 0.1, partly=max(tilts) <= 0.5),
-        ),
-    ]
-
-
-def spinning(levels: Sequence[Trajectory], longs: pd.DataFrame) -> list[Claim]:
-    """Claims about Figure 9; the arguments are those of `constraints`."""
+    Parameters
+    ----------
+    runs, short : mapping
+        Those of the engine over 4 s and until `LATER`.
+    longs : DataFrame
+        Of `LONG_RUNS`.
+    """
+    levels = [runs[f"Model {level}", "engine"] for level in LEVELS]
+    turns, beyond = list(map(turning_points, levels)), list(map(overshoot, levels))
+    settled, first = longs["settled"].tolist(), longs.iloc[0]
+    disk = Scenario().disk
     spins = [value_at(run, run.rate("alpha"), LATER) for run in levels[:3]]
-    near = [abs(spin - 35.0) <= 1.0 for spin in spins]
-    until, free = longs["constant_until"].to_numpy(float)[:3], longs.iloc[0]
-    shares = [potential_share(run) for run in levels[:3]]
-    return [
-        Claim(
-            "Sect. 5, Fig. 9",
-            "the spin drops from 40 to about 35 rad/s (Models 1 to 3)",
-            f"within 1 rad/s of 35 after {LATER:g} s in all three; partly: in some",
-            f"after {LATER:g} s {listed(spins)} rad/s",
-            grade(yes=all(near), partly=any(near)),
-        ),
-        Claim(
-            "Fig. 9",
-            f"for t > {LATER:g} s the spin of Models 1 to 3 is almost constant",
-            f"within {CONSTANT:g} rad/s of its value at {LATER:g} s until {LONG:g} s in all "
-            "three; partly: in some",
-            f"Models 1 to 3 until {listed(np.minimum(until, LONG), '.1f')} s; Model 1 falls to "
-            f"{free['spin_at_4']:.1f} rad/s at 4 s and to {free['lowest_spin']:.1f} rad/s at "
-            f"{free['end']:.1f} s",
-            grade(yes=min(until) == inf, partly=max(until) == inf),
-        ),
-        Claim(
-            "Sect. 5, 7",
-            "the spin drops because the potential energy rises",
-            f"the rise is at least 90 % of the kinetic energy lost within {LATER:g} s; partly: at "
-            "least a quarter",
-            f"Models 1 to 3: {listed([100 * share for share in shares], '.0f')} %; friction takes "
-            "the rest",
-            grade(yes=min(shares) >= 0.9, partly=min(shares) >= 0.25),
-        ),
-    ]
+    until = longs["constant_until"][:3]
+    shares = list(map(potential_share, levels[:3]))
+    return figure_7(short[inversion.CONTACT, "engine"], short["Model 1", "engine"]) | {
+        "drift": within(first["away_early"] / disk.eccentricity, 1.0, 2.0)
+        | {"of_radius": first["away_early"] / disk.radius, "run": first},
+        "slip": within(first["cog_speed"] / first["slip_speed"], 0.1, 0.5) | {"run": first},
+        "oscillation": within(turns[1] / turns[0], 0.5) | {"turns": turns},
+        "fewer": {"turns": turns, "verdict": grade(yes=falls(turns))},
+        "overshoot": {
+            "beyond": beyond,
+            "verdict": grade(yes=falls(beyond), partly=max(beyond[1:]) < beyond[0]),
+        },
+        "faster": {
+            "settled": settled,
+            "reached": [first_time(run, "gamma", UPRIGHT) for run in levels],
+            "verdict": grade(yes=falls(settled), partly=max(settled[1:]) < settled[0]),
+        },
+        "tilts": within(max(map(largest_tilt, levels)), 0.1, 0.5)
+        | {"tilts": list(map(largest_tilt, levels))},
+        "spin": within(sum(abs(spin - inversion.PRINTED_SPIN) > CONSTANT for spin in spins), 0, 2)
+        | {"spins": spins},
+        "constant": within(sum(np.isfinite(until)), 0, 2)
+        | {"until": np.minimum(until, LONG).tolist(), "run": first},
+        "potential": within(1.0 - min(shares), 0.1, 0.75) | {"shares": shares},
+    }
+
+
+def figure_7(contact: Trajectory, weight: Trajectory) -> dict[str, Judged]:
+    """Statements about Figure 7, from runs of Model 1 under either load at the same times."""
+    gamma = contact.coordinate("gamma")
+    after = float(np.max(np.abs(gamma - UPRIGHT)[contact.times >= inversion.PRINTED_TIME]))
+    reached = first_time(contact, "gamma", UPRIGHT)
+    force = contact.normal_force / contact.scenario.weight
+    change = np.max(np.abs(weight.coordinates - contact.coordinates), axis=0)[4:]
+    return {
+        "converges": {
+            "verdict": grade(yes=after <= NEAR, partly=reached <= inversion.PRINTED_TIME),
+            "reached": reached,
+            "short": [
+                UPRIGHT - value_at(run, run.coordinate("gamma"), inversion.PRINTED_TIME)
+                for run in (contact, weight)
+            ],
+            "overshoot": [overshoot(run) for run in (contact, weight)],
+            "inverted": contact.inversion_time,
+        },
+        "tilt": within(largest_tilt(contact), 0.1, 0.5),
+        "force": within(float(np.max(np.abs(force - 1.0))), 0.1, 0.3)
+        | {"least": force.min(), "most": force.max()},
+        "loads": within(float(np.max(change)), inversion.PRINTED_CHANGE, 5e-2)
+        | {"change": change.tolist()},
+    }
+
+
+def falls(values: Sequence[float]) -> bool:
+    """Whether each value is smaller than the one before."""
+    return all(after < before for before, after in itertools.pairwise(values))
