@@ -185,7 +185,7 @@ def _motion_difference(scene: Scene, end: float) -> Found:
 
 
 def own_solver(scene: Scene) -> IntegratorName | None:
-    """Integrator of the engine's own for what has constraints; otherwise its default is one."""
+    """Integrator of the engine's own for what has constraints; otherwise its default."""
     if not scene.has_constraints:
         return None
     return mbs_models.integrators(scene.built_as, constrained=True)[0]

@@ -155,8 +155,10 @@ def rounds_to(value: float | None, printed: str) -> bool:
     --------
     >>> rounds_to(30.9168, "30.92"), rounds_to(30.8866, "30.92"), rounds_to(-1584.5, "-1.5e3")
     (True, False, False)
+    >>> rounds_to(0.43542, "0.435")
+    True
     """
-    digits = sum(each.isdigit() for each in printed.partition("e")[0])
+    digits = sum(each.isdigit() for each in printed.partition("e")[0].lstrip("-0."))
     return value is not None and float(f"{value:.{digits}g}") == float(printed)
 
 
