@@ -102,4 +102,4 @@ def strip(trajectory: Trajectory, times: Sequence[float]) -> Figure:
     axes.annotate("COG above the centre", (0.0, np.pi / 2), va="bottom", fontsize=9)
     figures.angle_axis(axes)
     axes.set(xlabel="time in s", ylabel="γ in rad")
-    return figure  # type: ignore[no-any-return]
+    return figure

@@ -108,13 +108,15 @@ def motions(table: pd.DataFrame, until: float = np.inf) -> Runs:
 
 def _motion(row: Mapping[Hashable, Any], until: float) -> Trajectory:
     shown = np.array(row["times"]) <= until
-    names = ("times", "coordinates", "rates", "multipliers")
     return Trajectory(
         scenario=scenario_of(row["level"], row["load"]),
         source=row["source"],
         method={"formulation": row["formulation"], "tolerance": TOLERANCE},
         error_estimate=row["error_estimate"],
-        **{name: np.array(row[name])[shown] for name in names},
+        times=np.array(row["times"])[shown],
+        coordinates=np.array(row["coordinates"])[shown],
+        rates=np.array(row["rates"])[shown],
+        multipliers=np.array(row["multipliers"])[shown],
     )
 
 
@@ -193,7 +195,7 @@ def agreement(runs: Runs) -> pd.DataFrame:
     """How far engine and in-house equations are apart in each case."""
     found = []
     for case in cases():
-        engine, other = (runs[case, source] for source in SOURCES)
+        engine, other = _both(runs, case)
         times = [np.nan if run.inversion_time is None else run.inversion_time
                  for run in (engine, other)]  # fmt: skip
         values = (
@@ -230,9 +232,13 @@ _EVERY = 33
 """Every so many samples an in-house marker is drawn."""
 
 
-def _pair(axes: Any, runs: Runs, case: str, index: int, values: Any, label: str) -> None:
+def _both(runs: Runs, case: str) -> list[Trajectory]:
+    return [runs[case, source] for source in SOURCES]
+
+
+def _draw(axes: Any, pair: list[Trajectory], index: int, values: Any, label: str) -> None:
     """Draw a quantity of the engine's run as a line and of the in-house one as sparse markers."""
-    engine, other = (runs[case, source] for source in SOURCES)
+    engine, other = pair
     colour = COLOURS[index]
     axes.plot(engine.times, values(engine), color=colour, linestyle=STYLES[index], label=label)
     # Markers of different curves are shifted, so that they do not hide each other.
@@ -251,9 +257,10 @@ def _pair(axes: Any, runs: Runs, case: str, index: int, values: Any, label: str)
 def draw_load(runs: Runs) -> Figure:
     """Figure 7: angles and normal force of Model 1, and what the load of the friction changes."""
     figure, axes = new_figure(3, height=7.5)
-    contact, other = runs[CONTACT, "engine"], runs["Model 1", "engine"]
+    both, other = _both(runs, CONTACT), runs["Model 1", "engine"]
+    contact = both[0]
     for index, (name, symbol) in enumerate((("beta", "β"), ("gamma", "γ"))):
-        _pair(axes[0], runs, CONTACT, index, lambda run, n=name: run.coordinate(n), symbol)
+        _draw(axes[0], both, index, lambda run, n=name: run.coordinate(n), symbol)
         change = other.coordinate(name) - contact.coordinate(name)
         axes[2].plot(
             other.times, change, color=COLOURS[index], linestyle=STYLES[index], label=f"Δ{symbol}"
@@ -264,7 +271,7 @@ def draw_load(runs: Runs) -> Figure:
     )
     axes[0].set(ylabel="angle in rad")
     weight = contact.scenario.weight
-    _pair(axes[1], runs, CONTACT, 0, lambda run: run.normal_force / weight, "$λ_N / (m g)$")
+    _draw(axes[1], both, 0, lambda run: run.normal_force / weight, "$λ_N / (m g)$")
     axes[1].axhline(1.0, color="#888888", linewidth=0.8)
     axes[1].set(ylabel="normal force\nover weight")
     for sign in (1.0, -1.0):
@@ -277,7 +284,7 @@ def draw_load(runs: Runs) -> Figure:
     axes[2].set(xlabel="time in s", ylabel="load $m g$ less\nload $λ_N$, in rad")
     for each in axes:
         legend_above(each, columns=3)
-    return figure  # type: ignore[no-any-return]
+    return figure
 
 
 def draw_angles(runs: Runs, models: list[str]) -> Figure:
@@ -285,21 +292,21 @@ def draw_angles(runs: Runs, models: list[str]) -> Figure:
     figure, axes = new_figure(2, height=6.0)
     for each, name, symbol in zip(axes, ("beta", "gamma"), "βγ", strict=True):
         for index, case in enumerate(models):
-            _pair(each, runs, case, index, lambda run, n=name: run.coordinate(n), case)
+            _draw(each, _both(runs, case), index, lambda run, n=name: run.coordinate(n), case)
         each.axhline(np.pi / 2, color="#888888", linewidth=0.8, zorder=0)
         each.set(ylabel=f"{symbol} in rad")
     angle_axis(axes[1])
     legend_above(axes[0])
     axes[1].set(xlabel="time in s")
-    return figure  # type: ignore[no-any-return]
+    return figure
 
 
 def draw_spin(runs: Runs, models: list[str]) -> Figure:
     """Figure 9: spinning velocity of all models."""
     figure, axes = new_figure()
     for index, case in enumerate(models):
-        _pair(axes, runs, case, index, lambda run: run.rate("alpha"), case)
+        _draw(axes, _both(runs, case), index, lambda run: run.rate("alpha"), case)
     axes.axhline(PRINTED_SPIN, color="#888888", linestyle=":", label="paper, after it: about 35")
     axes.set(xlabel="time in s", ylabel="spinning velocity $\\dotα$ in rad/s")
     legend_above(axes, columns=3)
-    return figure  # type: ignore[no-any-return]
+    return figure

@@ -59,7 +59,7 @@ def changed(table: pd.DataFrame, name: str, change: Callable[[Any], Any]) -> pd.
     ("name", "change", "check"),
     [
         ("error_estimate", lambda _: 1e-3, "engine's error estimate in rad"),
-        ("coordinates", lambda x: [[*row[:5], row[5] + 1e-6] for row in x], "β and γ apart in rad"),
+        ("coordinates", lambda x: [[*row[:5], row[5] + 1e-6] for row in x], "β and γ apart"),
         ("rates", lambda x: [[*row[:3], row[3] + 1e-3, *row[4:]] for row in x], "spin apart"),
         ("multipliers", lambda x: [[row[0] + 1e-3, *row[1:]] for row in x], "normal force apart"),
     ],
