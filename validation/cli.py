@@ -18,17 +18,8 @@ from pathlib import Path
 from traceback import format_exc
 from typing import Any, TextIO
 
+from analysis.data.quantities import QUANTITIES
 from validation.parser.top import parser
-
-_OPTIONS_OF = {
-    "coefficient": ("mu", "law"),
-    "smoothing": ("eps", "law"),
-    "friction": ("eps", "mu", "law"),
-    "rolling_dry": ("rolling",),
-    "interval": ("spins",),
-    "spin": ("spin", "spins"),
-}
-"""Options that an argument may come from, where it is not the one of its name."""
 
 _NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
 _PLAIN = re.compile(r"-\d+|-\d*\.\d+")
@@ -83,7 +74,7 @@ def _run(arguments: Sequence[str] | None) -> int:
             return int(getattr(commands, options.command)(options))
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         message = " ".join(str(error).split()) or "not enough memory"
-        _complain(f"{name}: error: {_blamed_option(options, message)}{message}")
+        _complain(f"{name}: error: {_blamed_option(options, error)}{message}")
         return 2
     except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, it is no result
         # A law of one's own, or this program, is at fault: where, the traceback says. An exit code
@@ -159,13 +150,14 @@ def _joined(words: Iterable[str]) -> list[str]:
     return result
 
 
-def _blamed_option(options: argparse.Namespace, message: str) -> str:
-    """The given option whose argument a message begins with, if there is one."""
-    argument = message.partition(" ")[0]
-    for option in _OPTIONS_OF.get(argument, (argument,)):
-        if getattr(options, option, None) is not None:
-            name = "spin" if option == "spins" else option.replace("_", "-")
-            return f"--{name}: "
+def _blamed_option(options: argparse.Namespace, error: BaseException) -> str:
+    """The given option that an error is about, if there is one."""
+    argument = getattr(error, "argument", "")
+    for key, value in vars(options).items():
+        name = key.removesuffix("s") if key == "spins" else key.rpartition(".")[2]
+        if value is not None and name == argument:
+            flag = QUANTITIES[key].flag if key in QUANTITIES else f"--{name.replace('_', '-')}"
+            return f"{flag}: "
     return ""
 
 

@@ -13,6 +13,7 @@ from analysis import Progress, RestCriterion, Scenario, SpatialMotion, Trajector
 from analysis.data.checks import choice, increasing_times
 from analysis.data.endings import StopWhen
 from analysis.data.limits import Effort
+from analysis.data.names import ArgumentError
 from analysis.data.trajectory import SOURCES, Source
 from analysis.models import effort as inhouse_effort
 
@@ -233,9 +234,10 @@ def _given(source: Source, **options: Any) -> dict[str, Any]:
     foreign = _OF_IN_HOUSE if source == "engine" else _OF_ENGINE
     for name in foreign:
         if name in given:
-            raise ValueError(
-                f"{name} must be left out for source {source!r}, which does not know it, "
-                f"got {given[name]!r}"
+            raise ArgumentError(
+                name,
+                f"must be left out for source {source!r}, which does not know it, "
+                f"got {given[name]!r}",
             )
     return given
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from analysis.data.checks import Array, choice, float_array, within
 from analysis.data.disk import Disk
-from analysis.data.limits import FASTEST_TURN
+from analysis.data.quantities import FASTEST_TURN
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.scope import require_spinning

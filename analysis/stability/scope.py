@@ -2,7 +2,7 @@
 
 from math import sqrt
 
-from analysis.data.constraint_set import Level
+from analysis.data.quantities import Level
 from analysis.data.scenario import Scenario
 
 

@@ -2,7 +2,7 @@
 
 import argparse
 
-from analysis.data.scenario_file import scenario_text
+from analysis.data.scenario_text import scenario_text
 from validation.commands.options import chosen_end
 from validation.commands.scenarios import chosen_scenario
 

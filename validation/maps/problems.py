@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from analysis import MODELS, Scenario
+from analysis.data.changes import changed
 from analysis.data.checks import Array
-from analysis.data.fields import changed
 from analysis.data.outcomes import DONE, Row
 from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design

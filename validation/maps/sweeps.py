@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.data.fields import is_text, unit
+from analysis.data.written import is_text, unit
 from validation.kit import figures as kit
 from validation.maps import figures
 from validation.maps.problems import Problem, classify

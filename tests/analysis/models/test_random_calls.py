@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 import analysis
 import mbs_models
 from analysis import MODELS, STEEL_DISK, Scenario, Start
-from analysis.data.scenario_file import scenario_text
-from analysis.data.scenario_keys import KEYS
-from analysis.data.written import DOUBTED
+from analysis.data.quantities import LEVELS, LOADS, QUANTITIES
+from analysis.data.scenario_text import scenario_text
 from tests.helpers import random_trajectory
 from tests.scenario_texts import with_key
 from validation import cli
@@ -62,8 +61,7 @@ def answer(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     shown = capsys.readouterr()
     assert code in (0, 2)
     # A number that looks as if it were meant in another unit is doubted in a line of its own.
-    names = (field.rpartition(".")[2] for field in DOUBTED)
-    doubts = tuple(f"tippedisk {words[0]}: {name} is in " for name in names)
+    doubts = tuple(f"tippedisk {words[0]}: {each.name} is in " for each in QUANTITIES.values())
     lines = [line for line in shown.err.splitlines() if not line.startswith(doubts)]
     assert len(lines) <= 1
     if code == 2:
@@ -195,7 +193,9 @@ LITERALS = st.one_of(
 @given(
     st.sampled_from([Scenario(), Scenario.rest(), Scenario(start=TABLE_3)]),
     st.lists(
-        st.tuples(st.sampled_from([(t, k) for t, keys in KEYS.items() for k in keys]), LITERALS),
+        st.tuples(
+            st.sampled_from([(each.table, each.name) for each in QUANTITIES.values()]), LITERALS
+        ),
         min_size=1,
         max_size=3,
     ),
@@ -272,8 +272,8 @@ def test_animate_answers_in_one_line(
             "--mu": st.floats(0.0, 10.0),
             "--eps": st.floats(1e-2, 10.0),
             "--gamma": st.floats(-10.0, 10.0),
-            "--model": st.sampled_from(groups.MODELS),
-            "--load": st.sampled_from(groups.LOADS),
+            "--model": st.sampled_from(LEVELS),
+            "--load": st.sampled_from(LOADS),
         },
     ),
 )

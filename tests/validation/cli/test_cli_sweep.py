@@ -118,7 +118,7 @@ def test_a_method_that_is_not_installed_is_refused_before_anything_is_kept(
     monkeypatch.setattr(library, "find_spec", lambda _: None)
     out = tmp_path / "a.db"
     said = refusal(capsys, f"sweep spin=30:40:5 {SHORT} --method taylor --out {out}")
-    assert "--method: method 'taylor' needs heyoka, which is not installed: pip install" in said
+    assert "method 'taylor' needs heyoka, which is not installed: pip install" in said
     with pytest.raises(ValueError, match=r"^method 'taylor' needs heyoka, which is not"):
         run_sweep(sweep("spin=30,31", method="taylor"), out)
     assert not out.exists()
