@@ -92,9 +92,11 @@ class Effort:
     def check(self) -> None:
         """Raise `ValueError` if the run takes more than `MOST_STEPS`."""
         if self.steps > MOST_STEPS:
-            raise ValueError(
-                f"{self.cause} would take about {self.steps:.1e} steps; at most {MOST_STEPS:.0e} "
-                "are made"
+            argument, _, value = self.cause.partition(" ")
+            raise ArgumentError(
+                argument,
+                f"{value} would take about {self.steps:.1e} steps; at most {MOST_STEPS:.0e} are "
+                "made",
             )
 
     @property

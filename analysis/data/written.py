@@ -85,7 +85,8 @@ def warn_of_unit(key: str, told: Any, value: Any) -> None:
         What it stands for.
     """
     about = QUANTITIES.get(key)
-    if about is None or about.unit is None:
+    # What is out of range is refused, and not doubted.
+    if about is None or about.unit is None or not about.least <= value <= about.most:
         return
     doubt = ""
     if value > about.doubted:

@@ -1,6 +1,5 @@
 """What is in a scene: this list holds it, item by item."""
 
-import argparse
 import subprocess
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -21,7 +20,7 @@ from tests.calls import printed
 from tests.helpers import model
 from tests.scenes import rest_scene, scene_of
 from validation.commands.scene import scene_table
-from validation.parser.top import parser
+from validation.parser.commands import COMMANDS
 from validation.studies import lean
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
@@ -213,9 +212,7 @@ def test_cost_of_friction_that_does_nothing_is_measured() -> None:
 
 
 def test_start_up_is_measured_for_every_subcommand() -> None:
-    actions = parser()._actions
-    (commands,) = (each for each in actions if isinstance(each, argparse._SubParsersAction))
-    assert {call.split()[0] for call in lean.START_UPS} == set(commands.choices)
+    assert {call.split()[0] for call in lean.START_UPS} == {each.name for each in COMMANDS}
     for modules in lean.START_UPS.values():
         assert all(find_spec(module) for module in modules.split(", "))
 

@@ -55,7 +55,7 @@ def make(
     """Run what is not kept of the jobs, and write the page of their section."""
     from validation.studies.full_report import STUDIES
 
-    folder, clock = output_folder("--out", options.out), Clock()
+    folder, clock = output_folder("out", options.out), Clock()
     name = options.command.replace("_", "-")
     (study,) = (each for each in STUDIES if each.name == name)
     seconds = study.expected_seconds(quick=options.quick)

@@ -13,7 +13,7 @@ from analysis.data.names import ArgumentError
 from analysis.data.trajectory import SOURCES, Source
 from analysis.models.forms import default_form, pose
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
-from validation.run import rest_effort, run, run_effort, run_to_rest, single_run
+from validation.run import rest_effort, run, run_effort, run_to_rest
 from validation.sweeps.outcomes import series_named
 
 Motion = Trajectory | SpatialMotion
@@ -127,7 +127,7 @@ class Plan:
             "step": self.step,
             "method": self.method,
             "time_limit": time_limit,
-            **single_run(self.source, self.local_tolerance),
+            "local_tolerance": self.local_tolerance,
         }
         return self._motion(scenario, how, self.formulation)
 
@@ -172,5 +172,5 @@ class Plan:
             tolerance=self.tolerance,
             step=self.step,
             method=self.method,
-            **single_run(self.source, self.local_tolerance),
+            local_tolerance=self.local_tolerance,
         )

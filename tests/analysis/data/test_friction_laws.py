@@ -277,7 +277,7 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     assert "coefficient = 0.2" in again.stdout
     words = ("simulate", "--scenario=own.toml", "--source=in-house", "--end=0.1")
     assert tippedisk(*words, "--out=again.npz").returncode == 0
-    shown = tippedisk("show", "own.npz", "again.npz", "--law=rough:SquareRoot", "--out=own.png")
+    shown = tippedisk("show", "own.npz", "again.npz", "--law=rough:SquareRoot", "--plot=own.png")
     assert "Differences from own" in shown.stdout
     assert tippedisk("animate", "own.npz", "--law=rough:SquareRoot").returncode == 0
     cases = ("spin=30,40", "--scenario=own.toml", "--end=0.1", "--workers=1")

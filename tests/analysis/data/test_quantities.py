@@ -21,7 +21,7 @@ from analysis import (
 )
 from analysis.data.changes import changed
 from analysis.data.names import ArgumentError, full_name
-from analysis.data.quantities import QUANTITIES, RING, Quantity, default
+from analysis.data.quantities import QUANTITIES, RING, Quantity, default, markdown
 from tests.calls import printed, run
 from tests.scenario_texts import with_key
 from validation.sweeps.axes import axis_from_text
@@ -105,6 +105,11 @@ def test_every_quantity_is_an_option_with_what_it_means(
     shown = " ".join(printed(capsys, "scenario --help").split())
     for quantity in QUANTITIES.values():
         assert re.search(rf"{quantity.flag}\b[^-].*{re.escape(quantity.meaning)}", shown)
+
+
+def test_documentation_has_every_quantity() -> None:
+    page = Path(__file__).parents[3] / "docs" / "scenario.md"
+    assert markdown() in page.read_text(encoding="utf-8")
 
 
 @EVERY

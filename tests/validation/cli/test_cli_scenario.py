@@ -1,6 +1,5 @@
 """A problem told by options, by a file, or by a stored run."""
 
-import argparse
 import subprocess
 import sys
 from collections.abc import Callable
@@ -34,7 +33,7 @@ from tests.calls import printed, refusal
 from tests.scenario_texts import with_key
 from validation import cli
 from validation.commands.scenarios import chosen_scenario
-from validation.parser.top import parser
+from validation.parser.top import parsed
 from validation.studies import crosscheck
 
 ROOT = Path(__file__).parents[3]
@@ -53,8 +52,7 @@ COMPLIANT = Scenario(
 
 def chosen(words: str, *, rest: bool = False) -> Scenario:
     """Scenario of a command line."""
-    joined = cli._joined(["scenario", *words.split()])
-    return chosen_scenario(parser().parse_args(joined), rest=rest)
+    return chosen_scenario(parsed(["scenario", *words.split()]), rest=rest)
 
 
 @pytest.fixture
@@ -356,12 +354,9 @@ def test_check_of_ones_own_problem_holds(problem: str, capsys: pytest.CaptureFix
 
 
 def test_value_that_begins_with_a_minus_needs_no_equals_sign() -> None:
-    def parsed(*words: str) -> argparse.Namespace:
-        return parser().parse_args(cli._joined(words))
-
-    told = vars(parsed("scenario", "--gamma", "-pi/2+0.1", "--beta-rate", "-1e-3"))
+    told = vars(parsed(["scenario", "--gamma", "-pi/2+0.1", "--beta-rate", "-1e-3"]))
     assert (told["start.gamma"], told["start.beta_rate"]) == ("-pi/2+0.1", "-1e-3")
-    assert parsed("eigenvalues", "--spin", "-5", "5").spins == ["-5", "5"]
+    assert parsed(["eigenvalues", "--spin", "-5", "5"]).spin == ["-5", "5"]
 
 
 def test_module_of_the_command_line_is_the_command() -> None:

@@ -33,7 +33,7 @@ from validation.maps.refinement import expected_cases, refine
 from validation.maps.run import panels, run_pairs, run_panel
 from validation.maps.ship import CELLS, LEVELS, sweeps
 from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
-from validation.parser import sweeps as parser
+from validation.parser import commands as parser
 from validation.sweeps.plan import Plan
 from validation.sweeps.results import Results
 from validation.sweeps.sweep import Sweep, look_ahead
@@ -235,11 +235,11 @@ def test_pairs_that_are_not_decided_do_not_count(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("spin-friction --cells 0", "--cells: cells must lie from 1 to 10000, got 0"),
-        ("spin-friction --levels -1", "--levels: levels must lie from 0 to 12, got -1"),
-        ("rest --pairs -1", "--pairs must be a number of starts, got -1"),
+        ("spin-friction --cells 0", "cells must lie from 1 to 10000, got 0"),
+        ("spin-friction --levels -1", "levels must lie from 0 to 12, got -1"),
+        ("rest --pairs -1", "--pairs: pairs must be a number of starts, got -1"),
         ("spin-mu", "invalid choice"),
-        ("rest --end -1", "--end must be positive"),
+        ("rest --end -1", "--end: end must be positive"),
     ],
 )
 def test_wrong_call_is_told_in_one_line(
