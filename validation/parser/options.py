@@ -2,6 +2,8 @@
 
 import argparse
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from inspect import cleandoc
 from typing import Any, NamedTuple, NoReturn
 
 from analysis.data.names import nearest
@@ -17,48 +19,58 @@ class Option(NamedTuple):
     how: dict[str, Any]
 
 
-class Command(NamedTuple):
+Options = Iterable[Option]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Command:
     """A command.
 
     Parameters
     ----------
-    name : str
-        Also of its function, with underscores, in `validation.commands.MODULE`.
+    options : callable
+        Makes its options; the name, what it does in a line, and more about it, are those of this
+        function and its docstring.
     module : str
-    short : str
-        What it does, in a line.
-    about : str
-    options : sequence of Option
+        Of `validation.commands`, with the function that does it.
     tables : sequence of str
         Of the scenario whose quantities are options.
     outputs : sequence of str
         Of "json", "csv" and "plot".
+    more : str
+        What its help ends with.
     """
 
-    name: str
+    options: Callable[[], Options]
     module: str
-    short: str
-    about: str
-    options: Sequence[Option] = ()
     tables: Sequence[str] = ()
     outputs: Sequence[str] = ()
+    more: str = ""
+
+    @property
+    def name(self) -> str:
+        """As it is called."""
+        return self.options.__name__.strip("_").replace("_", "-")
+
+    @property
+    def about(self) -> str:
+        """What it does."""
+        return cleandoc(self.options.__doc__ or "")
 
     def parser(self) -> "Parser":
         """Parser of the command."""
-        names = "".join(
-            f" {each.how['metavar']}{' ...' if each.how.get('nargs') else ''}"
-            for each in self.options
-            if not each.name.startswith("-")
-        )
         parser = Parser(
             prog=f"tippedisk {self.name}",
-            usage=f"tippedisk {self.name} [OPTION ...]{names}",
-            description=self.about,
+            description="\n\n".join(part for part in (self.about, self.more) if part),
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         parser.set_defaults(command=self.name, module=self.module)
-        for option in (*self.options, *(OUTPUTS[name] for name in self.outputs)):
-            parser.add_argument(option.name, **option.how)
+        names = ""
+        for each in (*self.options(), *(OUTPUTS[name] for name in self.outputs)):
+            action = parser.add_argument(each.name, **each.how)
+            if not action.option_strings:
+                names += f" {action.metavar}{' ...' if action.nargs else ''}"
+        parser.usage = f"tippedisk {self.name} [OPTION ...]{names}"
         for table in self.tables:
             group = parser.add_argument_group(table or "problem", SECTIONS[table].about)
             for quantity in of_table(table).values():

@@ -93,7 +93,8 @@ class _Version(Action):
 
 
 def _line(command: Command) -> str:
-    return f"  {command.name:16s}{command.short}\n"
+    first = command.about.partition("\n")[0].rstrip(".")
+    return f"  {command.name:16s}{first[0].lower()}{first[1:]}\n"
 
 
 def _joined(words: Iterable[str]) -> list[str]:

@@ -26,6 +26,19 @@ from tests.calls import printed, run
 from tests.scenario_texts import with_key
 from validation.sweeps.axes import axis_from_text
 
+STEADY = {
+    "disk.radius": 0.05,
+    "disk.thickness": 0.02,
+    "disk.mass": 0.44,
+    "disk.inertia_x": 2.6e-4,
+    "disk.inertia_y": 2.5e-4,
+    "disk.inertia_z": 4.7e-4,
+    "friction.static": 0.5,
+    "contact.stiffness": 2e6,
+    "dissipation.rolling_smoothing": 0.02,
+}
+"""Values that fit, where 0.01 does not."""
+
 EVERY = pytest.mark.parametrize("quantity", QUANTITIES.values(), ids=list(QUANTITIES))
 
 KINDS: dict[str, type] = {
@@ -44,7 +57,8 @@ def home(quantity: Quantity) -> Scenario:
         return Scenario(friction=laws[0]() if laws else LAWS["tanh"]())
     if quantity.table == "disk" and quantity.name not in (*RING, "name"):
         return Scenario(disk=ROUNDED_STEEL_DISK)
-    return Scenario.rest() if quantity.table in ("contact", "dissipation") else Scenario()
+    soft = quantity.table in ("contact", "dissipation") or quantity.name == "height"
+    return Scenario.rest() if soft else Scenario()
 
 
 def beyond(quantity: Quantity) -> list[float | str]:
@@ -105,6 +119,23 @@ def test_every_quantity_is_an_option_with_what_it_means(
     shown = " ".join(printed(capsys, "scenario --help").split())
     for quantity in QUANTITIES.values():
         assert re.search(rf"{quantity.flag}\b[^-].*{re.escape(quantity.meaning)}", shown)
+
+
+@EVERY
+def test_an_option_changes_its_quantity_and_nothing_else(
+    quantity: Quantity, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenario, path = home(quantity), tmp_path / "my.toml"
+    path.write_text(scenario_text(scenario))
+    value = quantity.choices[-1] if quantity.choices else STEADY.get(quantity.key, 0.01)
+    if quantity.key == "constraints":
+        value = "contact"
+    words = [f"{quantity.flag}={value}"]
+    if quantity.is_switch:
+        words = [quantity.flag.replace("--", "--no-")]
+    shown = printed(capsys, "scenario", str(path), *words)
+    assert shown == scenario_text(changed(scenario, {quantity.key: value}))
+    assert quantity.is_switch or value == "contact" or shown != scenario_text(scenario)
 
 
 def test_documentation_has_every_quantity() -> None:
