@@ -318,7 +318,7 @@ def start_up() -> Table:
     calls = {
         "tippedisk --help": "from validation.cli import main\ntry: main(['--help'])\n"
         "except SystemExit: pass",
-        "import analysis": "import analysis",
+        "import analysis": "from analysis import simulate",
         "import mbs_models": "import mbs_models",
     }
     cells: list[list[Cell]] = []

@@ -136,7 +136,10 @@ def _try(name: str, condition: Condition, state: State) -> None:
     except (Exception, SystemExit) as error:
         fault = f"must say a number of a State: {type(error).__name__}: {error}"
         raise ArgumentError("stop_when", fault, f"stop_when {name}") from error
-    number("stop_when", value)
+    try:
+        number("stop_when", value)
+    except ArgumentError as error:
+        raise ArgumentError("stop_when", error.args[1], f"stop_when {name}") from None
 
 
 def check_condition_name(name: str) -> str:

@@ -167,8 +167,7 @@ class Section(NamedTuple):
 SECTIONS: dict[str, Section] = {
     "": Section("Options given here override the file; angles may be pi/2 or 90deg, too."),
     "disk": Section(
-        "One by name, or other values of it; a geometry is that of the paper's ring, of which "
-        "what is not given stays.",
+        "One by name, or other values; a geometry is the paper's ring but for what is given.",
         'name = "steel" in it is the paper\'s',
     ),
     "friction": Section(

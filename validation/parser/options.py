@@ -7,7 +7,7 @@ from inspect import cleandoc
 from typing import Any, NamedTuple, NoReturn
 
 from analysis.data.names import nearest
-from analysis.data.quantities import QUANTITIES, SECTIONS, Quantity, of_table
+from analysis.data.quantities import QUANTITIES, SECTIONS, Quantity, of_table, short
 from validation.parser.paths import PICTURES, existing, writable
 from validation.parser.runs import OPTIONS
 
@@ -104,7 +104,7 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: error: {message}\n")
 
 
-def option(name: str, about: str, default: Any = None, **how: Any) -> Option:
+def option(name: str, about: str, default: Any = None, *, usual: str = "", **how: Any) -> Option:
     """Option that says its default; its type is that of the default, or a number.
 
     Parameters
@@ -114,11 +114,12 @@ def option(name: str, about: str, default: Any = None, **how: Any) -> Option:
     about : str
     default
         None for what need not be given; a switch is True or False.
+    usual : str
+        The default in words.
     **how
         Further keywords of `argparse`.
     """
-    usual = how.pop("usual", "" if default is None or default is False else f"{default:g}"
-                    if isinstance(default, float) else str(default))  # fmt: skip
+    usual = usual or ("" if default is None or default is False else short(default))
     told = f"{about} ({usual})" if usual else about
     how |= {"help": told.replace("%", "%%"), "default": default}
     if isinstance(default, bool):
@@ -145,8 +146,6 @@ def of_run(*names: str, **changes: dict[str, Any]) -> list[Option]:
         field, change = OPTIONS[name], changes.get(name, {})
         about, usual, how = (field.metadata[each] for each in ("about", "usual", "how"))
         told = {"about": about, "default": field.default, "usual": usual} | how | change
-        if not told["usual"]:
-            del told["usual"]
         found.append(option(f"--{name.replace('_', '-')}", **told))
     return found
 

@@ -183,6 +183,31 @@ def test_help_and_wrong_paths_are_answered_before_numerical_imports(
     assert done.stderr.count("\n") == (0 if "--help" in call else 1)
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        "simulate --source in-house --end 0.05 --samples 3",
+        "show run.npz run.npz",
+        "rest --source in-house --end 0.05",
+        *(
+            pytest.param(each, marks=pytest.mark.slow)
+            for each in (
+                "check --model 4 --end 0.02 --states 1",
+                "critical --system reduced --spin 30:32",
+                "cycles --spin 30.9",
+                "sweep spin=30,31 --model 4 --end 0.02 --workers 1 --out a.db",
+            )
+        ),
+    ],
+)
+def test_table_picture_and_data_are_made_at_once(
+    call: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert json.loads(printed(capsys, call, "--json --csv a.csv --plot a.png"))
+    assert (folder / "a.csv").read_text().count("\n") > 1
+    assert (folder / "a.png").stat().st_size > 1000
+
+
 def test_a_result_is_printed_written_and_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
