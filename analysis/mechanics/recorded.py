@@ -11,7 +11,7 @@ import numpy as np
 from analysis.data import elementary
 from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
-from analysis.data.friction import Load
+from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.mechanics.attitude import EulerAngles

@@ -1,16 +1,19 @@
-"""What the subcommands of the command line do; each returns the exit code."""
+"""What `tippedisk report` and `simulate` do."""
 
 import argparse
 
 import numpy as np
 
 from analysis import multiplier_names
+from analysis.data.checks import whole
 from analysis.data.limits import check_storage
 from analysis.stability.unstable_start import unstable_start
-from validation.commands.options import announce, chosen_end, output_folder
+from validation.commands.options import announce, chosen_end, output_folder, run_options
+from validation.commands.output import Result
 from validation.commands.scenarios import chosen_scenario
+from validation.commands.show import picture
 from validation.kit.progress import progress_bar
-from validation.run import run, run_effort, single_run
+from validation.run import run, run_effort
 
 
 def report(options: argparse.Namespace) -> int:
@@ -18,7 +21,8 @@ def report(options: argparse.Namespace) -> int:
     from validation.kit.verdicts import verdicts
     from validation.studies import full_report
 
-    page, sections = full_report.make(output_folder("--out", options.out), only=options.only)
+    folder = output_folder("out", options.out)
+    page, sections = full_report.make(folder, only=options.only or [])
     tables = [table for section in sections for table in section.tables]
     print(verdicts(sections))
     if options.verbose:
@@ -30,57 +34,41 @@ def report(options: argparse.Namespace) -> int:
     return 0 if not failed else 1
 
 
-def _check_integrator(options: argparse.Namespace) -> None:
-    """Refuse an integrator that takes no --local-tolerance, which would go unused."""
-    if None in {options.integrator, options.local_tolerance} or options.source != "engine":
-        return
-    if options.integrator != "DOPRI5":
-        raise ValueError(
-            "--integrator must be DOPRI5 with --local-tolerance, since the others keep their "
-            f"step, got {options.integrator!r}"
-        )
-
-
-def simulate(options: argparse.Namespace) -> int:
+def simulate(options: argparse.Namespace) -> Result:
     """Simulate a scenario and store the motion."""
-    if options.samples < 2:
-        raise ValueError(f"--samples must be at least 2, got {options.samples}")
-    if options.step is not None and options.source == "in-house":
-        raise ValueError("--step needs --source engine; the in-house solvers choose theirs")
+    whole("samples", options.samples, least=2)
     scenario = chosen_scenario(options)
     # Time, six coordinates, their rates and the constraint forces.
     columns = 13 + len(multiplier_names(scenario.constraints))
-    check_storage("--samples", options.samples, columns)
+    check_storage("samples", options.samples, columns)
     times = np.linspace(0.0, chosen_end(options), options.samples)
-    _check_integrator(options)
-    how = {
-        "source": options.source,
-        "formulation": options.formulation,
-        "tolerance": options.tolerance,
-        "step": options.step,
-        "integrator": options.integrator,
-        "method": options.method,
-        **single_run(options.source, options.local_tolerance),
-    }
+    how = run_options(options)
     announce("simulate", run_effort(scenario, times, **how), options.time_limit)
     with progress_bar() as progress:
-        trajectory = run(
-            scenario,
-            times,
-            **how,
-            stop_when=options.stop_when,
-            allow_pulling=options.allow_pulling,
-            time_limit=options.time_limit,
-            progress=progress,
-        )
-    trajectory.save(options.out)
-    estimate = trajectory.error_estimate
+        motion = run(scenario, times, **how, progress=progress)
+    if options.out is not None:
+        motion.save(options.out)
+    estimate = motion.error_estimate
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
-    print(f"{options.out}: {trajectory.times.size} samples of {scenario.name}{accuracy}")
+    name = "in memory alone; --out stores it" if options.out is None else options.out
+    notes = [f"{name}: {motion.times.size} samples of {scenario.name}{accuracy}"]
     if warning := unstable_start(scenario):
-        print(warning)
-    if trajectory.ending is not None:
-        print(f"{trajectory.ending}")
-    for first, last in trajectory.pulling:
-        print(f"the contact pulls from t = {first:.6g} s to {last:.6g} s")
-    return 0
+        notes.append(warning)
+    if motion.ending is not None:
+        notes.append(str(motion.ending))
+    for first, last in motion.pulling:
+        notes.append(f"the contact pulls from t = {first:.6g} s to {last:.6g} s")
+    return Result(
+        values={
+            "samples": motion.times.size,
+            "error_estimate": estimate,
+            "inversion": motion.inversion.outcome,
+            "inversion_time": motion.inversion_time,
+            "ending": None if motion.ending is None else motion.ending.reason,
+            "end": float(motion.times[-1]),
+            "pulling": motion.pulling,
+        },
+        csv=motion.to_csv,
+        draw=lambda: picture([(scenario.name, motion)]),
+        notes=notes,
+    )

@@ -7,6 +7,7 @@ from typing import Any
 
 from analysis.compiled.library import require_heyoka
 from analysis.data.checks import positive
+from analysis.data.names import ArgumentError
 from validation.commands.options import chosen_end, output_folder
 from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
@@ -27,11 +28,11 @@ def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's na
     """Run a map and draw it."""
     problem = PROBLEMS[options.name]
     workers(options)
-    positive("--time-limit", options.time_limit)
+    positive("time_limit", options.time_limit)
     if options.end is None:
         options.end = problem.end
     if options.pairs < 0:
-        raise ValueError(f"--pairs must be a number of starts, got {options.pairs}")
+        raise ArgumentError("pairs", f"must be a number of starts, got {options.pairs}")
     scenario, end = chosen_scenario(options), chosen_end(options, _SHORTEST)
     size = {"cells": options.cells, "levels": options.levels, "witnesses": options.witnesses}
     if options.compiled:
@@ -39,7 +40,7 @@ def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's na
     how: dict[str, Any] = {"end": end, "compiled": options.compiled}
     wanted = panels(problem, scenario, **size, **how)
     pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)
-    folder = output_folder("--out", options.out)
+    folder = output_folder("out", options.out)
     _announce(options, wanted, pairs)
     done, fineness = _run(options, wanted, pairs, folder)
     for panel in done:

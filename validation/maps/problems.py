@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from analysis import MODELS, Scenario
+from analysis.data.changes import changed
 from analysis.data.checks import Array
-from analysis.data.fields import changed, unit
 from analysis.data.outcomes import DONE
+from analysis.data.written import unit
 from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.data.fields import is_text
+from analysis.data.written import is_text
 from validation.kit import figures as kit
 from validation.maps import figures
 from validation.maps.panel import Panel, cell

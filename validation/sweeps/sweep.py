@@ -23,7 +23,8 @@ from analysis import (
     simulate_many,
 )
 from analysis.compiled.library import require_heyoka
-from analysis.data.fields import changed, check_field
+from analysis.data.changes import changed, check_field
+from analysis.data.names import ArgumentError
 from analysis.data.outcomes import DONE, Row, failure
 from analysis.data.trajectory import versions
 from validation.kit.sources import digest
@@ -63,8 +64,8 @@ class Sweep:
             missing = {*multiplier_names(CONSTRAINTS)} & {*self.plan.keep}
             missing -= {*multiplier_names(self.scenario.constraints)}
             if missing:
-                raise ValueError(
-                    f"keep must name what {self.scenario.name} has, got {min(missing)}"
+                raise ArgumentError(
+                    "keep", f"must name what {self.scenario.name} has, got {min(missing)}"
                 )
 
     def scenario_of(self, index: int) -> Scenario:

@@ -77,7 +77,7 @@ def test_a_law_that_exits_is_refused(
 def test_a_law_that_exits_where_the_disk_slips_is_no_success(
     call: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(call, "--law exits_later:Law") == 2
+    assert run(call, "--law exits_later:Law") == 70
     assert "SystemExit" in capsys.readouterr().err
     assert written(folder) == []
 

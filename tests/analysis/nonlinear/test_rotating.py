@@ -91,9 +91,9 @@ def test_the_command_tells_and_draws_them(
     monkeypatch.setattr("analysis.nonlinear.rotating.rotating_family", lambda *_, **__: family)
     picture = tmp_path / "rotating.svg"
     found = json.loads(printed(capsys, f"cycles --rotating --json --plot {picture}"))
-    assert [each["tilt"] for each in found["rotations"]] == family.values("tilt").tolist()
-    assert found["rotations"][-1]["stable"] is False
-    assert found["folds"][0]["spin"] == pytest.approx(30.0820066, abs=1e-6)
+    assert [each["tilt"] for each in found["motions"]] == family.values("tilt").tolist()
+    assert found["motions"][-1]["stable"] is False
+    assert found["events"][0]["spin"] == pytest.approx(30.0820066, abs=1e-6)
     assert "<svg" in picture.read_text()
 
 
@@ -115,4 +115,4 @@ def test_bad_calls_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(ValueError, match="Model 4"):
         rotating_family(model(1))
     assert call("cycles --rotating --spin 30.1") == 2
-    assert "--spin does not go together" in capsys.readouterr().err
+    assert "--spin: spin does not go together" in capsys.readouterr().err

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from analysis import Scenario
-from analysis.data.fields import changed, check_field, is_text, unit
+from analysis.data.changes import changed, check_field
 from analysis.data.limits import MOST_SCENARIOS
+from analysis.data.written import is_text, unit
 from analysis.nonlinear.heteroclinic import Connection, NoConnectionError, heteroclinic_connection
 from analysis.nonlinear.over import CyclesOver
 from analysis.stability.linear_reduced import critical_speed
