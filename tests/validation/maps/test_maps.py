@@ -28,7 +28,7 @@ from validation.maps.uncertainty import (
     shifted_sweeps,
     uncertainty,
 )
-from validation.parser import sweeps as parser
+from validation.parser import commands as parser
 from validation.sweeps.results import Results
 
 REDUCED = Scenario(constraints=MODELS[4])
