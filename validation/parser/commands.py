@@ -45,7 +45,7 @@ _IN_HOUSE = {"source": {"default": "in-house"}}
 _OUT = file("--out", "store the motion, .npz or -", writable(".npz"))
 _REST = option("--rest", "start from the defaults of `tippedisk rest`", default=False)
 
-_SPINS = {"nargs": "+", "type": str, "metavar": "SPIN"}
+_SPINS: dict[str, Any] = {"nargs": "+", "type": str, "metavar": "SPIN"}
 _SPIN_GRAMMAR = "in rad/s: values, with commas or not, or first:last:number"
 
 _OVER = option(
