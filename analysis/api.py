@@ -46,10 +46,10 @@ from analysis.models.balance import (
 )
 from analysis.models.ensemble import simulate_many
 from analysis.models.forms import FORMS, Form
-from analysis.models.integration import METHODS, Method
 from analysis.models.outcomes import outcomes
 from analysis.models.simulation import simulate
 from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
+from analysis.solve.stepping import METHODS, Method
 
 __all__ = [
     "CAUSES",

@@ -1,4 +1,7 @@
-"""The engine's integrators the study uses, and their options."""
+"""The integrators that a scene can be run with, and their options.
+
+Some are the engine's own. Others step the engine's accelerations (`mbs_models.stepped`).
+"""
 
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
@@ -9,7 +12,16 @@ from mbs_models.formulations import CLASSES
 from mbs_models.model import Formulation
 from mbs_models.newton import Newton
 
-IntegratorName = Literal["RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"]
+IntegratorName = Literal[
+    "RK44",
+    "RK67",
+    "DOPRI5",
+    "TrapezoidalIndex2",
+    "GeneralizedAlpha",
+    "DOP853",
+    "Radau",
+    "LSODA",
+]
 INTEGRATORS: tuple[IntegratorName, ...] = get_args(IntegratorName)
 
 
@@ -19,7 +31,8 @@ class Rule(NamedTuple):
     Parameters
     ----------
     exponents : tuple of int
-        Exponents of the step in its error expansion; the first is its order.
+        Exponents of the step in its error expansion; the first is its order. Empty for those that
+        step the engine's accelerations, whose runs are not extrapolated.
     stages : int
         Evaluations of the right-hand side in a step of an explicit one, 0 for an implicit one.
     controls_step : bool
@@ -38,24 +51,40 @@ RULES: dict[IntegratorName, Rule] = {
     # It is symmetric.
     "TrapezoidalIndex2": Rule((2, 4, 6, 8)),
     "GeneralizedAlpha": Rule((2, 3, 4, 5)),
+    "DOP853": Rule((), controls_step=True),
+    "Radau": Rule((), controls_step=True),
+    "LSODA": Rule((), controls_step=True),
 }
+
+FINEST_LOCAL = 1e-11
+"""Error in a step below which the noise of accelerations that differences go into stalls step
+control."""
+
+
+ACCELERATED: tuple[IntegratorName, ...] = ("DOP853", "Radau", "LSODA")
+"""Those that step the engine's accelerations."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Integrator:
-    """An engine integrator and its options.
+    """An integrator and its options.
 
     Parameters
     ----------
-    name : {"RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"}
-        The engine's name of it. The first three are explicit and need a scene without
-        constraints; DOPRI5 controls its step, the others keep it.
+    name : {"RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha", "DOP853", \
+"Radau", "LSODA"}
+        The first five are the engine's own, by its names of them. Of these, the first three are
+        explicit and need a scene without constraints; DOPRI5 controls its step, the others keep
+        it. The last three are SciPy's, step the engine's accelerations and control their steps;
+        Radau and LSODA are for stiff friction.
     newton : Newton, optional
         Of implicit integrators.
     spectral_radius : float, optional
         Numerical damping of GeneralizedAlpha from 0 (strongest) to 1 (none); 0.9 by default.
     local_tolerance : float, optional
         Absolute error that DOPRI5 allows in a step, in m, rad, m/s and rad/s; 1e-8 by default.
+        Relative and absolute error of SciPy's, `FINEST_LOCAL` or more; None leaves it to the
+        tolerance of a run.
 
     Raises
     ------
@@ -73,13 +102,15 @@ class Integrator:
         choice("integrator", self.name, INTEGRATORS)
         self._fill("newton", self.implicit, Newton())
         self._fill("spectral_radius", self.name == "GeneralizedAlpha", 0.9)
-        self._fill("local_tolerance", self.controls_step, 1e-8)
+        usual = None if self.steps_accelerations else 1e-8
+        self._fill("local_tolerance", self.controls_step, usual)
         if self.spectral_radius is not None:
             radius = number("spectral_radius", self.spectral_radius)
             if not 0.0 <= radius <= 1.0:
                 raise ValueError(f"spectral_radius must lie in [0, 1], got {radius:g}")
         if self.local_tolerance is not None:
-            one_step("local_tolerance", self.local_tolerance, 0.0)
+            least = FINEST_LOCAL if self.steps_accelerations else 0.0
+            one_step("local_tolerance", self.local_tolerance, least)
 
     def _fill(self, option: str, applies: bool, default: object) -> None:
         """Fill in the default of an option; raise if it is given but does not apply."""
@@ -91,8 +122,13 @@ class Integrator:
 
     @property
     def implicit(self) -> bool:
-        """Whether it takes constraints."""
-        return not RULES[self.name].stages
+        """Whether it solves the engine's equations by Newton's iteration in each step."""
+        return not RULES[self.name].stages and not self.steps_accelerations
+
+    @property
+    def steps_accelerations(self) -> bool:
+        """Whether it is one of SciPy's, which step the engine's accelerations."""
+        return self.name in ACCELERATED
 
     @property
     def controls_step(self) -> bool:
@@ -121,7 +157,7 @@ class Integrator:
 def integrators(
     formulation: Formulation, *, constrained: bool | None = None
 ) -> tuple[IntegratorName, ...]:
-    """Integrators that can take a formulation; the first is the default.
+    """Integrators that can take a formulation; the first is the engine's own default.
 
     Parameters
     ----------
@@ -139,9 +175,10 @@ def integrators(
     implicit: tuple[IntegratorName, ...] = ("TrapezoidalIndex2", "GeneralizedAlpha")
     explicit: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
     if CLASSES[formulation].closes_contact:
-        return explicit + implicit
+        return explicit + implicit + ACCELERATED
     # What has no constraints otherwise has a stiff contact.
-    return implicit if constrained is None or constrained else implicit + explicit
+    own = implicit if constrained is None or constrained else implicit + explicit
+    return own + ACCELERATED
 
 
 def find_integrator(

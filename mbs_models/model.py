@@ -1,7 +1,7 @@
 """An assembled engine system, and the way from its coordinates to the paper's."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import sqrt
 from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
@@ -13,7 +13,6 @@ from analysis.data.checks import Array
 from analysis.data.frames import turn_about_vertical
 from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
-from analysis.data.state import State
 from mbs_models.loads import normal_forces
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
@@ -24,6 +23,9 @@ Kind = Literal["node", "object", "marker", "load", "sensor"]
 
 _SLIP_AXES: dict[Constraint, int] = {"no-slip-along": 1, "no-slip-across": 0}
 """Axes of the engine's rolling joint: it holds slip forward and sideways; 2 is the contact."""
+
+
+Floats = Sequence[float]
 
 
 class Residual(NamedTuple):
@@ -110,30 +112,27 @@ class Model(ABC):
         Angles taken from rotation matrices lie in (-pi, pi].
         """
 
-    def encode(self, state: State) -> tuple[Array, Array] | None:  # noqa: ARG002
-        """The engine's coordinates and their rates at a state, each shape (n,).
-
-        None if they are measured from the start, so that another state needs a new model.
-        """
-        return None
+    @abstractmethod
+    def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
+        """The engine's coordinates and velocities, n each, from the six co-rotating ones each."""
 
     @abstractmethod
-    def decode_accelerations(self, second_derivatives: Array, state: State) -> Array:
+    def decode_accelerations(
+        self, second_derivatives: Array, coordinates: Floats, rates: Floats
+    ) -> Array:
         """Second derivatives of the co-rotating coordinates, shape (6,).
 
         Parameters
         ----------
         second_derivatives : ndarray, shape (n,)
             Those of the engine's coordinates in its current state.
-        state : State
+        coordinates, rates : sequence of 6 floats
             The same state. Taken back from a rotation, alpha of a nearly flat disk is uncertain.
         """
 
-    def path(self) -> Callable[[float], Array]:
-        """From a time in s to the engine's coordinates, shape (n,), at the present velocities."""
-        data = self.system.systemData
-        here, velocities = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
-        return lambda time: here + time * velocities
+    def path(self, position: Array, velocity: Array) -> Callable[[float], Array]:
+        """From a time in s to the engine's coordinates, shape (n,), at constant velocities."""
+        return lambda time: position + time * velocity
 
     def multipliers(
         self,

@@ -2,7 +2,8 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,6 +48,18 @@ class Pass:
     seconds: float = 0.0
     ended: str | None = None
     pulling: tuple[tuple[float, float], ...] = ()
+
+    def with_work(self, counts: Counter[str]) -> "Pass":
+        """The same with the work of passes before it."""
+        return replace(self, counts=self.counts + counts)
+
+
+class Reached(NamedTuple):
+    """A pass, the integrator that has led there, and its estimated error in rad."""
+
+    result: Pass
+    integrator: Integrator
+    estimate: float | None = None
 
 
 def one_pass(

@@ -12,7 +12,7 @@ import analysis
 from analysis import Progress, RestCriterion, Scenario, SpatialMotion, Trajectory
 from analysis.data.checks import increasing_times
 from analysis.data.limits import Effort
-from analysis.models import effort as inhouse_effort
+from analysis.solve import effort as inhouse_effort
 from validation.parser.runs import RunOptions
 
 REST_SPACING = 2e-3

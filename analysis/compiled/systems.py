@@ -24,7 +24,7 @@ from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.states import paper_of
-from analysis.models.integration import NEARLY_FLAT
+from analysis.solve.stepping import NEARLY_FLAT
 
 FAINT = 1e-8
 """Slip speed in m/s over which the kink of friction is rounded if slip has two directions.

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import Literal, get_args
 
+from analysis.data.admissible import FOLLOWING, demanded
 from analysis.data.checks import choice
 from analysis.data.constraint_set import ConstraintSet, set_name
 from analysis.data.described import Described
@@ -119,40 +120,24 @@ class Start(Described):
         ValueError
             If the start breaks a constraint.
         """
-        r, e, name = disk.radius, disk.eccentricity, set_name(constraints)
-        sb, cb, sg, cg = sin(self.beta), cos(self.beta), sin(self.gamma), cos(self.gamma)
-
-        def settled(field: str, value: float, why: str) -> float:
-            """What the constraints demand of a field, which must not ask for anything else."""
-            given = getattr(self, field)
-            if given is not None and not abs(given - value) <= 1e-12 * max(1.0, abs(value)):
-                raise ArgumentError(field, f"must be {value:g} in {name} ({why}), got {given:g}")
-            return value
-
-        held = "fixed-cog" in constraints
-        along, across = "no-slip-along" in constraints, "no-slip-across" in constraints
-        gamma_rate = -self.spin * cb
-        if held and along:
-            gamma_rate = settled("gamma_rate", gamma_rate, "no tangential slip: -spin * cos(beta)")
-        elif self.gamma_rate is not None:
-            gamma_rate = self.gamma_rate
-        beta_rate = _or_zero(self.beta_rate)
-        if held and across:
-            turn = e * cg * (cb * gamma_rate + self.spin) / (sb * (r + e * sg))
-            beta_rate = settled("beta_rate", turn, "no lateral slip")
-        if held:
-            why = "the centre of gravity held above the origin"
-            x, y = settled("x", -e * cg, why), settled("y", -e * cb * sg, why)
-            x_rate = settled("x_rate", e * sg * gamma_rate, why)
-            y_rate = settled("y_rate", e * (sb * sg * beta_rate - cb * cg * gamma_rate), why)
-        else:
-            x, y = _or_zero(self.x), _or_zero(self.y)
-            x_rate, y_rate = _or_zero(self.x_rate), _or_zero(self.y_rate)
-            if along:
-                rolling = -(r * cb - y) * self.spin - r * gamma_rate
-                x_rate = settled("x_rate", rolling, "no tangential slip")
-            if across:
-                y_rate = settled("y_rate", -x * self.spin - r * sb * beta_rate, "no lateral slip")
+        r = disk.radius
+        beta, gamma = self.beta, self.gamma
+        sb, cb = sin(beta), cos(beta)
+        given = [getattr(self, field) for field in FOLLOWING]
+        # As in Table 3.
+        usual = (0.0, 0.0, 0.0, 0.0, 0.0, -self.spin * cb)
+        free = tuple(
+            other if each is None else each for each, other in zip(given, usual, strict=True)
+        )
+        found = demanded(constraints, disk, (beta, gamma, self.spin), free)
+        for field, wanted, value in zip(FOLLOWING, given, found, strict=True):
+            if wanted is not None and not abs(wanted - value) <= 1e-12 * max(1.0, abs(value)):
+                reason = _reason(field, constraints)
+                raise ArgumentError(
+                    field,
+                    f"must be {value:g} in {set_name(constraints)} ({reason}), got {wanted:g}",
+                )
+        x, y, x_rate, y_rate, beta_rate, gamma_rate = found
         lift = height if self.height is None else self.height
         over = hypot(r * sb, half_thickness * cb)
         # In the order in which it is r cos(beta) to the last digit on a sharp rim.
@@ -163,5 +148,13 @@ class Start(Described):
         )
 
 
-def _or_zero(value: float | None) -> float:
-    return 0.0 if value is None else value
+def _reason(field: str, constraints: ConstraintSet) -> str:
+    """Why the constraints demand a value of a field."""
+    held = "fixed-cog" in constraints
+    if field == "gamma_rate":
+        return "no tangential slip: -spin * cos(beta)"
+    if field == "beta_rate" or (field == "y_rate" and not held):
+        return "no lateral slip"
+    if field == "x_rate" and not held:
+        return "no tangential slip"
+    return "the centre of gravity held above the origin"

@@ -8,7 +8,10 @@ from analysis.data.names import ArgumentError, nearest
 SOURCES = ("engine", "in-house")
 FORMULATIONS = ("floating", "floating-lie", "euler-tree", "contact-tree")
 FORMS = ("index-1", "reduced", "free-body")
-INTEGRATORS = ("RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha")
+INTEGRATORS = (
+    *("RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"),
+    *("DOP853", "Radau", "LSODA"),
+)
 METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor")
 CONDITIONS = ("inverted", "lost")
 

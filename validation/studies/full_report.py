@@ -20,8 +20,7 @@ from validation.kit.clock import Clock, model_1_seconds
 from validation.kit.parts import Job, Store, identity, open_store
 from validation.kit.progress import duration, say
 from validation.kit.report import PAGE, Section, contents, foreign, run_parts, write
-from validation.maps import ship as whole_maps
-from validation.studies import crosscheck, inversion, lean, maps, modelled, paper_numbers, summary
+from validation.studies import crosscheck, inversion, modelled, paper_numbers, summary
 from validation.studies.claims import section as claims
 from validation.studies.nonlinear import confirm as nonlinear
 from validation.studies.rest import section as rest
@@ -114,7 +113,6 @@ STUDIES = (
         work=80.0,
     ),
     Study(name="rest", jobs=rest.jobs, section=rest.section, shipped=rest.shipped, work=75.0),
-    Study(name="maps", jobs=maps.jobs, section=maps.section, long=whole_maps.jobs, work=20.0),
     Study(
         name="work-precision",
         jobs=partial(work_precision_jobs.jobs, quick=True),
@@ -130,13 +128,6 @@ STUDIES = (
         section=partial(robustness.section, quick=True),
         long=partial(robustness.case_jobs, quick=False),
         work=85.0,
-        timed=True,
-    ),
-    Study(
-        name="lean",
-        jobs=partial(lean.jobs, quick=True),
-        section=lean.section,
-        work=95.0,
         timed=True,
     ),
     Study(name="numbers", jobs=list, section=paper_numbers.section),

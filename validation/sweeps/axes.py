@@ -197,7 +197,12 @@ class Design:
         """Number of cases."""
         if self.number is not None:
             return self.number
-        return prod(axis.size or 0 for axis in self.axes)
+        return prod(self.shape)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along each axis of a grid."""
+        return tuple(axis.size or 0 for axis in self.axes)
 
     def case(self, index: int) -> tuple[Value, ...]:
         """Values of the axes in a case, from 0 to `size` - 1."""

@@ -166,7 +166,7 @@ def test_shipped_results_can_be_read_and_are_small(study: full_report.Study) -> 
     assert any(shipped.holds(study.name, job) for job in (*study.shipped(), *study.long()))
 
 
-@pytest.mark.parametrize("name", ["maps", "work-precision"])
+@pytest.mark.parametrize("name", ["work-precision"])
 def test_whole_study_is_shipped(name: str) -> None:
     (study,) = (each for each in LONG if each.name == name)
     found = shipped.of(name)
