@@ -14,7 +14,7 @@ def report(options: argparse.Namespace) -> int:
     from analysis.data.files import whole_file
     from validation.report import as_text, make
 
-    made = make(output_folder("out", options.out), only=options.only, fresh=options.fresh)
+    made = make(output_folder("out", options.out), only=options.only or (), fresh=options.fresh)
     for section in made.sections:
         held = sum(check.holds for check in section.checks)
         print(f"{section.title}: {held} of {len(section.checks)} checks hold")

@@ -8,7 +8,6 @@ from validation.parser.options import (
     LAW,
     SCENARIO,
     Command,
-    Option,
     Options,
     file,
     of_run,
@@ -25,9 +24,12 @@ MOST = 10_000_000
 """Cases of a sweep."""
 
 SECTIONS_OF_REPORT = (
-    "modelled", "inversion", "claims", "crosscheck", "stability", "nonlinear",
-    "rest", "maps", "work-precision", "robustness", "lean", "numbers",
-)  # fmt: skip
+    *("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps"),
+    *("crosscheck", "work-precision", "robustness", "lean", "numbers"),
+)
+
+STORED = ("claims", "maps", "work-precision", "robustness")
+"""Studies of which results come with the package."""
 
 INVERSION = (
     "The disk is inverted from the first time at which its centre of gravity has risen to 90% of "
@@ -92,14 +94,6 @@ _WORKERS = (
 )
 
 
-def _of_study(folder: str) -> tuple[Option, ...]:
-    return (
-        option("--quick", "a selection, about a minute", default=False),
-        option("--out", "folder", default=folder, metavar="DIR"),
-        option("--fresh", "run again what is kept", default=False),
-    )
-
-
 COMMANDS: list[Command] = []
 """In the order of the help."""
 
@@ -121,15 +115,15 @@ def _command(module: str, **how: Any) -> Callable[[Callable[[], Options]], None]
     return declare
 
 
-@_command("basic", more=INVERSION)
+@_command("studies")
 def _report() -> Options:
-    """Run all checks and write them with the paper's figures to one HTML page.
+    """Measure or confirm all studies and write two pages with what they found.
 
-    Run engine and in-house equations, compare them, and write one page of HTML with everything in
-    it, the figures as PNG and SVG and the tables as CSV. What has been computed is kept in the
-    folder:
-    another call takes it as it is while the code behind it, the versions and the machine stay the
-    same.
+    Run engine and in-house equations, compare them, and write a page on the disk and one on the
+    method, with the tables as CSV and the figures as PNG and SVG beside them. Printed are verdicts
+    and checks that fail; the exit code is 1 if one does. What has been measured is kept in the
+    folder: another call takes it as it is while the code behind it, the versions and the machine
+    stay the same.
     """
     return (
         option(
@@ -141,11 +135,33 @@ def _report() -> Options:
             metavar="SECTION",
         ),
         option("--out", "folder to write to", default="report", metavar="DIR"),
-        option("--verbose", "print the tables below the verdicts, too", default=False),
+        _FRESH,
+        file("--text", "write verdicts and sections as Markdown, .md or -", writable(".md")),
+        option("--verbose", "print all checks", default=False),
     )
 
 
-@_command("basic", tables=WHOLE, outputs=ALL)
+_FRESH = option("--fresh", "measure again what is kept", default=False)
+
+
+@_command("studies")
+def _study() -> Options:
+    """Measure the stored tables of a study anew, all of their cases.
+
+    A report shows these tables and measures a sample of their cases again. An interrupted call
+    goes on where it stopped. Run times mean something on an idle machine alone.
+    """
+    return (
+        option("name", ", ".join(STORED), choices=STORED, metavar="STUDY"),
+        option("--out", "folder for what is finished", default="study", metavar="DIR"),
+        option(
+            "--results", "folder for the tables", usual="that of --out", type=str, metavar="DIR"
+        ),
+        _FRESH,
+    )
+
+
+@_command("simulate", tables=WHOLE, outputs=ALL)
 def _simulate() -> Options:
     """Simulate a scenario and store the motion.
 
@@ -472,24 +488,3 @@ def _animate() -> Options:
         option("--width", "GIF only: width and height in pixels", type=int, usual="480"),
         LAW,
     )
-
-
-@_command("studies")
-def _work_precision() -> Options:
-    """Measure error against run time of every formulation and integrator.
-
-    Run every formulation with every integrator on ladders of steps or tolerances and write
-    diagrams, tables and the lesson to one page. An interrupted study goes on where it stopped.
-    """
-    return _of_study("work-precision")
-
-
-@_command("studies")
-def _robustness() -> Options:
-    """Numerical stability on stiff and extreme cases.
-
-    Run a grid of hard cases in separate processes, classify each from its measured error, drift
-    and energy, and write tables and figures to one page. An interrupted study goes on where it
-    stopped.
-    """
-    return _of_study("robustness")

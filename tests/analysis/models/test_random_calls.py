@@ -18,7 +18,7 @@ from analysis.data.scenario_text import scenario_text
 from tests.helpers import random_trajectory
 from tests.scenario_texts import with_key
 from validation import cli
-from validation.commands import basic, rest
+from validation.commands import rest
 from validation.parser.runs import SOURCES
 
 NUMBERS = st.one_of(

@@ -18,10 +18,10 @@ from analysis.stability.spectra import SYSTEMS
 from mbs_models import INTEGRATORS
 from tests.calls import printed, refusal, run
 from tests.helpers import random_trajectory
+from validation import report
 from validation.parser import commands, runs
 from validation.parser.commands import COMMANDS
 from validation.parser.options import OUTPUTS, Command
-from validation.studies import full_report
 from validation.sweeps.axes import LAYOUTS, MOST_CASES
 
 NEEDED = {
@@ -51,7 +51,10 @@ def test_choices_are_those_of_the_packages() -> None:
     assert commands.INVERSION == DEFINITION
     assert commands.LAYOUTS == LAYOUTS
     assert commands.MOST == MOST_CASES
-    assert tuple(study.name for study in full_report.STUDIES) == commands.SECTIONS_OF_REPORT
+    names = tuple(name.replace("_", "-") for name in (*report.DISK, *report.METHOD))
+    assert names == commands.SECTIONS_OF_REPORT
+    stored = [n for n in names if any(study.is_stored for study in report.find(n).STUDIES)]
+    assert tuple(stored) == commands.STORED
 
 
 def options_of(command: Command) -> list[Action]:

@@ -1,4 +1,4 @@
-"""What `tippedisk report` and `simulate` do."""
+"""What `tippedisk simulate` does."""
 
 import argparse
 
@@ -8,30 +8,12 @@ from analysis import multiplier_names
 from analysis.data.checks import whole
 from analysis.data.limits import check_storage
 from analysis.stability.unstable_start import unstable_start
-from validation.commands.options import announce, chosen_end, output_folder, run_options
+from validation.commands.options import announce, chosen_end, run_options
 from validation.commands.output import Result
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.show import picture
 from validation.kit.progress import progress_bar
 from validation.run import run, run_effort
-
-
-def report(options: argparse.Namespace) -> int:
-    """Write the report and print its verdicts and checks."""
-    from validation.kit.verdicts import verdicts
-    from validation.studies import full_report
-
-    folder = output_folder("out", options.out)
-    page, sections = full_report.make(folder, only=options.only or [])
-    tables = [table for section in sections for table in section.tables]
-    print(verdicts(sections))
-    if options.verbose:
-        for table in tables:
-            if not table.file_only:
-                print(f"\n{table.title}\n{table.to_text()}")
-    failed = sum(table.checks().count(False) for table in tables)
-    print(f"\n{'All checks hold' if not failed else f'{failed} checks FAIL'}. Open {page}")
-    return 0 if not failed else 1
 
 
 def simulate(options: argparse.Namespace) -> Result:
