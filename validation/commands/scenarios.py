@@ -25,7 +25,7 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
     Parameters
     ----------
     options : Namespace
-        Some of those of `validation.parser.groups`; None for what is not given.
+        By the keys of quantities; None for what is not given.
     rest : bool
         Whether the default is that of the way to rest.
 

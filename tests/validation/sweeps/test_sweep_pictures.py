@@ -98,9 +98,8 @@ def test_sweep_without_a_picture_is_refused(axes: tuple[str, ...], message: str)
 
 
 @pytest.mark.slow
-def test_command_writes_the_picture(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_writes_the_picture(tmp_path: Path) -> None:
     out, plot = tmp_path / "a.db", tmp_path / "a.svg"
     how = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1"
     assert run("sweep", "spin=30:40:2", *how.split(), "--out", str(out), "--plot", str(plot)) == 0
-    assert capsys.readouterr().out.endswith(f"{plot}\n")
     assert plot.stat().st_size > 5000
