@@ -1,7 +1,13 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
 from mbs_models.formulations import formulations
-from mbs_models.integrators import INTEGRATORS, Integrator, IntegratorName, integrators
+from mbs_models.integrators import (
+    ACCELERATED,
+    INTEGRATORS,
+    Integrator,
+    IntegratorName,
+    integrators,
+)
 from mbs_models.linearization import eigenvalues, state_matrix, stock_eigenvalues
 from mbs_models.model import FORMULATIONS, Formulation
 from mbs_models.newton import Newton
@@ -12,6 +18,7 @@ from mbs_models.scene import Scene
 from mbs_models.simulation import simulate
 
 __all__ = [
+    "ACCELERATED",
     "FORMULATIONS",
     "INTEGRATORS",
     "EngineError",

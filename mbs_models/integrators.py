@@ -56,10 +56,9 @@ RULES: dict[IntegratorName, Rule] = {
     "LSODA": Rule((), controls_step=True),
 }
 
-FINEST_LOCAL = 1e-11
+FINEST_LOCAL = 1e-13
 """Error in a step below which the noise of accelerations that differences go into stalls step
 control."""
-
 
 ACCELERATED: tuple[IntegratorName, ...] = ("DOP853", "Radau", "LSODA")
 """Those that step the engine's accelerations."""
@@ -157,7 +156,9 @@ class Integrator:
 def integrators(
     formulation: Formulation, *, constrained: bool | None = None
 ) -> tuple[IntegratorName, ...]:
-    """Integrators that can take a formulation; the first is the engine's own default.
+    """The engine's own integrators that can take a formulation; those in `ACCELERATED` take any.
+
+    The first is the default where a step is given.
 
     Parameters
     ----------
@@ -175,10 +176,9 @@ def integrators(
     implicit: tuple[IntegratorName, ...] = ("TrapezoidalIndex2", "GeneralizedAlpha")
     explicit: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
     if CLASSES[formulation].closes_contact:
-        return explicit + implicit + ACCELERATED
+        return explicit + implicit
     # What has no constraints otherwise has a stiff contact.
-    own = implicit if constrained is None or constrained else implicit + explicit
-    return own + ACCELERATED
+    return implicit if constrained is None or constrained else implicit + explicit
 
 
 def find_integrator(
@@ -198,9 +198,9 @@ def find_integrator(
     if wanted is None:
         wanted = available[0]
     chosen = wanted if isinstance(wanted, Integrator) else Integrator(name=wanted)
-    if chosen.name not in available:
+    if chosen.name not in available + ACCELERATED:
         raise ValueError(
             f"integrator {chosen.name!r} is explicit and cannot take the constraints of "
-            f"formulation {formulation!r}; use one of {', '.join(available)}"
+            f"formulation {formulation!r}; use one of {', '.join(available + ACCELERATED)}"
         )
     return chosen

@@ -36,7 +36,7 @@ from analysis.compiled.library import is_installed
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Integrator, Scene
-from mbs_models.passes import one_pass
+from mbs_models.own_runs import run_over
 from mbs_models.rest_run import largest_step
 from validation.kit.limits import holds
 from validation.kit.provenance import machine
@@ -79,7 +79,7 @@ class Row:
         if "step" not in self.how:
             return None
         scene = Scene(self.scenario, self.how["formulation"])
-        return one_pass(scene, TIMES, Integrator(name="RK67"), self.how["step"]).seconds
+        return run_over(scene, TIMES, Integrator(name="RK67"), self.how["step"]).seconds
 
 
 def rows() -> list[Row]:

@@ -22,7 +22,7 @@ from analysis import (
 from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.build import build
 from mbs_models.extrapolation import BLIND, Ladder
-from mbs_models.passes import _even_stretches
+from mbs_models.own_runs import even_spans
 from mbs_models.probe import Probe
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
@@ -94,9 +94,9 @@ def test_uneven_times_give_the_same_motion_as_even_ones() -> None:
         np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=2e-4)
 
 
-def test_even_stretches_cover_all_times() -> None:
+def testeven_spans_cover_all_times() -> None:
     times = np.array([0.0, 1.0, 2.0, 2.5, 3.0, 7.0])
-    assert list(_even_stretches(times)) == [(0, 2, 1.0), (2, 2, 0.5), (4, 1, 4.0)]
+    assert list(even_spans(times)) == [(0, 2, 1.0), (2, 2, 0.5), (4, 1, 4.0)]
 
 
 @pytest.mark.parametrize("formulation", mbs_models.formulations(Scenario()))

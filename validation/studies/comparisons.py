@@ -169,6 +169,8 @@ def _motion_difference(scene: Scene, end: float) -> tuple[float, str]:
             times,
             formulation=scene.built_as,
             tolerance=ANGLE_LIMIT,
+            # Stepped by the engine as well, so that the sides share no solver.
+            integrator=own_integrator(scene),
             time_limit=LIMIT,
         )
     except (mbs_models.EngineError, FlatError) as error:
@@ -184,11 +186,22 @@ def _motion_difference(scene: Scene, end: float) -> tuple[float, str]:
     return deviation(engine, inhouse), detail
 
 
+def own_integrator(scene: Scene) -> mbs_models.IntegratorName:
+    """The engine's own integrator that is the default of a scene with a step."""
+    return mbs_models.integrators(scene.built_as, constrained=scene.has_constraints)[0]
+
+
 def _comparable(scene: Scene, end: float) -> tuple[tuple[float, ...], Trajectory]:
     """Times in s as far as `end` if disk and patience allow, and the in-house motion there."""
     scenario = scene.scenario
     efforts = (
-        run_effort(scenario, _times(end), formulation=scene.built_as, tolerance=ANGLE_LIMIT),
+        run_effort(
+            scenario,
+            _times(end),
+            formulation=scene.built_as,
+            tolerance=ANGLE_LIMIT,
+            integrator=own_integrator(scene),
+        ),
         run_effort(scenario, _times(end), source="in-house", tolerance=REFERENCE_TOLERANCE),
     )
     longest = max(efforts, key=lambda effort: effort.seconds)

@@ -17,11 +17,11 @@ import numpy as np
 
 from analysis.data.watch import Watch
 from mbs_models import EngineError, Scene
-from mbs_models.columns import BETA, GAMMA
 from mbs_models.effort import HALVINGS
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import find_integrator
-from mbs_models.passes import one_pass
+from mbs_models.own_runs import run_over
+from mbs_models.sampled import BETA, GAMMA
 from validation.kit.tables import Cell, Table
 from validation.studies.robustness.random_scenarios import Draw, asked_for
 from validation.studies.robustness.reference import NoReference, reference_or_reason
@@ -90,7 +90,7 @@ def halved(drawn: Draw) -> Halved | None:
     rungs = []
     for halvings in range(HALVINGS):
         try:
-            run = one_pass(
+            run = run_over(
                 scene,
                 problem.times,
                 integrator,

@@ -13,7 +13,7 @@ from analysis.data.trajectory import versions
 from analysis.models.forms import pose
 from mbs_models import Formulation, Integrator, Scene
 from mbs_models.extrapolation import Ladder
-from mbs_models.passes import one_pass
+from mbs_models.own_runs import run_over
 from mbs_models.simulation import trajectory
 from validation.studies.work_precision.problems import SPACING, TIMES, ProblemName, StandardProblem
 
@@ -89,7 +89,7 @@ class EngineMethod:
         integrator, step = self.integrator, setting
         if integrator.controls_step:
             integrator, step = Integrator(name=integrator.name, local_tolerance=setting), np.inf
-        result = one_pass(Scene(problem.scenario, self.formulation), TIMES, integrator, step)
+        result = run_over(Scene(problem.scenario, self.formulation), TIMES, integrator, step)
         if result.ended is not None:
             raise ArithmeticError(f"{result.ended} at t = {result.times[-1]:.6g} s")
         return TimedRun(result, result.seconds, dict(result.counts))
