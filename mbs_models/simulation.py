@@ -267,4 +267,5 @@ def trajectory(
         versions=versions("numpy", "exudyn"),
         ending=ending,
         pulling=result.pulling,
+        solver_seconds=result.seconds,
     )

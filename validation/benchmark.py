@@ -40,10 +40,10 @@ from mbs_models.own_runs import run_over
 from mbs_models.rest_run import largest_step
 from validation.kit.limits import holds
 from validation.kit.provenance import machine
+from validation.kit.references import deviation
 from validation.kit.tables import Cell, Table
 from validation.run import run
 from validation.studies import compiled_speed
-from validation.studies.robustness.reference import deviation
 from validation.studies.stability.eigenvalue_check import engine_matrices
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan

@@ -1,5 +1,6 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
+import time
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -126,15 +127,18 @@ def simulate(
     watch = Watch(time_limit, progress, effort.most)
 
     evaluations: list[int] = []
+    seconds = 0.0
 
     def run(posed: PosedForm, local: float, longest: float = 1.0) -> Run:
-        problem = posed.problem.with_steps_up_to(longest)
+        nonlocal seconds
+        problem, begin = posed.problem.with_steps_up_to(longest), time.process_time()
         if compiled is not None:
             found = compiled.integrate(problem, times, local, watch)
         else:
             found = integrate(
                 problem, times, method, local, allow_pulling=allow_pulling, watch=watch
             )
+        seconds = time.process_time() - begin
         evaluations.append(found.evaluations)
         if found.ended == _LOW:
             raise _NearlyFlatError
@@ -165,7 +169,7 @@ def simulate(
         "tolerance": tolerance,
         "local_tolerance": local_tolerance,
     }
-    return trajectory(scenario, posed, result, settings, estimate)
+    return replace(trajectory(scenario, posed, result, settings, estimate), solver_seconds=seconds)
 
 
 def _accuracy(

@@ -21,7 +21,8 @@ from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
 from analysis.nonlinear.cycle import Cycle
-from analysis.stability.linear_reduced import ComplexArray, critical_speed, reduced_matrices
+from analysis.stability.linear_reduced import critical_speed, reduced_matrices
+from analysis.stability.linearisation import ComplexArray
 
 Ending = Callable[[float, Array], float]
 

@@ -22,7 +22,6 @@ from analysis.data.checks import Array, positive, real_array
 from analysis.data.scenario import Scenario
 from analysis.mechanics.reduced import acceleration_from, right_hand_side
 from analysis.nonlinear import flow
-from analysis.nonlinear.shooting import open_amplitude
 from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices
 
 Order = Literal[0, 1]
@@ -184,7 +183,7 @@ def slow_cycle(scenario: Scenario, amplitude: float) -> SlowOrbit:
     NoManifoldError
         If friction cannot hold the disk there, or no spin near the critical one is found.
     """
-    return _surviving(scenario, open_amplitude(amplitude))
+    return _surviving(scenario, flow.open_amplitude(amplitude))
 
 
 def slow_connection(scenario: Scenario) -> SlowOrbit:

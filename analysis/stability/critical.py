@@ -16,8 +16,7 @@ from scipy.optimize import brentq
 from analysis.data.checks import Array, number
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.linear_reduced import ComplexArray
-from analysis.stability.scope import spin_scale
+from analysis.stability.linearisation import ROUND_OFF, ComplexArray, spin_scale
 from analysis.stability.spectra import (
     Branches,
     System,
@@ -29,9 +28,6 @@ from analysis.stability.spectra import (
 
 Side = Literal["below", "above"]
 Spectrum = Callable[[float], ComplexArray]
-
-_ROUND_OFF = 1e-12
-"""Real parts below this part of the largest eigenvalue have no sign."""
 
 _ZERO = 1e-6
 """Eigenvalues and differences below this part of the largest eigenvalue count as zero.
@@ -212,7 +208,7 @@ def hopf_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
     spins = followed.spins.tolist()
     result = []
     for branch in followed.values.T:
-        clear = np.nonzero(np.abs(branch.real) > _ROUND_OFF * largest)[0].tolist()
+        clear = np.nonzero(np.abs(branch.real) > ROUND_OFF * largest)[0].tolist()
         for start, end in pairwise(clear):
             changes = branch[start].real * branch[end].real < 0.0
             if changes and np.all(branch.imag[start : end + 1] > _ZERO * largest):

@@ -18,11 +18,8 @@ from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
 from analysis.stability.chart import gradient_matrices
-from analysis.stability.linear_reduced import ComplexArray
-from analysis.stability.scope import spin_scale
-
-CONVERGED = 1e-8
-"""Last Newton step; the error it leaves is about its square, until round-off takes over."""
+from analysis.stability.continuation import Curve
+from analysis.stability.linearisation import ComplexArray, spin_scale
 
 
 class ExtendedSystem:
@@ -33,6 +30,7 @@ class ExtendedSystem:
         self.scale = spin_scale(scenario)
         self.row: Array = np.zeros(6)
         self.column: Array = np.zeros(6)
+        self.curve = Curve(self.residual)
         self.renew(start)
 
     def matrices(self, x: Array) -> tuple[Array, Array, Array]:
@@ -73,25 +71,6 @@ class ExtendedSystem:
         jacobian = np.array((slopes.real, slopes.imag / x[2]))
         jacobian[1, 2] -= g.imag / x[2] ** 2
         return np.array((g.real, g.imag / x[2])), jacobian
-
-    def correct(self, x: Array, row: Array, value: float) -> tuple[Array, Array, int] | None:
-        """Newton's method for g = 0 and row @ x = value.
-
-        Returns
-        -------
-        Point, unit tangent and number of iterations, or None if it does not converge.
-        """
-        for iteration in range(1, 9):
-            g, jacobian = self.residual(x)
-            matrix = np.vstack((jacobian, row))
-            step = np.linalg.solve(matrix, -np.append(g, row @ x - value))
-            x = x + step
-            if x[2] <= 0.0 or np.max(np.abs(step)) > 1.0:
-                return None
-            if np.max(np.abs(step)) < CONVERGED:
-                tangent = np.cross(*self.residual(x)[1])
-                return x, tangent / np.linalg.norm(tangent), iteration
-        return None
 
 
 def _most_real(vector: ComplexArray) -> Array:

@@ -18,7 +18,7 @@ from analysis.data.table import Table
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Crossing, hopf_crossings
 from analysis.stability.linear_full import FullLinearSystem, full_system
-from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import Branches, follow
 
 PRINTED = (27.1, 30.2)

@@ -20,10 +20,16 @@ from scipy.optimize import linear_sum_assignment
 from analysis.data.checks import Array, choice
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
-from analysis.stability.linear_full import full_system, spin_array, without_drift
-from analysis.stability.linear_numeric import NumericSystem, has_drift, upright_gamma
-from analysis.stability.linear_reduced import ComplexArray, reduced_matrices
-from analysis.stability.scope import spin_scale
+from analysis.stability.linear_full import full_system
+from analysis.stability.linear_reduced import reduced_matrices
+from analysis.stability.linearisation import (
+    ComplexArray,
+    falling,
+    has_drift,
+    spin_array,
+    spin_scale,
+    spinning,
+)
 
 System = Literal["full", "reduced", "numeric"]
 SYSTEMS: tuple[System, ...] = get_args(System)
@@ -116,15 +122,15 @@ def matrices_over_spin(
     if system == "full":
 
         def full(spins: Array) -> Array:
-            matrices = full_system(scenario, spins, motion).state_matrices
-            return matrices if drift else without_drift(spins, matrices)
+            found = full_system(scenario, spins, motion)
+            return found.state_matrices if drift else found.relevant_matrices
 
         full(np.zeros(1))
         return full
     if system == "reduced":
         reduced_matrices(scenario, 0.0, motion)
         return lambda spins: reduced_matrices(scenario, spins, motion)
-    numeric = NumericSystem(scenario, upright_gamma(motion))
+    numeric = spinning(scenario, motion)
     return lambda spins: numeric.matrices(spins, drift=drift)
 
 
@@ -178,10 +184,10 @@ def eigenvalues(
     """
     spins = spin_array(spins)
     matrices = relevant_matrices(scenario, spins, system, motion)
-    values: ComplexArray = np.linalg.eigvals(matrices).astype(complex)
+    values = np.linalg.eigvals(matrices)
     if has_drift(scenario.constraints):
         values = np.column_stack((values, 1j * spins, -1j * spins))
-    return np.take_along_axis(values, np.lexsort((-values.imag, -values.real)), axis=1)
+    return falling(values)
 
 
 def branches(

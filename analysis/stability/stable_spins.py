@@ -9,10 +9,8 @@ from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
 from analysis.stability.critical import spin_interval
+from analysis.stability.linearisation import ROUND_OFF
 from analysis.stability.spectra import System, helper_spins, matrices_over_spin
-
-_ROUND_OFF = 1e-10
-"""Real parts of less than this part of the largest eigenvalue are none."""
 
 
 def stable_spins(
@@ -46,7 +44,7 @@ def stable_spins(
     def growth(spins: Array) -> Array:
         """Largest growth rates in 1/s, above zero also where they only might be."""
         values = np.linalg.eigvals(matrices(spins))
-        rates: Array = np.max(values.real, axis=1) + _ROUND_OFF * np.max(np.abs(values), axis=1)
+        rates: Array = np.max(values.real, axis=1) + ROUND_OFF * np.max(np.abs(values), axis=1)
         return rates
 
     spins = helper_spins(low, high)

@@ -1,11 +1,7 @@
-"""Figures 7, 8 and 9 of the paper: engine as lines, in-house as markers.
-
-Each function draws into given axes and returns them. Colours and line styles stay apart in grey
-and for the colour-blind.
-"""
+"""What figures share: colours and line styles that stay apart in grey and for the colour-blind."""
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 from PIL import Image
 
-from analysis import SpatialMotion, StoredRun, Trajectory
+from analysis import SpatialMotion, StoredRun
 from analysis.data.checks import Array
 
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73")
@@ -36,8 +32,6 @@ _PALETTE = 96
 
 _EDGE = 5
 """Pixels left around a panel that is cut out."""
-
-_MARKED = 12
 
 _RC: Any = {
     "axes.grid": True,
@@ -183,139 +177,6 @@ def pi_label(value: float) -> str:
             top = number * divisor // 4
             denominator = "" if divisor == 1 else f"/{divisor}"
     return f"{sign}{'' if top == 1 else top}π{denominator}"
-
-
-def pair(
-    axes: Axes,
-    engine: tuple[Trajectory, Array],
-    inhouse: tuple[Trajectory, Array],
-    *,
-    index: int,
-    label: str,
-) -> None:
-    """Draw one quantity of an engine run as a line and of an in-house run as sparse markers."""
-    axes.plot(
-        engine[0].times, engine[1], color=COLOURS[index], linestyle=STYLES[index], label=label
-    )
-    every = max(1, inhouse[0].times.size // _MARKED)
-    # Markers of different curves are shifted, so that they do not hide each other.
-    axes.plot(
-        inhouse[0].times,
-        inhouse[1],
-        linestyle="none",
-        marker=MARKERS[index],
-        markersize=5,
-        markerfacecolor="white",
-        markeredgecolor=COLOURS[index],
-        markevery=(index * every // 4, every),
-    )
-
-
-def figure_7(
-    engine: Mapping[str, Trajectory], inhouse: Mapping[str, Trajectory], axes: Any = None
-) -> Any:
-    """Model 1: beta, gamma, the normal force, and what the load law changes.
-
-    Parameters
-    ----------
-    engine, inhouse : mapping
-        Runs by load law, "weight" and "contact".
-    axes : sequence of 3 Axes, optional
-    """
-    axes = new_figure(3, height=7.5)[1] if axes is None else axes
-    for index, (name, symbol) in enumerate((("beta", "β"), ("gamma", "γ"))):
-        for load, shift in (("contact", 1), ("weight", 0)):
-            run = engine[load]
-            if load == "contact":
-                values = run.coordinate(name)
-                other = inhouse[load]
-                pair(
-                    axes[0],
-                    (run, values),
-                    (other, other.coordinate(name)),
-                    index=index + shift,
-                    label=f"{symbol}, load $λ_N$",
-                )
-            else:
-                axes[0].plot(run.times, run.coordinate(name), color="#999999", linewidth=0.8)
-        difference = engine["weight"].coordinate(name) - engine["contact"].coordinate(name)
-        axes[2].plot(
-            engine["weight"].times,
-            difference,
-            color=COLOURS[index + 1],
-            linestyle=STYLES[index + 1],
-            label=f"Δ{symbol}",
-        )
-    axes[0].plot([], [], color="#999999", linewidth=0.8, label="both, load $m g$")
-    axes[0].plot([], [], "o", color="black", markerfacecolor="white", label="in-house")
-    angle_axis(axes[0])
-    axes[0].set(ylabel="angle in rad")
-    weight = engine["contact"].scenario.weight
-    pair(
-        axes[1],
-        (engine["contact"], engine["contact"].normal_force),
-        (inhouse["contact"], inhouse["contact"].normal_force),
-        index=0,
-        label="$λ_N$",
-    )
-    axes[1].axhline(weight, color="#999999", linewidth=0.8, label="$m g$")
-    axes[1].set(ylabel="normal force in N", ylim=(0.0, 1.6 * weight))
-    axes[2].set(xlabel="time in s", ylabel="load $m g$ less load $λ_N$\nin rad")
-    for each in axes:
-        legend_above(each, columns=2)
-    return axes
-
-
-def figure_8(engine: Sequence[Trajectory], inhouse: Sequence[Trajectory], axes: Any = None) -> Any:
-    """Beta and gamma of Models 1 to 4.
-
-    Parameters
-    ----------
-    engine, inhouse : sequence of 4 trajectories
-    axes : sequence of 2 Axes, optional
-    """
-    axes = new_figure(2, height=6.0)[1] if axes is None else axes
-    for each, name, symbol in zip(axes, ("beta", "gamma"), "βγ", strict=True):
-        for index, (run, other) in enumerate(zip(engine, inhouse, strict=True)):
-            pair(
-                each,
-                (run, run.coordinate(name)),
-                (other, other.coordinate(name)),
-                index=index,
-                label=run.scenario.name,
-            )
-        each.set(ylabel=f"{symbol} in rad")
-    angle_axis(axes[1])
-    axes[0].axhline(np.pi / 2, color="#999999", linewidth=0.8, zorder=0)
-    axes[0].annotate(
-        "upright",
-        (1.01, np.pi / 2),
-        xycoords=axes[0].get_yaxis_transform(),
-        ha="left",
-        va="center",
-        annotation_clip=False,
-    )
-    legend_above(axes[0])
-    axes[1].set(xlabel="time in s")
-    return axes
-
-
-def figure_9(
-    engine: Sequence[Trajectory], inhouse: Sequence[Trajectory], axes: Axes | None = None
-) -> Axes:
-    """Spinning velocity of Models 1 to 4; the arguments are those of `figure_8`."""
-    axes = new_figure()[1] if axes is None else axes
-    for index, (run, other) in enumerate(zip(engine, inhouse, strict=True)):
-        pair(
-            axes,
-            (run, run.rate("alpha")),
-            (other, other.rate("alpha")),
-            index=index,
-            label=run.scenario.name,
-        )
-    axes.set(xlabel="time in s", ylabel="spinning velocity $\\dotα$ in rad/s")
-    legend_above(axes)
-    return axes
 
 
 def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> Any:

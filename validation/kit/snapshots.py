@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from analysis import Trajectory
 from analysis.data import frames
 from analysis.data.checks import Array
 from validation.kit import figures
-from validation.kit.figures import Picture
 
 _VIEW_ELEVATION = np.radians(14.0)
 
@@ -68,8 +68,8 @@ def draw_disk(trajectory: Trajectory, index: int, axes: Any) -> Any:
     return axes
 
 
-def strip(trajectory: Trajectory, times: Sequence[float]) -> Picture:
-    """Render the disk at some instants side by side, above the angle gamma over time.
+def strip(trajectory: Trajectory, times: Sequence[float]) -> Figure:
+    """Draw the disk at some instants side by side, above the angle gamma over time.
 
     Parameters
     ----------
@@ -102,10 +102,4 @@ def strip(trajectory: Trajectory, times: Sequence[float]) -> Picture:
     axes.annotate("COG above the centre", (0.0, np.pi / 2), va="bottom", fontsize=9)
     figures.angle_axis(axes)
     axes.set(xlabel="time in s", ylabel="γ in rad")
-    return figures.render(
-        figure,
-        name="snapshots",
-        title="The tippedisk turns itself upside down",
-        caption="Model 1 in the engine. Black dot: centre of gravity; cross: geometric centre. "
-        "The camera turns with the disk; the white circle is the hole that makes it eccentric.",
-    )
+    return figure

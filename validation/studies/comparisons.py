@@ -24,8 +24,8 @@ from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
 from mbs_models import Scene
 from validation.kit.limits import largest
+from validation.kit.references import deviation
 from validation.run import run, run_effort, run_to_rest
-from validation.studies.robustness.reference import deviation
 from validation.studies.stability.eigenvalue_check import distance
 
 ANGLE_LIMIT = 1e-7

@@ -21,8 +21,8 @@ from analysis.data.checks import Array
 from analysis.models.forms import start_values
 from analysis.models.simulation import COMPILED_TOLERANCES
 from validation.kit.limits import holds
+from validation.kit.references import deviation
 from validation.kit.tables import Cell, Table
-from validation.studies.robustness.reference import deviation
 
 TIMES = np.linspace(0.0, 2.0, 201)
 ERRORS = (1e-6, 1e-9, 1e-12)

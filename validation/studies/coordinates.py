@@ -2,8 +2,6 @@
 
 from math import cos, pi, sin
 
-from validation.kit.page import Drawing
-
 _BETA, _GAMMA = 1.0, 0.7
 """Attitude of the sketch in rad."""
 
@@ -58,8 +56,8 @@ _DISK = 'fill="#0072b2" fill-opacity="0.22" stroke="#0072b2" stroke-width="2"'
 _TABLE = 'fill="currentColor" fill-opacity="0.07" stroke="none"'
 
 
-def sketch() -> Drawing:
-    """The disk on the table with centre, centre of gravity, contact point and angles."""
+def sketch() -> str:
+    """The disk on the table with centre, centre of gravity, contact point and angles, as SVG."""
     centre = _in_disk(0.0, 0.0)
     foot: Point = (0.0, centre[1], 0.0)
     parts = [
@@ -87,18 +85,8 @@ def sketch() -> Drawing:
         _dot((0.0, 0.0, 0.0)),
         _text((0.0, 0.0, 0.0), "C", (-16.0, 10.0)),
     ]  # fmt: skip
-    svg = (
+    return (
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 300" role="img" '
         'font-family="system-ui, sans-serif" font-size="15" fill="currentColor" '
         'aria-label="Disk on a table with its angles">' + "".join(parts) + "</svg>"
-    )
-    return Drawing(
-        name="coordinates",
-        title="Coordinates",
-        caption="The disk with centre G, centre of gravity S (drawn farther from G than it is) "
-        "and contact point C. α turns about the vertical and is the spin's angle; β is the "
-        "inclination, π/2 for an upright disk; γ counts from the disk's horizontal diameter, "
-        "along e_x, to S: at −π/2 the centre of gravity is below the centre, at π/2 above it. x̄, "
-        "ȳ and z are the place of G in a frame that turns with α about the vertical.",
-        svg=svg,
     )

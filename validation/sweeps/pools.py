@@ -6,53 +6,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from pebble import ProcessPool
-
 from analysis.data.checks import choice
 from analysis.data.own import is_own, own_object
-from analysis.data.workers import Spawning
+from validation.kit.processes import Processes
 
 KINDS = ("processes", "dask", "mpi")
 """Executors by name; others by `module:function`."""
 
 _PATIENCE = "10s"
 """For which a scheduler may keep silent at first."""
-
-
-class Processes(Executor):
-    """Worker processes of this machine: one that ends fails the call that it was at, no other.
-
-    Parameters
-    ----------
-    workers : int
-        Number of processes; a new one is started for each that ends.
-    """
-
-    def __init__(self, workers: int) -> None:
-        spawning = Spawning(deaf=True)
-        self.check_begun = spawning.check_begun
-        self._pool = ProcessPool(
-            max_workers=workers,
-            context=spawning.context,
-            initializer=spawning.initializer,
-            initargs=spawning.arguments,
-        )
-
-    def submit(
-        self, function: Callable[..., Any], /, *arguments: Any, **named: Any
-    ) -> "Future[Any]":
-        """Call a function in a worker; `pebble.ProcessExpired` is what its end leads to."""
-        future: Future[Any] = self._pool.schedule(function, args=arguments, kwargs=named)
-        return future
-
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Finish what has been submitted, or end the processes at once."""
-        if cancel_futures:
-            self._pool.stop()
-        else:
-            self._pool.close()
-        if wait:
-            self._pool.join()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

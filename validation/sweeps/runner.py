@@ -16,7 +16,8 @@ from pebble import ProcessExpired
 
 from analysis.data.outcomes import DONE, Row, failed
 from analysis.data.state import COORDINATES
-from validation.sweeps.pools import Pool, Processes, open_pool
+from validation.kit.processes import Processes
+from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
 from validation.sweeps.sweep import Sweep, look_ahead, run_batch, run_case, sweep_from_text
 

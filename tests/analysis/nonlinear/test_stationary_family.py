@@ -24,7 +24,7 @@ from analysis.nonlinear.stationary import (
     stationary_motions,
 )
 from analysis.stability import spectra
-from analysis.stability.linear_stationary import stationary_eigenvalues
+from analysis.stability.linearisation import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
 from validation.studies.nonlinear.tables import stationary_table
 
@@ -74,7 +74,7 @@ def test_a_branch_that_goes_on_beyond_the_most_motions_says_so() -> None:
     begin = [motion.spin for motion in whole].index(60.0)
     longest = max(begin, len(whole) - 1 - begin)
     assert len(stationary_branch(scenario, tilted, (58.0, 62.0), most=longest)) == len(whole)
-    message = rf"more than {longest - 1} motions one way, and goes on beyond \d+\.\d+ with beta"
+    message = rf"more than {longest - 1} points one way, and goes on beyond \d+\.\d+ with beta"
     with pytest.raises(ArithmeticError, match=message):
         stationary_branch(scenario, tilted, (58.0, 62.0), most=longest - 1)
     with pytest.raises(ValueError, match="most must be 1 or more, got 0"):

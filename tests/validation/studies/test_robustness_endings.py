@@ -13,12 +13,12 @@ from analysis import LEVELS, Scenario, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, Ending
 from tests.helpers import not_none
+from validation.kit.located import up_to_ending
 from validation.studies.robustness import ended, section, tables
 from validation.studies.robustness import run as runs
 from validation.studies.robustness.axes import QUICK, problems
 from validation.studies.robustness.cases import EndedProblem, Way, ways
 from validation.studies.robustness.causes import cause
-from validation.studies.robustness.located import up_to_ending
 from validation.studies.robustness.reference import Reference, deviation, reference
 from validation.studies.robustness.run import Outcome, run_case
 

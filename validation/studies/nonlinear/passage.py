@@ -18,7 +18,7 @@ from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import Source
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import matrices_over_spin
 from validation.kit.tables import Table
 from validation.run import run, run_to_rest

@@ -11,7 +11,7 @@ import analysis
 import mbs_models
 from analysis import MODELS, STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, State
 from mbs_models import Scene
-from validation.kit.tables import Cell, Table
+from validation.study import Row, Study
 
 TIMES = (0.0, 0.1)
 LIMIT = 2.0
@@ -72,24 +72,24 @@ REQUESTS: dict[str, Callable[[], object]] = {
 }
 
 
-def refusals() -> Table:
-    """Ask for each of `REQUESTS`; each must be refused at once, in one line."""
+def measure(name: str) -> list[Row]:
+    """Ask for something; it must be refused at once, in one line."""
     Scene()
-    rows: list[list[Cell]] = []
-    for name, ask in REQUESTS.items():
-        begin = time.perf_counter()
-        reason, refused = "", False
-        try:
-            with np.errstate(all="raise"):
-                ask()
-        except ValueError as error:
-            reason, refused = str(error), True
-        seconds = time.perf_counter() - begin
-        rows.append([name, refused and "\n" not in reason and seconds < LIMIT, reason])
-    return Table(
-        name="refusals",
-        title="What cannot work is refused before it runs",
-        columns=("asked for", "refused at once", "reason given"),
-        rows=rows,
-        note=f"At once: by a ValueError of one line within {LIMIT:g} s.",
-    )
+    begin = time.perf_counter()
+    reason, refused = "", False
+    try:
+        with np.errstate(all="raise"):
+            REQUESTS[name]()
+    except ValueError as error:
+        reason, refused = str(error), True
+    seconds = time.perf_counter() - begin
+    at_once = refused and "\n" not in reason and seconds < LIMIT
+    return [{"at_once": at_once, "reason": reason, "seconds": seconds}]
+
+
+REFUSALS = Study(
+    name="robustness-refusals",
+    cases=lambda: {name: name for name in REQUESTS},
+    measure=measure,
+    columns={"at_once": f"by a ValueError of one line within {LIMIT:g} s"},
+)

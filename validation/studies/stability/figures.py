@@ -1,317 +1,201 @@
 """Figures 6, 10 and 11 of the paper, and the stability chart beyond it.
 
-In-house eigenvalues are lines, those of the engine markers. Functions draw into given axes.
+In-house eigenvalues are lines, those of the engine circles, what the paper prints crosses.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
+import pandas as pd
 from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
 
-from analysis import MODELS, Motion, Scenario
+from analysis import MODELS, Scenario
 from analysis.data.checks import Array
 from analysis.stability import linear_reduced, spectra
-from analysis.stability.chart import StabilityChart, static_gradient
-from analysis.stability.corners import Corner
+from analysis.stability.chart import stability_chart, static_gradient
 from analysis.stability.critical import critical_speeds
-from analysis.stability.hopf_curves import HopfCurve
-from validation.kit import figures
-from validation.kit.figures import Picture
+from analysis.stability.linear_variants import PRINTED
+from validation.kit.figures import legend_above, new_figure
+from validation.studies.stability.eigenvalue_check import ComplexArray
+from validation.studies.stability.measured import PAPER_GRADIENT
 
-ComplexArray = npt.NDArray[np.complex128]
+Engine = tuple[Array, ComplexArray]
+"""Spins in rad/s, shape (n,), and eigenvalues of the engine there in 1/s, shape (n, k)."""
+
+Places = Mapping[float, float]
+"""Points to mark: from spins in rad/s to parts of an eigenvalue in 1/s."""
 
 FULL, REDUCED = Scenario(constraints=MODELS[1]), Scenario(constraints=MODELS[4])
 
 SPINS = np.linspace(0.0, 50.0, 501)
 """Spins of the lines in rad/s, those of the paper's figures."""
 
-ENGINE_SPINS = np.linspace(0.0, 50.0, 26)
-"""Spins of the engine's markers in rad/s."""
+PARTS = ("real", "imag")
 
-_COLOURS = ("#d55e00", "#009e73", "#0072b2", "#cc79a7")
-"""Vermilion, green, blue and purple of the Okabe-Ito palette; red, green, blue as in the paper."""
+_COLOURS = ("#d55e00", "#009e73", "#0072b2")
+"""Of each two branches: vermilion, green and blue, as in the paper."""
 
 _LOWEST = -60.0
 """Real part in 1/s below which an eigenvalue is one of sliding friction."""
 
-_DASHED = "Dashed: the other one of a pair. Shaded: unstable, Re λ > 0. "
+_CIRCLE: Mapping[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 3.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.8,
+    "zorder": 3,
+}
+_SPIN = "spinning speed Ω in rad/s"
 
-_UNSTABLE = {"color": "#d55e00", "alpha": 0.10, "linewidth": 0}
 
-
-def branch_lines(
-    axes: Sequence[Any], branches: spectra.Branches, columns: Sequence[tuple[int, int, str]]
+def panel(
+    axes: Any, part: str, branches: spectra.Branches, engine: Engine, labels: Mapping[int, str]
 ) -> None:
-    """Draw real and imaginary parts of some branches into two axes.
+    """Draw real or imaginary parts of pairs of branches, the second dashed, and the engine's.
 
     Parameters
     ----------
-    axes : sequence of 2 Axes
+    axes : Axes
+    part : {"real", "imag"}
     branches : Branches
-    columns : sequence of (column, colour index, label)
-        An empty label keeps a branch out of the legend and draws it dashed.
+    engine : tuple
+    labels : mapping
+        From the first column of each pair to its label.
     """
-    for column, colour, label in columns:
-        look = {"color": _COLOURS[colour], "linestyle": "-" if label else "--"}
-        values = branches.values[:, column]
-        axes[0].plot(branches.spins, values.real, label=label or None, **look)
-        axes[1].plot(branches.spins, values.imag, **look)
+    for first, label in labels.items():
+        look = {"color": _COLOURS[first // 2]}
+        values = getattr(branches.values, part)
+        axes.plot(branches.spins, values[:, first], label=label, **look)
+        axes.plot(branches.spins, values[:, first + 1], "--", **look)
+    spins, found = engine
+    shown = np.where(found.real > _LOWEST, getattr(found, part), np.nan)
+    axes.plot(spins, shown, **_CIRCLE)[0].set_label("engine")
+    axes.set(xlim=(SPINS[0], SPINS[-1]), xlabel=_SPIN)
+    axes.set_ylabel("Re λ in 1/s" if part == "real" else "Im λ in 1/s")
+    if part == "real":
+        axes.axhspan(0.0, 60.0, color=_COLOURS[0], alpha=0.10, linewidth=0)
 
 
-def engine_markers(
-    axes: Sequence[Any], spins: Array, values: ComplexArray, *, lowest: float = _LOWEST
-) -> None:
-    """Draw eigenvalues of the engine, shape (n, k), as markers into two axes.
-
-    Those with a real part below `lowest`, in 1/s, are left out.
-    """
-    look = {
-        "linestyle": "none",
-        "marker": "o",
-        "markersize": 3.5,
-        "markerfacecolor": "white",
-        "markeredgecolor": "black",
-        "markeredgewidth": 0.8,
-        "zorder": 3,
-    }
-    shown = np.where(values.real > lowest, values, complex(np.nan, np.nan))
-    for index in range(shown.shape[1]):
-        label = "engine" if index == 0 else None
-        axes[0].plot(spins, shown[:, index].real, label=label, **look)
-        axes[1].plot(spins, shown[:, index].imag, **look)
+def mark(axes: Any, found: Places, printed: Places) -> None:
+    """Mark what is found and what the paper prints, with the numbers of both."""
+    for places, marker, label, shift, digits, colour in (
+        (found, "D", "found here", (-3, 10), ".2f", "black"),
+        (printed, "X", "in the paper", (3, -16), "g", "#a0208c"),
+    ):
+        look = {"color": colour, "markersize": 7, "markeredgecolor": "white", "zorder": 4}
+        axes.plot(list(places), list(places.values()), marker, label=label, **look)
+        for spin, value in places.items():
+            axes.annotate(
+                format(value or spin, digits),
+                (spin, value),
+                xytext=shift,
+                textcoords="offset points",
+                ha="right" if places is found else "left",
+                color=colour,
+                bbox={"facecolor": "white", "alpha": 0.7, "pad": 0.5, "linewidth": 0.0},
+            )
 
 
-def full_columns(branches: spectra.Branches) -> list[tuple[int, int, str]]:
-    """Columns of the full system in the paper's colours, without lambda_7 and lambda_8.
-
-    Slow and fast pair are told apart by their frequency at the highest spin.
-    """
-    last = branches.values[-1]
-    shown = [
-        column
-        for column in range(last.size)
-        if column not in branches.drift and abs(last[column].imag) > 0.0
-    ]
-    shown.sort(key=lambda column: (abs(last[column].imag), -last[column].imag))
-    result = [
-        (column, 0 if index < 2 else 2, "" if index % 2 else label)
-        for index, (column, label) in enumerate(
-            zip(shown, ("$λ_{1,2}$", "", "$λ_{5,6}$", ""), strict=False)
-        )
-    ]
-    drift = [(column, 1, "" if i else "$λ_{3,4}$") for i, column in enumerate(branches.drift)]
-    return result[:2] + drift + result[2:]
-
-
-def _label_axes(axes: Sequence[Any]) -> None:
-    axes[0].set(ylabel="Re λ in 1/s")
-    axes[1].set(ylabel="Im λ in 1/s", xlabel="spinning speed Ω in rad/s")
-    axes[0].axhline(0.0, color="#999999", linewidth=0.8, zorder=0)
-
-
-def figure_6(engine: ComplexArray) -> Picture:
-    """Inverted spinning, full system, with the magnified crossings.
-
-    Parameters
-    ----------
-    engine : ndarray, complex, shape (26, 8)
-        Eigenvalues of the engine's Model 1 at `ENGINE_SPINS`.
-    """
+def figure_6(engine: Engine) -> Figure:
+    """Inverted spinning of the full system, with its crossings magnified."""
     branches = spectra.branches(FULL, SPINS)
-    columns = full_columns(branches)
-    figure, axes = figures.new_figure(4, height=10.5, share=False)
-    branch_lines(axes, branches, columns)
-    engine_markers(axes, ENGINE_SPINS, engine)
+    labels = {0: "$λ_{1,2}$", 2: "$λ_{3,4}$", 4: "$λ_{5,6}$"}
+    figure, axes = new_figure(3, height=9.5, share=False)
+    for each, part in zip(axes, (*PARTS, "real"), strict=True):
+        panel(each, part, branches, engine, labels)
+    found = critical_speeds(FULL, (SPINS[0], SPINS[-1])).hopf
+    mark(axes[2], {each.spin: 0.0 for each in found}, dict.fromkeys(PRINTED, 0.0))
     axes[0].set(ylim=(-12.0, 17.0))
     axes[1].set(ylim=(-55.0, 55.0))
-    _label_axes(axes[:2])
-    _friction_panel(axes[3], branches, engine)
-    for each in (axes[0], axes[1], axes[3]):
-        each.set_xlim(0.0, 50.0)
-    axes[0].axhspan(0.0, 60.0, **_UNSTABLE)
-    axes[2].axhspan(0.0, 1.0, **_UNSTABLE)
-    branch_lines((axes[2], _Nothing()), branches, columns)
-    engine_markers((axes[2], _Nothing()), ENGINE_SPINS, engine)
-    # Labels lie where no branch runs: below the lower crossing, above the upper one.
-    for crossing, shift in zip(
-        critical_speeds(FULL, (0.0, 50.0)).hopf, ((4, -14), (10, 6)), strict=True
-    ):
-        axes[2].plot(crossing.spin, 0.0, "D", color="black", markersize=5, zorder=4)
-        axes[2].annotate(
-            f"{crossing.spin:.2f} rad/s",
-            (crossing.spin, 0.0),
-            xytext=shift,
-            textcoords="offset points",
-        )
-    axes[2].set(ylim=(-0.35, 0.6), ylabel="Re λ in 1/s,\nmagnified")
-    axes[2].set(xlabel="spinning speed Ω in rad/s", xlim=(22.0, 38.0))
-    figures.legend_above(axes[0])
-    return figures.render(
-        figure,
-        name="paper-fig-6",
-        paper="Fig. 6",
-        title="Eigenvalues of inverted spinning, full system",
-        caption="Lines: Eq. (55); markers: the engine's Model 1. "
-        + _DASHED
-        + "Diamonds: crossings. λ₃,₄ are ±iΩ exactly: a place on the table, seen from the turning "
-        "frame. λ₇ and λ₈, which belong to sliding friction, are real and have a panel of their "
-        "own. At every spin from 0 to 50 rad/s a pair has a positive real part.",
-    )
+    axes[2].set(xlim=(25.0, 32.0), ylim=(-0.25, 0.4), ylabel="Re λ in 1/s, magnified")
+    legend_above(axes[0])
+    axes[2].legend(*(each[-2:] for each in axes[2].get_legend_handles_labels()), loc="lower left")
+    return figure
 
 
-def _friction_panel(axes: Any, branches: spectra.Branches, engine: ComplexArray) -> None:
-    """Draw the real and fast lambda_7 and lambda_8."""
-    fast = [
-        column
-        for column in range(branches.values.shape[1])
-        if branches.values[0, column].real < _LOWEST
-    ]
-    branch_lines((axes, _Nothing()), branches, [(column, 3, "$λ_{7,8}$") for column in fast])
-    values = np.where(engine.real < _LOWEST, engine, complex(np.nan, np.nan))
-    engine_markers((axes, _Nothing()), ENGINE_SPINS, values, lowest=-np.inf)
-    axes.set(ylabel="Re $λ_{7,8}$ in 1/s", xlabel="spinning speed Ω in rad/s")
-
-
-class _Nothing:
-    """Axes that draw nothing."""
-
-    def plot(self, *_arguments: Any, **_look: Any) -> None:
-        """Draw nothing."""
-
-
-def figure_10(engine: ComplexArray) -> Picture:
-    """Inverted spinning, reduced system, with the closed form in black.
+def figure_10(engine: Engine, critical: float, frequency: float, born: float) -> Figure:
+    """Inverted spinning of the reduced system, with the closed form dotted.
 
     Parameters
     ----------
-    engine : ndarray, complex, shape (26, 3)
-        Eigenvalues of the engine's Model 4 at `ENGINE_SPINS`.
+    engine : tuple
+    critical, frequency, born : float
+        What the paper prints in rad/s: critical speed, frequency there, and where the pair of
+        eigenvalues becomes one.
     """
     branches = spectra.branches(REDUCED, SPINS)
-    pair = np.flatnonzero(branches.values[-1].imag)
-    columns = [(int(pair[0]), 0, "$λ_{1,2}$"), (int(pair[1]), 0, "")]
-    critical = linear_reduced.critical_speed(REDUCED).spin
-    figure, axes = figures.new_figure(2, height=6.5)
-    axes[0].axhspan(0.0, 60.0, **_UNSTABLE)
-    branch_lines(axes, branches, columns)
-    closed = linear_reduced.closed_form(REDUCED, SPINS).eigenvalues
-    for index in range(2):
-        look = {"color": "black", "linewidth": 0.9, "linestyle": ":"}
-        label = "closed form" if index == 0 else None
-        axes[0].plot(SPINS, closed[:, index].real, label=label, **look)
-        axes[1].plot(SPINS, closed[:, index].imag, **look)
-    engine_markers(axes, ENGINE_SPINS, engine)
-    axes[0].plot(critical, 0.0, "D", color="black", markersize=5, zorder=4)
-    axes[0].annotate(
-        f"{critical:.2f} rad/s", (critical, 0.0), xytext=(6, 6), textcoords="offset points"
+    here = critical_speeds(REDUCED, (SPINS[0], SPINS[-1]))
+    crossing, birth = here.hopf[0], here.pair_changes[0]
+    closed = linear_reduced.closed_form(REDUCED, SPINS).eigenvalues[:, :2]
+    figure, axes = new_figure(2, height=7.0)
+    for each, part in zip(axes, PARTS, strict=True):
+        panel(each, part, branches, engine, {0: "$λ_{1,2}$"})
+        dotted = each.plot(SPINS, getattr(closed, part), ":", color="black", linewidth=0.9)
+        dotted[0].set_label("closed form")
+    mark(axes[0], {crossing.spin: 0.0}, {critical: 0.0})
+    mark(
+        axes[1],
+        {birth.spin: 0.0, crossing.spin: crossing.frequency},
+        {born: 0.0, critical: frequency},
     )
-    axes[0].set(ylim=(-5.0, 8.0))
-    axes[1].set(xlim=(0.0, 50.0), ylim=(-13.0, 13.0))
-    _label_axes(axes)
-    figures.legend_above(axes[0])
-    return figures.render(
-        figure,
-        name="paper-fig-10",
-        paper="Fig. 10",
-        title="Eigenvalues of inverted spinning, reduced system",
-        caption="Lines: Eq. (111); dotted: the closed form (119)-(123) for small smoothing; "
-        "markers: the engine's Model 4. "
-        + _DASHED
-        + "λ₃ (about −129 1/s) lies below the picture.",
-    )
+    axes[0].set(ylim=(-5.0, 8.0), xlabel="")
+    axes[1].set(ylim=(-3.0, 12.0))
+    legend_above(axes[0], columns=3)
+    return figure
 
 
-def figure_11(engine: ComplexArray) -> Picture:
-    """Noninverted spinning, full system.
+def figure_11(engine: Engine) -> Figure:
+    """Noninverted spinning of the full system."""
+    branches = spectra.branches(FULL, SPINS, motion="noninverted")
+    figure, axes = new_figure(2, height=6.5)
+    for each, part in zip(axes, PARTS, strict=True):
+        panel(each, part, branches, engine, {0: "real", 4: "pair", 2: "±iΩ"})
+    axes[0].set(ylim=(-20.0, 22.0), xlabel="")
+    axes[1].set(ylim=(-55.0, 55.0))
+    legend_above(axes[0])
+    return figure
+
+
+def chart(region: pd.DataFrame) -> Figure:
+    """Number of unstable eigenvalues over spin and friction gradient, with its boundaries.
 
     Parameters
     ----------
-    engine : ndarray, complex, shape (26, 8)
-        Eigenvalues of the engine's Model 1 at `ENGINE_SPINS`.
+    region : DataFrame
+        Rows of `measured.stable_region`.
     """
-    motion: Motion = "noninverted"
-    branches = spectra.branches(FULL, SPINS, motion=motion)
-    slow = [
-        column
-        for column in range(branches.values.shape[1])
-        if branches.values[0, column].real > _LOWEST and column not in branches.drift
-    ]
-    real = [column for column in slow if abs(branches.values[-1, column].imag) == 0.0]
-    pair = [column for column in slow if column not in real]
-    columns = [(column, 0, "" if i else "real") for i, column in enumerate(real)]
-    columns += [(column, 2, "" if i else "pair") for i, column in enumerate(pair)]
-    columns += [(column, 1, "" if i else "±iΩ") for i, column in enumerate(branches.drift)]
-    figure, axes = figures.new_figure(2, height=6.5)
-    axes[0].axhspan(0.0, 60.0, **_UNSTABLE)
-    branch_lines(axes, branches, columns)
-    engine_markers(axes, ENGINE_SPINS, engine)
-    axes[0].set(ylim=(-20.0, 22.0))
-    axes[1].set(xlim=(0.0, 50.0), ylim=(-55.0, 55.0))
-    _label_axes(axes)
-    figures.legend_above(axes[0])
-    return figures.render(
-        figure,
-        name="paper-fig-11",
-        paper="Fig. 11",
-        title="Eigenvalues of noninverted spinning, full system",
-        caption="Lines: Eq. (55) with the eccentricity reversed; markers: the engine's Model 1. "
-        + _DASHED
-        + "A real eigenvalue is positive at every spin: noninverted spinning is unstable.",
-    )
-
-
-def chart(grid: StabilityChart, curves: Sequence[HopfCurve], corners: Sequence[Corner]) -> Picture:
-    """Number of unstable eigenvalues over spin and friction gradient, with its boundaries."""
-    figure, axes = figures.new_figure(height=5.6)
-    levels = np.arange(-0.5, 5.0)
+    grid = stability_chart(FULL, np.linspace(0.0, 80.0, 200), np.geomspace(0.3, 30.0, 200))
+    figure, axes = new_figure(height=5.6)
     colours = ListedColormap(["#ffffff", "#f6e3c5", "#e7b46a", "#c07a2c", "#7d4a12"])
     shades = axes.pcolormesh(
         grid.spins,
         grid.gradients,
         grid.unstable,
         cmap=colours,
-        norm=BoundaryNorm(levels, colours.N),
+        norm=BoundaryNorm(np.arange(-0.5, 5.0), colours.N),
         shading="nearest",
         rasterized=True,
     )
-    for index, curve in enumerate(curves):
-        axes.plot(
-            curve.spins,
-            curve.gradients,
-            color="#0072b2",
-            linestyle=("-", "--", "-.")[index % 3],
-            label="a slow pair crosses" if index == 0 else "a fast pair crosses",
-        )
+    curves, corners, points = (
+        region[region.kind == kind] for kind in ("curve", "corner", "point")
+    )
+    for index, (spins, gradients) in enumerate(zip(curves.spins, curves.gradients, strict=True)):
+        label = "a slow pair crosses" if index == 0 else "a fast pair crosses"
+        axes.plot(spins, gradients, ("-", "--", "-.")[index % 3], color="#0072b2", label=label)
     static = static_gradient(FULL, grid.spins, grid.motion)
-    axes.plot(grid.spins, static, color="black", linestyle=":", label="a real eigenvalue is zero")
-    for corner in corners:
-        axes.plot(corner.spin, corner.gradient, "o", color="black", markersize=5)
-    axes.axhline(3.0, color="#999999", linewidth=0.8)
-    axes.annotate("the paper: 3 s/m", (1.0, 3.0), va="bottom", fontsize=9)
-    inside = max(corners, key=lambda corner: corner.gradient, default=None)
-    if inside is not None:
-        axes.annotate(
-            "stable",
-            (inside.spin + 1.0, 0.75 * inside.gradient),
-            xytext=(30, 45),
-            textcoords="offset points",
-            arrowprops={"arrowstyle": "-", "color": "black"},
-        )
-    axes.set_yscale("log")
-    axes.set(
-        xlim=(grid.spins[0], grid.spins[-1]),
-        ylim=(grid.gradients[0], grid.gradients[-1]),
-        xlabel="spinning speed Ω in rad/s",
-        ylabel="friction gradient μ/ε in s/m",
-    )
+    axes.plot(grid.spins, static, ":", color="black", label="a real eigenvalue is zero")
+    axes.plot(corners.spin, corners.gradient, "o", color="black", markersize=5, label="corners")
+    axes.plot(points.spin, points.gradient, **{**_CIRCLE, "marker": "s"}, label="engine asked")
+    axes.axhline(PAPER_GRADIENT, color="#777777", linewidth=0.8)
+    axes.annotate(f"the paper: {PAPER_GRADIENT:g} s/m", (1.0, PAPER_GRADIENT), va="bottom")
+    axes.set(xlabel=_SPIN, ylabel="friction gradient μ/ε in s/m, logarithmic", yscale="log")
+    ticks = [0.3, 1.0, 3.0, 10.0, 30.0]
+    axes.set_yticks(ticks, [f"{each:g}" for each in ticks])
+    axes.set(xlim=grid.spins[[0, -1]], ylim=grid.gradients[[0, -1]])
     figure.colorbar(shades, ax=axes, ticks=range(5), label="number of unstable eigenvalues")
-    axes.legend(loc="upper right", frameon=True, framealpha=0.9)
-    return figures.render(
-        figure,
-        name="stability-chart",
-        title="Where inverted spinning is stable in the full system",
-        caption="White: stable. Curves: Hopf points by continuation, and where a real eigenvalue "
-        "is zero (closed form). Dots: where the boundaries meet.",
-    )
+    legend_above(axes, columns=2, size=9)
+    return figure

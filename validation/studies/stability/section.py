@@ -1,153 +1,195 @@
-"""The report's section on linear stability: its jobs and what becomes of them."""
+"""What the report says of the linear stability of spinning upright."""
 
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
+import pandas as pd
 
-from analysis import MODELS, POSSIBLE_SETS, Level, Motion, Scenario
-from analysis.stability.chart import stability_chart
-from analysis.stability.corners import corners
-from analysis.stability.hopf_curves import hopf_curves
-from validation.kit import samples
-from validation.kit.figures import Picture
+from analysis.stability.linear_variants import PRINTED
 from validation.kit.limits import largest
-from validation.kit.report import Job, Section
-from validation.kit.samples import Sample
-from validation.kit.tables import Table
-from validation.studies.stability import eigenvalue_check
-from validation.studies.stability import figures as stability_figures
-from validation.studies.stability import tables as stability_tables
-from validation.studies.stability.eigenvalue_check import ComplexArray, EigenvalueCheck
+from validation.page.content import Content, Rows, Verdict
+from validation.studies.stability import figures, measured
+from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
+from validation.studies.stability.measured import (
+    CLOSED,
+    COMPUTED,
+    IN_PAPER,
+    INSIDE,
+    LOWER,
+    OWN,
+    UPPER,
+    rounds_to,
+)
+from validation.study import Check, at_most, equal
+
+TITLE = "Linear stability"
+STUDIES = (
+    measured.EIGENVALUES,
+    measured.NUMBERS,
+    measured.VARIANTS,
+    measured.REGION,
+    measured.SENSITIVITIES,
+)
+
+SPEED_LIMIT = 1e-6
+"""Largest difference in rad/s of critical speeds that are found in several ways."""
+
+HERE, ENGINE = "unrounded disk", "engine"
 
 
-def engine_spectra(level: Level, motion: Motion) -> ComplexArray:
-    """Eigenvalues of the engine at the spins of the figures' markers, shape (n, k)."""
-    matrices = eigenvalue_check.engine_matrices(
-        Scenario(constraints=MODELS[level]), stability_figures.ENGINE_SPINS, motion=motion
+def present(rows: Rows) -> Content:
+    """Numbers, tables, figures, checks and verdicts."""
+    values, numbers, variants, region, sensitivities = (
+        rows[study.name].drop(columns="case") for study in STUDIES
     )
-    return np.linalg.eigvals(matrices).astype(complex)
+    found = numbers.set_index("quantity")
+    of_models = values[values.constraints.str.startswith("Model")]
+    inverted = of_models[of_models.motion == "inverted"]
+    sides = _sides(found)
+    return Content(
+        numbers={
+            "critical": sides["critical speed"],
+            "hopf": [found.at[name, HERE] for name in (LOWER, UPPER)],
+            "printed": PRINTED,
+            "variants": variants,
+            "stable": _stable_at_paper(values),
+            "corners": region[region.kind == "corner"],
+            "inside": region[region.place == INSIDE].iloc[0],
+            "larger": sensitivities.set_index("parameter p").loc["size"],
+            "models_apart": largest(of_models.difference),
+            "sets_apart": largest(values.difference),
+            "own": inverted.groupby("is constrained")[OWN],
+            "limit": EIGENVALUE_LIMIT,
+        },
+        tables={
+            "numbers": numbers,
+            "region": region.loc[region.kind != "curve"].drop(
+                columns=["kind", "spins", "gradients"]
+            ),
+            "sets": _sets(values),
+            "own": inverted.loc[:, "constraints":OWN],
+            "variants": variants,
+            "sensitivities": sensitivities,
+            "eigenvalues": values.drop(columns=["spins", "real", "imag"]),
+        },
+        figures={
+            "figure-6": figures.figure_6(_engine(values, "Model 1", "inverted")),
+            "figure-10": figures.figure_10(
+                _engine(values, "Model 4", "inverted"),
+                *(
+                    float(IN_PAPER[each].split()[0])
+                    for each in (CLOSED, measured.FREQUENCY, measured.BORN)
+                ),
+            ),
+            "figure-11": figures.figure_11(_engine(values, "Model 1", "noninverted")),
+            "chart": figures.chart(region),
+        },
+        checks=[*_checks(values, sides, region)],
+        verdicts=[
+            _critical_speed(sides["critical speed"]),
+            _hopf_speeds(found, variants),
+            _stable_region(values, region),
+        ],
+    )
 
 
-def engine_numbers() -> dict[str, float]:
-    """Printed critical speeds from the engine's eigenvalues."""
+def _engine(values: pd.DataFrame, model: str, motion: str) -> figures.Engine:
+    """Spins and eigenvalues of the engine's first formulation of a model."""
+    row = values[(values.constraints == model) & (values.motion == motion)].iloc[0]
+    return np.array(row.spins), np.array(row.real) + 1j * np.array(row.imag)
+
+
+def _sides(found: pd.DataFrame) -> dict[str, list[float]]:
+    """Each critical speed in all the ways in which it is found, in rad/s."""
     return {
-        "critical spin, computed": eigenvalue_check.engine_critical_spin(4, 30.0, 32.0, 7.1),
-        "Ω_crit1": eigenvalue_check.engine_critical_spin(1, 26.0, 28.0, 22.7),
-        "Ω_crit2": eigenvalue_check.engine_critical_spin(1, 29.0, 31.0, 5.75),
+        "critical speed": [found.at[CLOSED, HERE], *found.loc[COMPUTED, [HERE, ENGINE]]],
+        **{name: list(found.loc[name, [HERE, ENGINE]]) for name in (LOWER, UPPER)},
     }
 
 
-def draw_chart() -> tuple[Picture, Table]:
-    """Stability chart with its curves and corners."""
-    scenario = Scenario()
-    curves = hopf_curves(scenario)
-    meeting = corners(scenario, curves)
-    grid = stability_chart(scenario, np.linspace(0.0, 80.0, 200), np.geomspace(0.3, 30.0, 200))
-    return stability_figures.chart(grid, curves, meeting), stability_tables.corner_table(meeting)
+def _stable_at_paper(values: pd.DataFrame) -> str:
+    """Where the full system is stable at the paper's friction, in words."""
+    row = values[(values.constraints == "Model 1") & (values.motion == "inverted")].iloc[0]
+    return str(row["stable spins in rad/s"])
 
 
-REPEATED: tuple[Any, ...] = (
-    ("eigenvalues", (1, "contact-tree")),
-    ("eigenvalues", (2, "floating")),
-    ("eigenvalues", (3, "euler-tree")),
-    ("eigenvalues", (4, "floating-lie")),
-    ("eigenvalues of a set", ("contact", "fixed-cog", "no-slip-along", "no-slip-across")),
-    ("eigenvalues of a set", ("contact", "no-slip-along", "constant-spin")),
-)
-"""Keys of the shipped checks that are made again."""
+def _sets(values: pd.DataFrame) -> pd.DataFrame:
+    """Inverted spinning under each set of constraints, with the spin free or held alike."""
+    inverted = values[values.motion == "inverted"].groupby("but for the spin", sort=False)
+    shown = inverted[["eigenvalues", "stable spins in rad/s"]].first()
+    shown["scenes"] = inverted.size()
+    shown["engine against in-house"] = values.groupby("but for the spin").difference.max()
+    return shown.rename_axis("constraints, with the spin free or held").reset_index()
 
 
-def shipped() -> list[Job]:
-    """Checks whose results come with the package."""
-    return [
-        *(
-            Job(("eigenvalues", case), eigenvalue_check.check_eigenvalues, (case,))
-            for case in eigenvalue_check.cases()
-        ),
-        *(
-            Job(("eigenvalues of a set", held), eigenvalue_check.check_set, (held,))
-            for held in POSSIBLE_SETS
-        ),
-    ]
+def _checks(
+    values: pd.DataFrame, sides: dict[str, list[float]], region: pd.DataFrame
+) -> Iterator[Check]:
+    scenes = 2 * len(measured.scenes())
+    yield equal("eigenvalues: scenes in both motions", len(values), scenes)
+    apart = largest(values.difference)
+    yield at_most("eigenvalues: engine against in-house", apart, EIGENVALUE_LIMIT)
+    own = largest(values.loc[~values["is constrained"], OWN])
+    yield at_most("eigenvalues: the engine's own, unconstrained", own, EIGENVALUE_LIMIT)
+    kinds = values.groupby(["but for the spin", "motion"])
+    other = int((kinds[["eigenvalues", "stable spins in rad/s"]].nunique() > 1).any(axis=1).sum())
+    yield equal("eigenvalues: sets that holding the spin changes", other, 0)
+    for name, ways in sides.items():
+        yield at_most(f"{name}: ways apart", float(np.ptp(ways)), SPEED_LIMIT)
+    points = region[region.kind == "point"]
+    yield equal("stable region: points", len(points), 5)
+    for _, point in points.iterrows():
+        inside = point.place == INSIDE
+        for side in ("in-house", ENGINE):
+            rate = point[side]
+            holds = bool(rate < 0.0 if inside else rate > 0.0)
+            name, limit = f"growth {point.place}, {side}", "below 0" if inside else "above 0"
+            yield Check(f"stable region: {name}", rate, limit, "fresh", holds)
 
 
-def jobs() -> list[Job]:
-    """Jobs on the spot."""
-    spectra: list[tuple[Level, Motion]] = [(1, "inverted"), (4, "inverted"), (1, "noninverted")]
-    return [
-        *(samples.fresh(job) for job in shipped() if job.key in REPEATED),
-        *(Job(("spectra", *each), engine_spectra, each) for each in spectra),
-        Job("stock eigenvalues", eigenvalue_check.stock_table),
-        Job("engine's critical speeds", engine_numbers),
-        Job("stability chart", draw_chart),
-        Job("variants", stability_tables.variant_table),
-        Job("sensitivities", stability_tables.sensitivity_table),
-    ]
-
-
-def _samples(results: dict[Any, Any]) -> list[Sample]:
-    """The checks that are made again, by the engine's difference from the in-house equations."""
-    found = []
-    for key in REPEATED:
-        again = results[samples.fresh_key(key)]
-        model = isinstance(again, EigenvalueCheck)
-        found.append(
-            Sample(
-                what=f"Model {key[1][0]}, {key[1][1]}" if model else again.name,
-                how="made again",
-                quantity="eigenvalues, engine with in-house, relative",
-                difference=largest((again.inverted, again.noninverted))
-                if model
-                else again.difference,
-                limit=eigenvalue_check.EIGENVALUE_LIMIT,
-            )
-        )
-    return [*found, Sample(what="the other models, formulations and sets of constraints")]
-
-
-def check_table(results: dict[Any, Any]) -> Table:
-    """Engine against in-house eigenvalues."""
-    return eigenvalue_check.table(
-        [results["eigenvalues", case] for case in eigenvalue_check.cases()]
+def _critical_speed(ways: list[float]) -> Verdict:
+    printed = IN_PAPER[CLOSED].split()[0]
+    confirmed = all(rounds_to(each, printed) for each in ways)
+    return Verdict(
+        statement=f"In the reduced system, inverted spinning is stable from {printed} rad/s on.",
+        answer="yes" if confirmed else "no",
+        numbers="Closed form {:.4f}, root finding {:.4f}, engine {:.4f} rad/s.".format(*ways),
+        criterion="all three round to what is printed.",
+        good=confirmed,
     )
 
 
-def section(results: dict[Any, Any]) -> Section:
-    """Section of the report from the results of `jobs`."""
-    chart, corner_table = results["stability chart"]
-    return Section(
-        name="stability",
-        title="Linear stability",
-        paragraphs=[
-            (
-                "Eigenvalues of inverted and noninverted spinning, from the linear systems (55) "
-                "and (111) and from the engine's accelerations, differentiated along the "
-                "constraint manifold. Their comparison comes with the package; that of one "
-                "formulation of each model and of some sets of constraints is made again on the "
-                "spot. All else here is computed for this page."
-            ),
-            (
-                "The full system has two Hopf points: a fast pair loses its stability at the "
-                "lower one, and the slow pair gains it at the upper one. In the reduced system "
-                "only the slow pair is left, and the critical speed is the paper's closed form."
-            ),
-        ],
-        pictures=[
-            stability_figures.figure_6(results["spectra", 1, "inverted"]),
-            stability_figures.figure_10(results["spectra", 4, "inverted"]),
-            stability_figures.figure_11(results["spectra", 1, "noninverted"]),
-            chart,
-        ],
-        tables=[
-            samples.table("stability", shipped(), _samples(results)),
-            check_table(results),
-            eigenvalue_check.sets_table(
-                [results["eigenvalues of a set", held] for held in POSSIBLE_SETS]
-            ),
-            results["stock eigenvalues"],
-            stability_tables.printed_numbers(results["engine's critical speeds"]),
-            results["variants"],
-            corner_table,
-            results["sensitivities"],
-        ],
+def _hopf_speeds(found: pd.DataFrame, variants: pd.DataFrame) -> Verdict:
+    speeds = found.loc[[LOWER, UPPER]]
+    confirmed = [rounds_to(*each) for each in zip(speeds[HERE], map(str, PRINTED), strict=True)]
+    others = int((variants["both as printed"] == "yes").sum())
+    low, high = speeds[HERE]
+    return Verdict(
+        statement="In the full system, pairs of eigenvalues cross at {} and {} rad/s.".format(
+            *PRINTED
+        ),
+        answer="yes" if all(confirmed) else "partly" if any(confirmed) else "no",
+        numbers=f"They cross at {low:.2f} and {high:.2f} rad/s, in-house and in the engine; of "
+        f"{len(variants)} obvious choices {others or 'none'} gives the printed pair.",
+        criterion="both round to what is printed.",
+        good=all(confirmed),
+    )
+
+
+def _stable_region(values: pd.DataFrame, region: pd.DataFrame) -> Verdict:
+    own, corners = _stable_at_paper(values), region[region.kind == "corner"]
+    rates = region.loc[region.place == INSIDE, ["in-house", ENGINE]].to_numpy(float).ravel()
+    stable = bool(rates.size and np.all(rates < 0.0))
+    places = "{:.2g} and {:.2g} s/m and from {:.3g} to {:.3g} rad/s".format(
+        *corners.gradient.agg(["min", "max"]), *corners.spin.agg(["min", "max"])
+    )
+    return Verdict(
+        statement="In the full system, inverted spinning is always unstable.",
+        answer="no" if own != "nowhere" else "partly" if stable else "yes",
+        numbers=f"At the paper's friction gradient it is stable {own} from 0 to 60 rad/s. Between "
+        f"{places} lies a region whose middle has a largest growth rate of {rates[0]:.3g} 1/s "
+        f"in-house and {rates[-1]:.3g} 1/s in the engine.",
+        criterion="sign of the largest growth rate on both sides, in the region's middle and "
+        "beyond each of its edges.",
+        good=own == "nowhere" and stable,
     )

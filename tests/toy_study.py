@@ -1,0 +1,53 @@
+"""A study that is quick to measure, with cases that go wrong when asked to."""
+
+import os
+import time
+from math import inf, nan
+from typing import Any
+
+from validation.study import Row, Study, relative
+
+CASES = {"one": 1.0, "two": 2.0}
+
+
+def cases() -> dict[str, float]:
+    """Two numbers."""
+    return CASES
+
+
+def measure(case: Any) -> list[Row]:
+    """Some powers of a number."""
+    if isinstance(case, str):
+        rows: list[Row] = {
+            "raises": lambda: 1 / 0,
+            "ends": lambda: os._exit(7),
+            "hangs": lambda: time.sleep(60.0),
+            "nothing": list,
+            "nan": lambda: _rows(nan),
+            "inf": lambda: _rows(inf),
+            "unlike": lambda: _rows(1.1),
+            "shorter": lambda: _rows(1.0)[:1],
+        }[case]()  # type: ignore[operator]
+        return rows
+    return _rows(case)
+
+
+def _rows(number: float) -> list[Row]:
+    return [
+        {"power": k, "value": number**k, "curve": [number, k], "seconds": time.perf_counter()}
+        for k in (1, 2)
+    ]
+
+
+STUDY = Study(
+    name="toy",
+    cases=cases,
+    measure=measure,
+    keys=("power",),
+    sample=("one",),
+    confirm={"value": relative("value", 1e-9), "curve": 1e-9},
+    timed=("seconds",),
+    rounds=2,
+    limit=5.0,
+    columns={"value": "a power"},
+)

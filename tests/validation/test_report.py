@@ -1,0 +1,98 @@
+"""Pages from studies: what they show, what fails them, and what a second call takes over."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.toy_study import STUDY
+from validation import report
+from validation import study as kit
+
+PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the table of the toy study."""
+    folder = tmp_path_factory.mktemp("results")
+    report.measure(STUDY, folder, results=folder, workers=0)
+    return folder
+
+
+def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
+    results: Path, tmp_path: Path
+) -> None:
+    made = report.make(tmp_path, results=results, pages=PAGES, workers=0)
+    assert made.holds
+    page = made.page.read_text()
+    for shown in ("The largest is 4,", "Of <em>two</em> numbers.", "It grows.", "paper: Fig. 1"):
+        assert shown in page
+    assert "10 of 40 rows, with the largest: number" in page
+    assert len(pd.read_csv(tmp_path / "toy-section-long.csv")) == 40
+    assert (tmp_path / "toy-section-curve.svg").is_file()
+    assert pd.read_csv(tmp_path / "checks.csv")["holds"].all()
+
+
+def test_a_second_call_measures_and_draws_nothing(
+    results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # In processes of their own, as usual.
+    first = report.make(tmp_path, results=results, pages=PAGES)
+
+    def none(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(kit, "_run", lambda tasks, *_: iter(()) if not tasks else none())
+    monkeypatch.setattr(report, "make_section", none)
+    assert (
+        report.make(tmp_path, results=results, pages=PAGES, workers=0).sections == first.sections
+    )
+
+
+def planted(results: Path, folder: Path, value: float) -> Path:
+    """The same results with a value of the sample replaced."""
+    folder.mkdir()
+    for path in results.glob("toy.*"):
+        (folder / path.name).write_bytes(path.read_bytes())
+    table = pd.read_csv(folder / "toy.csv")
+    table.loc[0, "value"] = value
+    table.to_csv(folder / "toy.csv", index=False)
+    return folder
+
+
+@pytest.mark.parametrize("value", [1.01, np.nan, np.inf])
+def test_a_wrong_stored_value_fails_the_report(
+    value: float, results: Path, tmp_path: Path
+) -> None:
+    wrong = planted(results, tmp_path / "results", value)
+    made = report.make(tmp_path / "report", results=wrong, pages=PAGES, workers=0)
+    assert not made.holds
+    assert "checks FAIL" in made.page.read_text()
+
+
+def test_a_section_without_its_table_says_so_and_fails_the_report(tmp_path: Path) -> None:
+    made = report.make(tmp_path / "report", results=tmp_path, pages=PAGES, workers=0)
+    assert {c.name for c in made.checks if not c.holds} == {"toy: table", "toy-section: section"}
+
+
+def test_nothing_measured_on_the_spot_is_no_verdict() -> None:
+    assert not report.verdict([kit.at_most("a", 0.0, 1.0, "stored")])
+    assert not report.verdict([])
+
+
+def test_files_of_an_earlier_report_go_and_foreign_ones_stay(
+    results: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "mine.csv").write_text("1\n")
+    (tmp_path / "old.csv").write_text("1\n")
+    (tmp_path / ".contents").write_text("old.csv\n")
+    report.make(tmp_path, results=results, pages=PAGES, workers=0)
+    assert (tmp_path / "mine.csv").is_file()
+    assert not (tmp_path / "old.csv").is_file()
+
+
+def test_two_reports_do_not_work_in_one_folder(results: Path, tmp_path: Path) -> None:
+    with report.locked(tmp_path), pytest.raises(OSError, match="another process works in it"):
+        report.make(tmp_path, results=results, pages=PAGES, workers=0)

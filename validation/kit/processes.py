@@ -1,0 +1,79 @@
+"""Worker processes of this machine, of which one that ends or hangs fails its own call alone."""
+
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from typing import Any
+
+from pebble import ProcessPool
+
+from analysis.data.workers import Spawning
+
+
+class Processes(Executor):
+    """Worker processes of this machine: one that ends fails the call that it was at, no other.
+
+    Parameters
+    ----------
+    workers : int
+        Number of processes; a new one is started for each that ends.
+    """
+
+    def __init__(self, workers: int) -> None:
+        spawning = Spawning(deaf=True)
+        self.check_begun = spawning.check_begun
+        self._pool = ProcessPool(
+            max_workers=workers,
+            context=spawning.context,
+            initializer=spawning.initializer,
+            initargs=spawning.arguments,
+        )
+
+    def submit(
+        self, function: Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> "Future[Any]":
+        """Call a function in a worker; `pebble.ProcessExpired` is what its end leads to."""
+        return self.submit_within(None, function, *arguments, **named)
+
+    def submit_within(
+        self, limit: float | None, function: Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> "Future[Any]":
+        """The same; a call that takes longer than so many s ends in a `TimeoutError`."""
+        future: Future[Any] = self._pool.schedule(
+            function, args=arguments, kwargs=named, timeout=limit
+        )
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Finish what has been submitted, or end the processes at once."""
+        if cancel_futures:
+            self._pool.stop()
+        else:
+            self._pool.close()
+        if wait:
+            self._pool.join()
+
+
+class Here(Executor):
+    """The running process in place of others: no time limit, and a debugger sees everything."""
+
+    def submit(
+        self, function: Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> "Future[Any]":
+        """Call a function now."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(function(*arguments, **named))
+        except Exception as error:  # noqa: BLE001 # it is the future's, as in a process
+            future.set_exception(error)
+        return future
+
+    def submit_within(
+        self, _: float | None, function: Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> "Future[Any]":
+        """The same."""
+        return self.submit(function, *arguments, **named)
+
+
+def open_processes(workers: int) -> Processes | Here:
+    """So many worker processes, or this one for 0."""
+    return Processes(workers) if workers else Here()

@@ -1,0 +1,89 @@
+"""What a study has to show: numbers, tables, figures, checks and verdicts."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from validation.kit.animation.player import Animation
+from validation.kit.tables import Table
+from validation.study import Check, Study
+
+Rows = Mapping[str, pd.DataFrame]
+"""Tables of studies by their names."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """A result that is read first.
+
+    Parameters
+    ----------
+    statement : str
+    answer : str
+        A word or two: "yes", "partly", "no", "not shown".
+    numbers : str
+        What was found, with units.
+    criterion : str
+        What decides on the answer.
+    good : bool
+        Whether the answer is the one that is hoped for.
+    """
+
+    statement: str
+    answer: str
+    numbers: str
+    criterion: str
+    good: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Content:
+    """What a study has to show.
+
+    Parameters
+    ----------
+    numbers : mapping
+        Names that its text uses.
+    tables : mapping
+        With headings as a reader wants them, units included. Each is shown by the text or given
+        as a file.
+    figures : mapping
+    drawings : mapping
+        SVG in the colours of the text around it.
+    animations : mapping
+    checks : sequence of Check
+        Beside those that confirm what is stored.
+    verdicts : sequence of Verdict
+        For the front of the page.
+    """
+
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    tables: Mapping[str, pd.DataFrame | Table] = field(default_factory=dict)
+    figures: Mapping[str, Figure] = field(default_factory=dict)
+    drawings: Mapping[str, str] = field(default_factory=dict)
+    animations: Mapping[str, Animation] = field(default_factory=dict)
+    checks: Sequence[Check] = ()
+    verdicts: Sequence[Verdict] = ()
+
+
+class StudyModule(Protocol):
+    """A module of `validation.studies`; its text, NAME.md, lies beside it.
+
+    Attributes
+    ----------
+    TITLE : str
+        Of its section.
+    STUDIES : sequence of Study
+        What it shows the rows of, its own or those of other modules.
+    """
+
+    TITLE: str
+    STUDIES: Sequence[Study]
+    __name__: str
+    __file__: str
+
+    def present(self, rows: Rows) -> Content:
+        """What there is to show, from the tables of `STUDIES`."""

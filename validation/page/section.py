@@ -1,0 +1,319 @@
+"""A study's section: its text with numbers, tables and figures filled in, and the files beside it.
+
+The text is Markdown with Jinja2 in it. A name that is none is an error, as is a table or figure
+that the text leaves out: everything that a study shows is shown once.
+"""
+
+import base64
+import html
+import io
+from collections.abc import Iterable, Mapping
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import pandas as pd
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markdown_it import MarkdownIt
+from matplotlib.figure import Figure
+
+from validation.kit.tables import Table, show
+from validation.page.content import Content
+
+LONG = 12
+"""Most rows of a table that a page shows as it is."""
+
+SHOWN = 10
+"""Rows that a page shows of a longer one."""
+
+_DPI = 140
+
+
+class Section:
+    """A section that is being filled in.
+
+    Parameters
+    ----------
+    name : str
+        Of the study's module, and in front of the names of its files.
+    content : Content
+
+    Attributes
+    ----------
+    files : dict
+        From names to contents of all that lies beside the page.
+    """
+
+    def __init__(self, name: str, content: Content) -> None:
+        self.name = name
+        self.files: dict[str, bytes] = {}
+        self._content = content
+        self._left = {
+            *content.tables,
+            *content.figures,
+            *content.drawings,
+            *content.animations,
+        }
+
+    def html(self, about: Mapping[str, Any], text: Path) -> str:
+        """The text with everything filled in; the arguments are those of `filled`."""
+        filled = self.filled(about, text)
+        return str(MarkdownIt("commonmark", {"html": True}).enable("table").render(filled))
+
+    def filled(self, about: Mapping[str, Any], text: Path) -> str:
+        """The text with everything filled in, still as Markdown.
+
+        Parameters
+        ----------
+        about : mapping
+            What is known of the stored tables, by study.
+        text : Path
+
+        Raises
+        ------
+        ValueError
+            If it leaves out a table, figure, drawing or animation.
+        jinja2.UndefinedError
+            If it names what there is not.
+        """
+        names = {
+            **self._content.numbers,
+            "about": about,
+            "tables": self._content.tables,
+            **{kind: getattr(self, kind) for kind in _KINDS},
+        }
+        filled = environment(text.parent).get_template(text.name).render(names)
+        if self._left:
+            raise ValueError(f"{text.name} leaves out {', '.join(sorted(self._left))}")
+        return filled
+
+    def table(
+        self,
+        name: str,
+        title: str,
+        note: str = "",
+        *,
+        worst: str = "",
+        rows: int = SHOWN,
+        digits: int = 4,
+    ) -> str:
+        """A table, of a long one some rows; all of it is in a file.
+
+        Parameters
+        ----------
+        name, title, note : str
+        worst : str
+            The column whose largest values are shown of a long one; without it, the first rows.
+        rows : int
+            How many these are.
+        digits : int
+            Significant digits that are shown.
+        """
+        link = self.file(name)
+        shown, title = self._shown(name, title, worst, rows)
+        return _block(
+            f'<div class="table" id="{self.name}-{name}">{table_html(shown, title, digits)}</div>'
+            f'<p class="note">{_inline(note)} <span class="files">{link}</span></p>'
+        )
+
+    def _shown(self, name: str, title: str, worst: str, rows: int) -> tuple[pd.DataFrame, str]:
+        """The rows of a table that are shown, and its title with which these are."""
+        table = _as_frame(self._content.tables[name])
+        if len(table) <= max(LONG, rows):
+            return table, title
+        chosen = _sizes(table[worst]).nlargest(rows).index if worst else table.index[:rows]
+        which = f"with the largest: {worst}" if worst else "the first"
+        return table.loc[chosen].sort_index(), f"{title} ({rows} of {len(table)} rows, {which})"
+
+    def file(self, name: str) -> str:
+        """Put a whole table beside the page; a link to it."""
+        text = _as_frame(self._content.tables[name]).to_csv(index=False, lineterminator="\n")
+        return self._linked(name, f"{self.name}-{name}.csv", text.encode())
+
+    def figure(
+        self, name: str, title: str, caption: str = "", paper: str = "", wide: bool = False
+    ) -> str:
+        """A figure, embedded; `paper` is the figure of the paper that it shows."""
+        png, svg = drawn(self._content.figures[name])
+        links = self._linked(name, f"{self.name}-{name}.png", png)
+        links += ", " + self._linked(name, f"{self.name}-{name}.svg", svg)
+        data = base64.b64encode(png).decode()
+        kind = ' class="wide"' if wide else ""
+        beside = f" (paper: {html.escape(paper)})" if paper else ""
+        return _block(
+            f'<figure id="{self.name}-{name}"{kind}>'
+            f'<img alt="{html.escape(title)}" src="data:image/png;base64,{data}">'
+            f"<figcaption><b>{html.escape(title)}{beside}.</b> {_inline(caption)} "
+            f'<span class="files">{links}</span></figcaption></figure>'
+        )
+
+    def drawing(self, name: str, title: str, caption: str = "") -> str:
+        """A drawing as SVG in the page."""
+        svg = self._content.drawings[name]
+        self._linked(name, f"{self.name}-{name}.svg", svg.encode())
+        return _block(
+            f'<figure class="drawing">{svg}<figcaption><b>{html.escape(title)}.</b> '
+            f"{_inline(caption)}</figcaption></figure>"
+        )
+
+    def animation(self, name: str) -> str:
+        """A player in the page, and as a page of its own."""
+        made = self._content.animations[name]
+        link = self._linked(name, f"{self.name}-{name}.html", made.page.encode())
+        return _block(f'{made.fragment}<p class="files">The animation alone: {link}</p>')
+
+    def _linked(self, name: str, path: str, content: bytes) -> str:
+        self._left.discard(name)
+        self.files[path] = content
+        return f'<a href="{path}">{path}</a>'
+
+
+_KINDS = ("table", "file", "figure", "drawing", "animation")
+"""What a text may call."""
+
+
+class PlainSection(Section):
+    """The same for a page of Markdown by itself, which has no files beside it."""
+
+    def table(
+        self,
+        name: str,
+        title: str,
+        note: str = "",
+        *,
+        worst: str = "",
+        rows: int = SHOWN,
+        digits: int = 4,
+    ) -> str:
+        """A table as Markdown has it."""
+        self._left.discard(name)
+        shown, title = self._shown(name, title, worst, rows)
+        lines = [list(map(str, shown.columns)), ["---"] * shown.shape[1]]
+        lines += [[show(_value(cell), digits) for cell in row] for row in _cells(shown)]
+        body = "\n".join(f"| {' | '.join(c.replace('|', '∣') for c in line)} |" for line in lines)
+        return f"\n\n**{title}.** {note}\n\n{body}\n\n"
+
+    def file(self, name: str) -> str:
+        """The name of a file beside the report."""
+        self._left.discard(name)
+        return f"`{self.name}-{name}.csv`"
+
+    def figure(
+        self,
+        name: str,
+        title: str,
+        caption: str = "",
+        paper: str = "",
+        wide: bool = False,  # noqa: ARG002 # there is nothing to be wide
+    ) -> str:
+        """The title of a figure and what it is about."""
+        self._left.discard(name)
+        beside = f" (paper: {paper})" if paper else ""
+        return f"\n\n*Figure in the report: {title}{beside}.* {caption}\n\n"
+
+    def drawing(self, name: str, title: str, caption: str = "") -> str:
+        """The same of a drawing."""
+        return self.figure(name, title, caption)
+
+    def animation(self, name: str) -> str:
+        """Nothing: a page of text does not move."""
+        self._left.discard(name)
+        return ""
+
+
+def environment(folder: Path) -> Environment:
+    """Templates of a folder, with the filters that they use."""
+    made = Environment(
+        loader=FileSystemLoader([folder, Path(__file__).parent]),
+        undefined=StrictUndefined,
+        autoescape=False,  # noqa: S701 # texts are Markdown of this package
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {"sig": sig, "power": power, "span": span, "listed": listed, "cell": show}
+    return made
+
+
+def drawn(figure: Figure) -> tuple[bytes, bytes]:
+    """A figure as PNG and as SVG."""
+    png, svg = io.BytesIO(), io.BytesIO()
+    with mpl.rc_context({"svg.hashsalt": "tippedisk"}):
+        figure.savefig(png, format="png", dpi=_DPI, pil_kwargs={"optimize": True})
+        # What is laid out need not be laid out again.
+        figure.set_layout_engine("none")
+        figure.savefig(svg, format="svg", metadata={"Date": None})
+    return png.getvalue(), svg.getvalue()
+
+
+def table_html(table: pd.DataFrame, title: str = "", digits: int = 4) -> str:
+    """A table, with the heading beside each cell for narrow screens."""
+    heads = [html.escape(str(name)) for name in table.columns]
+    head = "".join(f"<th>{name}</th>" for name in heads)
+    body = "".join(
+        f"<tr>{''.join(_cell(c, name, digits) for c, name in zip(row, heads, strict=True))}</tr>"
+        for row in _cells(table)
+    )
+    caption = f"<caption>{html.escape(title)}</caption>" if title else ""
+    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cells(table: pd.DataFrame) -> list[tuple[Any, ...]]:
+    return list(table.astype(object).itertuples(index=False, name=None))
+
+
+def _value(cell: Any) -> Any:
+    """A cell as Python has it; a number that is none is missing."""
+    value = cell.item() if hasattr(cell, "item") else cell
+    return None if isinstance(value, float) and isnan(value) else value
+
+
+def _cell(cell: Any, head: str, digits: int) -> str:
+    value, kind = _value(cell), ""
+    if isinstance(value, bool):
+        kind = ' class="good"' if value else ' class="bad"'
+    elif isinstance(value, int | float):
+        kind = ' class="number"'
+    return f'<td{kind} data-head="{head}">{html.escape(show(value, digits))}</td>'
+
+
+def _as_frame(table: pd.DataFrame | Table) -> pd.DataFrame:
+    if isinstance(table, Table):
+        return pd.DataFrame(list(map(list, table.rows)), columns=list(table.columns), dtype=object)
+    return table
+
+
+def _sizes(column: "pd.Series[Any]") -> "pd.Series[float]":
+    return pd.to_numeric(column, errors="coerce").abs().fillna(-1.0)
+
+
+def _block(text: str) -> str:
+    """HTML that Markdown leaves as it is: a paragraph of its own without empty lines."""
+    return "\n\n" + "\n".join(line for line in text.splitlines() if line.strip()) + "\n\n"
+
+
+def _inline(text: str) -> str:
+    return str(MarkdownIt("commonmark").renderInline(" ".join(text.split())))
+
+
+def sig(value: float, digits: int = 2) -> str:
+    """Number with so many significant digits, not in exponents where it is short."""
+    short = float(f"{value:.{digits}g}")
+    return f"{short:.0f}" if 10.0**digits <= abs(short) < 1e5 else f"{value:.{digits}g}"
+
+
+def power(value: float) -> str:
+    """A power of ten as 1e-3."""
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
+
+
+def span(values: Iterable[float], digits: int = 2) -> str:
+    """Least and largest."""
+    values = list(values)
+    low, high = sig(min(values), digits), sig(max(values), digits)
+    return low if low == high else f"{low} to {high}"
+
+
+def listed(values: Iterable[Any], digits: int = 2) -> str:
+    """Values with commas between them, numbers with so many digits."""
+    return ", ".join(sig(v, digits) if isinstance(v, float) else str(v) for v in values)

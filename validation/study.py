@@ -1,0 +1,493 @@
+"""Studies: cases that are measured, kept as one tidy table, and measured again by sample.
+
+A study names its cases and how to measure one; everything else is the same for all. `measured`
+runs tasks side by side and keeps what they find, so that nothing is computed twice; `load` and
+`write` are for the tables that come with the package, and `confirm` compares a sample of one,
+measured on the spot, with what is stored.
+"""
+
+import json
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, as_completed
+from dataclasses import dataclass, field
+from math import inf, isnan
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import pandas as pd
+from pebble import ProcessExpired
+
+from analysis.data.files import whole_file
+from analysis.data.trajectory import versions
+from validation.kit.limits import holds
+from validation.kit.processes import open_processes
+from validation.kit.progress import bar
+from validation.kit.provenance import PACKAGES, Provenance, machine
+from validation.kit.sources import behind
+
+Row = dict[str, Any]
+"""Numbers, text, truth values and lists of numbers by column; a missing number is None or NaN."""
+
+Limit = float | Callable[[Row], float]
+"""Allowed difference, or what tells it from the stored row."""
+
+RESULTS = Path(__file__).parent / "results"
+"""Tables that come with the package."""
+
+DIGITS = 10
+"""Significant digits that are kept of a number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Cases, how to measure one, and what of it has to come out again.
+
+    Parameters
+    ----------
+    name : str
+        Of its files.
+    cases : callable
+        Returns the cases by label; each is the argument of one call of `measure`.
+    measure : callable
+        From a case to its rows, at least one. What may fail by itself has a column `failure`,
+        empty where it did not; anything raised is a crash. Importable by its name, for worker
+        processes.
+    keys : sequence of str
+        Columns that tell the rows of a case apart, numbers by their first six digits.
+    sample : sequence of str
+        Labels of the cases that are measured again. With some, the table comes with the package;
+        without, all cases are measured for each report.
+    confirm : mapping
+        From columns to their allowed difference; None if they have to be equal.
+    timed : sequence of str
+        Columns of times, of which the least of all rounds counts.
+    rounds : int
+        How often each case is measured, in turns.
+    limit : float
+        Time in s, by the clock on the wall, after which a case is ended.
+    failed : callable, optional
+        From a case and the reason to the rows of one that was ended or ended its process, where
+        that is a result; otherwise it is a crash.
+    columns : mapping
+        What columns mean, with their units.
+    """
+
+    name: str
+    cases: Callable[[], Mapping[str, Any]]
+    measure: Callable[[Any], list[Row]]
+    keys: Sequence[str] = ()
+    sample: Sequence[str] = ()
+    confirm: Mapping[str, Limit | None] = field(default_factory=dict)
+    timed: Sequence[str] = ()
+    rounds: int = 1
+    limit: float = inf
+    failed: Callable[[Any, str], list[Row]] | None = None
+    columns: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def is_stored(self) -> bool:
+        """Whether its table comes with the package."""
+        return bool(self.sample)
+
+    def tasks(self, *, whole: bool) -> list["Task"]:
+        """All measurements, or those for a report: of a stored study its sample, once."""
+        if whole or not self.is_stored:
+            labels: Iterable[str] = self.cases()
+            return [Task(self, label, each) for each in range(self.rounds) for label in labels]
+        return [Task(self, label, 0) for label in self.sample]
+
+
+class Task(NamedTuple):
+    """One measurement of one case."""
+
+    study: Study
+    label: str
+    round: int
+
+    @property
+    def key(self) -> tuple[str, str, int]:
+        """What its rows are found by."""
+        return self.study.name, self.label, self.round
+
+
+class Check(NamedTuple):
+    """Something that has to hold, measured on the spot or taken from a stored table."""
+
+    name: str
+    value: object
+    limit: object
+    where: Literal["fresh", "stored"]
+    holds: bool
+
+
+def at_most(
+    name: str, value: float | None, limit: float, where: Literal["fresh", "stored"] = "fresh"
+) -> Check:
+    """Check that a finite number does not exceed a finite limit."""
+    return Check(name, value, limit, where, holds(value, limit))
+
+
+def equal(
+    name: str, value: object, wanted: object, where: Literal["fresh", "stored"] = "fresh"
+) -> Check:
+    """Check that something is what it has to be; not a number is equal to nothing."""
+    return Check(name, value, wanted, where, bool(value == wanted))
+
+
+# --- Measuring and keeping ----------------------------------------------------------------------
+
+Found = dict[tuple[str, str, int], list[Row] | Exception]
+"""Rows of each task, or what it crashed with, by name of the study, label and round."""
+
+
+def measured(
+    tasks: Sequence[Task],
+    folder: Path,
+    *,
+    workers: int | None = None,
+    fresh: bool = False,
+    title: str = "",
+) -> Found:
+    """Rows of each task, or what it crashed with.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+    folder : Path
+        Where finished rows are kept, and found again while nothing changes that they hang on:
+        the code of the study and of both sides, the versions, the machine.
+    workers : int, optional
+        Number of processes, by default that of the cores; 0 for none but this one, where no time
+        limit holds and a debugger sees everything.
+    fresh : bool
+        Measure all of them again.
+    title : str
+        In front of the progress bar.
+    """
+    kept = {name: Kept(study, folder) for name, study in _studies(tasks).items()}
+    found: Found = {}
+    left = []
+    for task in tasks:
+        known = None if fresh else kept[task.study.name].rows.get((task.label, task.round))
+        if known is None:
+            left.append(task)
+        else:
+            found[task.key] = known
+    for task, rows in _run(left, os.cpu_count() or 1 if workers is None else workers, title):
+        if not isinstance(rows, Exception):
+            kept[task.study.name].add(task, rows)
+        found[task.key] = rows
+    return found
+
+
+class Kept:
+    """Rows of a study that earlier calls of the same code have left in a folder.
+
+    Parameters
+    ----------
+    study : Study
+    folder : Path
+
+    Attributes
+    ----------
+    path : Path
+        A line with what made them, and one for each measurement; the last one counts.
+    rows : dict
+        By label and round.
+    """
+
+    def __init__(self, study: Study, folder: Path) -> None:
+        self.path = folder / f"{study.name}.jsonl"
+        self.rows: dict[tuple[str, int], list[Row]] = {}
+        head = json.dumps(identity(study))
+        # What follows the last end of a line was being written when a run was interrupted.
+        lines = self.path.read_text("utf-8").split("\n")[:-1] if self.path.is_file() else []
+        if lines and lines[0] == head:
+            self.rows = {
+                (label, number): rows for label, number, rows in map(json.loads, lines[1:])
+            }
+        folder.mkdir(parents=True, exist_ok=True)
+        with whole_file(self.path) as stream:
+            whole = [head, *(json.dumps([*key, rows]) for key, rows in self.rows.items())]
+            stream.write("".join(f"{line}\n" for line in whole).encode())
+
+    def add(self, task: Task, rows: list[Row]) -> None:
+        """Keep the rows of a task."""
+        self.rows[task.label, task.round] = rows
+        with self.path.open("a", encoding="utf-8") as stream:
+            stream.write(f"{json.dumps([task.label, task.round, rows])}\n")
+
+
+def identity(study: Study) -> Row:
+    """What the results of a study hang on, beside its cases."""
+    return {
+        "code": behind(study.measure.__module__),
+        "versions": versions(*PACKAGES),
+        "machine": machine(),
+        "engine": os.environ.get("EXUDYN_MODULE", ""),
+    }
+
+
+def _studies(tasks: Iterable[Task]) -> dict[str, Study]:
+    return {task.study.name: task.study for task in tasks}
+
+
+def _run(
+    tasks: Sequence[Task], workers: int, title: str
+) -> Iterator[tuple[Task, list[Row] | Exception]]:
+    """Rows of each task as they come, or what it crashed with."""
+    if not tasks:
+        return
+    cases = {name: study.cases() for name, study in _studies(tasks).items()}
+    pool = open_processes(min(workers, len(tasks)))
+    try:
+        futures = {
+            pool.submit_within(
+                task.study.limit if task.study.limit < inf else None,
+                rows_of,
+                task.study.measure,
+                cases[task.study.name][task.label],
+            ): task
+            for task in tasks
+        }
+        with bar(title, total=len(tasks), unit="cases") as shown:
+            for future in as_completed(futures):
+                task = futures[future]
+                yield task, _outcome(task, cases[task.study.name][task.label], future)
+                shown.update()
+    except BaseException:
+        pool.shutdown(cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+def _outcome(task: Task, case: Any, future: "Future[list[Row]]") -> list[Row] | Exception:
+    error = future.exception()
+    if error is None:
+        return future.result()
+    ended = isinstance(error, TimeoutError | ProcessExpired)
+    reason = f"not finished within {task.study.limit:g} s" if ended else repr(error)
+    if isinstance(error, ProcessExpired):
+        reason = f"the interpreter ended with code {error.exitcode}"
+    if ended and task.study.failed is not None:
+        return plain(task.study.failed(case, reason))
+    return RuntimeError(reason)
+
+
+def rows_of(measure: Callable[[Any], list[Row]], case: Any) -> list[Row]:
+    """Rows of a case as plain data; `ValueError` if nothing was measured."""
+    rows = plain(measure(case))
+    if not rows:
+        raise ValueError("nothing was measured")
+    return rows
+
+
+def plain(rows: list[Row]) -> list[Row]:
+    """Rows with numbers and lists in place of NumPy's, cut to `DIGITS`."""
+    return [{name: _plain(value) for name, value in row.items()} for row in rows]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}")
+    if value is None or isinstance(value, str | int):
+        return value
+    raise TypeError(f"rows must hold numbers, text and lists of numbers, got {value!r}")
+
+
+# --- Tables ------------------------------------------------------------------------------------
+
+
+def whole_table(study: Study, found: Found) -> pd.DataFrame:
+    """Table of all measurements of a study, with a row for each of its keys.
+
+    `spread` is how far the times of rounds differ.
+
+    Raises
+    ------
+    RuntimeError
+        If a case crashed.
+    ValueError
+        If rounds differ in more than their times, or keys do not tell rows apart.
+    """
+    tasks = study.tasks(whole=True)
+    crashed = [f"{t.label}: {found[t.key]}" for t in tasks if isinstance(found[t.key], Exception)]
+    if crashed:
+        raise RuntimeError(f"{study.name}: {len(crashed)} cases crashed:\n" + "\n".join(crashed))
+    rounds: list[list[Row]] = [[] for _ in range(study.rounds)]
+    for task in tasks:
+        if isinstance(rows := found[task.key], list):
+            rounds[task.round] += [{"case": task.label, **row} for row in rows]
+    table = frame(rounds[0])
+    _check_keys(study, table)
+    if not study.timed:
+        return table
+    if len({json.dumps([_untimed(study, row) for row in rows]) for rows in rounds}) > 1:
+        raise ValueError(f"{study.name}: rounds differ in more than their times")
+    timed = list(study.timed)
+    times = np.array([frame(rows)[timed].to_numpy(float) for rows in rounds])
+    table[timed] = least = times.min(axis=0)
+    return table.assign(spread=(times.max(axis=0) / least).max(axis=1))
+
+
+def _untimed(study: Study, row: Row) -> Row:
+    return {name: value for name, value in row.items() if name not in study.timed}
+
+
+def frame(rows: Iterable[Row]) -> pd.DataFrame:
+    """Table of rows; what some rows lack is None or NaN there."""
+    return pd.DataFrame(list(rows))
+
+
+def _check_keys(study: Study, table: pd.DataFrame) -> None:
+    keys = ["case", *study.keys]
+    if table.duplicated(keys).any():
+        raise ValueError(f"{study.name}: keys {keys} do not tell rows apart")
+
+
+def write(
+    study: Study, table: pd.DataFrame, provenance: Provenance, folder: Path = RESULTS
+) -> None:
+    """Keep a table and what made it, as NAME.csv and NAME.json, whole or not at all."""
+    _check_keys(study, table)
+    kinds = {name: _kind(table[name]) for name in table}
+    about = {
+        "provenance": provenance.to_dict(),
+        "code": behind(study.measure.__module__),
+        "rounds": study.rounds,
+        "columns": dict(study.columns),
+        "kinds": kinds,
+    }
+    shown = table.assign(
+        **{name: table[name].map(json.dumps) for name, kind in kinds.items() if kind == "list"}
+    )
+    with whole_file(folder / f"{study.name}.csv") as stream:
+        stream.write(shown.to_csv(index=False, lineterminator="\n").encode())
+    with whole_file(folder / f"{study.name}.json") as stream:
+        stream.write(f"{json.dumps(about, indent=1, ensure_ascii=False)}\n".encode())
+
+
+def _kind(values: pd.Series) -> str:
+    """What a column of a file holds: "list", "text", or what NumPy calls it."""
+    if values.map(lambda each: isinstance(each, list)).any():
+        return "list"
+    return "text" if values.map(lambda each: isinstance(each, str)).any() else str(values.dtype)
+
+
+def load(study: Study, folder: Path = RESULTS) -> pd.DataFrame:
+    """Table of a stored study.
+
+    Raises
+    ------
+    OSError
+        If there is none.
+    ValueError
+        If its files do not hold one.
+    """
+    kinds = about(study, folder)["kinds"]
+    text = [name for name, kind in kinds.items() if kind in {"text", "list"}]
+    numbers = {name: kind for name, kind in kinds.items() if name not in text}
+    table = pd.read_csv(
+        folder / f"{study.name}.csv",
+        dtype=dict.fromkeys(text, "str") | {n: k for n, k in numbers.items() if k != "object"},
+        keep_default_na=False,
+        na_values={name: ["", "nan"] for name in numbers},
+    )
+    for name, kind in kinds.items():
+        if kind == "list":
+            table[name] = table[name].map(json.loads)
+    _check_keys(study, table)
+    return table
+
+
+def about(study: Study, folder: Path = RESULTS) -> Row:
+    """Provenance, columns and identity of a stored table."""
+    found: Row = json.loads((folder / f"{study.name}.json").read_text("utf-8"))
+    return found
+
+
+# --- Confirming --------------------------------------------------------------------------------
+
+
+def confirm(study: Study, found: Found, stored: pd.DataFrame) -> list[Check]:
+    """Compare the sample of a study, as measured on the spot, with what is stored of it.
+
+    Parameters
+    ----------
+    study : Study
+    found : dict
+        What `measured` returns for its sample.
+    stored : DataFrame
+    """
+    checks = []
+    for task in study.tasks(whole=False):
+        name, rows = f"{study.name}: {task.label}", found.get(task.key)
+        if not isinstance(rows, list) or not rows:
+            checks.append(Check(f"{name}: runs", str(rows), "no crash", "fresh", False))
+        else:
+            known = stored[stored["case"] == task.label].to_dict("records")
+            checks += _compared(study, name, rows, known)
+    return checks
+
+
+def _compared(
+    study: Study, name: str, fresh: Sequence[Row], stored: Sequence[Row]
+) -> Iterator[Check]:
+    """Checks of the rows of one case; a number that is none holds nothing."""
+    here, there = (
+        {tuple(_key(row[key]) for key in study.keys): row for row in rows}
+        for rows in (fresh, stored)
+    )
+    alone = len(here.keys() ^ there.keys())
+    both = [(row, there[key]) for key, row in here.items() if key in there]
+    yield Check(
+        f"{name}: rows", f"{alone} on one side only", "none", "fresh", alone == 0 < len(both)
+    )
+    if any("failure" in known for _, known in both):
+        other = sum(bool(row.get("failure")) != bool(known["failure"]) for row, known in both)
+        yield at_most(f"{name}: fail on one side only", other, 0)
+        both = [(r, k) for r, k in both if not r.get("failure") and not k["failure"]]
+    for column, limit in study.confirm.items():
+        worst = max(
+            (_apart(row.get(column), known.get(column), known, limit) for row, known in both),
+            key=lambda each: each[0] - each[1],
+            default=(0.0, 0.0),
+        )
+        yield at_most(f"{name}: {column}", *worst)
+
+
+def _key(value: Any) -> Any:
+    """A value that tells rows apart; numbers may differ in their last digits."""
+    return f"{value:.6g}" if isinstance(value, float) else value
+
+
+def _apart(one: Any, other: Any, stored: Row, limit: Limit | None) -> tuple[float, float]:
+    """Difference of a value from the stored one and what it may be.
+
+    What does not apply is None on the spot and missing in the table. Not a number is infinitely
+    far from anything.
+    """
+    if one is None or _is_missing(other) or limit is None:
+        same = _is_missing(other) if one is None else one == other
+        return (0.0 if same else inf), 0.0
+    allowed = float(limit(stored)) if callable(limit) else float(limit)
+    here, there = np.asarray(one, float), np.asarray(other, float)
+    if here.shape != there.shape:
+        return inf, allowed
+    apart = float(np.max(np.abs(here - there), initial=0.0))
+    return (inf if isnan(apart) else apart), allowed
+
+
+def _is_missing(value: Any) -> bool:
+    return value is None or (isinstance(value, float) and isnan(value))
+
+
+def relative(column: str, part: float, least: float = 0.0) -> Callable[[Row], float]:
+    """Allowed difference as part of the stored value, and what is allowed in any case."""
+    return lambda stored: part * float(np.max(np.abs(stored[column]))) + least
