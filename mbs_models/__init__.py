@@ -1,6 +1,5 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
-from mbs_models.formulations import formulations
 from mbs_models.integrators import (
     ACCELERATED,
     INTEGRATORS,
@@ -14,7 +13,7 @@ from mbs_models.newton import Newton
 from mbs_models.probe import acceleration
 from mbs_models.rest import simulate_to_rest
 from mbs_models.runs import EngineError
-from mbs_models.scene import Scene
+from mbs_models.scene import Scene, formulations
 from mbs_models.simulation import simulate
 
 __all__ = [

@@ -17,10 +17,9 @@ from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES, State
 from analysis.solve.effort import contact_time, longest_step
 from analysis.solve.stepping import InitialValueProblem
-from mbs_models.build import build
 from mbs_models.friction import slip_velocity
 from mbs_models.probe import Probe
-from mbs_models.scene import Scene
+from mbs_models.scene import Scene, build
 
 _NAMES = (*COORDINATES, *(f"{name}_rate" for name in COORDINATES))
 """What tells a whole state: coordinates, and then rates."""

@@ -154,7 +154,7 @@ class Records:
                 found = integrate(
                     problem,
                     times,
-                    stepping_integrator(scene, times, LOCAL).name,
+                    stepping_integrator(scene, times, LOCAL).method,
                     LOCAL,
                     allow_pulling=not must_not_pull,
                     watch=watch,

@@ -4,13 +4,14 @@ Some are the engine's own. Others step the engine's accelerations (`mbs_models.s
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, cast, get_args
 
 from analysis.data.checks import choice, number
 from analysis.data.checks import local_tolerance as one_step
-from mbs_models.formulations import CLASSES
+from analysis.solve.stepping import Method
 from mbs_models.model import Formulation
 from mbs_models.newton import Newton
+from mbs_models.scene import CLASSES
 
 IntegratorName = Literal[
     "RK44",
@@ -128,6 +129,12 @@ class Integrator:
     def steps_accelerations(self) -> bool:
         """Whether it is one of SciPy's, which step the engine's accelerations."""
         return self.name in ACCELERATED
+
+    @property
+    def method(self) -> Method:
+        """SciPy's name of one that steps accelerations."""
+        assert self.steps_accelerations
+        return cast("Method", self.name)
 
     @property
     def controls_step(self) -> bool:

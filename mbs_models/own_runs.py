@@ -18,14 +18,13 @@ from analysis.data.limits import LEAST_TILT
 from analysis.data.state import COORDINATES, FlatError, State, check_upright
 from analysis.data.watch import Watch
 from mbs_models import sampled
-from mbs_models.build import build
 from mbs_models.endings import Records, of_records, pulling_times
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.probe import Probe
 from mbs_models.runs import EngineError, Samples, Start, run, settle
 from mbs_models.sampled import Sampled, leaning, state_of
-from mbs_models.scene import Scene
+from mbs_models.scene import Scene, build
 
 NEARLY_FLAT = 0.1
 """Sine of the inclination below which a failure is likely to come from the Euler angles."""

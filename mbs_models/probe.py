@@ -11,9 +11,8 @@ from analysis.data.checks import Array, instance
 from analysis.data.limits import LEAST_TILT
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
-from mbs_models.build import build
 from mbs_models.model import Floats, Model
-from mbs_models.scene import Scene
+from mbs_models.scene import Scene, build
 from mbs_models.solving import solving
 
 STEP = 5e-3
@@ -101,11 +100,9 @@ class Probe:
         self._equations = self._solver.GetAEsize()
         self._zeros = np.zeros(2 * (self._size + self._equations,))
         scenario = model.scenario
-        self._feeds_back = (
-            model.contact_equation is not None
-            and scenario.friction.load == "contact"
-            and scenario.rubs
-        )
+        feeds_back = scenario.friction.load == "contact" and scenario.rubs
+        # The equation of the contact force that friction depends on, if it does.
+        self._load_equation = model.contact_equation if feeds_back else None
 
     def move_to(self, coordinates: Floats, rates: Floats) -> None:
         """Move to another state that meets the constraints, in co-rotating coordinates."""
@@ -153,14 +150,14 @@ class Probe:
         """
         n, m = self._size, self._equations
         matrix = self._saddle_matrix()
-        right = np.zeros((n + m, 2 if self._feeds_back else 1))
+        right = np.zeros((n + m, 1 if self._load_equation is None else 2))
         if m:
             right[n:, 0] = -(self._quick_residual_rate() if quick else self._residual_rate())
-        if not self._feeds_back:
+        contact = self._load_equation
+        if contact is None:
             right[:n, 0] = self._forces()
             solution = _solution(matrix, right)[:, 0]
             return solution[:n], solution[n:]
-        contact = self._model.contact_equation
         right[:n, 0] = self._forces_under(contact, 0.0)
         right[:n, 1] = self._forces_under(contact, -1.0) - right[:n, 0]
         without, change = _solution(matrix, right).T

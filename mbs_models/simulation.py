@@ -28,7 +28,6 @@ from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models import sampled
-from mbs_models.advice import advice
 from mbs_models.effort import default_integrator, simulation_effort, stepping_integrator
 from mbs_models.extrapolation import FINEST
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
@@ -166,7 +165,7 @@ def simulate(
         else:
             result, chosen, estimate = call.by(chosen)
     except (EngineError, ToleranceError, TimeLimitError) as error:
-        raise type(error)(f"{error}; {advice(scene, chosen)}") from error
+        raise type(error)(f"{error}; {_advice(scene, chosen)}") from error
     return trajectory(
         scene, chosen, result, watch=call.watch, tolerance=tolerance, estimate=estimate
     )
@@ -269,3 +268,26 @@ def trajectory(
         pulling=result.pulling,
         solver_seconds=result.seconds,
     )
+
+
+def _advice(scene: Scene, integrator: Integrator) -> str:
+    """Other ways to simulate the same motion, the most promising one first.
+
+    Parameters
+    ----------
+    scene : Scene
+    integrator : Integrator
+        What has been tried.
+    """
+    ways = []
+    if scene.scenario.contact is None:
+        best = Scene(scene.scenario)
+        if not best.has_constraints:
+            if scene.built_as != best.built_as:
+                ways.append(f"formulation {best.built_as!r}, which has no constraints")
+            elif not integrator.controls_step:
+                ways.append("integrator 'DOPRI5', which controls its step")
+        ways.append("the in-house equations (analysis.simulate, stiff ones with method 'Radau')")
+    if integrator.implicit or integrator.controls_step:
+        ways.append("a smaller step" if integrator.implicit else "another local tolerance")
+    return f"try {', or '.join(ways)}" if ways else "try a smaller step"

@@ -85,7 +85,7 @@ def stepped(
         found = integrate(
             problem.with_steps_up_to(part),
             times,
-            integrator.name,
+            integrator.method,
             local,
             allow_pulling=allow_pulling,
             watch=watch,

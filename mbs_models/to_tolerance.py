@@ -61,8 +61,12 @@ def to_tolerance(
     kind: tuple[str | None, int] = (None, 0)
     flat = 0
     for halvings in range(HALVINGS):
-        late = otherwise and halvings == LATE and ladder.best_estimate > HOPELESS * tolerance
-        if late and (found := otherwise()) is not None:
+        if (
+            otherwise is not None
+            and halvings == LATE
+            and ladder.best_estimate > HOPELESS * tolerance
+            and (found := otherwise()) is not None
+        ):
             return found._replace(result=found.result.with_work(counts))
         try:
             result = run(integrator, integrator.first_step, halvings)

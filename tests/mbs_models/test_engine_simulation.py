@@ -20,10 +20,10 @@ from analysis import (
     Trajectory,
 )
 from mbs_models import EngineError, Integrator, Newton, Scene
-from mbs_models.build import build
 from mbs_models.extrapolation import BLIND, Ladder
 from mbs_models.own_runs import even_spans
 from mbs_models.probe import Probe
+from mbs_models.scene import build
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
 

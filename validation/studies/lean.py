@@ -11,10 +11,10 @@ from statistics import median
 from analysis import MODELS, Scenario, SmoothCoulomb
 from mbs_models import Scene
 from mbs_models.ballast import BALLAST, Ballast, six_axes
-from mbs_models.build import build
 from mbs_models.integrators import IntegratorName, find_integrator
 from mbs_models.model import Model
 from mbs_models.runs import run
+from mbs_models.scene import build
 from validation.kit.report import Job, Section
 from validation.kit.tables import Table
 
