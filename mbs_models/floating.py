@@ -20,7 +20,7 @@ from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
 from mbs_models.friction import UPWARD, Force, connector_force, friction_load
 from mbs_models.loads import Loads
-from mbs_models.model import Floats, Formulation, Model
+from mbs_models.model import Floats, Formulation, Model, table_forces
 
 _OUTPUT = exu.OutputVariableType
 
@@ -84,7 +84,7 @@ class Floating(Model):
         """Add what the table does to the disk."""
         table = self._add_table()
         centre = self._disk_marker(0.0, "the disk's centre")
-        if self.has_force:
+        if table_forces(self.scenario):
             self._add_force(table, centre)
         if self.scenario.contact is not None:
             return
@@ -105,9 +105,10 @@ class Floating(Model):
 
     def _add_force(self, table: int, centre: int) -> None:
         """Add friction, and the contact if it is one of penalty."""
+        name = table_forces(self.scenario)
         if self.loads is not None:
             side = self._add(
-                items.MarkerBodyRigid(bodyNumber=table), f"the table's side of {self.force_name}"
+                items.MarkerBodyRigid(bodyNumber=table), f"the table's side of {name}"
             )
             force = self._contact_force(self.loads)
         else:
@@ -116,7 +117,7 @@ class Floating(Model):
                     bodyNumber=table,
                     localHT=exu.HT(rotation=UPWARD, translation=[0.0] * 3),
                 ),
-                f"the table's side of {self.force_name}, turned to where its angles are regular",
+                f"the table's side of {name}, turned to where its angles are regular",
             )
             force = connector_force(self.scenario, friction_load(self.scenario, self._contact))
         self._friction = self._add(
@@ -125,7 +126,7 @@ class Floating(Model):
                 useIntrinsicFormulation=False,
                 springForceTorqueUserFunction=force,
             ),
-            f"{self.force_name} by a user function",
+            f"{name} by a user function",
         )
 
     def _contact_force(self, loads: Loads) -> Force:
