@@ -53,8 +53,8 @@ from validation.kit.timing import in_turns
 from validation.run import run
 from validation.studies.stability.eigenvalue_check import engine_matrices
 from validation.sweeps.axes import Axis, Design
+from validation.sweeps.case import run_chunk
 from validation.sweeps.plan import Plan
-from validation.sweeps.runner import run_chunk
 from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
 
