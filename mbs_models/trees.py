@@ -9,7 +9,8 @@ import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import MODELS, Constraint
+from analysis.data.constraint_set import MODELS
+from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
 from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_force, friction_load
 from mbs_models.loads import euler_tree_contact

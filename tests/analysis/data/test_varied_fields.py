@@ -19,8 +19,9 @@ from analysis import (
     State,
     Stribeck,
 )
+from analysis.data.changes import changed, check_field
 from analysis.data.disk import STEEL_RING
-from analysis.data.fields import changed, check_field, full_name
+from analysis.data.names import full_name
 
 PAPER = Scenario()
 

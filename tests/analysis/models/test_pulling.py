@@ -28,7 +28,7 @@ from analysis import (
 from analysis.data.checks import Array
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
-from mbs_models.endings import dips, pulling_times, zero
+from mbs_models.endings import dips, pulling_times
 from tests.helpers import arc, cog, model, not_none, second_derivative, slip
 from tests.scenes import scene_of
 from validation import cli
@@ -181,22 +181,14 @@ def test_a_short_dip_between_two_samples_is_found() -> None:
     times = np.linspace(0.0, 1.0, 21)
     forces = (times - 0.52) ** 2 - 1e-4
     assert np.all(forces > 0.0)
-    (dip,) = dips(forces)
-    assert not dip.sure
-    begin = times[dip.row]
-    found = zero(
-        lambda moment: float((begin + moment - 0.52) ** 2 - 1e-4),
-        float(forces[dip.row]),
-        dip.width * times[1],
-        sure=dip.sure,
-    )
-    assert begin + not_none(found) == pytest.approx(0.51, abs=1e-12)
+    (dip,) = dips(forces, "contact would pull")
+    assert not dip.reason
+    assert times[dip.row] < 0.51 < times[dip.row] + dip.width * times[1]
 
 
 def test_a_minimum_above_zero_is_no_dip() -> None:
     times = np.linspace(0.0, 1.0, 21)
-    assert not list(dips((times - 0.52) ** 2 + 0.01))
-    assert zero(lambda moment: (moment - 0.5) ** 2 + 1e-6, 0.25, 1.0, sure=False) is None
+    assert not list(dips((times - 0.52) ** 2 + 0.01, "contact would pull"))
 
 
 def test_times_of_pulling_are_those_of_a_negative_force() -> None:
