@@ -29,8 +29,8 @@ import numpy.typing as npt
 from scipy.linalg import qr
 
 from analysis.data.checks import Array, choice, float_array, within
-from analysis.data.constraint_set import ConstraintSet, Level
-from analysis.data.limits import FASTEST_TURN
+from analysis.data.constraint_set import ConstraintSet
+from analysis.data.quantities import FASTEST_TURN, Level
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.mechanics import recorded
