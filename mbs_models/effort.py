@@ -13,10 +13,9 @@ import numpy as np
 from analysis.data.checks import Array, positive, within
 from analysis.data.limits import SHORTEST_STEP, Effort
 from analysis.solve import effort as shared
-from mbs_models.formulations import CLASSES
 from mbs_models.integrators import Integrator, find_integrator
 from mbs_models.runs import MINIMUM_STEP
-from mbs_models.scene import Scene
+from mbs_models.scene import CLASSES, Scene
 
 HALVINGS = 13
 """Number of runs after which a tolerance-controlled run gives up; the last step is some µs."""
@@ -151,10 +150,10 @@ def _stepping_effort(
     """That of runs which step accelerations; the same motions take in-house runs as many steps."""
     local = integrator.local_tolerance
     wanted = {"tolerance": tolerance} if local is None else {"local_tolerance": local}
-    found = shared.simulation_effort(scene.scenario, times, method=integrator.name, **wanted)
+    found = shared.simulation_effort(scene.scenario, times, method=integrator.method, **wanted)
     steps = max(found.steps, float(times[-1] - times[0]) / longest)
     cost = _EVALUATION_SECONDS.get(scene.built_as, _LONGEST_EVALUATION)
-    evaluations = shared.METHODS[integrator.name].evaluations * steps + times.size
+    evaluations = shared.METHODS[integrator.method].evaluations * steps + times.size
     return replace(found, steps=steps, seconds=evaluations * cost)
 
 

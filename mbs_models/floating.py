@@ -16,10 +16,11 @@ from exudyn.rigidBodyUtilities import (
 
 from analysis.data import frames
 from analysis.data.checks import Array
+from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
 from mbs_models.friction import UPWARD, Force, connector_force, friction_load
 from mbs_models.loads import Loads
-from mbs_models.model import Floats, Formulation, Model
+from mbs_models.model import Floats, Formulation, Model, table_forces
 
 _OUTPUT = exu.OutputVariableType
 
@@ -83,7 +84,7 @@ class Floating(Model):
         """Add what the table does to the disk."""
         table = self._add_table()
         centre = self._disk_marker(0.0, "the disk's centre")
-        if self.has_force:
+        if table_forces(self.scenario):
             self._add_force(table, centre)
         if self.scenario.contact is not None:
             return
@@ -104,9 +105,10 @@ class Floating(Model):
 
     def _add_force(self, table: int, centre: int) -> None:
         """Add friction, and the contact if it is one of penalty."""
+        name = table_forces(self.scenario)
         if self.loads is not None:
             side = self._add(
-                items.MarkerBodyRigid(bodyNumber=table), f"the table's side of {self.force_name}"
+                items.MarkerBodyRigid(bodyNumber=table), f"the table's side of {name}"
             )
             force = self._contact_force(self.loads)
         else:
@@ -115,7 +117,7 @@ class Floating(Model):
                     bodyNumber=table,
                     localHT=exu.HT(rotation=UPWARD, translation=[0.0] * 3),
                 ),
-                f"the table's side of {self.force_name}, turned to where its angles are regular",
+                f"the table's side of {name}, turned to where its angles are regular",
             )
             force = connector_force(self.scenario, friction_load(self.scenario, self._contact))
         self._friction = self._add(
@@ -124,7 +126,7 @@ class Floating(Model):
                 useIntrinsicFormulation=False,
                 springForceTorqueUserFunction=force,
             ),
-            f"{self.force_name} by a user function",
+            f"{name} by a user function",
         )
 
     def _contact_force(self, loads: Loads) -> Force:
@@ -289,6 +291,53 @@ class FloatingLie(Floating):
         rotation = self.record()[3:12].reshape(3, 3)
         angular: Array = rotation @ second_derivatives[3:6]
         return angular
+
+
+class FloatingWithLosses(FloatingLie):
+    """A free disk on a penalty contact, and what each of `CAUSES` has taken from it.
+
+    The energies are variables of order 1 with the powers as their rates: they go through the same
+    stages of the integrator as the motion, under the same control of the step. They are held
+    relative to weight times radius, since step control has one tolerance for all variables.
+
+    Attributes
+    ----------
+    unit : float
+        Weight times radius in J, in which records hold the energies.
+    """
+
+    def _hold(self) -> None:
+        super()._hold()
+        zeros = [0.0] * len(CAUSES)
+        self.unit = self.scenario.weight * self.scenario.disk.radius
+        self._energies = self._add(
+            items.NodeGenericODE1(
+                referenceCoordinates=zeros,
+                initialCoordinates=zeros,
+                numberOfODE1Coordinates=len(CAUSES),
+            ),
+            "energy taken by each cause",
+        )
+        self._add(
+            items.ObjectGenericODE1(nodeNumbers=[self._energies], rhsUserFunction=self._powers),
+            "power of each cause, by a user function",
+        )
+
+    def _powers(self, system: Any, _t: float, _item: int, _energies: Any) -> list[float]:
+        def output(variable: Any) -> list[float]:
+            return list(system.GetNodeOutput(self._node, variable).tolist())
+
+        matrix = output(_OUTPUT.RotationMatrix)
+        assert self.loads is not None
+        x, y, z = output(_OUTPUT.Velocity)
+        p, q, r = output(_OUTPUT.AngularVelocity)
+        load = self.loads.at(
+            output(_OUTPUT.Position)[2], (matrix[2], matrix[5], matrix[8]), (x, y, z), (p, q, r)
+        )
+        return [power / self.unit for power in load.taken]
+
+    def _readings(self) -> list[tuple[int, Any]]:
+        return [*super()._readings(), (self._energies, _OUTPUT.Coordinates)]
 
 
 def _free_motion(coordinates: Floats, rates: Floats) -> tuple[list[float], ...]:

@@ -4,13 +4,14 @@ Some are the engine's own. Others step the engine's accelerations (`mbs_models.s
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, cast, get_args
 
 from analysis.data.checks import choice, number
 from analysis.data.checks import local_tolerance as one_step
-from mbs_models.formulations import CLASSES
+from analysis.solve.stepping import Method
 from mbs_models.model import Formulation
 from mbs_models.newton import Newton
+from mbs_models.scene import CLASSES
 
 IntegratorName = Literal[
     "RK44",
@@ -56,10 +57,9 @@ RULES: dict[IntegratorName, Rule] = {
     "LSODA": Rule((), controls_step=True),
 }
 
-FINEST_LOCAL = 1e-11
+FINEST_LOCAL = 1e-13
 """Error in a step below which the noise of accelerations that differences go into stalls step
 control."""
-
 
 ACCELERATED: tuple[IntegratorName, ...] = ("DOP853", "Radau", "LSODA")
 """Those that step the engine's accelerations."""
@@ -131,6 +131,12 @@ class Integrator:
         return self.name in ACCELERATED
 
     @property
+    def method(self) -> Method:
+        """SciPy's name of one that steps accelerations."""
+        assert self.steps_accelerations
+        return cast("Method", self.name)
+
+    @property
     def controls_step(self) -> bool:
         """Whether it chooses its steps by itself."""
         return RULES[self.name].controls_step
@@ -157,7 +163,9 @@ class Integrator:
 def integrators(
     formulation: Formulation, *, constrained: bool | None = None
 ) -> tuple[IntegratorName, ...]:
-    """Integrators that can take a formulation; the first is the engine's own default.
+    """The engine's own integrators that can take a formulation; those in `ACCELERATED` take any.
+
+    The first is the default where a step is given.
 
     Parameters
     ----------
@@ -175,10 +183,9 @@ def integrators(
     implicit: tuple[IntegratorName, ...] = ("TrapezoidalIndex2", "GeneralizedAlpha")
     explicit: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
     if CLASSES[formulation].closes_contact:
-        return explicit + implicit + ACCELERATED
+        return explicit + implicit
     # What has no constraints otherwise has a stiff contact.
-    own = implicit if constrained is None or constrained else implicit + explicit
-    return own + ACCELERATED
+    return implicit if constrained is None or constrained else implicit + explicit
 
 
 def find_integrator(
@@ -198,9 +205,9 @@ def find_integrator(
     if wanted is None:
         wanted = available[0]
     chosen = wanted if isinstance(wanted, Integrator) else Integrator(name=wanted)
-    if chosen.name not in available:
+    if chosen.name not in available + ACCELERATED:
         raise ValueError(
             f"integrator {chosen.name!r} is explicit and cannot take the constraints of "
-            f"formulation {formulation!r}; use one of {', '.join(available)}"
+            f"formulation {formulation!r}; use one of {', '.join(available + ACCELERATED)}"
         )
     return chosen

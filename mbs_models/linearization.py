@@ -11,9 +11,8 @@ from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.data.start import Start
 from analysis.data.state import COORDINATES, State
-from mbs_models.build import build
 from mbs_models.probe import Probe
-from mbs_models.scene import Scene
+from mbs_models.scene import Scene, build
 from mbs_models.solving import solving
 
 ComplexArray = npt.NDArray[np.complex128]

@@ -11,9 +11,8 @@ from analysis.data.checks import Array, instance
 from analysis.data.limits import LEAST_TILT
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
-from mbs_models.build import build
 from mbs_models.model import Floats, Model
-from mbs_models.scene import Scene
+from mbs_models.scene import Scene, build
 from mbs_models.solving import solving
 
 STEP = 5e-3
@@ -101,11 +100,9 @@ class Probe:
         self._equations = self._solver.GetAEsize()
         self._zeros = np.zeros(2 * (self._size + self._equations,))
         scenario = model.scenario
-        self._feeds_back = (
-            model.contact_equation is not None
-            and scenario.friction.load == "contact"
-            and scenario.rubs
-        )
+        feeds_back = scenario.friction.load == "contact" and scenario.rubs
+        # The equation of the contact force that friction depends on, if it does.
+        self._load_equation = model.contact_equation if feeds_back else None
 
     def move_to(self, coordinates: Floats, rates: Floats) -> None:
         """Move to another state that meets the constraints, in co-rotating coordinates."""
@@ -124,18 +121,22 @@ class Probe:
         tolerance : float
             Largest residual let through in m, and in m/s for a spin up to 1 rad/s.
         """
-        scenario = self._model.scenario
-        spin = abs(self._model.start.rates[3])
-        for residual in self._model.start_residuals(self._velocity_residuals()):
-            unit, allowed = "m", tolerance
-            if residual.level == "velocity":
-                unit, allowed = "m/s", tolerance * max(1.0, spin)
-            if abs(residual.value) > allowed:
-                raise ValueError(
-                    f"start breaks the constraint '{residual.constraint}' of {scenario.name} "
-                    f"on {residual.level} level by {residual.value:.3e} {unit}, allowed is "
-                    f"{allowed:.1e}"
-                )
+        model = self._model
+        if model.scenario.contact is not None:
+            # A penalty contact is no constraint.
+            return
+        faster = max(1.0, abs(model.start.rates[3]))
+        velocities = model.velocity_residuals(self._velocity_residuals())
+        for level, unit, allowed, residuals in (
+            ("position", "m", tolerance, model.position_residuals()),
+            ("velocity", "m/s", tolerance * faster, velocities),
+        ):
+            for constraint, value in residuals.items():
+                if abs(value) > allowed:
+                    raise ValueError(
+                        f"start breaks the constraint '{constraint}' of {model.scenario.name} on "
+                        f"{level} level by {value:.3e} {unit}, allowed is {allowed:.1e}"
+                    )
 
     def solve(self) -> tuple[Array, Array]:
         """Second derivatives of the engine's coordinates, shape (n,), and multipliers, (m,)."""
@@ -153,14 +154,14 @@ class Probe:
         """
         n, m = self._size, self._equations
         matrix = self._saddle_matrix()
-        right = np.zeros((n + m, 2 if self._feeds_back else 1))
+        right = np.zeros((n + m, 1 if self._load_equation is None else 2))
         if m:
             right[n:, 0] = -(self._quick_residual_rate() if quick else self._residual_rate())
-        if not self._feeds_back:
+        contact = self._load_equation
+        if contact is None:
             right[:n, 0] = self._forces()
             solution = _solution(matrix, right)[:, 0]
             return solution[:n], solution[n:]
-        contact = self._model.contact_equation
         right[:n, 0] = self._forces_under(contact, 0.0)
         right[:n, 1] = self._forces_under(contact, -1.0) - right[:n, 0]
         without, change = _solution(matrix, right).T

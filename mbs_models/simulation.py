@@ -27,13 +27,13 @@ from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
-from mbs_models import columns
-from mbs_models.advice import advice
+from mbs_models import sampled
 from mbs_models.effort import default_integrator, simulation_effort, stepping_integrator
 from mbs_models.extrapolation import FINEST
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
-from mbs_models.passes import Pass, Reached, one_pass
+from mbs_models.own_runs import run_over
 from mbs_models.runs import EngineError
+from mbs_models.sampled import Reached, Sampled
 from mbs_models.scene import Scene
 from mbs_models.stepped import stepped
 from mbs_models.to_tolerance import to_tolerance
@@ -67,7 +67,7 @@ def simulate(
     scene : Scene or Scenario
         A scenario stands for its default scene.
     times : array_like, shape (n,)
-        Strictly increasing times in s; the motion starts at the first. Each stretch of evenly
+        Strictly increasing times in s; the motion starts at the first. Each span of evenly
         spaced times is one engine run, so even spacing is fastest.
     step : float, optional
         Largest step in s; shortened so that every sample falls on a step.
@@ -75,9 +75,9 @@ def simulate(
         Largest error in beta and gamma in rad, and in s that of the time at which the motion ends
         by itself; 1e-8 if neither is given.
     integrator : Integrator or str, optional
-        With its options, or the name of one of `integrators(scene.built_as)`. By default, with a
-        step the first of them; with a tolerance the first of them where no constraint is left,
-        and else DOP853, or Radau where friction is stiff, which step the engine's accelerations.
+        With its options, or the name of one of `integrators(scene.built_as)` or `ACCELERATED`.
+        By default, the first of the former with a step, and with a tolerance where no constraint
+        is left; else DOP853, or Radau where friction is stiff, on the engine's accelerations.
         Where that leads to nothing, the other way is tried. An `Integrator` with a
         `local_tolerance`, as DOPRI5 always has, takes its accuracy from there, and `step` only
         limits its steps.
@@ -144,6 +144,10 @@ def simulate(
     told = None if integrator is None else chosen
     effort = simulation_effort(scene, times, told, step=step, tolerance=tolerance)
     effort.check()
+    most = effort.most
+    if told is None and tolerance is not None:
+        # There is another way to try.
+        most += simulation_effort(scene, times, chosen, tolerance=tolerance).most
     check_slipping(scene.scenario.friction)
     call = _Call(
         scene=scene,
@@ -152,7 +156,7 @@ def simulate(
         tolerance=tolerance,
         stop_when=named_conditions(stop_when, scene.scenario.initial_state),
         allow_pulling=allow_pulling,
-        watch=Watch(time_limit, progress, effort.most),
+        watch=Watch(time_limit, progress, most),
     )
     try:
         if integrator is None and tolerance is not None:
@@ -161,7 +165,7 @@ def simulate(
         else:
             result, chosen, estimate = call.by(chosen)
     except (EngineError, ToleranceError, TimeLimitError) as error:
-        raise type(error)(f"{error}; {advice(scene, chosen)}") from error
+        raise type(error)(f"{error}; {_advice(scene, chosen)}") from error
     return trajectory(
         scene, chosen, result, watch=call.watch, tolerance=tolerance, estimate=estimate
     )
@@ -204,8 +208,8 @@ class _Call:
                 **self._how,
             )
         if self.tolerance is None:
-            return Reached(self._one_pass(integrator, self.longest), integrator)
-        return to_tolerance(self.scene, self._one_pass, integrator, self.tolerance, otherwise)
+            return Reached(self._over(integrator, self.longest), integrator)
+        return to_tolerance(self.scene, self._over, integrator, self.tolerance, otherwise)
 
     def _by_accelerations(self) -> Reached | None:
         """Step the accelerations to the tolerance; None if that does not lead there."""
@@ -215,8 +219,8 @@ class _Call:
         except (EngineError, ToleranceError):
             return None
 
-    def _one_pass(self, integrator: Integrator, longest: float, halvings: int = 0) -> Pass:
-        return one_pass(self.scene, self.times, integrator, longest, halvings, **self._how)
+    def _over(self, integrator: Integrator, longest: float, halvings: int = 0) -> Sampled:
+        return run_over(self.scene, self.times, integrator, longest, halvings, **self._how)
 
     @property
     def _how(self) -> dict[str, Any]:
@@ -230,25 +234,25 @@ class _Call:
 def trajectory(
     scene: Scene,
     integrator: Integrator,
-    result: Pass,
+    result: Sampled,
     *,
     watch: Watch | None = None,
     tolerance: float | None = None,
     estimate: float | None = None,
 ) -> Trajectory:
-    """Trajectory from the samples of a pass."""
+    """Trajectory from the samples."""
     ending = None
     if result.ended is not None:
         seconds = (watch or Watch()).seconds
-        force = float(result.values[-1, columns.NORMAL_FORCE])
+        force = float(result.values[-1, sampled.NORMAL_FORCE])
         values = {TIME_LIMIT: seconds, CONTACT_WOULD_PULL: force}
         value = values.get(result.ended, 0.0)
         ending = Ending(reason=result.ended, time=float(result.times[-1]), value=value)
     return Trajectory(
         times=result.times,
-        coordinates=result.values[:, columns.COORDINATES],
-        rates=result.values[:, columns.RATES],
-        multipliers=result.values[:, columns.FORCES],
+        coordinates=result.values[:, sampled.COORDINATES],
+        rates=result.values[:, sampled.RATES],
+        multipliers=result.values[:, sampled.FORCES],
         scenario=scene.scenario,
         source="engine",
         method={
@@ -264,3 +268,26 @@ def trajectory(
         pulling=result.pulling,
         solver_seconds=result.seconds,
     )
+
+
+def _advice(scene: Scene, integrator: Integrator) -> str:
+    """Other ways to simulate the same motion, the most promising one first.
+
+    Parameters
+    ----------
+    scene : Scene
+    integrator : Integrator
+        What has been tried.
+    """
+    ways = []
+    if scene.scenario.contact is None:
+        best = Scene(scene.scenario)
+        if not best.has_constraints:
+            if scene.built_as != best.built_as:
+                ways.append(f"formulation {best.built_as!r}, which has no constraints")
+            elif not integrator.controls_step:
+                ways.append("integrator 'DOPRI5', which controls its step")
+        ways.append("the in-house equations (analysis.simulate, stiff ones with method 'Radau')")
+    if integrator.implicit or integrator.controls_step:
+        ways.append("a smaller step" if integrator.implicit else "another local tolerance")
+    return f"try {', or '.join(ways)}" if ways else "try a smaller step"

@@ -12,8 +12,8 @@ from analysis.data.state import FlatError
 from mbs_models.effort import HALVINGS
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import Integrator
-from mbs_models.passes import Pass, Reached
 from mbs_models.runs import EngineError
+from mbs_models.sampled import Reached, Sampled
 from mbs_models.scene import Scene
 
 PATIENCE = 6
@@ -25,8 +25,8 @@ LATE = 5
 HOPELESS = 100.0
 """and the estimated error over the tolerance from which on they lead to nothing."""
 
-Run = Callable[[Integrator, float, int], Pass]
-"""From an integrator, the longest step in s and the number of its halvings to a pass."""
+Run = Callable[[Integrator, float, int], Sampled]
+"""From an integrator, the longest step in s and the number of its halvings to a motion."""
 
 
 def to_tolerance(
@@ -42,7 +42,7 @@ def to_tolerance(
     ----------
     scene : Scene
     run : callable
-        From an integrator, the longest step in s and the number of its halvings to a pass.
+        From an integrator, the longest step in s and the number of its halvings to a motion.
     integrator : Integrator
     tolerance : float
         Largest error in beta and gamma in rad.
@@ -61,8 +61,12 @@ def to_tolerance(
     kind: tuple[str | None, int] = (None, 0)
     flat = 0
     for halvings in range(HALVINGS):
-        late = otherwise and halvings == LATE and ladder.best_estimate > HOPELESS * tolerance
-        if late and (found := otherwise()) is not None:
+        if (
+            otherwise is not None
+            and halvings == LATE
+            and ladder.best_estimate > HOPELESS * tolerance
+            and (found := otherwise()) is not None
+        ):
             return found._replace(result=found.result.with_work(counts))
         try:
             result = run(integrator, integrator.first_step, halvings)
@@ -95,7 +99,7 @@ def to_tolerance(
     )
 
 
-def _time_is_over(result: Pass, what: str, tolerance: float, best: float) -> TimeLimitError:
+def _time_is_over(result: Sampled, what: str, tolerance: float, best: float) -> TimeLimitError:
     return TimeLimitError(
         f"time limit met at t = {result.times[-1]:.6g} s of a run with {what}, before runs agreed "
         f"to {tolerance:g} rad; the best estimated error is {best:.1e} rad"

@@ -9,11 +9,11 @@ import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import MODELS
+from analysis.data.constraint_set import MODELS, Constraint
 from analysis.data.scenario import Scenario
 from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_force, friction_load
-from mbs_models.model import Floats, Model, Residual
-from mbs_models.penalty import euler_tree_contact
+from mbs_models.loads import euler_tree_contact
+from mbs_models.model import Floats, Model, table_forces
 
 _JOINT, _OUTPUT = exu.JointType, exu.OutputVariableType
 
@@ -43,9 +43,9 @@ class _Tree(Model):
         inertia = np.diag(disk.inertia_about_cog)
         forces = {}
         why = "the disk at the end of its joints, with its weight"
-        if self.has_force:
+        if name := table_forces(self.scenario):
             forces["forceUserFunction"] = self._force()
-            why += f" and {self.force_name} by a user function"
+            why += f" and {name} by a user function"
         self._tree = self._add(
             items.ObjectKinematicTree(
                 nodeNumber=self._node,
@@ -236,10 +236,10 @@ class ContactTree(_Tree):
         rise += (r + e * sg) * (cb * bdd - sb * bd * bd)
         return (disk.mass * (table.pressing + rise))[:, None]
 
-    def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
-        coordinates, rates = self.decode(self.record()[None])
-        start = self.start
-        return [
-            Residual("contact", "position", start.coordinates[2] - float(coordinates[0, 2])),
-            Residual("contact", "velocity", start.rates[2] - float(rates[0, 2])),
-        ]
+    def position_residuals(self) -> dict[Constraint, float]:
+        coordinates, _ = self.decode(self.record()[None])
+        return {"contact": self.start.coordinates[2] - float(coordinates[0, 2])}
+
+    def velocity_residuals(self, equations: Array) -> dict[Constraint, float]:
+        _, rates = self.decode(self.record()[None])
+        return {"contact": self.start.rates[2] - float(rates[0, 2])}

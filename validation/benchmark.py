@@ -42,7 +42,7 @@ from analysis.models.simulation import COMPILED_TOLERANCES
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Integrator, Scene
-from mbs_models.passes import one_pass
+from mbs_models.own_runs import run_over
 from mbs_models.rest_run import largest_step
 from validation import by_hand
 from validation.kit.limits import holds
@@ -53,8 +53,8 @@ from validation.kit.timing import in_turns
 from validation.run import run
 from validation.studies.stability.eigenvalue_check import engine_matrices
 from validation.sweeps.axes import Axis, Design
+from validation.sweeps.case import run_chunk
 from validation.sweeps.plan import Plan
-from validation.sweeps.runner import run_chunk
 from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
 
@@ -127,7 +127,7 @@ def single_runs(repeats: int) -> Iterator[Measured]:
         yield Measured(label, milliseconds(call, repeats=repeats)[0], "ms", limit)
         if "step" in how:
             scene = Scene(scenario, how["formulation"])
-            solver = partial(one_pass, scene, TIMES, Integrator(name="RK67"), how["step"])
+            solver = partial(run_over, scene, TIMES, Integrator(name="RK67"), how["step"])
             taken = 1e3 * median(solver().seconds for _ in range(repeats))
             yield Measured(f"{label}: of it the solver's", taken, "ms")
 

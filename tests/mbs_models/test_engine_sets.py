@@ -28,9 +28,9 @@ from analysis.data.constraint_set import set_name
 from analysis.mechanics import paper
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
-from mbs_models.build import build
 from mbs_models.inventory import inventory
 from mbs_models.probe import Probe
+from mbs_models.scene import build
 
 SLOPE = Table(inclination=radians(2.0), downhill=0.7)
 FREE_ROLLING: ConstraintSet = ("contact", "no-slip-along")

@@ -9,11 +9,11 @@ import mbs_models
 from analysis import LEVELS, Dissipation, Level, PenaltyContact, SmoothCoulomb
 from mbs_models import Formulation, Scene
 from mbs_models.ballast import BALLAST, six_axes
-from mbs_models.build import build
 from mbs_models.integrators import find_integrator
 from mbs_models.inventory import Inventory, _items, inventory, unused_markers
 from mbs_models.model import Model
 from mbs_models.runs import run
+from mbs_models.scene import build
 from tests.calls import printed
 from tests.helpers import model
 from tests.scenes import rest_scene, scene_of

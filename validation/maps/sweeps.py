@@ -1,6 +1,7 @@
 """Pictures of sweeps: curves of the outcomes over one axis, a map over two, pairs of more."""
 
 from collections.abc import Mapping
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,9 @@ _CURVES: tuple[tuple[str, Mapping[str, str]], ...] = (
 
 MOST_PAIRED = 8
 """Axes that are drawn in pairs: with more, the panels are too small."""
+
+_LETTERS = 20
+"""Of a label in a line beside a panel of a pair."""
 
 _BINS = 10
 """In which the cases that are drawn, and lie on no grid, are counted over an axis."""
@@ -117,7 +121,7 @@ def _pairs(results: Results, outcomes: Any, title: str) -> Figure:
     judged = ~np.isin(outcomes, ("refused", "failed"))
     hits = np.where(judged, outcomes == counted, np.nan)
     values = [results.columns[axis.field] for axis in design.axes]
-    labels = [label(axis.field).replace(": ", ":\n") for axis in design.axes]
+    labels = [fill(label(axis.field), _LETTERS) for axis in design.axes]
     count = len(values)
     figure, axes = kit.new_figure(count, columns=count, width=1.6 * count + 1.2,
                                   height=1.4 * count + 0.8)  # fmt: skip

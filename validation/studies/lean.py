@@ -15,10 +15,10 @@ from analysis import MODELS, Scenario, SmoothCoulomb
 from analysis.data.checks import Array
 from mbs_models import Scene
 from mbs_models.ballast import BALLAST, Ballast, six_axes
-from mbs_models.build import build
 from mbs_models.integrators import IntegratorName, find_integrator
 from mbs_models.model import Model
 from mbs_models.runs import run
+from mbs_models.scene import build
 from validation.kit.limits import largest
 from validation.kit.timing import in_turns, ratio
 from validation.page.content import Content, Rows

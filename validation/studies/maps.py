@@ -22,7 +22,8 @@ from validation.maps.uncertainty import (
 )
 from validation.page.content import Content, Rows, Verdict
 from validation.study import Check, Row, Study, at_most, relative
-from validation.sweeps.sweep import Sweep, run_case
+from validation.sweeps.case import run_case
+from validation.sweeps.sweep import Sweep
 
 TITLE = "Maps"
 

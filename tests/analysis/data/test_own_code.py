@@ -14,7 +14,7 @@ from analysis import FrictionLaw, Scenario, SmoothCoulomb
 from mbs_models import Scene
 from tests.calls import refusal, run
 from tests.sweeps import sweep
-from validation.sweeps.sweep import run_case
+from validation.sweeps.case import run_case
 
 LAW = """
 import sys

@@ -19,6 +19,7 @@ from tests.helpers import random_trajectory
 from tests.scenario_texts import with_key
 from validation import cli
 from validation.commands import rest
+from validation.commands import simulate as simulating
 from validation.parser.runs import SOURCES
 
 NUMBERS = st.one_of(
@@ -104,7 +105,7 @@ def nothing_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mbs_models, "simulate", accept)
     monkeypatch.setattr(analysis, "simulate_to_rest", accept)
     monkeypatch.setattr(mbs_models, "simulate_to_rest", accept)
-    monkeypatch.setattr(basic, "announce", lambda _, effort, __=None: effort.check())
+    monkeypatch.setattr(simulating, "announce", lambda _, effort, __=None: effort.check())
     monkeypatch.setattr(rest, "announce", lambda _, effort, __=None: effort.check())
 
 

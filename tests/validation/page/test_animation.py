@@ -20,7 +20,6 @@ from analysis.data import frames
 from analysis.data.checks import Array
 from tests.calls import refusal, run
 from tests.helpers import mostly_slow, not_none, random_trajectory
-from validation.kit import report
 from validation.kit.animation import gif as animation_gif
 from validation.kit.animation.keyframes import keyframes
 from validation.kit.animation.player import LEVELS, Animation, encode, player
@@ -236,19 +235,6 @@ def test_text_cannot_break_the_page() -> None:
     assert embedded(page)["marks"] == [["</script><b>", 0.1]]
     for unwanted in ("</script><b>", "<i>", '"</canvas>"', "<u>"):
         assert unwanted not in page
-
-
-def test_report_carries_players_side_by_side_and_as_files(tmp_path: Path) -> None:
-    played = [player(inversion(), name=name, title=name.upper()) for name in ("one", "two")]
-    section = report.Section(name="s", title="S", animations=played)
-    page = report.write([section], tmp_path, made="in 1 s").read_text()
-    assert page.count('<figure class="disk-player"') == 2
-    assert 'id="one"' in page
-    assert 'id="two"' in page
-    assert "data-alone" not in page.replace("<figure data-alone", "")
-    for each in played:
-        assert (tmp_path / f"{each.name}.html").read_text() == each.page
-        assert "<figure data-alone" in each.page
 
 
 def test_installed_package_ships_the_player() -> None:

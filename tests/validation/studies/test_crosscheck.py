@@ -36,6 +36,7 @@ from validation.kit.limits import holds
 from validation.run import run
 from validation.studies import comparisons, crosscheck
 from validation.studies.crosscheck import Case, Check
+from validation.studies.stability.eigenvalue_check import distance
 
 SLOPE = Table(inclination=2 * pi / 180, downhill=0.7)
 FAST = Start(spin=100.0, beta=1.0)
@@ -125,11 +126,11 @@ def test_motions_are_compared_as_far_as_there_are_some(scenario: Scenario, over:
 
 def test_constrained_scenes_are_stepped_by_a_solver_of_the_engine() -> None:
     solvers = [
-        comparisons.own_solver(Scene(Scenario(constraints=MODELS[level]), "euler-tree"))
+        comparisons.own_integrator(Scene(Scenario(constraints=MODELS[level]), "euler-tree"))
         for level in MODELS
     ]
     assert solvers == ["TrapezoidalIndex2"] * len(MODELS)
-    assert comparisons.own_solver(Scene()) is None
+    assert comparisons.own_integrator(Scene()) == "RK67"
 
 
 def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
@@ -274,11 +275,22 @@ def test_states_without_a_solution_on_either_side_are_not_counted() -> None:
     assert accelerations(0).verdict is False
 
 
-@pytest.mark.parametrize("found", [[1.0], [nan] * 8, []], ids=["fewer", "nan", "none"])
+VALUES = np.array([1.0 + 2.0j, 1.0 - 2.0j, -3.0])
+
+
+@pytest.mark.parametrize(
+    "found",
+    [VALUES[:2], np.append(VALUES, -5.0), VALUES[:0], [1.0, 2.0, nan], [1.0, 2.0, inf]],
+    ids=["fewer", "more", "none", "nan", "inf"],
+)
 def test_eigenvalues_that_one_side_lacks_are_no_agreement(
-    found: list[float], monkeypatch: pytest.MonkeyPatch
+    found: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mbs_models, "eigenvalues", lambda _: np.array(found, complex))
+    found = np.asarray(found, dtype=complex)
+    assert distance(VALUES[::-1], VALUES) == 0.0
+    assert distance(found, VALUES) == inf
+    assert distance(found[:0], VALUES[:0]) == inf
+    monkeypatch.setattr(mbs_models, "eigenvalues", lambda _: found)
     for motion in MOTIONS:
         assert comparisons.eigenvalue_difference(Scene(), motion)[0] == inf
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from mbs_models import Scene
-from mbs_models.build import build
+from mbs_models.scene import build
 from validation.studies import lean
 
 IDLE = "friction of coefficient zero: contact-tree, Model 1, without friction"

@@ -48,9 +48,6 @@ def told(found: Any, *names: str) -> Row:
 AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0)
 """Amplitudes in rad of the cycles of Models 1 and 2."""
 
-LARGE = (*AMPLITUDES, 1.3, 1.6, 1.9, 2.2, 2.5, 2.7, 2.74, 2.8, 2.9)
-"""Those up to where the disk of Model 1 falls flat on its way."""
-
 
 def families() -> dict[str, str]:
     """The cycles and rotating motions of Model 4, and the cycles of Models 1 and 2."""

@@ -1,26 +1,30 @@
-"""Runs of the engine over stretches of evenly spaced times."""
+"""Runs of the engine's own integrators over all times asked for, span by span.
+
+A span holds evenly spaced times; each is one run.
+"""
 
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import sin
+from typing import Any
 
 import numpy as np
 
-from analysis.data.checks import Array
+from analysis.data.checks import Array, TimeLimitError
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Condition
 from analysis.data.limits import LEAST_TILT
 from analysis.data.state import COORDINATES, FlatError, State, check_upright
 from analysis.data.watch import Watch
-from mbs_models import columns
-from mbs_models.build import build
-from mbs_models.endings import Says, Search, leaning, says_of, state_of
+from mbs_models import sampled
+from mbs_models.endings import Records, of_records, pulling_times
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.probe import Probe
 from mbs_models.runs import EngineError, Samples, Start, run, settle
-from mbs_models.scene import Scene
+from mbs_models.sampled import Sampled, leaning, state_of
+from mbs_models.scene import Scene, build
 
 NEARLY_FLAT = 0.1
 """Sine of the inclination below which a failure is likely to come from the Euler angles."""
@@ -28,7 +32,7 @@ NEARLY_FLAT = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
-    """Samples of a stretch of even spacing; the last at `last` if it has ended early."""
+    """Samples of a span; the last at `last` if it has ended early."""
 
     values: Array
     ended: str | None
@@ -45,17 +49,19 @@ class _Stop:
     """
 
     def __init__(
-        self, model: Model, watch: Watch, span: tuple[float, float], says: Mapping[str, Says]
+        self,
+        model: Model,
+        watch: Watch,
+        span: tuple[float, float],
+        conditions: Mapping[str, Condition],
+        *,
+        must_not_pull: bool,
     ) -> None:
         self._model, self._watch, self._span = model, watch, span
-        self._pulls = CONTACT_WOULD_PULL in says and model.contact_equation is not None
-        self._says = {
-            reason: each
-            for reason, each in says.items()
-            if reason not in {FLAT, CONTACT_WOULD_PULL}
-        }
+        self._pulls = must_not_pull and model.contact_equation is not None
+        self._says = of_records(conditions)
         self._armed: set[str] = set()
-        self._angles = np.array(model.start.coordinates)[columns.TURNING]
+        self._angles = np.array(model.start.coordinates)[sampled.TURNING]
         self.reason: str | None = None
 
     @property
@@ -74,8 +80,8 @@ class _Stop:
     def _first(self) -> str | None:
         """A condition of the user's that has turned negative."""
         row = np.hstack(self._model.decode(self._model.record()[None]))[0]
-        row[columns.TURNING] += _whole_turns(self._angles - row[columns.TURNING])
-        self._angles = row[columns.TURNING]
+        row[sampled.TURNING] += _whole_turns(self._angles - row[sampled.TURNING])
+        self._angles = row[sampled.TURNING]
         if leaning(row) < LEAST_TILT:
             return FLAT
         for reason, says in self._says.items():
@@ -86,13 +92,13 @@ class _Stop:
         return None
 
 
-class Runner:
-    """Runs stretch after stretch of a pass.
+class _Spans:
+    """Runs span after span.
 
     Attributes
     ----------
     counts, setup_seconds, seconds
-        See `Pass`.
+        See `Sampled`.
     moments, forces : list of floats
         Times and normal forces of all records, if the contact may pull.
     """
@@ -113,7 +119,7 @@ class Runner:
         self.moments: list[float] = []
         self.forces: list[float] = []
 
-    def stretch(
+    def run(
         self,
         scene: Scene,
         begin: float,
@@ -123,32 +129,27 @@ class Runner:
         *,
         halvings: int = 0,
     ) -> Block:
-        """Samples of one stretch of even spacing, with so many steps between them, halved."""
+        """Samples of one span, with so many steps between them, halved."""
         model = self._build(scene)
         start = None if self.moments else self._checked_start(model)
         finer, substeps = self._fineness(model, spacing, substeps, halvings)
         period = spacing / finer
-        says = says_of(self._conditions, may_pull=not self._must_not_pull(model))
-        if not self._watch.steps_left:
-            raise self._watch.given_up(self._integrator.name)
-        stop = _Stop(model, self._watch, (begin, self._end), says)
-        failure: EngineError | None = None
-        try:
-            samples = run(
-                model,
-                self._integrator,
-                spacing=period,
-                intervals=intervals * finer,
-                substeps=substeps,
-                start=start,
-                stop=None if stop.is_idle else stop,
-                most=self._watch.steps_left,
-            )
-        except EngineError as error:
-            if error.samples is None:
-                raise
-            failure, samples = error, error.samples
-        self._count(samples)
+        must_not_pull = self._must_not_pull(model)
+        stop = _Stop(
+            model,
+            self._watch,
+            (begin, self._end),
+            self._conditions,
+            must_not_pull=must_not_pull,
+        )
+        samples, failure = self._recorded(
+            model,
+            start=start,
+            spacing=period,
+            intervals=intervals * finer,
+            substeps=substeps,
+            stop=None if stop.is_idle else stop,
+        )
         values = _values(model, samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
         lowest = int(np.argmin(leaning(values)))
@@ -156,18 +157,22 @@ class Runner:
         if not model.has_euler_angles:
             upright = int(np.argmin(np.append(leaning(values) >= LEAST_TILT, False)))
             _unwrap(values[:upright], moments[:upright], model.start)
-        beyond = (samples.stopped or 0.0) - period * (len(values) - 1) if stop.reason else 0.0
-        fall = 2.0 * scene.scenario.table.gravity / scene.scenario.disk.radius
-        search = Search(self._after(scene, substeps), values, period, bool(failure), fall)
-        found = search.first(says, stop.reason, beyond)
+        found = Records(
+            scene=scene,
+            values=values,
+            period=period,
+            broke_off=failure is not None,
+            stopped_by=stop.reason,
+            beyond=(samples.stopped or 0.0) - period * (len(values) - 1),
+        ).first_ending(self._conditions, must_not_pull=must_not_pull, work=self.counts)
         if found is not None:
             moments = np.append(moments[: found.row + 1], moments[found.row] + found.moment)
             values = np.vstack((values[: found.row + 1], found.values))
         elif failure is not None:
             raise _failed(failure, begin, moments, values) from failure
-        check_upright(moments, values[:, columns.COORDINATES])
+        check_upright(moments, values[:, sampled.COORDINATES])
         self.moments += moments.tolist()
-        self.forces += values[:, columns.NORMAL_FORCE].tolist()
+        self.forces += values[:, sampled.NORMAL_FORCE].tolist()
         kept = np.arange(0, len(values), finer)
         if found is not None and kept[-1] != len(values) - 1:
             kept = np.append(kept, len(values) - 1)
@@ -175,6 +180,23 @@ class Runner:
         if ended is None and len(values) <= intervals * finer:
             ended = TIME_LIMIT
         return Block(values[kept], ended, float(moments[kept[-1]]))
+
+    def _recorded(self, model: Model, **how: Any) -> tuple[Samples, EngineError | None]:
+        """What a run has recorded, and why it broke off if it did."""
+        if not self._watch.steps_left:
+            raise self._watch.given_up(self._integrator.name)
+        failure: EngineError | None = None
+        try:
+            samples = run(model, self._integrator, most=self._watch.steps_left, **how)
+        except EngineError as error:
+            if error.samples is None:
+                raise
+            failure, samples = error, error.samples
+        self.counts.update(samples.counts)
+        taken = samples.counts["steps"] + samples.counts.get("rejected_steps", 0)
+        self._watch.steps += taken
+        self.seconds += samples.seconds
+        return samples, failure
 
     def _checked_start(self, model: Model) -> Start:
         """Raise if the start breaks a constraint, or needs a contact that pulls and must not."""
@@ -193,39 +215,11 @@ class Runner:
     def _must_not_pull(self, model: Model) -> bool:
         return model.may_pull and not self._allow
 
-    def _after(self, scene: Scene, substeps: int) -> Callable[[Array, float, int], Array]:
-        """Sample after a short run from a sample, over a time in s and so many records' steps."""
-
-        def after(row: Array, duration: float, records: int) -> Array:
-            model = self._build(scene.starting_at(state_of(row)))
-            steps = records * substeps
-            samples = run(
-                model,
-                self._integrator,
-                spacing=duration,
-                intervals=1,
-                substeps=steps,
-                most=self._watch.steps_left,
-            )
-            self._count(samples)
-            values = _values(model, samples)
-            if not model.has_euler_angles:
-                _unwrap(values, np.array([0.0, duration]), model.start)
-            result: Array = values[-1]
-            return result
-
-        return after
-
     def _build(self, scene: Scene) -> Model:
         begin = time.process_time()
         model = build(scene)
         self.setup_seconds += time.process_time() - begin
         return model
-
-    def _count(self, samples: Samples) -> None:
-        self.counts.update(samples.counts)
-        self._watch.steps += samples.counts["steps"] + samples.counts.get("rejected_steps", 0)
-        self.seconds += samples.seconds
 
     def _fineness(
         self, model: Model, spacing: float, substeps: int, halvings: int
@@ -254,8 +248,8 @@ def _failed(
     failure: EngineError, begin: float, moments: Array, values: Array
 ) -> EngineError | FlatError:
     """What to say of a run that broke off."""
-    place = f"stretch from t = {begin:.6g} s"
-    tilt = float(values[-1, columns.BETA])
+    place = f"span from t = {begin:.6g} s"
+    tilt = float(values[-1, sampled.BETA])
     if sin(tilt) < NEARLY_FLAT:
         return FlatError(
             f"{failure} ({place}); the disk lies nearly flat, at beta = {tilt:.3g} rad",
@@ -281,7 +275,7 @@ def _unwrap(values: Array, moments: Array, start: State) -> None:
     Their mean rates predict each sample, so that coarse sampling of a fast spin does not lose
     turns. A sample half a turn off its prediction cannot be told from the next.
     """
-    for column in columns.TURNING:
+    for column in sampled.TURNING:
         angle, rate = values[:, column], values[:, 6 + column]
         angle += _whole_turns(start.coordinates[column] - angle[:1])
         predicted = 0.5 * np.diff(moments) * (rate[1:] + rate[:-1])
@@ -293,3 +287,74 @@ def _unwrap(values: Array, moments: Array, start: State) -> None:
                 f"{int(np.argmax(doubt))}: the disk lies flat, or the samples are too far apart"
             )
         angle[1:] += np.cumsum(turns)
+
+
+def run_over(
+    scene: Scene,
+    times: Array,
+    integrator: Integrator,
+    step: float,
+    halvings: int = 0,
+    *,
+    stop_when: Mapping[str, Condition] | None = None,
+    allow_pulling: bool = False,
+    watch: Watch | None = None,
+) -> Sampled:
+    """Run over all times, with steps of at most `step` that are then halved so often.
+
+    Raises
+    ------
+    EngineError
+        If the engine does not reach the end.
+    FlatError
+        If the disk comes so close to lying flat that the Euler angles cannot be followed.
+    TimeLimitError
+        If the watch calls time before the second sample.
+    """
+    spans = _Spans(
+        integrator,
+        float(times[-1]),
+        stop_when or {},
+        allow_pulling=allow_pulling,
+        watch=watch or Watch(),
+    )
+    blocks: list[Block] = []
+    longest = 0.0
+    for first, intervals, spacing in even_spans(times):
+        if blocks:
+            scene = scene.starting_at(state_of(blocks[-1].values[-1]))
+        substeps = max(1, int(np.ceil(spacing / step - 1e-9)))
+        longest = max(longest, spacing / (substeps << halvings))
+        block = spans.run(
+            scene, float(times[first]), intervals, spacing, substeps, halvings=halvings
+        )
+        blocks.append(block)
+        if block.ended is not None:
+            break
+    values = np.concatenate([blocks[0].values, *(block.values[1:] for block in blocks[1:])])
+    if len(values) < 2:
+        raise TimeLimitError("time limit met before the first sample after the start")
+    reached = np.append(times[: len(values) - 1], blocks[-1].last)
+    if blocks[-1].ended is None:
+        reached = times
+    return Sampled(
+        reached,
+        values,
+        longest,
+        spans.counts,
+        spans.setup_seconds,
+        spans.seconds,
+        blocks[-1].ended,
+        pulling_times(spans.moments, spans.forces) if allow_pulling else (),
+    )
+
+
+def even_spans(times: Array) -> Iterator[tuple[int, int, float]]:
+    """First index, number of intervals and spacing of each span."""
+    spacings = np.diff(times)
+    first = 0
+    while first < spacings.size:
+        same = np.abs(spacings[first:] - spacings[first]) <= 1e-9 * spacings[first]
+        length = int(np.argmin(same)) if not np.all(same) else same.size
+        yield first, length, float((times[first + length] - times[first]) / length)
+        first += length
