@@ -46,8 +46,10 @@ def study(options: argparse.Namespace) -> int:
     """Measure the stored tables of a study anew, all cases of them."""
     from validation.report import find, measure
 
+    # The one that is asked for by name first: a refusal leaves no folder behind.
+    asked = None if options.results is None else output_folder("results", options.results)
     folder = output_folder("out", options.out)
-    results = output_folder("results", options.results or options.out)
+    results = asked or folder
     stored = [each for each in find(options.name).STUDIES if each.is_stored]
     if not stored:
         raise ValueError(

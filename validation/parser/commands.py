@@ -28,7 +28,7 @@ SECTIONS_OF_REPORT = (
     *("crosscheck", "work-precision", "robustness", "lean", "numbers"),
 )
 
-STORED = ("claims", "maps", "work-precision", "robustness")
+STORED = ("claims", "rest", "maps", "work-precision", "robustness")
 """Studies of which results come with the package."""
 
 INVERSION = (

@@ -105,7 +105,6 @@ def test_a_geometry_varies_with_the_mass_that_follows_from_it_or_not_at_all(
     [
         (PAPER, "contact.stiffness", "needs a penalty contact"),
         (PAPER, "friction.static", r"friction\.static must be one of load, coefficient"),
-        (PAPER, "start.coordinates", "cannot vary as a whole"),
         (
             replace(PAPER, disk=ROUNDED_STEEL_DISK),
             "disk.thickness",

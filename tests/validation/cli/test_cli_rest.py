@@ -1,5 +1,6 @@
 """The command `rest`."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -22,8 +23,8 @@ def test_command_simulates_stores_and_draws(
     assert motion.times[-1] == pytest.approx(1.6)
     assert plot.read_bytes().startswith(b"\x89PNG")
     printed = capsys.readouterr().out
-    assert "inversion        0.4" in printed
-    assert "estimated error  " in printed
+    assert re.search(r"^inversion +0\.4", printed, re.MULTILINE)
+    assert re.search(r"^estimated error +\d", printed, re.MULTILINE)
     assert "not at rest after 1.6 s" in printed
     assert "not decided" not in printed
 
@@ -63,8 +64,8 @@ def test_command_says_that_a_time_limit_ended_it(capsys: pytest.CaptureFixture[s
         (["--stiffness", "nan"], "stiffness must be a finite number, got nan"),
         (["--half-thickness", "1"], "half_thickness must not exceed the radius"),
         (["--step", "1"], "step must not exceed"),
-        (["--step", "1e-4", "--tolerance", "1"], "give either step or tolerance, not both"),
-        (["--step", "1e-4", "--source", "in-house"], "--step must be left out with --source"),
+        (["--step", "1e-4", "--tolerance", "1"], "--step: step must be left out for a run with"),
+        (["--step", "1e-4", "--source", "in-house"], "--step: step must be left out for source"),
         (["--height", "-1"], "height must not be negative, got -1"),
         (["--tolerance", "0"], "tolerance must be positive, got 0"),
         (["--out", "rest.txt"], "--out: must end in .npz, got 'rest.txt'"),

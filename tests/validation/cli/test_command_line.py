@@ -30,8 +30,12 @@ NEEDED = {
     "map": "spin-friction",
     "eigenvalues": "--spin 30",
     "animate": "run.npz",
+    "study": "claims",
 }
 """What a command cannot do without."""
+
+PATHS = ("out", "csv", "plot", "text", "results")
+"""Options that take a path that may lead anywhere."""
 
 BESIDE = {"amplitude": "--over mu=0.1,0.2", "fps": "--out a.gif", "width": "--out a.gif"}
 """What an option belongs to."""
@@ -76,7 +80,7 @@ def test_nonsense_is_refused_in_one_line_that_names_the_option(
 ) -> None:
     for action in options_of(command):
         option = action.option_strings[0]
-        value = "/dev/null/glue" if action.dest in ("out", "csv", "plot") else "glue"
+        value = "/dev/null/glue" if action.dest in PATHS else "glue"
         words = [NEEDED.get(command.name, ""), BESIDE.get(action.dest, ""), f"{option}={value}"]
         assert option in refusal(capsys, command.name, *words)
     assert [each.name for each in folder.iterdir()] == ["run.npz"]

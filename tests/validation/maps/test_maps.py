@@ -230,11 +230,11 @@ def test_pairs_are_run_and_fitted(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("spin-friction --cells 0", "--cells: cells must lie from 1 to 10000, got 0"),
-        ("spin-friction --levels -1", "--levels: levels must lie from 0 to 12, got -1"),
-        ("rest --pairs -1", "--pairs must be a number of starts, got -1"),
+        ("spin-friction --cells 0", "cells must lie from 1 to 10000, got 0"),
+        ("spin-friction --levels -1", "levels must lie from 0 to 12, got -1"),
+        ("rest --pairs -1", "--pairs: pairs must be a number of starts, got -1"),
         ("spin-mu", "invalid choice"),
-        ("rest --end -1", "--end must be positive"),
+        ("rest --end -1", "--end: end must be positive"),
     ],
 )
 def test_wrong_call_is_told_in_one_line(
