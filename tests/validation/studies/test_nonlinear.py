@@ -50,12 +50,10 @@ def _families() -> list[Row]:
 def _passages() -> list[Row]:
     curve = {name: [1.0, 0.5] for name in ("times", "spins", "deviations", "linear")}
     way = {**curve, "source": "in-house", "hopf": 30.1, "crossing": 9.0, "lost": 18.0}
-    way |= {"predicted": 17.0, "lowest_spin": 25.0, "rate": 0.5, "lever": nan}
-    rows = [{"case": name, **way} for name in measured.ENDS]
-    rows.append({"case": f"{DISSIPATED}, engine", **way, "source": "engine"})
-    for lever in measured.LEVERS:
-        slowed = {"lever": lever, "rate": 1e4 * lever, "lowest_spin": 30.1 - 400.0 * lever**0.5}
-        rows.append({"case": f"slowed, {lever:g} m", **way, **slowed})
+    way |= {"predicted": 17.0, "lowest_spin": 25.0, "rate": 0.5}
+    rows = [{"case": label, **way} for label in measured.passages()]
+    for number, row in enumerate(rows[4:]):
+        row |= {"rate": 0.1 * 4.0**number, "lowest_spin": 30.1 - 2.0**number}
     return rows
 
 
@@ -121,7 +119,7 @@ WRONG = [
     ),
     ("connections", measured.OF_PAPER, "bracket", "connections: bracket"),
     ("stationary-motions", "inverted", "of_spectra", "stationary motions: growth, spectra"),
-    ("passages", f"{DISSIPATED}, engine", "lost", "passage: lost, engine"),
+    ("passages", f"{DISSIPATED}, engine", "lowest_spin", "passage: lowest_spin, engine"),
     ("passages", f"{DISSIPATED}, engine", "crossing", "passage: crossing, engine"),
 ]
 

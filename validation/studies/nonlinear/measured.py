@@ -1,13 +1,14 @@
 """What is measured: cycles and their end, the engine's cycles, stationary motions and passages."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from analysis import DISKS, MODELS, Dissipation, Motion, Scenario, SmoothCoulomb
-from analysis.data.trajectory import Source
 from analysis.nonlinear.family import cycle_at, cycle_family
 from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
@@ -49,23 +50,20 @@ AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0)
 """Amplitudes in rad of the cycles of Models 1 and 2."""
 
 
-def families() -> dict[str, str]:
+def families() -> dict[str, Callable[[], list[Row]]]:
     """The cycles and rotating motions of Model 4, and the cycles of Models 1 and 2."""
-    return {name: name for name in (SWINGING, ROTATING, SLOW, *HELD_NAMES)}
+    held = {name: partial(_held, name) for name in HELD_NAMES}
+    return {SWINGING: _swinging, ROTATING: _rotating, SLOW: _slow, **held}
 
 
-def follow_family(name: str) -> list[Row]:
+def follow_family(follow: Callable[[], list[Row]]) -> list[Row]:
     """Periodic motions of a family, whole or not at all; fits and folds by their kinds."""
-    if name == SWINGING:
-        rows = _swinging()
-    elif name == ROTATING:
-        rows = _rotating()
-    elif name == SLOW:
-        rows = _slow()
-    else:
-        own = ("amplitude", "half_multiplier", "complex_multiplier")
-        rows = [{"kind": "motion", **told(c, *own, *COMMON)} for c in family(name, AMPLITUDES)]
-    return [{"number": number, **row} for number, row in enumerate(rows)]
+    return [{"number": number, **row} for number, row in enumerate(follow())]
+
+
+def _held(name: str) -> list[Row]:
+    own = ("amplitude", "half_multiplier", "complex_multiplier")
+    return [{"kind": "motion", **told(each, *own, *COMMON)} for each in family(name, AMPLITUDES)]
 
 
 def _swinging() -> list[Row]:
@@ -74,13 +72,12 @@ def _swinging() -> list[Row]:
     rows: list[Row] = [{"kind": "motion", **told(c, *own, *COMMON)} for c in found.cycles]
     normal, small = hopf_type(PAPER), small_cycles(found)
     birth = fitted_growth([c.spin for c in small], [c.amplitude for c in small], normal.spin)
-    connection = heteroclinic_connection(PAPER)
-    end = {"off": abs(found.cycles[-1].spin - connection.spin)}
-    end |= asdict(period_growth(found.cycles, connection))
-    names = ("spin", "frequency", "curvature")
     fitted = {f"fitted_{name}": value for name, value in asdict(birth).items()}
-    rows.append({"kind": "birth", "type": normal.kind, **told(normal, *names), **fitted})
-    rows.append({"kind": "end", **end})
+    connection = heteroclinic_connection(PAPER)
+    off = abs(found.cycles[-1].spin - connection.spin)
+    end = asdict(period_growth(found.cycles, connection))
+    rows.append({"kind": "birth", "type": normal.kind, "curvature": normal.curvature, **fitted})
+    rows.append({"kind": "end", "off": off, **end})
     return rows
 
 
@@ -210,43 +207,38 @@ STATIONARY = Study(name="stationary-motions", cases=searches, measure=search, ke
 
 DISSIPATED = "to rest, rolling and pivoting"
 
-ENDS: dict[str, tuple[Scenario, float]] = {
-    "Model 1": (Scenario(), 20.0),
-    "to rest, sliding friction": (Scenario.rest(), 20.5),
-    DISSIPATED: (
-        Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3, pivoting=5e-5)),
-        11.9,
-    ),
-}
-"""Scenarios of the passages and how long they run in s."""
-
-LEVERS = (1e-5, 2e-5, 4e-5, 8e-5)
-"""Levers in m of the pivoting friction that slows the disk at different rates."""
+SLOWED = "slowed by pivoting friction"
 
 EVERY = 25
 """Every so many samples of a passage are kept."""
 
 
-def passages() -> dict[str, tuple[str | float, Source]]:
-    """Ways through the critical speed: a scenario, or the lever that slows a disk."""
-    found: dict[str, tuple[str | float, Source]] = {name: (name, "in-house") for name in ENDS}
-    found[f"{DISSIPATED}, engine"] = (DISSIPATED, "engine")
-    return found | {f"slowed, {lever:g} m": (lever, "in-house") for lever in LEVERS}
+def passages() -> dict[str, Callable[[], passage.Passage]]:
+    """Three scenarios, one of them on both sides, and levers of the friction that slows a disk.
+
+    Times are in s, levers in m.
+    """
+    dissipated = Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3, pivoting=5e-5))
+    return {
+        "Model 1": partial(passage.follow, Scenario(), 20.0, "in-house"),
+        "to rest, sliding friction": partial(passage.follow, Scenario.rest(), 20.5, "in-house"),
+        DISSIPATED: partial(passage.follow, dissipated, 11.9, "in-house"),
+        f"{DISSIPATED}, engine": partial(passage.follow, dissipated, 11.9, "engine"),
+        **{
+            f"{SLOWED}, {lever:g} m": partial(passage.slowed, lever, "in-house")
+            for lever in (1e-5, 2e-5, 4e-5, 8e-5)
+        },
+    }
 
 
-def pass_through(case: tuple[str | float, Source]) -> list[Row]:
+def pass_through(follow: Callable[[], passage.Passage]) -> list[Row]:
     """When and at which spin the inversion is lost, and the way there."""
-    what, source = case
-    if isinstance(what, str):
-        found = passage.follow(*ENDS[what], source)
-    else:
-        found = passage.slowed(what, source)
+    found = follow()
     last = found.times.size - 1
     kept = np.unique((*range(0, last, EVERY), int(np.argmin(found.spins)), last))
     curves = told(found, "times", "spins", "deviations", "linear")
     names = ("source", "hopf", "crossing", "lost", "predicted", "lowest_spin", "rate")
-    row = {"lever": None if isinstance(what, str) else what, **told(found, *names)}
-    return [{**row, **{name: curve[kept] for name, curve in curves.items()}}]
+    return [{**told(found, *names), **{name: curve[kept] for name, curve in curves.items()}}]
 
 
 PASSAGES = Study(name="passages", cases=passages, measure=pass_through)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
 from analysis.data.checks import Array
@@ -307,12 +308,12 @@ class DelayLaw(NamedTuple):
     growth: float
 
 
-def delay_law(rates: Sequence[float], delays: Sequence[float]) -> DelayLaw:
+def delay_law(rates: npt.ArrayLike, delays: npt.ArrayLike) -> DelayLaw:
     """Fit the delays of disks of the paper that start alike.
 
     Parameters
     ----------
-    rates, delays : sequence of float
+    rates, delays : array_like, shape (n,)
         Rates of decay in rad/s² and Hopf point less lowest spin in rad/s.
 
     Raises

@@ -57,8 +57,11 @@ def present(rows: Rows) -> Content:
     hopf, (connection, *_) = critical_speed(PAPER), _motions(connections, measured.OF_PAPER)
     apart = _apart(engine)
     on_model_4 = [case for case in measured.repeated() if case.startswith("Model 4")]
-    slowed, followed = passages[passages.lever > 0.0], passages[passages.lever.isna()]
-    law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
+    slows = passages.case.str.startswith(measured.SLOWED)
+    slowed, followed = passages[slows], passages[~slows]
+    delays = slowed.hopf - slowed.lowest_spin
+    law = passage.delay_law(slowed.rate, delays)
+    held = families[families.case.isin(HELD_NAMES)]
     swinging: Any = SimpleNamespace(cycles=cycles, hopf=hopf)
     rotating: Any = SimpleNamespace(rotations=rotations, connection=connection, reason=None)
     return Content(
@@ -68,7 +71,7 @@ def present(rows: Rows) -> Content:
             "connection": connection,
             "fits": fits,
             "apart": apart.abs().max(),
-            "held": families[families.case.isin(HELD_NAMES)],
+            "held": held,
             "followed": followed.set_index("case"),
             "law": law,
             "growth": np.log(passage.LOST / passage.SMALL),
@@ -77,16 +80,10 @@ def present(rows: Rows) -> Content:
             "cycles": tables.cycle_table(cycles),
             "some-cycles": tables.cycle_table(cycles[::5]),
             "rotations": tables.rotation_table(rotating, [fits.fold]),
-            "held": _headed(
-                families[families.case.isin(HELD_NAMES)], "half_multiplier", "complex_multiplier"
-            ),
-            "engine": engine.set_index("case")[["source", *SAME_CYCLE]].rename(
-                columns=tables.HEADS
-            ),
+            "held": _headed(held, "half_multiplier", "complex_multiplier"),
+            "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
-            "passages": passage.passage_table(
-                [(each.case, each) for each in passages.itertuples()]
-            ),
+            "passages": passage.passage_table([(p.case, p) for p in passages.itertuples()]),
             "stationary": stationary[["case", "motion", "beta", "gamma", "growth"]],
         },
         figures={
@@ -103,7 +100,7 @@ def present(rows: Rows) -> Content:
             "passages": figures.passage_diagram(
                 [(p.case, p) for p in followed[followed.source == "in-house"].itertuples()]
             )[0].figure,
-            "delays": figures.delay_diagram(slowed.rate, slowed.hopf - slowed.lowest_spin),
+            "delays": figures.delay_diagram(slowed.rate, delays),
         },
         checks=[
             *_cycle_checks(fits, apart),
@@ -192,6 +189,8 @@ def _other_checks(
     yield equal("stationary motions: upright", len(upright), 2 * len(measured.searches()))
     off = largest((upright.growth - upright.of_spectra).abs())
     yield at_most("stationary motions: growth, spectra", off, SAME)
+    lost, number = int(passages.lost.notna().sum()), len(measured.passages())
+    yield equal("passages: lost", lost, number)
     named = passages.set_index("case")
     sides = named.reindex([DISSIPATED, f"{DISSIPATED}, engine"])
     for name in ("crossing", "lost", "lowest_spin"):
