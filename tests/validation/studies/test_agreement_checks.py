@@ -11,7 +11,6 @@ import pytest
 import mbs_models
 from analysis import MODELS, MOTIONS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
-from analysis.data.trajectory import SOURCES
 from mbs_models import Formulation, Scene
 from validation import benchmark
 from validation.kit import shipped
@@ -24,8 +23,6 @@ from validation.studies import comparisons, crosscheck
 from validation.studies.crosscheck import Check
 from validation.studies.nonlinear import confirm as nonlinear_confirm
 from validation.studies.nonlinear import engine_cycles
-from validation.studies.rest import runs as rest
-from validation.studies.rest import section as rest_section
 from validation.studies.stability import eigenvalue_check
 
 CHECK = Check(quantity="q", formulation="floating", criterion=1.0, difference=0.5, detail="how")
@@ -247,39 +244,6 @@ def test_cycles_without_a_number_do_not_agree() -> None:
     for name in ("spin", "period"):
         wrong = (pair[0], replace(pair[1], **{name: nan}))
         assert engine_cycles.repeated_table([("Model 2", wrong)]).rows[0][-1] is False
-
-
-@pytest.fixture(scope="module")
-def ways_to_rest() -> dict[Any, Any]:
-    jobs = shipped.taken("rest", rest_section.shipped())
-    return {job.key: job.function(*job.arguments) for job in jobs}
-
-
-def test_no_run_to_rest_is_compared_with_itself(ways_to_rest: dict[Any, Any]) -> None:
-    first, *others = rest_section.variant_table(ways_to_rest).rows
-    assert list(first[-3:]) == [None] * 3
-    assert [row[-1] for row in others] == [True] * len(others)
-    for row in rest_section.budget(ways_to_rest).rows:
-        assert row[-2] is True
-        assert row[-1] is (True if row[1] == "engine" else None)
-    key = ("rest", rest.SHOWN, "engine")
-    wrong = replace(ways_to_rest[key], taken=1.1 * ways_to_rest[key].taken)
-    found = rest_section.budget(ways_to_rest | {key: wrong})
-    assert [row[-1] for row in found.rows].count(False) == 1
-
-
-@pytest.mark.parametrize("source", SOURCES)
-def test_phase_that_one_side_lacks_is_a_disagreement(
-    source: str, ways_to_rest: dict[Any, Any]
-) -> None:
-    key = ("rest", rest.SHOWN, source)
-    course = ways_to_rest[key]
-    lost = replace(course, phases=replace(course.phases, inversion=None))
-    found = ways_to_rest | {key: lost}
-    assert rest_section.phase_table(ways_to_rest).checks().count(False) == 0
-    assert rest_section.phase_table(found).checks().count(False) == 1
-    wrong = 1 if source == "engine" else len(rest_section.VARIANTS)
-    assert rest_section.variant_table(found).checks().count(False) == wrong
 
 
 def test_check_that_is_none_of_python_is_refused_by_a_table() -> None:
