@@ -12,14 +12,14 @@ With an energy of 3/2 m g r sin(beta),
 Friction that drags the centre of gravity along makes k smaller, but keeps the law.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import sin, sqrt
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from analysis import MODELS, Disk, Scenario, SmoothCoulomb, SpatialMotion, Start
+from analysis import MODELS, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
 from validation.kit.figures import COLOURS, MARKERS, new_figure
 from validation.kit.limits import largest
@@ -27,14 +27,12 @@ from validation.page.content import Content, Rows
 from validation.run import run_to_rest
 from validation.study import Check, Row, Study, at_most
 
-START = 0.28
-"""Inclination in rad at which the runs of the law start, about where the fall ends."""
+START, FAR = 0.28, 0.05
+"""Inclinations in rad at which the runs of the law start, about where the fall ends, and to which
+it is extrapolated."""
 
 TIMES = (30.0, 45.0, 60.0)
 """In s: what is left of the start has died away, end of the fit, end of its check."""
-
-SMOOTHINGS = (0.1, 0.3, 3.0)
-"""Of the friction in m/s, the strongest friction first."""
 
 MEAN_TIME = 2.5
 """Time in s over which the energy is averaged."""
@@ -42,52 +40,40 @@ MEAN_TIME = 2.5
 DEVIATION = 2e-4
 """Largest relative deviation of a run from the law fitted to the stretch before."""
 
-FAR = 0.05
-"""Inclination in rad to which the law is extrapolated."""
+SMOOTHINGS = {f"ε = {smoothing:g} m/s": smoothing for smoothing in (0.1, 0.3, 3.0)}
+"""Of the friction in m/s, the strongest friction first."""
 
 BEGIN = "the first 10 s"
 """Of the strongest friction, which is what is run again."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Law:
-    """1 / beta² = offset + rate * t, fitted to a run.
-
-    Parameters
-    ----------
-    offset, rate : float
-        In 1/rad² and 1/s.
-    error : float
-        Largest relative deviation of the inclination from the law behind the time of the fit.
-    """
-
-    offset: float
-    rate: float
-    error: float
-
-    def time_between(self, first: float, last: float) -> float:
-        """Time in s that the law takes from one inclination to another."""
-        return (last**-2 - first**-2) / self.rate
+def cases() -> dict[str, tuple[float, float]]:
+    """Smoothing in m/s and end in s of each run."""
+    runs = {name: (smoothing, TIMES[-1]) for name, smoothing in SMOOTHINGS.items()}
+    return {**runs, BEGIN: (0.1, 10.0)}
 
 
 def scenario_of(smoothing: float) -> Scenario:
     """The disk as Euler's would roll, on friction of this smoothing."""
     scenario = Scenario.rest(friction=SmoothCoulomb(smoothing=smoothing, load="contact"))
-    precession = sqrt(
-        scenario.weight * scenario.disk.radius / (_across(scenario.disk) * sin(START))
-    )
+    disk = scenario.disk
+    precession = sqrt(scenario.weight * disk.radius / (_across(scenario) * sin(START)))
     # The rates keep the centre of gravity over its place, as the constraint of Model 2 would.
     start = Start(beta=START, gamma=0.0, spin=precession)
-    held = start.state(MODELS[2], scenario.disk)
+    held = start.state(MODELS[2], disk)
     (x, y), (x_rate, y_rate) = held.coordinates[:2], held.rates[:2]
-    start = replace(start, x=x, y=y, x_rate=x_rate, y_rate=y_rate)
-    return replace(scenario, start=start)
+    return replace(scenario, start=replace(start, x=x, y=y, x_rate=x_rate, y_rate=y_rate))
 
 
-def cases() -> dict[str, tuple[float, float]]:
-    """Smoothing in m/s and end in s of each run."""
-    runs = {f"ε = {smoothing:g} m/s": (smoothing, TIMES[-1]) for smoothing in SMOOTHINGS}
-    return {**runs, BEGIN: (SMOOTHINGS[0], 10.0)}
+def _across(scenario: Scenario) -> float:
+    """Mean moment of inertia across the axis about the centre of gravity in kg m²."""
+    return sum(scenario.disk.inertia_about_cog[:2]) / 2.0
+
+
+def weak_friction_rate(scenario: Scenario) -> float:
+    """Rate k of the law in 1/s for friction so weak that the centre of gravity stays at rest."""
+    viscosity = scenario.friction.gradient * scenario.weight
+    return 2.0 / 3.0 * viscosity * scenario.disk.eccentricity**2 / _across(scenario)
 
 
 def measure(case: tuple[float, float]) -> list[Row]:
@@ -95,8 +81,14 @@ def measure(case: tuple[float, float]) -> list[Row]:
     smoothing, end = case
     scenario = scenario_of(smoothing)
     motion = run_to_rest(scenario, end, source="in-house", spacing=1e-2, local_tolerance=1e-9)
-    times, tilts = means(motion)
-    return [{"smoothing": smoothing, "times": times, "tilts": tilts}]
+    block = round(MEAN_TIME / 1e-2)
+    means = (
+        values[: values.size // block * block].reshape(-1, block).mean(axis=1)
+        for values in (motion.times, motion.energies.sum(axis=1))
+    )
+    times, energy = means
+    tilts = np.arcsin(energy / (1.5 * scenario.weight * scenario.disk.radius))
+    return [{"times": times, "tilts": tilts}]
 
 
 STUDY = Study(
@@ -110,112 +102,73 @@ STUDY = Study(
 STUDIES = (STUDY,)
 
 
-def means(motion: SpatialMotion) -> tuple[Array, Array]:
-    """Times, and inclinations of Euler's disk of the same mean energy, about which a disk nods."""
-    block = round(MEAN_TIME / (motion.times[1] - motion.times[0]))
-    count = motion.times.size // block * block
-    times = motion.times[:count].reshape(-1, block).mean(axis=1)
-    energy = motion.energies.sum(axis=1)[:count].reshape(-1, block).mean(axis=1)
-    scenario = motion.scenario
-    return times, np.arcsin(energy / (1.5 * scenario.weight * scenario.disk.radius))
+class Law(NamedTuple):
+    """1 / beta² = offset + rate * t, and the largest relative deviation behind the fit."""
+
+    offset: float
+    rate: float
+    error: float
+
+    def time_between(self, first: float, last: float) -> float:
+        """Time in s that the law takes from one inclination to another."""
+        return (last**-2 - first**-2) / self.rate
 
 
 def fit(times: Array, tilts: Array) -> Law:
     """Fit the law to the second part of a run and check it with the third."""
     settled, end, _ = TIMES
-    fitted = (times >= settled) & (times < end)
+    fitted, checked = (times >= settled) & (times < end), times >= end
     rate, offset = np.polyfit(times[fitted], tilts[fitted] ** -2, 1)
-    checked = times >= end
-    law = (offset + rate * times[checked]) ** -0.5
-    error = largest(np.abs(tilts[checked] / law - 1.0).tolist())
-    return Law(offset=float(offset), rate=float(rate), error=error)
-
-
-def weak_friction_rate(scenario: Scenario) -> float:
-    """Rate k of the law in 1/s for friction so weak that the centre of gravity stays at rest."""
-    viscosity = scenario.friction.gradient * scenario.weight
-    disk = scenario.disk
-    return 2.0 / 3.0 * viscosity * disk.eccentricity**2 / _across(disk)
-
-
-def _across(disk: Disk) -> float:
-    """Mean moment of inertia across the axis about the centre of gravity in kg m²."""
-    return sum(disk.inertia_about_cog[:2]) / 2.0
-
-
-# --- What is shown ------------------------------------------------------------------------------
+    predicted = (offset + rate * times[checked]) ** -0.5
+    error = largest(np.abs(tilts[checked] / predicted - 1.0).tolist())
+    return Law(float(offset), float(rate), error)
 
 
 def present(rows: Rows) -> Content:
     """The law for each smoothing, and how long it takes."""
-    stored = rows[STUDY.name].set_index("case")
-    curves = {
-        smoothing: (np.array(row["times"]), np.array(row["tilts"]))
-        for name, row in stored.iterrows()
-        if name != BEGIN
-        for smoothing in [row["smoothing"]]
-    }
-    laws = {smoothing: fit(*curves[smoothing]) for smoothing in SMOOTHINGS}
-    shares = [laws[each].rate / weak_friction_rate(scenario_of(each)) for each in SMOOTHINGS]
-    begin, whole = np.array(stored.loc[BEGIN, "tilts"]), curves[SMOOTHINGS[0]][1]
-    checks = [
-        *(
-            at_most(f"rest, creep at ε = {each:g} m/s: deviation from the law", law.error,
-                    DEVIATION, "stored")
-            for each, law in laws.items()
-        ),
-        Check("rest, creep: parts of the rate for weak friction", str(np.round(shares, 3)),
-              "rise with weaker friction, up to 1", "stored",
-              bool(np.all(np.diff([0.0, *shares, 1.0]) > 0.0))),
-        at_most("rest, creep: its first 10 s in rad",
-                largest(np.abs(begin - whole[: begin.size]).tolist()), 1e-6, "stored"),
-    ]  # fmt: skip
-    law = laws[SMOOTHINGS[0]]
-    return Content(
-        numbers={
-            "creep_rate": law.rate,
-            "creep_start": START,
-            "creep_far": FAR,
-            "creep_minutes": law.time_between(START, START / 2) / 60.0,
-            "creep_hours": law.time_between(START, FAR) / 3600.0,
-            "creep_times": TIMES,
-        },
-        tables={"creep": law_table(laws, shares)},
-        figures={"creep": draw(laws, curves)},
-        checks=checks,
-    )
-
-
-def law_table(laws: dict[float, Law], shares: list[float]) -> pd.DataFrame:
-    """The law for each smoothing."""
-    return pd.DataFrame(
-        [
+    runs = {row["case"]: row for row in rows[STUDY.name].to_dict("records")}
+    figure, axes = new_figure()
+    found, checks = [], []
+    for index, (case, smoothing) in enumerate(SMOOTHINGS.items()):
+        times, tilts = (np.array(runs[case][name]) for name in ("times", "tilts"))
+        scenario, law = scenario_of(smoothing), fit(times, tilts)
+        width, colour = 1.0 / scenario.friction.gradient, COLOURS[index]
+        label = f"ε/μ = {width:.3g} m/s"
+        axes.plot(times, tilts**-2, MARKERS[index], label=label, color=colour)
+        axes.plot(times, law.offset + law.rate * times, linestyle=":", color=colour)
+        found.append(
             {
-                "ε/μ in m/s": 1.0 / scenario_of(smoothing).friction.gradient,
+                "ε/μ in m/s": width,
                 "growth in 1/s, fitted": law.rate,
-                "part of that for weak friction": share,
+                "part of that for weak friction": law.rate / weak_friction_rate(scenario),
                 "largest relative deviation in β": law.error,
-                f"from {START:g} to {0.5 * START:g} rad in min": law.time_between(
-                    START, 0.5 * START
-                )
+                f"from {START:g} to {START / 2:g} rad in min": law.time_between(START, START / 2)
                 / 60.0,
                 f"to {FAR:g} rad in h": law.time_between(START, FAR) / 3600.0,
             }
-            for (smoothing, law), share in zip(laws.items(), shares, strict=True)
-        ]
-    )
-
-
-def draw(laws: dict[float, Law], curves: dict[float, tuple[Array, Array]]) -> Any:
-    """1 / beta² over time, with the fitted lines."""
-    figure, axes = new_figure()
-    for index, (smoothing, law) in enumerate(laws.items()):
-        times, tilts = curves[smoothing]
-        name = f"ε/μ = {1.0 / scenario_of(smoothing).friction.gradient:.3g} m/s"
-        colour, marker = COLOURS[index], MARKERS[index]
-        axes.plot(times, tilts**-2, marker=marker, linestyle="", label=name, color=colour)
-        axes.plot(times, law.offset + law.rate * times, linestyle=":", color=colour)
+        )
+        name = f"rest, creep at {case}: deviation from the law"
+        checks.append(at_most(name, law.error, DEVIATION, "stored"))
     axes.axvspan(*TIMES[:2], color="#dddddd", zorder=0)
     axes.set(xlabel="time in s", ylabel="1/β² in 1/rad²")
     axes.legend(loc="upper left")
-    return figure
+    table = pd.DataFrame(found)
+    shares = table["part of that for weak friction"]
+    rising = bool(np.all(np.diff([0.0, *shares, 1.0]) > 0.0))
+    begin = runs[BEGIN]["tilts"]
+    same = np.abs(np.subtract(begin, runs[next(iter(SMOOTHINGS))]["tilts"][: len(begin)]))
+    checks += [
+        Check("rest, creep: parts of the rate for weak friction", str(shares.round(3).tolist()),
+              "rise with weaker friction, up to 1", "stored", rising),
+        at_most("rest, creep: its first 10 s in rad", largest(same.tolist()), 1e-6, "stored"),
+    ]  # fmt: skip
+    return Content(
+        numbers={
+            "creep": table.iloc[0].tolist(),
+            "creep_range": (START, FAR),
+            "creep_times": TIMES,
+        },
+        tables={"creep": table},
+        figures={"creep": figure},
+        checks=checks,
+    )

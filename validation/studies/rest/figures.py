@@ -104,9 +104,7 @@ def draw_path(motion: SpatialMotion) -> Figure:
     return figure
 
 
-def draw_dependence(
-    changes: Mapping[str, Sequence[float]], spacing: float, phases: Phases
-) -> Figure:
+def draw_dependence(changes: Mapping[str, Array], spacing: float, phases: Phases) -> Figure:
     """How far the tilt departs from that of a run over time, by what has been changed.
 
     Parameters
@@ -123,7 +121,7 @@ def draw_dependence(
     for index, (name, change) in enumerate(changes.items()):
         axes.semilogy(
             spacing * np.arange(len(change)),
-            _largest_around(np.array(change), 1 + round(WINDOW / spacing)),
+            _largest_around(change, 1 + round(WINDOW / spacing)),
             label=name,
             color=_SHADES[(2, 0, 3, 7, 6)[index]],
             linestyle=("-", "--", "-", "-", "-.")[index],
@@ -133,7 +131,7 @@ def draw_dependence(
         xlabel="time in s",
         ylabel="change of β in rad (log)",
         xlim=(0.0, end),
-        ylim=(1e-10, 10.0),
+        ylim=(1e-9, 10.0),
     )
     figures.legend_above(axes, columns=2)
     return figure

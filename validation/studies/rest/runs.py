@@ -16,7 +16,7 @@ from analysis import (
     SpatialMotion,
     Start,
 )
-from analysis.data.trajectory import Source
+from analysis.data.trajectory import SOURCES, Source
 from validation.run import run, run_to_rest
 from validation.study import Row, Study
 
@@ -32,20 +32,16 @@ CASES = {
 SPACING = 5e-3
 """Of the samples in s."""
 
-STEP = 5e-5
-"""Of the engine in s: the damper's small energy is right to two digits then."""
-
-STEPS = dict.fromkeys(CASES, STEP) | {VISCOUS: 1e-4}
-"""By case; where the damper takes more, so is a longer step."""
-
-END = 80.0
-"""Longest time in s; all but the sliding disk rest before."""
-
-ENGINE_END = 26.5
-"""The same for the engine, whose sliding disk has been rolling for some while by then."""
-
 EVERY = 4
-"""Every so many samples the tilt is kept, up to `ENGINE_END`."""
+"""Every so many samples the tilt is kept."""
+
+END, ENGINE_END = 80.0, 26.5
+"""Longest times in s in-house and in the engine, whose sliding disk has been rolling for some time
+by then; all others rest before."""
+
+STEPS = {SLIDING: 5e-5, SHOWN: 5e-5, VISCOUS: 1e-4}
+"""Of the engine in s: the damper's energy is right to two digits; where it takes more, so is a
+longer step."""
 
 WINDOWS = ((24.0, 30.0), (45.0, 55.0), (70.0, 80.0))
 """Times in s over which the loss of the sliding disk is averaged."""
@@ -54,6 +50,7 @@ FASTER = (1e-3, 1e-6)
 """By how much faster in rad/s the start spins in two variants."""
 
 PHASES = tuple(field.name for field in fields(Phases))
+TAKEN = tuple(f"taken_by_{cause}" for cause in CAUSES)
 
 
 class Case(NamedTuple):
@@ -66,7 +63,6 @@ class Case(NamedTuple):
     stiffness: float = 1e6
     half_thickness: float = 2e-4
     faster: float = 0.0
-    whole: bool = False
 
     @property
     def scenario(self) -> Scenario:
@@ -78,6 +74,10 @@ class Case(NamedTuple):
         return Scenario.rest(contact=contact, dissipation=CASES[self.losses], start=start)
 
 
+COARSE, IDEAL = "engine, sixfold step", "Model 1, ideal contact"
+ENGINE, INHOUSE = ({each: f"{each}: {source}" for each in CASES} for source in SOURCES)
+"""Names of the unchanged runs by losses."""
+
 VARIANTS = {
     "stiffness doubled": Case(SHOWN, stiffness=2e6),
     "rim half as thick": Case(SHOWN, half_thickness=1e-4),
@@ -85,32 +85,17 @@ VARIANTS = {
 }
 """What is changed against the in-house run."""
 
-BEGIN, COARSE, IDEAL = "engine, first second", "engine, sixfold step", "Model 1, ideal contact"
-
-
-def name_of(losses: str, source: str) -> str:
-    """Name of the unchanged run of a case on one side."""
-    return f"{losses}: {source}"
-
 
 def stored_cases() -> dict[str, Case]:
-    """The long runs."""
-    engine = {
-        name_of(losses, "engine"): Case(losses, "engine", ENGINE_END, STEPS[losses])
-        for losses in CASES
-    }
-    short = {BEGIN: Case(SHOWN, "engine", 1.0, STEP)}
-    return {name_of(SLIDING, "in-house"): Case(SLIDING)} | engine | VARIANTS | short
+    """The long runs, and the engine's through inversion and fall with a longer step."""
+    engine = {ENGINE[each]: Case(each, "engine", ENGINE_END, STEPS[each]) for each in CASES}
+    coarse = {COARSE: Case(SHOWN, "engine", 13.0, 6 * STEPS[SHOWN])}
+    return {INHOUSE[SLIDING]: Case(SLIDING)} | engine | VARIANTS | coarse
 
 
 def fresh_cases() -> dict[str, Case | None]:
-    """Those made for each report: in-house, and the engine's through inversion and fall."""
-    return {
-        name_of(SHOWN, "in-house"): Case(SHOWN, whole=True),
-        name_of(VISCOUS, "in-house"): Case(VISCOUS),
-        COARSE: Case(SHOWN, "engine", 13.0, 6 * STEP),
-        IDEAL: None,
-    }
+    """Those that are made for each report."""
+    return {INHOUSE[each]: Case(each) for each in (SHOWN, VISCOUS)} | {IDEAL: None}
 
 
 def measure(case: Case | None) -> list[Row]:
@@ -119,24 +104,21 @@ def measure(case: Case | None) -> list[Row]:
         times = np.arange(0.0, 19.5, SPACING)
         friction = SmoothCoulomb(load="contact")
         ideal = run(Scenario(friction=friction), times, source="in-house", local_tolerance=1e-9)
-        told = {"source": IDEAL, "end": times[-1], "inversion": ideal.inversion.time}
-        return [told | {"inversion_lost": ideal.inversion.lost}]
+        phases = {"inversion": ideal.inversion.time, "inversion_lost": ideal.inversion.lost}
+        return [{"end": times[-1], **phases}]
     control: dict[str, Any] = {"step": case.step} if case.step else {"local_tolerance": 1e-10}
     motion = run_to_rest(case.scenario, case.end, source=case.source, spacing=SPACING, **control)
-    row = course(motion) | {"losses": case.losses, "complete": _is_complete(motion, case.end)}
-    if case.losses == SLIDING and case.end >= WINDOWS[-1][1]:
+    row = course(motion)
+    row["complete"] = motion.rest_time is not None or bool(motion.times[-1] > case.end - 1e-9)
+    if case == Case(SLIDING):
         row |= losses(motion)
-    if case.whole:
+    if case == Case(SHOWN):
         row |= {name: getattr(motion, name) for name in SpatialMotion.STORED_ARRAYS[:-1]}
     return [row]
 
 
-def _is_complete(motion: SpatialMotion, end: float) -> bool:
-    return motion.rest_time is not None or bool(motion.times[-1] > end - 1e-9)
-
-
 def course(motion: SpatialMotion) -> Row:
-    """Phases, face up, budget up to `ENGINE_END`, and tilt of a run sampled every `SPACING`."""
+    """Phases, face up, and up to `ENGINE_END` budget and tilt of a run sampled every `SPACING`."""
     until = motion.times <= ENGINE_END + 1e-9
     energy = motion.energies.sum(axis=1)[until]
     return {
@@ -145,10 +127,10 @@ def course(motion: SpatialMotion) -> Row:
         **{phase: getattr(motion.phases, phase) for phase in PHASES},
         "face": "first" if motion.tilt[-1] < np.pi / 2 else "second",
         "energy": energy[0],
+        **dict(zip(TAKEN, motion.dissipated[until][-1], strict=True)),
         "left": energy[-1],
-        "taken": motion.dissipated[until][-1],
         "unexplained": np.max(np.abs(motion.energy_residual[until])),
-        "rise": max(0.0, np.max(np.diff(energy))),
+        "rise": np.max(np.diff(energy), initial=0.0),
         "force": np.min(motion.normal_force),
         "tilt": motion.tilt[until][::EVERY],
     }
@@ -157,48 +139,41 @@ def course(motion: SpatialMotion) -> Row:
 def losses(motion: SpatialMotion) -> Row:
     """What a creeping disk loses over each of `WINDOWS`, as lists."""
     energy, times = motion.energies.sum(axis=1), motion.times
-    found: dict[str, list[float]] = {}
-    for window in WINDOWS:
-        first, last = np.searchsorted(times, np.array(window) - 1e-9)
-        part = slice(first, last + 1)
-        slip = motion.slip_speeds[part]
-        viscous = motion.scenario.friction.gradient * motion.normal_force[part] * slip**2
-        for name, value in {
-            "lean": np.mean(motion.leaning[part]),
-            "slip": np.mean(slip),
-            "mean_energy": np.mean(energy[part]),
-            "loss": (energy[first] - energy[last]) / (times[last] - times[first]),
-            "viscous_loss": np.mean(viscous),
-        }.items():
-            found.setdefault(name, []).append(float(value))
-    return found
+    viscosity = motion.scenario.friction.gradient * motion.normal_force
+    curves = {
+        "lean": motion.leaning,
+        "slip": motion.slip_speeds,
+        "mean_energy": energy,
+        "viscous_loss": viscosity * motion.slip_speeds**2,
+    }
+    ends = np.searchsorted(times, np.array(WINDOWS) - 1e-9)
+    row: Row = {
+        name: [np.mean(values[first : last + 1]) for first, last in ends]
+        for name, values in curves.items()
+    }
+    first, last = ends.T
+    return row | {"loss": (energy[first] - energy[last]) / (times[last] - times[first])}
 
 
 COLUMNS = {
     **dict.fromkeys(PHASES, "when the phase began in s"),
     "complete": "whether it ran until rest, or to the end asked for",
     "energy": "at the start in J",
-    "left": "energy at the end, or after 26.5 s, in J",
-    "taken": f"energy in J that each of {', '.join(CAUSES)} had taken by then",
+    "left": f"energy at the end, or after {ENGINE_END:g} s, in J",
     "unexplained": "largest energy residual in J",
     "rise": "largest rise of the energy between two samples in J",
     "force": "least contact force in N",
-    "tilt": f"in rad, every {EVERY * SPACING:g} s up to 26.5 s",
+    "tilt": f"in rad, every {EVERY * SPACING:g} s up to {ENGINE_END:g} s",
 }
 
 STUDY = Study(
     name="rest",
     cases=stored_cases,
     measure=measure,
-    sample=(BEGIN, "rim half as thick"),
-    confirm={
-        **dict.fromkeys(PHASES, 1e-2),
-        "face": None,
-        "complete": None,
-        "tilt": 1e-5,
-        "taken": 1e-6,
-        "force": 1e-2,
-    },
+    sample=(COARSE,),
+    confirm={"tilt": 1e-5, "face": None, "complete": None, "force": 1e-2}
+    | dict.fromkeys(PHASES, 1e-2)
+    | dict.fromkeys(TAKEN, 1e-6),
     columns=COLUMNS,
 )
 FRESH = Study(name="rest-fresh", cases=fresh_cases, measure=measure, columns=COLUMNS)

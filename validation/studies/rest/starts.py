@@ -90,24 +90,16 @@ STUDIES = (STUDY,)
 def present(rows: Rows) -> Content:
     """How many starts come to rest, and when."""
     table = rows[STUDY.name]
-    at_rest = table["rest"].notna()
+    resting, worst = int(table["rest"].notna().sum()), table[["force", "residual"]]
     return Content(
-        numbers={
-            "starts": len(table),
-            "starts_resting": int(at_rest.sum()),
-            "starts_last": table["rest"].max(),
-            "starts_first": table["rest"].min(),
-            "starts_lifted": int(table["lifted"].sum()),
-            "starts_faces": table["face"].value_counts().to_dict(),
-            "slow_spins": SLOW_SPINS,
-        },
+        numbers={"starts": table, "starts_resting": resting, "slow_spins": SLOW_SPINS},
         tables={"starts": table},
         checks=[
-            equal("rest, other starts: named", sorted(table["case"]), sorted(cases()), "stored"),
-            equal("rest, other starts: at rest", int(at_rest.sum()), len(cases()), "stored"),
-            at_most("rest, other starts: contact pulls by N", -table["force"].min(skipna=False),
-                    0.0, "stored"),
+            equal("rest, other starts: missing", len({*table["case"]} ^ {*cases()}), 0, "stored"),
+            equal("rest, other starts: at rest", resting, len(cases()), "stored"),
+            at_most("rest, other starts: contact pulls by N",
+                    -worst["force"].min(skipna=False), 0.0, "stored"),
             at_most("rest, other starts: unexplained energy in J",
-                    table["residual"].max(skipna=False), RESIDUAL, "stored"),
+                    worst["residual"].max(skipna=False), RESIDUAL, "stored"),
         ],
     )  # fmt: skip

@@ -1,6 +1,6 @@
 """The ways to rest: engine against in-house, what they depend on, and where the energy goes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -9,60 +9,60 @@ from matplotlib.figure import Figure
 
 from analysis import CAUSES, SpatialMotion
 from analysis.data.checks import Array
-from analysis.data.trajectory import SOURCES
 from validation.kit.animation.player import player
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.rest import figures
 from validation.studies.rest.runs import (
-    BEGIN,
     CASES,
     COARSE,
     END,
+    ENGINE,
     ENGINE_END,
     EVERY,
     FASTER,
     FRESH,
     IDEAL,
+    INHOUSE,
     PHASES,
     SHOWN,
     SLIDING,
     SPACING,
     STEPS,
     STUDY,
+    TAKEN,
     VARIANTS,
-    VISCOUS,
     WINDOWS,
     Case,
     fresh_cases,
-    name_of,
-)
+)  # fmt: skip
 from validation.study import Check, Row, at_most, equal
 
 STUDIES = (STUDY, FRESH)
 
-AGREEMENT = 1e-3
-"""Largest difference in rad of the tilt between engine and in-house."""
-
-SHIFT = 0.02
-"""Largest shift in s of a phase between two runs,"""
-
-SHIFTS = {"rim half as thick": 0.2}
-"""and where it may be larger, by variant."""
-
-SAME_TAKEN = 0.05
-"""Largest relative difference of the energy that a cause takes."""
+RISE = 1e-9
+"""Largest rise of the energy from one sample to the next in J."""
 
 UNEXPLAINED = 1e-5
 """Largest part of the first energy that no cause has taken."""
 
-RISE = 1e-9
-"""Largest rise of the energy from one sample to the next in J."""
-
 PROPORTION = 0.05
 """How far the effect of a change may be from growing in proportion to it, relative."""
 
-# --- Comparing ----------------------------------------------------------------------------------
+SHIFT = 0.02
+"""Largest shift in s of a phase between two runs, if no other is named."""
+
+BOTH_SIDES = {"tilt in rad": 1e-3, "phases in s": SHIFT, "energy taken": 0.05, "face": 0.0}
+"""Largest differences between engine and in-house."""
+
+COMPARED: dict[str, tuple[str, dict[str, float]]] = {
+    **{ENGINE[losses]: (INHOUSE[losses], BOTH_SIDES) for losses in CASES},
+    COARSE: (ENGINE[SHOWN], {"tilt in rad": 1e-3, "phases in s": SHIFT}),
+    IDEAL: (INHOUSE[SLIDING], {"phases in s": SHIFT}),
+    **{name: (INHOUSE[SHOWN], {"phases in s": SHIFT}) for name in VARIANTS},
+    "rim half as thick": (INHOUSE[SHOWN], {"phases in s": 0.2}),
+}
+"""What each run is compared with, and by how much it may differ."""
 
 
 def shift(one: Row, other: Row) -> float:
@@ -72,13 +72,13 @@ def shift(one: Row, other: Row) -> float:
     """
     found: list[float | None] = []
     for phase in PHASES:
-        begins = [one.get(phase), other.get(phase)]
+        begins: tuple[Any, Any] = one.get(phase), other.get(phase)
+        ends = one["end"], other["end"]
         lacks = [bool(pd.isna(begin)) for begin in begins]
         if not any(lacks):
-            found.append(abs(np.subtract(*begins)))
-        elif not all(lacks):
-            begin, end = (begins[1], one["end"]) if lacks[0] else (begins[0], other["end"])
-            found += [] if begin > end else [None]
+            found.append(abs(begins[0] - begins[1]))
+        elif not all(lacks) and begins[lacks.index(False)] <= ends[lacks.index(True)]:
+            found.append(None)
     return largest(found)
 
 
@@ -91,9 +91,17 @@ def apart(one: Row, other: Row) -> Array:
 
 def taken_apart(one: Row, other: Row) -> float:
     """Largest relative difference of what a cause takes."""
-    a, b = np.array(one["taken"]), np.array(other["taken"])
+    a, b = (np.array([row[name] for name in TAKEN]) for row in (one, other))
     # What is on takes far more than a nanojoule, what is off nothing.
     return largest((np.maximum(np.abs(a - b) - RISE, 0.0) / np.maximum(np.abs(b), RISE)).tolist())
+
+
+DIFFERENCES: dict[str, Callable[[Row, Row], float]] = {
+    "tilt in rad": lambda one, other: largest(apart(one, other).tolist()),
+    "phases in s": shift,
+    "energy taken": taken_apart,
+    "face": lambda one, other: float(one["face"] != other["face"]),
+}
 
 
 # --- What is shown ------------------------------------------------------------------------------
@@ -101,24 +109,33 @@ def taken_apart(one: Row, other: Row) -> float:
 
 def present(rows: Rows) -> Content:
     """Phases, what they depend on, where the energy went, and the whole story."""
-    courses: dict[str, Row] = {
-        row["case"]: row for study in STUDIES for row in rows[study.name].to_dict("records")
+    table = pd.concat([rows[study.name] for study in STUDIES]).set_index("case")
+    runs: dict[str, Row] = table.to_dict("index")
+    base = runs[INHOUSE[SHOWN]]
+    arrays: dict[str, Any] = {n: np.array(base[n]) for n in SpatialMotion.STORED_ARRAYS[:-1]}
+    shown = SpatialMotion(
+        scenario=Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
+    )
+    sliding = runs[INHOUSE[SLIDING]]
+    headings = {
+        "lean": "mean lean in rad",
+        "slip": "mean slip speed in m/s",
+        "mean_energy": "energy in J",
+        "loss": "loss in W",
+        "viscous_loss": "loss by μ λ_N s² / ε in W",
     }
-    shown = spatial(courses[name_of(SHOWN, "in-house")])
+    windows = {"time in s": [f"{begin:g} to {end:g}" for begin, end in WINDOWS]}
     return Content(
-        numbers=numbers(courses),
+        numbers=numbers(runs),
         tables={
-            "phases": phase_table(courses),
-            "variants": variant_table(courses),
-            "budget": budget(courses),
-            "losses": loss_table(courses),
+            "phases": phases(table, runs),
+            "budget": budget(table),
+            "losses": pd.DataFrame(windows | {h: sliding[name] for name, h in headings.items()}),
         },
         figures={
-            "story": figures.story(
-                shown, courses[name_of(SHOWN, "engine")]["tilt"], EVERY * SPACING
-            ),
+            "story": figures.story(shown, runs[ENGINE[SHOWN]]["tilt"], EVERY * SPACING),
             "path": figures.draw_path(shown),
-            "dependence": dependence(courses, shown),
+            "dependence": dependence(runs, shown),
         },
         animations={
             "animation": player(
@@ -128,125 +145,80 @@ def present(rows: Rows) -> Content:
                 caption=f"In-house run with {SHOWN} besides sliding friction.",
             )
         },
-        checks=checks(courses),
-        verdicts=[verdict(courses)],
+        checks=checks(runs),
+        verdicts=[verdict(runs)],
     )
 
 
-def spatial(row: Row) -> SpatialMotion:
-    """The whole motion of a row."""
-    arrays: dict[str, Any] = {n: np.array(row[n]) for n in SpatialMotion.STORED_ARRAYS[:-1]}
-    return SpatialMotion(
-        scenario=Case(row["losses"]).scenario,
-        source=row["source"],
-        rest_time=row["rest"],
-        **arrays,
-    )
-
-
-def checks(courses: Mapping[str, Row]) -> list[Check]:
-    """Engine against in-house, what variants shift, and what no run may do."""
-    found: list[Check] = []
-    for losses in CASES:
-        engine, inhouse = (courses[name_of(losses, source)] for source in SOURCES)
-        name = f"rest, {losses}, engine against in-house"
-        where: Any = "stored" if losses == SLIDING else "fresh"
-        found += [
-            at_most(f"{name}: tilt in rad", largest(apart(engine, inhouse)), AGREEMENT, where),
-            at_most(f"{name}: phases in s", shift(engine, inhouse), SHIFT, where),
-            at_most(f"{name}: energy taken", taken_apart(engine, inhouse), SAME_TAKEN, where),
-            equal(f"{name}: face up", engine["face"], inhouse["face"], where),
-        ]
-    base, engine = (courses[name_of(SHOWN, source)] for source in ("in-house", "engine"))
-    for variant in VARIANTS:
-        row, limit = courses[variant], SHIFTS.get(variant, SHIFT)
-        found.append(at_most(f"rest, {variant}: phases in s", shift(row, base), limit))
-    begin, coarse = courses[BEGIN], courses[COARSE]
-    found += [
-        at_most("rest, engine: its first second, tilt in rad", largest(apart(begin, engine)),
-                1e-8, "stored"),
-        at_most("rest, engine: sixfold step, tilt in rad", largest(apart(coarse, engine)), 1e-3),
-        at_most("rest, engine: sixfold step, phases in s", shift(coarse, engine), SHIFT),
-        at_most("rest: a change a thousandth as large does as much less, relative error",
-                abs(growth(courses) * FASTER[1] / FASTER[0] - 1.0), PROPORTION),
-    ]  # fmt: skip
+def checks(runs: Mapping[str, Row]) -> list[Check]:
+    """Each run against another, and what none may do."""
     fresh = fresh_cases()
-    for name, row in courses.items():
+    found = []
+    for name, (other, limits) in COMPARED.items():
+        where: Any = "fresh" if {name, other} & fresh.keys() else "stored"
+        found += [
+            at_most(f"rest, {name}: {what} apart from {other}",
+                    DIFFERENCES[what](runs[name], runs[other]), limit, where)
+            for what, limit in limits.items()
+        ]  # fmt: skip
+    for name, row in runs.items():
         if name != IDEAL:
-            found += _sane(name, row, "fresh" if name in fresh else "stored")
-    return [
-        *found,
-        at_most("rest, ideal contact: inversion and its loss in s",
-                shift(courses[IDEAL], courses[name_of(SLIDING, "in-house")]), SHIFT),
-    ]  # fmt: skip
+            where = "fresh" if name in fresh else "stored"
+            lost = row["unexplained"] / row["energy"]
+            found += [
+                equal(f"rest, {name}: complete", row["complete"], True, where),
+                at_most(f"rest, {name}: rise of the energy in J", row["rise"], RISE, where),
+                at_most(f"rest, {name}: contact pulls by N", -row["force"], 0.0, where),
+                at_most(f"rest, {name}: unexplained part", lost, UNEXPLAINED, where),
+            ]
+    uneven = abs(growth(runs) * FASTER[1] / FASTER[0] - 1.0)
+    return [*found, at_most("rest, spin: effect out of proportion", uneven, PROPORTION)]
 
 
-def _sane(name: str, row: Row, where: Any) -> list[Check]:
-    name = f"rest, {name}"
-    return [
-        equal(f"{name}: complete", row["complete"], True, where),
-        at_most(f"{name}: rise of the energy in J", row["rise"], RISE, where),
-        at_most(f"{name}: contact pulls by N", -row["force"], 0.0, where),
-        at_most(f"{name}: unexplained part", row["unexplained"] / row["energy"], UNEXPLAINED,
-                where),
-    ]  # fmt: skip
-
-
-def growth(courses: Mapping[str, Row]) -> float:
+def growth(runs: Mapping[str, Row]) -> float:
     """How many times more the larger change of the spin does to the tilt than the smaller one."""
-    base = courses[name_of(SHOWN, "in-house")]
-    large, small = (np.max(apart(courses[f"spin {more:g} rad/s faster"], base)) for more in FASTER)
+    base = runs[INHOUSE[SHOWN]]
+    large, small = (np.max(apart(runs[f"spin {more:g} rad/s faster"], base)) for more in FASTER)
     return float(large / small)
 
 
-def numbers(courses: Mapping[str, Row]) -> Row:
+def numbers(runs: Mapping[str, Row]) -> Row:
     """Those of the text."""
-    base, engine = (courses[name_of(SHOWN, source)] for source in ("in-house", "engine"))
-    change = apart(courses[f"spin {FASTER[0]:g} rad/s faster"], base)
+    base, engine = runs[INHOUSE[SHOWN]], runs[ENGINE[SHOWN]]
+    change = apart(runs[f"spin {FASTER[0]:g} rad/s faster"], base)
     times = EVERY * SPACING * np.arange(change.size)
-    contact = Case(SHOWN).scenario.penalty_contact
-    sliding = courses[name_of(SLIDING, "in-house")]
     return {
         "shown": SHOWN,
         "base": base,
-        "apart": largest(apart(engine, base)),
-        "agreement": AGREEMENT,
+        "apart": largest(apart(engine, base).tolist()),
         "faster": FASTER,
         "change_before": np.max(change[times < base["inversion_lost"]]),
         "change": np.max(change),
-        "growth": growth(courses),
-        "stiffness": contact.stiffness,
-        "damping": contact.damping,
-        "half_thickness": 1e3 * contact.half_thickness,
-        "dry": CASES[SHOWN],
-        "viscous": CASES[VISCOUS],
+        "growth": growth(runs),
+        "shifts": [shift(runs[name], base) for name in (*VARIANTS, ENGINE[SHOWN])],
+        "contact": Case(SHOWN).scenario.penalty_contact,
+        "losses": list(CASES.values())[1:],
         "window": WINDOWS[-1],
-        "late": {name: sliding[name][-1] for name in ("loss", "viscous_loss", "mean_energy")},
-        "steps": [STEPS[SHOWN], STEPS[VISCOUS]],
-        "ideal_lost": courses[IDEAL]["inversion_lost"],
-        "sliding": sliding,
+        "steps": list(STEPS.values())[1:],
+        "ideal": runs[IDEAL],
+        "sliding": runs[INHOUSE[SLIDING]],
         "end": END,
         "engine_end": ENGINE_END,
         "spacing": SPACING,
     }
 
 
-def verdict(courses: Mapping[str, Row]) -> Verdict:
+def verdict(runs: Mapping[str, Row]) -> Verdict:
     """Whether the disk comes to lie flat, and with what."""
-    flat = {losses: courses[name_of(losses, "in-house")]["flat"] for losses in CASES}
+    flat = {losses: runs[name]["flat"] for losses, name in INHOUSE.items()}
     lies = [losses for losses, time in flat.items() if not pd.isna(time)]
     answer = "yes" if SLIDING in lies else "partly" if lies else "not shown"
-    told = [
-        f"with {losses} it is flat after {flat[losses]:.1f} s"
-        if losses in lies
-        else f"by {losses} it leans by {courses[name_of(losses, 'in-house')]['lean'][-1]:.2f} rad "
-        f"on average over the last {WINDOWS[-1][1] - WINDOWS[-1][0]:g} of {END:g} s"
-        for losses in CASES
-    ]
+    lean = runs[INHOUSE[SLIDING]]["lean"][-1]
     return Verdict(
         statement="On a slow timescale the disk comes to lie flat on the table.",
         answer=answer,
-        numbers="; ".join(told)
+        numbers=f"After {END:g} s of sliding friction alone it leans by {lean:.2f} rad"
+        + "".join(f"; with {losses} it is flat after {flat[losses]:.1f} s" for losses in lies)
         + ". The coefficients of rolling and pivoting are chosen here, not the paper's.",
         criterion=f"flat to the end within {END:g} s by sliding friction alone, as the paper "
         "models it; partly: with further losses.",
@@ -254,85 +226,39 @@ def verdict(courses: Mapping[str, Row]) -> Verdict:
     )
 
 
-# --- Tables -------------------------------------------------------------------------------------
-
-
-def phase_table(courses: Mapping[str, Row]) -> pd.DataFrame:
-    """When each phase began, by losses and source, and how far the two sources agree."""
-    found = []
-    for losses in CASES:
-        engine, inhouse = (courses[name_of(losses, source)] for source in SOURCES)
-        found += [{"dissipation": losses} | _phases(row) for row in (engine, inhouse)]
-        found[-1] |= {"tilt apart in rad": largest(apart(engine, inhouse)),
-                      "phases apart in s": shift(engine, inhouse)}  # fmt: skip
-    ideal = {"dissipation": SLIDING} | _phases(courses[IDEAL] | {"face": None})
-    return pd.DataFrame([*found[:2], ideal, *found[2:]])
-
-
-def _phases(row: Row) -> Row:
-    told = {phase.replace("_", " "): row.get(phase) for phase in PHASES}
-    return {"source": row["source"]} | told | {"face up": row["face"]}
-
-
-def variant_table(courses: Mapping[str, Row]) -> pd.DataFrame:
-    """How the phases move with stiffness, rim, side and start."""
-    base, engine = (courses[name_of(SHOWN, source)] for source in ("in-house", "engine"))
-    named = {"in the engine": engine, **{name: courses[name] for name in VARIANTS}}
-    return pd.DataFrame(
-        [
-            {"variant": "as it is, in-house"} | _phases(base),
-            *(
-                {"variant": name}
-                | _phases(row)
-                | {"largest shift": shift(row, base), "at most": SHIFTS.get(name, SHIFT)}
-                for name, row in named.items()
-            ),
+def phases(table: pd.DataFrame, runs: Mapping[str, Row]) -> pd.DataFrame:
+    """When each phase began, and how far runs are apart from what they are compared with."""
+    order = [each for losses in CASES for each in (INHOUSE[losses], ENGINE[losses])]
+    found = table.loc[[*order, IDEAL, *VARIANTS, COARSE], [*PHASES, "face"]].copy()
+    found["compared with"] = [COMPARED.get(name, (None,))[0] for name in found.index]
+    headings = {"tilt in rad": "tilt apart in rad", "phases in s": "phases apart in s"}
+    for what, heading in headings.items():
+        found[heading] = [
+            DIFFERENCES[what](runs[name], runs[COMPARED[name][0]])
+            if what in COMPARED.get(name, ("", {}))[1]
+            else None
+            for name in found.index
         ]
-    ).drop(columns="source")
+    found = found.rename(columns={"face": "face up at the end"}).reset_index(names="run")
+    return found.rename(columns=lambda name: name.replace("_", " "))
 
 
-def budget(courses: Mapping[str, Row]) -> pd.DataFrame:
+def budget(table: pd.DataFrame) -> pd.DataFrame:
     """Where each joule went, and whether energy and contact force keep to their signs."""
-    pairs = [(losses, courses[name_of(losses, source)]) for losses in CASES for source in SOURCES]
-    used = np.any([row["taken"] for _, row in pairs], axis=0)
-    return pd.DataFrame(
-        [
-            {"dissipation": losses, "source": row["source"], "at first": row["energy"]}
-            | {
-                figures.CAUSE_NAMES[cause]: value
-                for cause, value, some in zip(CAUSES, row["taken"], used, strict=True)
-                if some
-            }
-            | {
-                "left": row["left"],
-                "unexplained": row["unexplained"],
-                "largest rise": row["rise"],
-                "least contact force in N": row["force"],
-            }
-            for losses, row in pairs
-        ]
-    )
-
-
-def loss_table(courses: Mapping[str, Row]) -> pd.DataFrame:
-    """How slowly the disk loses energy by sliding alone."""
-    row = courses[name_of(SLIDING, "in-house")]
-    columns: dict[str, Any] = {
-        "time in s": [f"{begin:g} to {end:g}" for begin, end in WINDOWS],
-        "mean lean in rad": row["lean"],
-        "mean slip speed in m/s": row["slip"],
-        "energy in J": row["mean_energy"],
-        "loss in W": row["loss"],
-        "loss by μ λ_N s² / ε in W": row["viscous_loss"],
+    names = [each for losses in CASES for each in (ENGINE[losses], INHOUSE[losses])]
+    used = [name for name in TAKEN if table.loc[names, name].any()]
+    headings = {
+        "energy": "at first",
+        **dict(zip(TAKEN, (figures.CAUSE_NAMES[cause] for cause in CAUSES), strict=True)),
+        "rise": "largest rise",
+        "force": "least contact force in N",
     }
-    return pd.DataFrame(columns)
+    columns = ["energy", *used, "left", "unexplained", "rise", "force"]
+    return table.loc[names, columns].rename(columns=headings).reset_index(names="run")
 
 
-def dependence(courses: Mapping[str, Row], shown: SpatialMotion) -> Figure:
+def dependence(runs: Mapping[str, Row], shown: SpatialMotion) -> Figure:
     """How far the tilt of variants departs from that of the in-house run."""
-    base = courses[name_of(SHOWN, "in-house")]
-    named: dict[str, Sequence[float]] = {
-        "in the engine": apart(courses[name_of(SHOWN, "engine")], base).tolist(),
-        **{name: apart(courses[name], base).tolist() for name in VARIANTS},
-    }
-    return figures.draw_dependence(named, EVERY * SPACING, shown.phases)
+    names = {"in the engine": ENGINE[SHOWN], **{name: name for name in VARIANTS}}
+    changes = {name: apart(runs[case], runs[INHOUSE[SHOWN]]) for name, case in names.items()}
+    return figures.draw_dependence(changes, EVERY * SPACING, shown.phases)
