@@ -1,17 +1,23 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
-from mbs_models.formulations import formulations
-from mbs_models.integrators import INTEGRATORS, Integrator, IntegratorName, integrators
+from mbs_models.integrators import (
+    ACCELERATED,
+    INTEGRATORS,
+    Integrator,
+    IntegratorName,
+    integrators,
+)
 from mbs_models.linearization import eigenvalues, state_matrix, stock_eigenvalues
 from mbs_models.model import FORMULATIONS, Formulation
 from mbs_models.newton import Newton
 from mbs_models.probe import acceleration
 from mbs_models.rest import simulate_to_rest
 from mbs_models.runs import EngineError
-from mbs_models.scene import Scene
+from mbs_models.scene import Scene, formulations
 from mbs_models.simulation import simulate
 
 __all__ = [
+    "ACCELERATED",
     "FORMULATIONS",
     "INTEGRATORS",
     "EngineError",

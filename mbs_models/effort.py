@@ -5,24 +5,75 @@ turning of the disk as finely as the tolerance asks, friction at no slip, and th
 a tree; the numbers come from measured runs.
 """
 
+from dataclasses import replace
 from math import ceil, inf, log2, sin, sqrt
 
 import numpy as np
 
 from analysis.data.checks import Array, positive, within
 from analysis.data.limits import SHORTEST_STEP, Effort
-from mbs_models.formulations import CLASSES
+from analysis.solve import effort as shared
 from mbs_models.integrators import Integrator, find_integrator
 from mbs_models.runs import MINIMUM_STEP
-from mbs_models.scene import Scene
+from mbs_models.scene import CLASSES, Scene
 
 HALVINGS = 13
 """Number of runs after which a tolerance-controlled run gives up; the last step is some µs."""
 
 _SECONDS = {"explicit": 5e-5, "implicit": 3e-4}
-"""Processor time of a step in s."""
+"""Processor time of a step of the engine's own integrators in s,"""
+
+_EVALUATION_SECONDS = {"contact-tree": 3e-5, "euler-tree": 6e-5, "floating": 9e-5}
+"""and of an evaluation of accelerations in a formulation,"""
+
+_LONGEST_EVALUATION = 2.1e-4
+"""or in any other."""
+
+STIFF = 6.0
+"""Times the cost of implicit steps that explicit ones may be estimated to cost: they pass the
+finest speed of friction only now and then."""
+
+FINEST_STEPPED = 1e-9
+"""Tolerance in rad below which the noise of accelerations is in the way of runs that step them."""
 
 _REST_SECONDS = 4.5e-5
+
+
+def default_integrator(scene: Scene, times: Array, tolerance: float) -> Integrator:
+    """Integrator that `mbs_models.simulate` takes first to a tolerance.
+
+    The engine's own where there is no constraint; else, and where friction is stiff, one that
+    steps accelerations. A disk that starts above a penalty contact meets it with an impact, where
+    fixed steps lose their order.
+
+    Parameters
+    ----------
+    scene : Scene
+    times : ndarray, shape (n,)
+        In s.
+    tolerance : float
+        In rad.
+    """
+    stepping = stepping_integrator(scene, times, tolerance)
+    own = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
+    scenario = scene.scenario
+    if scenario.contact is not None:
+        return stepping if scenario.initial_state.coordinates[2] > 0 else own
+    if stepping.name == "DOP853" and (not scene.has_constraints or tolerance < FINEST_STEPPED):
+        return own
+    return stepping
+
+
+def stepping_integrator(scene: Scene, times: Array, tolerance: float) -> Integrator:
+    """Integrator that steps a scene's accelerations in the least time.
+
+    The arguments are those of `default_integrator`.
+    """
+    explicit, implicit = (
+        shared.simulation_effort(scene.scenario, times, method=method, tolerance=tolerance).seconds
+        for method in ("DOP853", "Radau")
+    )
+    return Integrator(name="Radau" if explicit > STIFF * implicit else "DOP853")
 
 
 def simulation_effort(
@@ -56,10 +107,14 @@ def simulation_effort(
     if step is not None:
         step = within("step", positive("step", step), SHORTEST_STEP, inf)
     tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
-    may_change = integrator is None and not scene.has_constraints
-    if integrator is None:
-        integrator = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
+    may_change = integrator is None
     spacings = _spacings(times)
+    if integrator is None and step is None:
+        integrator = default_integrator(scene, times, tolerance)
+    elif integrator is None:
+        integrator = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
+    if integrator.steps_accelerations:
+        return _stepping_effort(scene, times, integrator, step or inf, tolerance)
     cost = _SECONDS["implicit" if integrator.implicit else "explicit"]
     until = f"up to t = {times[-1]:g} s"
     if integrator.controls_step:
@@ -87,6 +142,19 @@ def simulation_effort(
     if first >= steps / 8.0:
         cause = "times"
     return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}", doubt=doubt)
+
+
+def _stepping_effort(
+    scene: Scene, times: Array, integrator: Integrator, longest: float, tolerance: float
+) -> Effort:
+    """That of runs which step accelerations; the same motions take in-house runs as many steps."""
+    local = integrator.local_tolerance
+    wanted = {"tolerance": tolerance} if local is None else {"local_tolerance": local}
+    found = shared.simulation_effort(scene.scenario, times, method=integrator.method, **wanted)
+    steps = max(found.steps, float(times[-1] - times[0]) / longest)
+    cost = _EVALUATION_SECONDS.get(scene.built_as, _LONGEST_EVALUATION)
+    evaluations = shared.METHODS[integrator.method].evaluations * steps + times.size
+    return replace(found, steps=steps, seconds=evaluations * cost)
 
 
 def rest_effort(scene: Scene, end: float, step: float) -> Effort:

@@ -1,127 +1,185 @@
-"""Where a run ends: found among samples, then located by short runs."""
+"""Where a run of the engine's own integrators ends: looked for among its records, then located.
 
+It is located by stepping the scene's accelerations from the record before: these have a solution
+between any two steps, in which one search finds whatever comes first.
+"""
+
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import pi, sqrt
+from dataclasses import dataclass
 from typing import NamedTuple
 
+import exudyn as exu
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from analysis.data.checks import Array
-from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
+from analysis.data.endings import CONTACT_WOULD_PULL, Condition
 from analysis.data.limits import LEAST_TILT
-from analysis.data.state import State
-from mbs_models import columns
-from mbs_models.runs import EngineError
+from analysis.data.watch import Watch
+from analysis.solve.stepping import SolverError, integrate
+from mbs_models import sampled
+from mbs_models.accelerations import AccelerationProblem
+from mbs_models.effort import stepping_integrator
+from mbs_models.probe import SingularError
+from mbs_models.sampled import leaning, state_of
+from mbs_models.scene import Scene
+from mbs_models.solving import solving
+
+LOCAL = 1e-11
+"""Error in a step with which endings are located."""
 
 Says = Callable[[Array], float]
-"""From a sample to a number; the run ends where that turns negative."""
+"""From a record to a number; the run ends where that turns negative."""
 
 
-def says_of(conditions: Mapping[str, Condition], *, may_pull: bool) -> dict[str, Says]:
-    """What ends a run, by its reason; that the disk lies flat comes first.
+def of_records(conditions: Mapping[str, Condition]) -> dict[str, Says]:
+    """Conditions on a `State` as functions of a record."""
 
-    Parameters
-    ----------
-    conditions : mapping
-        Functions of a `State`.
-    may_pull : bool
-        Whether a contact that pulls is none of the reasons.
-    """
-
-    def of_state(condition: Condition) -> Says:
+    def of_record(condition: Condition) -> Says:
         return lambda row: condition(state_of(row))
 
-    found: dict[str, Says] = {FLAT: lambda row: float(leaning(row)) - LEAST_TILT}
-    if not may_pull:
-        found[CONTACT_WOULD_PULL] = lambda row: float(row[columns.NORMAL_FORCE])
-    return found | {reason: of_state(condition) for reason, condition in conditions.items()}
+    return {reason: of_record(condition) for reason, condition in conditions.items()}
 
 
-def leaning(rows: Array) -> Array:
-    """Angle in rad between disk and table in samples.
-
-    It is negative where beta lies outside (0, pi), by whole turns if a run has failed.
-    """
-    tilts = rows[..., columns.BETA]
-    result: Array = np.minimum(tilts, pi - tilts)
-    return result
-
-
-def state_of(row: Array) -> State:
-    """State of a sample."""
-    values = row.tolist()
-    coordinates, rates = values[columns.COORDINATES], values[columns.RATES]
-    return State(coordinates=tuple(coordinates), rates=tuple(rates))
-
-
-def touch_down(
-    after: Callable[[float], Array], row: Array, width: float, pull: float
-) -> float | None:
-    """Time after a sample at which the disk lies flat, if it goes straight there.
-
-    Steps that stop short of it and shrink: beyond, there is no motion to look at. One that goes
-    too far all the same, which may fail, is taken back.
-
-    Parameters
-    ----------
-    after : callable
-        From a positive time after the sample in s to the sample there.
-    row : ndarray, shape (12 + k,)
-    width : float
-        Latest time in s.
-    pull : float
-        Angular acceleration in rad/s² with which a disk falls, at most.
-    """
-    moment, here, part = 0.0, row, 1.0
-    for _ in range(40):
-        gap = float(leaning(here)) - LEAST_TILT
-        if moment and gap < 1e-3 * LEAST_TILT:
-            return moment
-        rising = float(here[columns.BETA_RATE])
-        rate = rising if here[columns.BETA] > 0.5 * pi else -rising
-        if rate <= 0.0 or part < 0.01:
-            return None
-        later = moment + part * 2.0 * gap / (rate + sqrt(rate**2 + 2.0 * pull * gap))
-        if later > width:
-            return None
-        try:
-            there = after(later)
-        except EngineError:
-            there = None
-        if there is None or leaning(there) < (1.0 - 1e-3) * LEAST_TILT:
-            part *= 0.5
-        else:
-            moment, here = later, there
-    return None
-
-
-class Dip(NamedTuple):
-    """Where a condition is negative, or may be between two samples.
+class Place(NamedTuple):
+    """Where a condition is negative, or may be between two records.
 
     Parameters
     ----------
     row : int
-        Sample before it, where it is not negative.
+        Record before it, where it is not negative.
     width : float
-        Sampling intervals after it that hold the dip.
-    sure : bool
-        Whether it is negative at the end of them.
+        Periods after it that hold the place.
+    reason : str
+        That of the condition if it is known to be negative at the end of them, else empty.
     """
 
     row: int
     width: float
-    sure: bool
+    reason: str
 
 
-def dips(values: Array) -> Iterator[Dip]:
-    """Places to look at, in order, up to the first sample at which a condition turns negative.
+class Found(NamedTuple):
+    """Where a run ends: `moment` s after record `row`, with these `values`, for this reason."""
+
+    reason: str
+    row: int
+    moment: float
+    values: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Records:
+    """What a run has recorded, and how it came to its end.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : ndarray, shape (n, 12 + k)
+        At even spacing.
+    period : float
+        Time between records in s.
+    broke_off : bool
+        Whether the run failed after the last of them.
+    stopped_by : str or None
+        The reason for which it was stopped after the last of them, if it was.
+    beyond : float
+        Time in s after the last of them at which it was.
+    """
+
+    scene: Scene
+    values: Array
+    period: float
+    broke_off: bool
+    stopped_by: str | None
+    beyond: float
+
+    def first_ending(
+        self, conditions: Mapping[str, Condition], *, must_not_pull: bool, work: Counter[str]
+    ) -> Found | None:
+        """The first ending, if there is one.
+
+        Parameters
+        ----------
+        conditions : mapping
+            By the reason they give.
+        must_not_pull : bool
+            Whether a contact that pulls ends the run.
+        work : Counter
+            To which the steps of the search are added.
+        """
+        for place in sorted(self._places(conditions, must_not_pull)):
+            found = self._located(place, conditions, must_not_pull, work)
+            if found is not None:
+                return found
+        return None
+
+    def _places(self, conditions: Mapping[str, Condition], must_not_pull: bool) -> Iterator[Place]:
+        """Places to look at, in no order."""
+        lying = np.flatnonzero(leaning(self.values) < LEAST_TILT)
+        upright = self.values[: lying[0] if lying.size else len(self.values)]
+        last = len(upright) - 1
+        if last < 0:
+            return
+        if lying.size or self.broke_off:
+            # It may lie flat.
+            yield Place(last, 2.0, "")
+        if must_not_pull:
+            yield from dips(upright[:, sampled.NORMAL_FORCE], CONTACT_WOULD_PULL)
+        for reason, says in of_records(conditions).items():
+            yield from dips(np.array([says(row) for row in upright]), reason)
+        if self.stopped_by is not None and self.beyond > 1e-9 * self.period:
+            yield Place(last, self.beyond / self.period, self.stopped_by)
+
+    def _located(
+        self,
+        place: Place,
+        conditions: Mapping[str, Condition],
+        must_not_pull: bool,
+        work: Counter[str],
+    ) -> Found | None:
+        """The first ending behind a record, by the accelerations; None if they show none."""
+        values = self.values[place.row]
+        scene = self.scene.starting_at(state_of(values))
+        motion = AccelerationProblem(scene, conditions)
+        problem = motion.initial_value_problem
+        # Runs differ by their errors: what one shows to be negative may be so later in another.
+        end = self.period * (place.width + bool(place.reason))
+        times = np.array([0.0, end])
+        watch = Watch()
+        try:
+            with solving(motion.model.system):
+                if must_not_pull and problem.normal_force(problem.start) < 0.0:
+                    return Found(CONTACT_WOULD_PULL, place.row, 0.0, values)
+                found = integrate(
+                    problem,
+                    times,
+                    stepping_integrator(scene, times, LOCAL).method,
+                    LOCAL,
+                    allow_pulling=not must_not_pull,
+                    watch=watch,
+                )
+                last = motion.samples(found.states[-1:])[0]
+        except (SolverError, SingularError, exu.ExudynError):
+            return None
+        work.update(steps=found.steps, right_hand_sides=found.evaluations)
+        if found.ended is not None:
+            return Found(found.ended, place.row, float(found.times[-1]), last)
+        if place.reason:
+            return Found(place.reason, place.row, end, last)
+        return None
+
+
+def dips(values: Array, reason: str) -> Iterator[Place]:
+    """Places to look at, in order, up to the first record at which a condition turns negative.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
         What the condition says at even spacing. Where it is negative from the start on, it waits
         until it has not been.
+    reason : str
+        The one that it gives.
     """
     armed = int(np.argmax(values >= 0.0)) if values.size else 0
     if not values.size or values[armed] < 0.0:
@@ -140,154 +198,9 @@ def dips(values: Array) -> Iterator[Dip]:
     vertex = here - (after - before) ** 2 / (8.0 * bent)
     near = vertex < 0.1 * (np.maximum(before, after) - here)
     for place in np.flatnonzero(lowest & near).tolist():
-        yield Dip(armed + place, 2.0, sure=False)
+        yield Place(armed + place, 2.0, "")
     if negative.size:
-        yield Dip(end - 1, 1.0, sure=True)
-
-
-def zero(
-    says: Callable[[float], float], begin: float, width: float, *, sure: bool
-) -> float | None:
-    """First time in [0, width] at which a condition turns negative, if it does.
-
-    Parameters
-    ----------
-    says : callable
-        The condition at a positive time in s.
-    begin : float
-        What it says at time 0, not negative.
-    width : float
-        In s.
-    sure : bool
-        Whether it is known to be negative at `width`, up to rounding.
-    """
-    last = width
-    if not sure:
-        least = minimize_scalar(
-            says, bounds=(0.0, width), method="bounded", options={"xatol": 1e-3 * width}
-        )
-        last = float(least.x)
-        if says(last) >= 0.0:
-            return None
-    elif says(last) >= 0.0:
-        return last
-    return float(
-        brentq(lambda time: says(time) if time else begin, 0.0, last, xtol=1e-13, rtol=1e-13)
-    )
-
-
-class Found(NamedTuple):
-    """Where a run ends: `moment` s after sample `row`, with these `values`, for this reason."""
-
-    reason: str
-    row: int
-    moment: float
-    values: Array
-
-
-class Search:
-    """Search for the first ending among the samples of a run.
-
-    Parameters
-    ----------
-    after : callable
-        From a sample, a time in s after it and a number of records to the sample there, by a
-        short run with as many steps as so many records take.
-    values : ndarray, shape (n, 12 + k)
-        Samples at even spacing.
-    period : float
-        Time between them in s.
-    broke_off : bool
-        Whether the run failed after the last of them.
-    pull : float
-        See `touch_down`.
-    """
-
-    def __init__(
-        self,
-        after: Callable[[Array, float, int], Array],
-        values: Array,
-        period: float,
-        broke_off: bool,
-        pull: float,
-    ) -> None:
-        self._after, self._values, self._period = after, values, period
-        self._broke_off, self._pull = broke_off, pull
-
-    def first(
-        self, says: Mapping[str, Says], stopped_by: str | None, beyond: float
-    ) -> Found | None:
-        """Earliest of the endings.
-
-        Parameters
-        ----------
-        says : mapping
-            As `says_of` makes it.
-        stopped_by : str or None
-            The reason for which the run was stopped after the last sample.
-        beyond : float
-            Time in s after the last sample at which it was.
-        """
-        found: list[Found] = []
-        lying = np.flatnonzero(leaning(self._values) < LEAST_TILT)
-        upright = int(lying[0]) if lying.size else len(self._values)
-        flat = self._flat(upright)
-        if flat is not None:
-            found = [flat]
-        for reason, each in says.items():
-            if reason == FLAT:
-                continue
-            series = self._series(reason, each, self._values[:upright])
-            places = list(dips(series))
-            if stopped_by == reason and beyond > 1e-9 * self._period:
-                places.append(Dip(upright - 1, beyond / self._period, sure=True))
-            for place in places:
-                ending = self._located(reason, each, place, float(series[place.row]))
-                if ending is not None:
-                    found.append(ending)
-                    break
-        return min(
-            found, key=lambda ending: ending.row + ending.moment / self._period, default=None
-        )
-
-    @staticmethod
-    def _series(reason: str, says: Says, values: Array) -> Array:
-        """What a condition says at samples; for those that every run has, read at once."""
-        if reason == CONTACT_WOULD_PULL:
-            return values[:, columns.NORMAL_FORCE]
-        return np.array([says(row) for row in values])
-
-    def _located(self, reason: str, says: Says, place: Dip, begin: float) -> Found | None:
-        after = self._from_before(place.row, place.width)
-        moment = zero(
-            lambda time: says(after(time)), begin, place.width * self._period, sure=place.sure
-        )
-        return None if moment is None else Found(reason, place.row, moment, after(moment))
-
-    def _flat(self, upright: int) -> Found | None:
-        """Where the disk lies flat, if it goes there, or the run broke off on the way there.
-
-        Parameters
-        ----------
-        upright : int
-            Number of samples before the first one at which it lies flat.
-        """
-        row = upright - 1
-        if row < 0 or (upright == len(self._values) and not self._broke_off):
-            return None
-        after = self._from_before(row, 1.0)
-        moment = touch_down(after, self._values[row], 2.0 * self._period, self._pull)
-        return None if moment is None else Found(FLAT, row, moment, after(moment))
-
-    def _from_before(self, row: int, width: float) -> Callable[[float], Array]:
-        """Samples at times after sample `row`, by runs from the one before it.
-
-        Very short steps would make the forces noisy.
-        """
-        first = max(0, row - 1)
-        records = int(np.ceil(width)) + row - first
-        lead = self._period * (row - first)
-        return lambda moment: self._after(self._values[first], lead + moment, records)
+        yield Place(end - 1, 1.0, reason)
 
 
 def pulling_times(

@@ -3,10 +3,10 @@
 import numpy as np
 
 from analysis.data.checks import Array
-from mbs_models.columns import apart
-from mbs_models.formulations import CLASSES
 from mbs_models.integrators import RULES, IntegratorName
 from mbs_models.model import Formulation
+from mbs_models.sampled import apart
+from mbs_models.scene import CLASSES
 
 ROUNDING = 1e-13
 """Error in rad that no estimate goes below."""

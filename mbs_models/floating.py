@@ -1,7 +1,7 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
 from collections.abc import Callable
-from math import pi
+from math import atan2, cos, hypot, pi, sin
 from typing import Any, ClassVar
 
 import exudyn as exu
@@ -10,19 +10,17 @@ import numpy as np
 from exudyn.lieGroupBasics import CompositionRuleForRotationVectors
 from exudyn.rigidBodyUtilities import (
     EulerParameters2GLocal,
-    EulerParameters2RotationMatrix,
     RigidBodyInertia,
-    RotationMatrix2EulerParameters,
     RotationMatrixZ,
 )
 
 from analysis.data import frames
 from analysis.data.checks import Array
+from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
-from analysis.data.state import State
 from mbs_models.friction import UPWARD, Force, connector_force, friction_load
 from mbs_models.loads import Loads
-from mbs_models.model import Formulation, Model
+from mbs_models.model import Floats, Formulation, Model, table_forces
 
 _OUTPUT = exu.OutputVariableType
 
@@ -86,7 +84,7 @@ class Floating(Model):
         """Add what the table does to the disk."""
         table = self._add_table()
         centre = self._disk_marker(0.0, "the disk's centre")
-        if self.has_force:
+        if table_forces(self.scenario):
             self._add_force(table, centre)
         if self.scenario.contact is not None:
             return
@@ -107,9 +105,10 @@ class Floating(Model):
 
     def _add_force(self, table: int, centre: int) -> None:
         """Add friction, and the contact if it is one of penalty."""
+        name = table_forces(self.scenario)
         if self.loads is not None:
             side = self._add(
-                items.MarkerBodyRigid(bodyNumber=table), f"the table's side of {self.force_name}"
+                items.MarkerBodyRigid(bodyNumber=table), f"the table's side of {name}"
             )
             force = self._contact_force(self.loads)
         else:
@@ -118,7 +117,7 @@ class Floating(Model):
                     bodyNumber=table,
                     localHT=exu.HT(rotation=UPWARD, translation=[0.0] * 3),
                 ),
-                f"the table's side of {self.force_name}, turned to where its angles are regular",
+                f"the table's side of {name}, turned to where its angles are regular",
             )
             force = connector_force(self.scenario, friction_load(self.scenario, self._contact))
         self._friction = self._add(
@@ -127,7 +126,7 @@ class Floating(Model):
                 useIntrinsicFormulation=False,
                 springForceTorqueUserFunction=force,
             ),
-            f"{self.force_name} by a user function",
+            f"{name} by a user function",
         )
 
     def _contact_force(self, loads: Loads) -> Force:
@@ -206,38 +205,41 @@ class Floating(Model):
             "takes the disk's axis along with the carrier",
         )
 
-    def encode(self, state: State) -> tuple[Array, Array] | None:
-        parameters, position = self._pose(self.start)
-        there, place = self._pose(state)
-        if there @ parameters < 0.0:
-            there = -there
-        velocity, angular = frames.twists(np.array([state.coordinates]), np.array([state.rates]))
-        local = EulerParameters2RotationMatrix(there).T @ angular[0]
-        turning = 0.25 * EulerParameters2GLocal(there).T @ local
-        carried = int(self.system.systemData.ODE2Size() > 7)
-        return (
-            np.concatenate(
-                (place - position, there - parameters, carried * [state.coordinates[3]])
-            ),
-            np.concatenate((velocity[0], turning, carried * [state.rates[3]])),
-        )
+    def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
+        place, velocity, (s, x, y, z), (p, q, r) = _free_motion(coordinates, rates)
+        turning = [
+            -0.5 * (x * p + y * q + z * r),
+            0.5 * (s * p + y * r - z * q),
+            0.5 * (s * q + z * p - x * r),
+            0.5 * (s * r + x * q - y * p),
+        ]
+        return self._with_carrier([*place, s, x, y, z], [*velocity, *turning], coordinates, rates)
 
-    @staticmethod
-    def _pose(state: State) -> tuple[Array, Array]:
-        """Euler parameters, shape (4,), and position of the centre in m, shape (3,)."""
-        position, rotation = frames.poses(np.array([state.coordinates]))
-        return np.array(RotationMatrix2EulerParameters(rotation[0])), position[0]
+    def _with_carrier(
+        self, position: list[float], velocity: list[float], coordinates: Floats, rates: Floats
+    ) -> tuple[list[float], list[float]]:
+        """The same as measured from the reference pose, and with the carrier if there is one."""
+        if "constant-spin" in self.scenario.constraints and self.scenario.contact is None:
+            position.append(coordinates[3])
+            velocity.append(rates[3])
+        data = self.system.systemData
+        origin = data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates()
+        return (np.array(position) - origin).tolist(), velocity
 
     def decode(self, records: Array) -> tuple[Array, Array]:
         position, velocity, angular = records[:, :3], records[:, 12:15], records[:, 15:18]
         rotation = records[:, 3:12].reshape(-1, 3, 3)
         return frames.from_poses(position, rotation, velocity, angular)
 
-    def decode_accelerations(self, second_derivatives: Array, state: State) -> Array:
-        coordinates, rates = np.array([state.coordinates]), np.array([state.rates])
+    def decode_accelerations(
+        self, second_derivatives: Array, coordinates: Floats, rates: Floats
+    ) -> Array:
         angular = self._angular_acceleration(second_derivatives)
         result: Array = frames.accelerations_from_inertial(
-            coordinates, rates, second_derivatives[None, :3], angular[None]
+            np.array([coordinates]),
+            np.array([rates]),
+            second_derivatives[None, :3],
+            angular[None],
         )[0]
         return result
 
@@ -258,18 +260,25 @@ class FloatingLie(Floating):
 
     _node_type = exu.NodeType.RotationRotationVector
 
-    def encode(self, state: State) -> None:  # noqa: ARG002
-        return None
+    def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
+        place, velocity, parameters, local = _free_motion(coordinates, rates)
+        # Of the two rotation vectors, the shorter one.
+        scalar, *vector = parameters if parameters[0] >= 0.0 else [-each for each in parameters]
+        length = hypot(*vector)
+        stretch = 2.0 * atan2(length, scalar) / length if length else 2.0
+        turned = [stretch * each for each in vector]
+        return self._with_carrier([*place, *turned], [*velocity, *local], coordinates, rates)
 
-    def path(self) -> Callable[[float], Array]:
+    def path(self, position: Array, velocity: Array) -> Callable[[float], Array]:
         # On the Lie group the velocities are local angular velocities, not rates of coordinates.
-        data, straight = self.system.systemData, super().path()
-        here, angular = data.GetODE2Coordinates()[3:6], data.GetODE2Coordinates_t()[3:6]
-        vector = data.GetODE2CoordinatesTotal()[3:6]
+        straight = super().path(position, velocity)
+        data = self.system.systemData
+        origin = (data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates())[3:6]
+        vector, angular = origin + position[3:6], velocity[3:6]
 
         def turned(time: float) -> Array:
             place = straight(time)
-            place[3:6] = here + CompositionRuleForRotationVectors(vector, time * angular) - vector
+            place[3:6] = CompositionRuleForRotationVectors(vector, time * angular) - origin
             return place
 
         return turned
@@ -282,3 +291,71 @@ class FloatingLie(Floating):
         rotation = self.record()[3:12].reshape(3, 3)
         angular: Array = rotation @ second_derivatives[3:6]
         return angular
+
+
+class FloatingWithLosses(FloatingLie):
+    """A free disk on a penalty contact, and what each of `CAUSES` has taken from it.
+
+    The energies are variables of order 1 with the powers as their rates: they go through the same
+    stages of the integrator as the motion, under the same control of the step. They are held
+    relative to weight times radius, since step control has one tolerance for all variables.
+
+    Attributes
+    ----------
+    unit : float
+        Weight times radius in J, in which records hold the energies.
+    """
+
+    def _hold(self) -> None:
+        super()._hold()
+        zeros = [0.0] * len(CAUSES)
+        self.unit = self.scenario.weight * self.scenario.disk.radius
+        self._energies = self._add(
+            items.NodeGenericODE1(
+                referenceCoordinates=zeros,
+                initialCoordinates=zeros,
+                numberOfODE1Coordinates=len(CAUSES),
+            ),
+            "energy taken by each cause",
+        )
+        self._add(
+            items.ObjectGenericODE1(nodeNumbers=[self._energies], rhsUserFunction=self._powers),
+            "power of each cause, by a user function",
+        )
+
+    def _powers(self, system: Any, _t: float, _item: int, _energies: Any) -> list[float]:
+        def output(variable: Any) -> list[float]:
+            return list(system.GetNodeOutput(self._node, variable).tolist())
+
+        matrix = output(_OUTPUT.RotationMatrix)
+        assert self.loads is not None
+        x, y, z = output(_OUTPUT.Velocity)
+        p, q, r = output(_OUTPUT.AngularVelocity)
+        load = self.loads.at(
+            output(_OUTPUT.Position)[2], (matrix[2], matrix[5], matrix[8]), (x, y, z), (p, q, r)
+        )
+        return [power / self.unit for power in load.taken]
+
+    def _readings(self) -> list[tuple[int, Any]]:
+        return [*super()._readings(), (self._energies, _OUTPUT.Coordinates)]
+
+
+def _free_motion(coordinates: Floats, rates: Floats) -> tuple[list[float], ...]:
+    """Position and velocity of G, Euler parameters, and angular velocity in the body's axes."""
+    x, y, z, alpha, beta, gamma = coordinates
+    xd, yd, zd, ad, bd, gd = rates
+    sa, ca, sb, cb, sg, cg = sin(alpha), cos(alpha), sin(beta), cos(beta), sin(gamma), cos(gamma)
+    vx, vy = xd - ad * y, yd + ad * x
+    sh, ch = sin(0.5 * beta), cos(0.5 * beta)
+    total, apart = 0.5 * (alpha + gamma), 0.5 * (alpha - gamma)
+    return (
+        [ca * x - sa * y, sa * x + ca * y, z],
+        [ca * vx - sa * vy, sa * vx + ca * vy, zd],
+        [
+            ch * cos(total),
+            sh * cos(apart),
+            sh * sin(apart),
+            ch * sin(total),
+        ],
+        [ad * sb * sg + bd * cg, ad * sb * cg - bd * sg, ad * cb + gd],
+    )

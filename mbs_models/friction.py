@@ -3,7 +3,7 @@
 The laws are written here a second time, independently of those of the in-house side.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import cos, exp, hypot, sin, tanh
 from typing import Any
 
@@ -94,6 +94,16 @@ def friction_load(scenario: Scenario, contact: list[int]) -> Load:
         return max(0.0, float(system.GetObjectOutput(contact[0], force)[2]))
 
     return from_contact
+
+
+def slip_velocity(
+    radius: float, coordinates: Sequence[float], rates: Sequence[float]
+) -> tuple[float, float]:
+    """Slip along and across the edge in m/s, in co-rotating coordinates."""
+    x, y, _, _, beta, _ = coordinates
+    x_rate, y_rate, _, spin, beta_rate, gamma_rate = rates
+    along = x_rate + (radius * cos(beta) - y) * spin + radius * gamma_rate
+    return along, y_rate + x * spin + radius * sin(beta) * beta_rate
 
 
 def contact_tree_force(scenario: Scenario, load: Load) -> Force:

@@ -1,15 +1,28 @@
-"""The engine's integrators the study uses, and their options."""
+"""The integrators that a scene can be run with, and their options.
+
+Some are the engine's own. Others step the engine's accelerations (`mbs_models.stepped`).
+"""
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, cast, get_args
 
 from analysis.data.checks import choice, number
 from analysis.data.checks import local_tolerance as one_step
-from mbs_models.formulations import CLASSES
+from analysis.solve.stepping import Method
 from mbs_models.model import Formulation
 from mbs_models.newton import Newton
+from mbs_models.scene import CLASSES
 
-IntegratorName = Literal["RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"]
+IntegratorName = Literal[
+    "RK44",
+    "RK67",
+    "DOPRI5",
+    "TrapezoidalIndex2",
+    "GeneralizedAlpha",
+    "DOP853",
+    "Radau",
+    "LSODA",
+]
 INTEGRATORS: tuple[IntegratorName, ...] = get_args(IntegratorName)
 
 
@@ -19,7 +32,8 @@ class Rule(NamedTuple):
     Parameters
     ----------
     exponents : tuple of int
-        Exponents of the step in its error expansion; the first is its order.
+        Exponents of the step in its error expansion; the first is its order. Empty for those that
+        step the engine's accelerations, whose runs are not extrapolated.
     stages : int
         Evaluations of the right-hand side in a step of an explicit one, 0 for an implicit one.
     controls_step : bool
@@ -38,24 +52,39 @@ RULES: dict[IntegratorName, Rule] = {
     # It is symmetric.
     "TrapezoidalIndex2": Rule((2, 4, 6, 8)),
     "GeneralizedAlpha": Rule((2, 3, 4, 5)),
+    "DOP853": Rule((), controls_step=True),
+    "Radau": Rule((), controls_step=True),
+    "LSODA": Rule((), controls_step=True),
 }
+
+FINEST_LOCAL = 1e-13
+"""Error in a step below which the noise of accelerations that differences go into stalls step
+control."""
+
+ACCELERATED: tuple[IntegratorName, ...] = ("DOP853", "Radau", "LSODA")
+"""Those that step the engine's accelerations."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Integrator:
-    """An engine integrator and its options.
+    """An integrator and its options.
 
     Parameters
     ----------
-    name : {"RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"}
-        The engine's name of it. The first three are explicit and need a scene without
-        constraints; DOPRI5 controls its step, the others keep it.
+    name : {"RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha", "DOP853", \
+"Radau", "LSODA"}
+        The first five are the engine's own, by its names of them. Of these, the first three are
+        explicit and need a scene without constraints; DOPRI5 controls its step, the others keep
+        it. The last three are SciPy's, step the engine's accelerations and control their steps;
+        Radau and LSODA are for stiff friction.
     newton : Newton, optional
         Of implicit integrators.
     spectral_radius : float, optional
         Numerical damping of GeneralizedAlpha from 0 (strongest) to 1 (none); 0.9 by default.
     local_tolerance : float, optional
         Absolute error that DOPRI5 allows in a step, in m, rad, m/s and rad/s; 1e-8 by default.
+        Relative and absolute error of SciPy's, `FINEST_LOCAL` or more; None leaves it to the
+        tolerance of a run.
 
     Raises
     ------
@@ -73,13 +102,15 @@ class Integrator:
         choice("integrator", self.name, INTEGRATORS)
         self._fill("newton", self.implicit, Newton())
         self._fill("spectral_radius", self.name == "GeneralizedAlpha", 0.9)
-        self._fill("local_tolerance", self.controls_step, 1e-8)
+        usual = None if self.steps_accelerations else 1e-8
+        self._fill("local_tolerance", self.controls_step, usual)
         if self.spectral_radius is not None:
             radius = number("spectral_radius", self.spectral_radius)
             if not 0.0 <= radius <= 1.0:
                 raise ValueError(f"spectral_radius must lie in [0, 1], got {radius:g}")
         if self.local_tolerance is not None:
-            one_step("local_tolerance", self.local_tolerance, 0.0)
+            least = FINEST_LOCAL if self.steps_accelerations else 0.0
+            one_step("local_tolerance", self.local_tolerance, least)
 
     def _fill(self, option: str, applies: bool, default: object) -> None:
         """Fill in the default of an option; raise if it is given but does not apply."""
@@ -91,8 +122,19 @@ class Integrator:
 
     @property
     def implicit(self) -> bool:
-        """Whether it takes constraints."""
-        return not RULES[self.name].stages
+        """Whether it solves the engine's equations by Newton's iteration in each step."""
+        return not RULES[self.name].stages and not self.steps_accelerations
+
+    @property
+    def steps_accelerations(self) -> bool:
+        """Whether it is one of SciPy's, which step the engine's accelerations."""
+        return self.name in ACCELERATED
+
+    @property
+    def method(self) -> Method:
+        """SciPy's name of one that steps accelerations."""
+        assert self.steps_accelerations
+        return cast("Method", self.name)
 
     @property
     def controls_step(self) -> bool:
@@ -121,7 +163,9 @@ class Integrator:
 def integrators(
     formulation: Formulation, *, constrained: bool | None = None
 ) -> tuple[IntegratorName, ...]:
-    """Integrators that can take a formulation; the first is the default.
+    """The engine's own integrators that can take a formulation; those in `ACCELERATED` take any.
+
+    The first is the default where a step is given.
 
     Parameters
     ----------
@@ -161,9 +205,9 @@ def find_integrator(
     if wanted is None:
         wanted = available[0]
     chosen = wanted if isinstance(wanted, Integrator) else Integrator(name=wanted)
-    if chosen.name not in available:
+    if chosen.name not in available + ACCELERATED:
         raise ValueError(
             f"integrator {chosen.name!r} is explicit and cannot take the constraints of "
-            f"formulation {formulation!r}; use one of {', '.join(available)}"
+            f"formulation {formulation!r}; use one of {', '.join(available + ACCELERATED)}"
         )
     return chosen

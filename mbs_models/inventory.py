@@ -7,9 +7,8 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from mbs_models.build import build
 from mbs_models.model import Kind, Model
-from mbs_models.scene import Scene
+from mbs_models.scene import Scene, build
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from analysis.data.admissible import independent_coordinates
 from analysis.data.checks import Array
-from analysis.data.constraint_set import ConstraintSet
 from analysis.data.scenario import Scenario
 from analysis.data.start import Start
 from analysis.data.state import COORDINATES, State
-from mbs_models.build import build
-from mbs_models.probe import Probe, acceleration
-from mbs_models.scene import Scene
+from mbs_models.probe import Probe
+from mbs_models.scene import Scene, build
 from mbs_models.solving import solving
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -109,31 +108,6 @@ class _Chart:
     steps: Array
 
 
-def independent_coordinates(constraints: ConstraintSet) -> tuple[str, ...]:
-    """Fields of a `Start` that are free under constraints, the spin and alpha left out.
-
-    Positions, and then the rates that the constraints leave; a start follows from them.
-
-    Parameters
-    ----------
-    constraints : tuple of str
-    """
-    held, along, across = (
-        name in constraints for name in ("fixed-cog", "no-slip-along", "no-slip-across")
-    )
-    free = {
-        "x": not held,
-        "y": not held,
-        "beta": True,
-        "gamma": True,
-        "x_rate": not held and not along,
-        "y_rate": not held and not across,
-        "beta_rate": not (held and across),
-        "gamma_rate": not (held and along),
-    }
-    return tuple(name for name, is_free in free.items() if is_free)
-
-
 def _chart(scene: Scene) -> _Chart:
     scenario = scene.scenario
     scenario.require_horizontal_table("the linearisation of a spinning motion")
@@ -176,14 +150,13 @@ def _chart(scene: Scene) -> _Chart:
 
 
 def _accelerations(scene: Scene) -> Callable[[State], Array]:
-    """Accelerations of a scene at states of the same spin, with one model as far as possible."""
+    """Accelerations of a scene at states of the same spin, with one model."""
     model = build(scene)
     probe = Probe(model)
 
     def at(state: State) -> Array:
-        if not probe.moved_to(state):
-            return acceleration(scene, state)[0]
-        return model.decode_accelerations(probe.solve()[0], state)
+        probe.move_to(state.coordinates, state.rates)
+        return model.decode_accelerations(probe.solve()[0], state.coordinates, state.rates)
 
     return at
 

@@ -1,19 +1,17 @@
 """An assembled engine system, and the way from its coordinates to the paper's."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple, get_args
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, Literal, get_args
 
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import Constraint
 from analysis.data.frames import turn_about_vertical
+from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
-from analysis.data.state import State
 from mbs_models.loads import normal_forces
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
@@ -26,12 +24,7 @@ _SLIP_AXES: dict[Constraint, int] = {"no-slip-along": 1, "no-slip-across": 0}
 """Axes of the engine's rolling joint: it holds slip forward and sideways; 2 is the contact."""
 
 
-class Residual(NamedTuple):
-    """By how much a start breaks a constraint, in m or m/s."""
-
-    constraint: Constraint
-    level: Literal["position", "velocity"]
-    value: float
+Floats = Sequence[float]
 
 
 class Model(ABC):
@@ -110,30 +103,27 @@ class Model(ABC):
         Angles taken from rotation matrices lie in (-pi, pi].
         """
 
-    def encode(self, state: State) -> tuple[Array, Array] | None:  # noqa: ARG002
-        """The engine's coordinates and their rates at a state, each shape (n,).
-
-        None if they are measured from the start, so that another state needs a new model.
-        """
-        return None
+    @abstractmethod
+    def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
+        """The engine's coordinates and velocities, n each, from the six co-rotating ones each."""
 
     @abstractmethod
-    def decode_accelerations(self, second_derivatives: Array, state: State) -> Array:
+    def decode_accelerations(
+        self, second_derivatives: Array, coordinates: Floats, rates: Floats
+    ) -> Array:
         """Second derivatives of the co-rotating coordinates, shape (6,).
 
         Parameters
         ----------
         second_derivatives : ndarray, shape (n,)
             Those of the engine's coordinates in its current state.
-        state : State
+        coordinates, rates : sequence of 6 floats
             The same state. Taken back from a rotation, alpha of a nearly flat disk is uncertain.
         """
 
-    def path(self) -> Callable[[float], Array]:
-        """From a time in s to the engine's coordinates, shape (n,), at the present velocities."""
-        data = self.system.systemData
-        here, velocities = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
-        return lambda time: here + time * velocities
+    def path(self, position: Array, velocity: Array) -> Callable[[float], Array]:
+        """From a time in s to the engine's coordinates, shape (n,), at constant velocities."""
+        return lambda time: position + time * velocity
 
     def multipliers(
         self,
@@ -205,34 +195,22 @@ class Model(ABC):
         stored = [np.atleast_2d(values) for values in stored]
         return stored[0][:, 0], np.hstack([values[:, 1:] for values in stored])
 
-    def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
-        """Constraint residuals of the start; a penalty contact is no constraint.
-
-        Parameters
-        ----------
-        velocity_residuals : ndarray, shape (m,)
-            The engine's algebraic equations on velocity level.
-        """
-        if self.scenario.contact is not None:
-            return []
-        contact = velocity_residuals[self._equations(self._contact[0])]
+    def position_residuals(self) -> dict[Constraint, float]:
+        """By how much the engine's current state breaks the constraints of positions, in m."""
         height = self.system.GetObjectOutput(self._contact[0], exu.OutputVariableType.Position)[2]
-        residuals = [
-            Residual("contact", "position", float(height)),
-            Residual("contact", "velocity", float(contact[2])),
-        ]
+        found: dict[Constraint, float] = {"contact": float(height)}
         if self._cog is not None:
             place = self.system.GetObjectOutput(self._cog, exu.OutputVariableType.Displacement)
-            speed = velocity_residuals[self._equations(self._cog)]
-            residuals += [
-                Residual("fixed-cog", "position", float(np.hypot(*place[:2]))),
-                Residual("fixed-cog", "velocity", float(np.hypot(*speed[:2]))),
-            ]
-        residuals += [
-            Residual(name, "velocity", float(contact[axis]))
-            for name, axis in self._slip_axes().items()
-        ]
-        return residuals
+            found["fixed-cog"] = float(np.hypot(*place[:2]))
+        return found
+
+    def velocity_residuals(self, equations: Array) -> dict[Constraint, float]:
+        """By how much it breaks them on velocity level in m/s, from the algebraic equations."""
+        contact = equations[self._equations(self._contact[0])]
+        found: dict[Constraint, float] = {"contact": float(contact[2])}
+        if self._cog is not None:
+            found["fixed-cog"] = float(np.hypot(*equations[self._equations(self._cog)][:2]))
+        return found | {name: float(contact[axis]) for name, axis in self._slip_axes().items()}
 
     @property
     def contact_equation(self) -> int | None:
@@ -256,52 +234,6 @@ class Model(ABC):
         In the engine's current state, with the contact force as its load.
         """
         raise NotImplementedError
-
-    @property
-    def force_rounding(self) -> float:
-        """Residual in N that rounding leaves, below which Newton's iteration cannot get.
-
-        The last digits of the forces: the weight, and what turns a disk as fast as the start, or
-        a fall from upright, makes it turn. A stiff contact turns the last digit of a height into
-        a force, and steep friction that of a slip speed. The engine adds the residuals of the
-        algebraic equations, whatever their unit: speeds, that of the spin, and the norm of the
-        Euler parameters, which is one. On a light disk their last digits are larger than those
-        of the forces.
-        """
-        scenario = self.scenario
-        disk, friction, contact = scenario.disk, scenario.friction, scenario.contact
-        gravity, rates = scenario.table.gravity, self.start.rates[3:]
-        fastest = sqrt(sum(rate * rate for rate in rates) + gravity / disk.radius)
-        rim_speed = disk.radius * fastest
-        largest = [disk.mass * (gravity + rim_speed * fastest)]
-        largest += self.own_equations
-        if self.has_constraints(scenario):
-            largest.append(rim_speed)
-            if "constant-spin" in scenario.constraints:
-                largest.append(abs(rates[0]))
-        lost = friction.gradient * scenario.weight * rim_speed
-        if contact is not None:
-            lost += contact.stiffness * disk.radius
-        return 4.0 * float(np.finfo(float).eps) * max(lost, *largest)
-
-    @property
-    def has_force(self) -> bool:
-        """Whether the table acts on the disk by a force law, in a user function."""
-        return self.scenario.contact is not None or self.scenario.rubs
-
-    @property
-    def force_name(self) -> str:
-        """What that force law covers."""
-        scenario, loss = self.scenario, self.scenario.dissipation
-        parts = {
-            "penalty contact": scenario.contact is not None,
-            "friction": scenario.rubs,
-            "rolling resistance": loss.rolling_dry > 0.0 or loss.rolling_viscous > 0.0,
-            "pivoting friction": loss.pivoting > 0.0,
-            "air drag": loss.air_drag > 0.0,
-        }
-        *others, last = [name for name, present in parts.items() if present]
-        return f"{', '.join(others)} and {last}" if others else last
 
     def _slip_axes(self) -> dict[Constraint, int]:
         """Axes of the rolling joint along which the constraints hold slip at zero."""
@@ -371,6 +303,22 @@ class Model(ABC):
             ),
             "holds the spin constant; its torque is an output",
         )
+
+
+def table_forces(scenario: Scenario) -> str:
+    """What the force law covers by which the table acts on the disk; empty if there is none."""
+    loss = scenario.dissipation
+    parts = {
+        "penalty contact": scenario.contact is not None,
+        "friction": scenario.rubs,
+        "rolling resistance": loss.rolling_dry > 0.0 or loss.rolling_viscous > 0.0,
+        "pivoting friction": loss.pivoting > 0.0,
+        "air drag": loss.air_drag > 0.0,
+    }
+    if scenario.contact is None and not scenario.rubs:
+        return ""
+    *others, last = [name for name, present in parts.items() if present]
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _kind(item: Any) -> Kind:

@@ -1,9 +1,11 @@
 """How the nonlinear equations of an implicit step are solved."""
 
 from dataclasses import dataclass
+from math import sqrt
 from typing import Any
 
 import exudyn as exu
+import numpy as np
 
 from analysis.data.checks import positive, switch
 from mbs_models.model import Model
@@ -28,7 +30,7 @@ class Newton:
         Iterations end when the residual has fallen by this factor, positive.
     absolute : float, optional
         Or when it is below this part of the disk's weight, positive; by default, and never
-        below, where rounding lies (`Model.force_rounding`).
+        below, where rounding lies (`force_rounding`).
 
     Raises
     ------
@@ -53,7 +55,34 @@ class Newton:
         newton.maxIterations = MOST_ITERATIONS
         newton.relativeTolerance = self.relative
         wanted = (self.absolute or 0.0) * model.scenario.weight
-        newton.absoluteTolerance = max(wanted, model.force_rounding)
+        newton.absoluteTolerance = max(wanted, force_rounding(model))
+
+
+def force_rounding(model: Model) -> float:
+    """Residual in N that rounding leaves, below which Newton's iteration cannot get.
+
+    The last digits of the forces: the weight, and what turns a disk as fast as the start, or
+    a fall from upright, makes it turn. A stiff contact turns the last digit of a height into
+    a force, and steep friction that of a slip speed. The engine adds the residuals of the
+    algebraic equations, whatever their unit: speeds, that of the spin, and the norm of the
+    Euler parameters, which is one. On a light disk their last digits are larger than those
+    of the forces.
+    """
+    scenario = model.scenario
+    disk, friction, contact = scenario.disk, scenario.friction, scenario.contact
+    gravity, rates = scenario.table.gravity, model.start.rates[3:]
+    fastest = sqrt(sum(rate * rate for rate in rates) + gravity / disk.radius)
+    rim_speed = disk.radius * fastest
+    largest = [disk.mass * (gravity + rim_speed * fastest)]
+    largest += model.own_equations
+    if model.has_constraints(scenario):
+        largest.append(rim_speed)
+        if "constant-spin" in scenario.constraints:
+            largest.append(abs(rates[0]))
+    lost = friction.gradient * scenario.weight * rim_speed
+    if contact is not None:
+        lost += contact.stiffness * disk.radius
+    return 4.0 * float(np.finfo(float).eps) * max(lost, *largest)
 
 
 def complete_jacobian(model: Model) -> None:

@@ -1,21 +1,29 @@
 """The engine's own accelerations and multipliers at a given state."""
 
+from collections.abc import Sequence
 from math import sin
 
 import exudyn as exu
 import numpy as np
+from scipy.linalg.lapack import dgesv
 
 from analysis.data.checks import Array, instance
 from analysis.data.limits import LEAST_TILT
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
-from mbs_models.build import build
-from mbs_models.model import Model
-from mbs_models.scene import Scene
+from mbs_models.model import Floats, Model
+from mbs_models.scene import Scene, build
 from mbs_models.solving import solving
 
 STEP = 5e-3
-"""Step in rad of the differences by time, where their truncation and rounding balance."""
+"""Step in rad of the differences by time, where their truncation and rounding balance,"""
+
+QUICK_STEP = 1e-5
+"""and where those of two values do."""
+
+
+class SingularError(ArithmeticError):
+    """The equations of motion have no solution in a state."""
 
 
 def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[Array, Array]:
@@ -63,9 +71,9 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
     probe = Probe(model)
     probe.check_start()
     second_derivatives, algebraic = probe.solve()
-    return model.decode_accelerations(second_derivatives, model.start), probe.multipliers(
-        second_derivatives, algebraic
-    )
+    start = model.start
+    accelerations = model.decode_accelerations(second_derivatives, start.coordinates, start.rates)
+    return accelerations, probe.multipliers(second_derivatives, algebraic)
 
 
 class Probe:
@@ -82,23 +90,28 @@ class Probe:
         settings.timeIntegration.verboseMode = 0
         settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
         settings.solution.file.write = False
-        self._model, self._state = model, model.start
-        self._system = model.system
+        self._model, self._system = model, model.system
+        self._pace = _pace(model.start.coordinates, model.start.rates)
+        data = model.system.systemData
+        self._path = model.path(data.GetODE2Coordinates(), data.GetODE2Coordinates_t())
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(self._system, settings)
         self._size = self._solver.GetODE2size()
         self._equations = self._solver.GetAEsize()
+        self._zeros = np.zeros(2 * (self._size + self._equations,))
+        scenario = model.scenario
+        feeds_back = scenario.friction.load == "contact" and scenario.rubs
+        # The equation of the contact force that friction depends on, if it does.
+        self._load_equation = model.contact_equation if feeds_back else None
 
-    def moved_to(self, state: State) -> bool:
-        """Move to another state, unless that needs a model of its own; whether it did."""
-        place = self._model.encode(state)
-        if place is None:
-            return False
-        position, velocity = place
-        self._system.systemData.SetODE2Coordinates(position.tolist())
-        self._system.systemData.SetODE2Coordinates_t(velocity.tolist())
-        self._state = state
-        return True
+    def move_to(self, coordinates: Floats, rates: Floats) -> None:
+        """Move to another state that meets the constraints, in co-rotating coordinates."""
+        position, velocity = self._model.encode(coordinates, rates)
+        data = self._system.systemData
+        data.SetODE2Coordinates(position)
+        data.SetODE2Coordinates_t(velocity)
+        self._path = self._model.path(np.array(position), np.array(velocity))
+        self._pace = _pace(coordinates, rates)
 
     def check_start(self, tolerance: float = 1e-9) -> None:
         """Raise `ValueError` if the model's start breaks a constraint.
@@ -108,41 +121,50 @@ class Probe:
         tolerance : float
             Largest residual let through in m, and in m/s for a spin up to 1 rad/s.
         """
-        scenario = self._model.scenario
-        spin = abs(self._model.start.rates[3])
-        for residual in self._model.start_residuals(self._velocity_residuals()):
-            unit, allowed = "m", tolerance
-            if residual.level == "velocity":
-                unit, allowed = "m/s", tolerance * max(1.0, spin)
-            if abs(residual.value) > allowed:
-                raise ValueError(
-                    f"start breaks the constraint '{residual.constraint}' of {scenario.name} "
-                    f"on {residual.level} level by {residual.value:.3e} {unit}, allowed is "
-                    f"{allowed:.1e}"
-                )
+        model = self._model
+        if model.scenario.contact is not None:
+            # A penalty contact is no constraint.
+            return
+        faster = max(1.0, abs(model.start.rates[3]))
+        velocities = model.velocity_residuals(self._velocity_residuals())
+        for level, unit, allowed, residuals in (
+            ("position", "m", tolerance, model.position_residuals()),
+            ("velocity", "m/s", tolerance * faster, velocities),
+        ):
+            for constraint, value in residuals.items():
+                if abs(value) > allowed:
+                    raise ValueError(
+                        f"start breaks the constraint '{constraint}' of {model.scenario.name} on "
+                        f"{level} level by {value:.3e} {unit}, allowed is {allowed:.1e}"
+                    )
 
     def solve(self) -> tuple[Array, Array]:
         """Second derivatives of the engine's coordinates, shape (n,), and multipliers, (m,)."""
         with solving(self._system):
-            return self._solved()
+            return self.solved()
 
-    def _solved(self) -> tuple[Array, Array]:
+    def solved(self, *, quick: bool = False) -> tuple[Array, Array]:
+        """The same to be called within `solving`.
+
+        Parameters
+        ----------
+        quick : bool
+            Take the residuals' rate from two values instead of six. That leaves an error and
+            a noise of some 1e-11 of what turning accelerates.
+        """
         n, m = self._size, self._equations
         matrix = self._saddle_matrix()
-        right = np.zeros(n + m)
-        right[:n] = self._forces()
+        right = np.zeros((n + m, 1 if self._load_equation is None else 2))
         if m:
-            right[n:] = -self._residual_rate()
-        contact = self._model.contact_equation
-        scenario = self._model.scenario
-        if contact is None or scenario.friction.load != "contact" or not scenario.rubs:
-            solution = np.asarray(np.linalg.solve(matrix, right), dtype=float)
+            right[n:, 0] = -(self._quick_residual_rate() if quick else self._residual_rate())
+        contact = self._load_equation
+        if contact is None:
+            right[:n, 0] = self._forces()
+            solution = _solution(matrix, right)[:, 0]
             return solution[:n], solution[n:]
-        per_newton = np.zeros(n + m)
-        per_newton[:n] = self._forces_under(contact, -1.0) - self._forces_under(contact, 0.0)
-        right[:n] = self._forces()
-        columns = np.column_stack((right, per_newton))
-        without, change = np.asarray(np.linalg.solve(matrix, columns), dtype=float).T
+        right[:n, 0] = self._forces_under(contact, 0.0)
+        right[:n, 1] = self._forces_under(contact, -1.0) - right[:n, 0]
+        without, change = _solution(matrix, right).T
         return self._under_load(without, change, n + contact)
 
     def admissible_velocities(self) -> Array:
@@ -155,22 +177,21 @@ class Probe:
         n = self._size
         right = np.concatenate((np.zeros(n), -self._velocity_residuals()))
         velocities = np.array(self._system.systemData.GetODE2Coordinates_t())
-        result: Array = velocities + np.linalg.solve(self._saddle_matrix(), right)[:n]
+        result: Array = velocities + _solution(self._saddle_matrix(), right)[:n]
         return result
 
     def _saddle_matrix(self) -> Array:
         """Mass matrix with the velocity-level constraint Jacobian, shape (n + m, n + m)."""
-        n, m = self._size, self._equations
-        matrix = np.zeros((n + m, n + m))
-        self._solver.ComputeMassMatrix(self._system)
-        matrix[:n, :n] = self._solver.GetSystemMassMatrix()
-        if m:
-            # The engine adds to whatever the matrix holds.
-            self._solver.SetSystemJacobian(np.zeros((n + m, n + m)))
-            self._solver.ComputeJacobianAE(self._system, 1.0, 1.0, 1.0, False)
-            jacobian = np.array(self._solver.GetSystemJacobian())
-            matrix[n:] = jacobian[n:]
-            matrix[:n, n:] = jacobian[:n, n:]
+        n, solver = self._size, self._solver
+        solver.ComputeMassMatrix(self._system)
+        if not self._equations:
+            found: Array = solver.GetSystemMassMatrix()
+            return found
+        # The engine adds to whatever the matrix holds.
+        solver.SetSystemJacobian(self._zeros)
+        solver.ComputeJacobianAE(self._system, 1.0, 1.0, 1.0, False)
+        matrix: Array = solver.GetSystemJacobian()
+        matrix[:n, :n] = solver.GetSystemMassMatrix()
         return matrix
 
     def multipliers(self, second_derivatives: Array, algebraic: Array) -> Array:
@@ -194,7 +215,7 @@ class Probe:
         """
         frictionless, feedback = -without[row], -change[row]
         if feedback >= 1.0:
-            raise ArithmeticError(
+            raise SingularError(
                 f"the engine's equations of motion are singular: each newton of normal force "
                 f"calls for {feedback:.3g} N of it through friction"
             )
@@ -205,7 +226,8 @@ class Probe:
 
     def _forces(self) -> Array:
         self._solver.ComputeODE2RHS(self._system)
-        return np.array(self._solver.GetSystemResidual())[: self._size]
+        found: Array = self._solver.GetSystemResidual()[: self._size]
+        return found
 
     def _forces_under(self, equation: int, value: float) -> Array:
         """Forces at this value of one multiplier, which keeps it."""
@@ -219,7 +241,8 @@ class Probe:
         if not self._equations:
             return np.zeros(0)
         self._solver.ComputeAlgebraicEquations(self._system, True)
-        return np.array(self._solver.GetSystemResidual())[self._size :]
+        found: Array = self._solver.GetSystemResidual()[self._size :]
+        return found
 
     def _residual_rate(self) -> Array:
         """Rate of the velocity-level residuals along the motion at constant velocities.
@@ -228,19 +251,39 @@ class Probe:
         more than `STEP`, and tilts it by no more than this part of the way to lying flat, where
         the direction of the contact is singular.
         """
-        data, path = self._system.systemData, self._model.path()
-        here, step = path(0.0), STEP / _pace(self._state)
-
-        def residuals(steps: int) -> Array:
-            data.SetODE2Coordinates(path(steps * step).tolist())
-            return self._velocity_residuals()
-
-        near, middle, far = (residuals(steps) - residuals(-steps) for steps in (1, 2, 3))
-        data.SetODE2Coordinates(here.tolist())
+        step = STEP / self._pace
+        near, middle, far = self._differences(step, (1, 2, 3))
         return (45 * near - 9 * middle + far) / (60 * step)
 
+    def _quick_residual_rate(self) -> Array:
+        """The same by central differences of second order."""
+        step = QUICK_STEP / self._pace
+        (difference,) = self._differences(step, (1,))
+        return difference / (2 * step)
 
-def _pace(state: State) -> float:
+    def _differences(self, step: float, counts: Sequence[int]) -> list[Array]:
+        """Differences of the residuals between so many steps ahead and as many back."""
+        data, path = self._system.systemData, self._path
+
+        def residuals(steps: int) -> Array:
+            data.SetODE2Coordinates(path(steps * step))
+            return self._velocity_residuals()
+
+        found = [residuals(count) - residuals(-count) for count in counts]
+        data.SetODE2Coordinates(path(0.0))
+        return found
+
+
+def _solution(matrix: Array, right: Array) -> Array:
+    """Solution of a linear system, a tenth as long under way as by `numpy.linalg.solve`."""
+    *_, solution, fault = dgesv(matrix, right)
+    if fault:
+        raise SingularError("the system matrix is singular")
+    found: Array = solution
+    return found
+
+
+def _pace(coordinates: Floats, rates: Floats) -> float:
     """Rate in 1/s at which the disk turns or falls, whichever is faster; 1 if it is slower."""
-    _, _, _, spin, fall, roll = map(abs, state.rates)
-    return max(1.0, spin, roll, fall / max(abs(sin(state.coordinates[4])), LEAST_TILT))
+    _, _, _, spin, fall, roll = map(abs, rates)
+    return max(1.0, spin, roll, fall / max(abs(sin(coordinates[4])), LEAST_TILT))

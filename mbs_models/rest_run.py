@@ -15,10 +15,10 @@ from analysis.data.dissipation import CAUSES, RestCriterion
 from analysis.data.endings import Condition, Ending, Poses, ending_met, first_met
 from analysis.data.trajectory import Setting
 from analysis.data.watch import Watch
+from mbs_models.floating import FloatingWithLosses
 from mbs_models.runs import EngineError, StepLimiter
 from mbs_models.scene import Scene
 from mbs_models.solving import Ended, solving
-from mbs_models.tally import Tally
 
 STRETCH = 0.1
 """Longest time in s after which a fixed step is chosen anew and rest is looked for."""
@@ -140,7 +140,7 @@ class RestRun:
         self._end, self._calls = 0.0, 0
         self._is_locating = False
         self._stopped: Ending | None = None
-        self._model = Tally(scene.scenario)
+        self._model = FloatingWithLosses(scene.scenario)
         self._limiter = StepLimiter(spacing, MINIMUM_STEP)
         if step is None:
             self._model.system.SetPreStepUserFunction(self._before_step)

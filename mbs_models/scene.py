@@ -1,14 +1,40 @@
-"""What is to be built: a scenario, and how the engine is to build it."""
+"""What is to be built: a scenario, and how the engine is to build it; and the building."""
 
 from dataclasses import dataclass, replace
 
 from analysis.data.checks import choice, instance
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
-from mbs_models.formulations import CLASSES, formulations
-from mbs_models.model import FORMULATIONS, Formulation
+from mbs_models.floating import Floating, FloatingLie
+from mbs_models.model import FORMULATIONS, Formulation, Model
+from mbs_models.trees import ContactTree, EulerTree
+
+_BY_ACCURACY: tuple[type[Model], ...] = (ContactTree, EulerTree, Floating, FloatingLie)
+_TO_REST: tuple[type[Model], ...] = (FloatingLie, Floating)
+
+CLASSES: dict[Formulation, type[Model]] = {each.name: each for each in _BY_ACCURACY}
 
 _PAPER = Scenario()
+
+
+def formulations(scenario: Scenario) -> tuple[Formulation, ...]:
+    """Formulations that can build a scenario, the most accurate one first.
+
+    Parameters
+    ----------
+    scenario : Scenario
+
+    Examples
+    --------
+    >>> from analysis import Scenario
+    >>> from mbs_models import formulations
+    >>> formulations(Scenario())
+    ('contact-tree', 'euler-tree', 'floating', 'floating-lie')
+    """
+    contact = scenario.contact
+    lies_flat = contact is not None and (contact.is_rounded or scenario.dissipation.is_on)
+    ranked = _TO_REST if lies_flat else _BY_ACCURACY
+    return tuple(each.name for each in ranked if not each.obstacle(scenario))
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,3 +104,13 @@ class Scene:
     def starting_at(self, state: State) -> "Scene":
         """The same scene with this state as its start."""
         return replace(self, scenario=replace(self.scenario, start=state))
+
+
+def build(scene: Scene) -> Model:
+    """Build and assemble `scene` in the engine.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
+    return CLASSES[scene.built_as](scene.scenario)

@@ -1,9 +1,14 @@
 """Simulation of a scene in the engine, to a step size or to a tolerance."""
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import (
+    Array,
     TimeLimitError,
     ToleranceError,
     increasing_times,
@@ -13,6 +18,7 @@ from analysis.data.checks import (
 from analysis.data.endings import (
     CONTACT_WOULD_PULL,
     TIME_LIMIT,
+    Condition,
     Ending,
     StopWhen,
     named_conditions,
@@ -21,14 +27,15 @@ from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
-from mbs_models import columns
-from mbs_models.advice import advice
-from mbs_models.effort import simulation_effort
+from mbs_models import sampled
+from mbs_models.effort import default_integrator, simulation_effort, stepping_integrator
 from mbs_models.extrapolation import FINEST
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
-from mbs_models.passes import Pass, one_pass
+from mbs_models.own_runs import run_over
 from mbs_models.runs import EngineError
+from mbs_models.sampled import Reached, Sampled
 from mbs_models.scene import Scene
+from mbs_models.stepped import stepped
 from mbs_models.to_tolerance import to_tolerance
 
 
@@ -47,8 +54,9 @@ def simulate(
     """Simulate a scene in the engine.
 
     Accuracy is asked for in one of two ways. With `step`, there is a single run. With
-    `tolerance`, runs with steps halved again and again are extrapolated until the estimated
-    error of beta and gamma is below it.
+    `tolerance`, there are several: those of the engine's own integrators halve their steps again
+    and again and are extrapolated until the estimated error of beta and gamma is below it; those
+    that step the engine's accelerations tighten the tolerance of a step until two agree.
 
     A run ends where a bilateral contact would have to pull, where the disk lies flat, where it is
     told to, or at its time limit: the trajectory then holds fewer samples than asked for, the
@@ -59,7 +67,7 @@ def simulate(
     scene : Scene or Scenario
         A scenario stands for its default scene.
     times : array_like, shape (n,)
-        Strictly increasing times in s; the motion starts at the first. Each stretch of evenly
+        Strictly increasing times in s; the motion starts at the first. Each span of evenly
         spaced times is one engine run, so even spacing is fastest.
     step : float, optional
         Largest step in s; shortened so that every sample falls on a step.
@@ -67,10 +75,12 @@ def simulate(
         Largest error in beta and gamma in rad, and in s that of the time at which the motion ends
         by itself; 1e-8 if neither is given.
     integrator : Integrator or str, optional
-        With its options, or the name of one of `integrators(scene.built_as)`; by default the
-        first of them, and DOPRI5 where it can be taken and halving fixed steps leads to nothing.
-        DOPRI5 takes its accuracy from `Integrator.local_tolerance`, and `step`
-        only limits its steps.
+        With its options, or the name of one of `integrators(scene.built_as)` or `ACCELERATED`.
+        By default, the first of the former with a step, and with a tolerance where no constraint
+        is left; else DOP853, or Radau where friction is stiff, on the engine's accelerations.
+        Where that leads to nothing, the other way is tried. An `Integrator` with a
+        `local_tolerance`, as DOPRI5 always has, takes its accuracy from there, and `step` only
+        limits its steps.
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
         negative there.
@@ -118,73 +128,131 @@ def simulate(
     chosen = find_integrator(scene.built_as, integrator, constrained=scene.has_constraints)
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
-    if tolerance is not None and chosen.controls_step:
-        raise ValueError(
-            f"tolerance must be left out for integrator {chosen.name!r}, which has a "
-            f"local_tolerance of its own, got {tolerance!r}"
-        )
-    if step is not None:
-        step = positive("step", step)
-    elif not chosen.controls_step:
+    step = None if step is None else positive("step", step)
+    if chosen.local_tolerance is not None:
+        if tolerance is not None:
+            raise ValueError(
+                f"tolerance must be left out for integrator {chosen.name!r}, which has a "
+                f"local_tolerance of its own, got {tolerance!r}"
+            )
+    elif step is None or chosen.steps_accelerations:
         tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
-    if tolerance is not None and tolerance < FINEST:
-        raise ToleranceError(
-            f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
-        )
+        if tolerance < FINEST:
+            raise ToleranceError(
+                f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
+            )
     told = None if integrator is None else chosen
     effort = simulation_effort(scene, times, told, step=step, tolerance=tolerance)
     effort.check()
+    most = effort.most
+    if told is None and tolerance is not None:
+        # There is another way to try.
+        most += simulation_effort(scene, times, chosen, tolerance=tolerance).most
     check_slipping(scene.scenario.friction)
-    conditions = named_conditions(stop_when, scene.scenario.initial_state)
-    watch = Watch(time_limit, progress, effort.most)
-
-    def run(way: Integrator, largest: float, halvings: int = 0) -> Pass:
-        return one_pass(
-            scene,
-            times,
-            way,
-            largest,
-            halvings,
-            stop_when=conditions,
-            allow_pulling=allow_pulling,
-            watch=watch,
-        )
-
-    estimate = None
+    call = _Call(
+        scene=scene,
+        times=times,
+        longest=np.inf if step is None else step,
+        tolerance=tolerance,
+        stop_when=named_conditions(stop_when, scene.scenario.initial_state),
+        allow_pulling=allow_pulling,
+        watch=Watch(time_limit, progress, most),
+    )
     try:
-        if tolerance is None:
-            result = run(chosen, np.inf if step is None else step)
+        if integrator is None and tolerance is not None:
+            chosen = default_integrator(scene, times, tolerance)
+            result, chosen, estimate = call.by_default(chosen)
         else:
-            chosen, result, estimate = to_tolerance(
-                scene, run, chosen, tolerance, may_change=integrator is None
-            )
+            result, chosen, estimate = call.by(chosen)
     except (EngineError, ToleranceError, TimeLimitError) as error:
-        raise type(error)(f"{error}; {advice(scene, chosen)}") from error
-    return trajectory(scene, chosen, result, watch=watch, tolerance=tolerance, estimate=estimate)
+        raise type(error)(f"{error}; {_advice(scene, chosen)}") from error
+    return trajectory(
+        scene, chosen, result, watch=call.watch, tolerance=tolerance, estimate=estimate
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Call:
+    """A call of `simulate`, whatever runs it takes."""
+
+    scene: Scene
+    times: Array
+    longest: float
+    tolerance: float | None
+    stop_when: Mapping[str, Condition]
+    allow_pulling: bool
+    watch: Watch
+
+    def by_default(self, chosen: Integrator) -> Reached:
+        """Reach the tolerance by the integrator that is likely to be fastest, or by another one.
+
+        Where steps of the accelerations do not lead there, the engine's own may, and the other
+        way round.
+        """
+        own = find_integrator(self.scene.built_as, None, constrained=self.scene.has_constraints)
+        if not chosen.steps_accelerations:
+            return self.by(own, self._by_accelerations)
+        return self._by_accelerations() or self.by(own)
+
+    def by(
+        self, integrator: Integrator, otherwise: Callable[[], Reached | None] | None = None
+    ) -> Reached:
+        """Run with an integrator, to the tolerance if there is one."""
+        if integrator.steps_accelerations:
+            return stepped(
+                self.scene,
+                self.times,
+                integrator,
+                self.tolerance,
+                longest=self.longest,
+                **self._how,
+            )
+        if self.tolerance is None:
+            return Reached(self._over(integrator, self.longest), integrator)
+        return to_tolerance(self.scene, self._over, integrator, self.tolerance, otherwise)
+
+    def _by_accelerations(self) -> Reached | None:
+        """Step the accelerations to the tolerance; None if that does not lead there."""
+        assert self.tolerance is not None
+        try:
+            return self.by(stepping_integrator(self.scene, self.times, self.tolerance))
+        except (EngineError, ToleranceError):
+            return None
+
+    def _over(self, integrator: Integrator, longest: float, halvings: int = 0) -> Sampled:
+        return run_over(self.scene, self.times, integrator, longest, halvings, **self._how)
+
+    @property
+    def _how(self) -> dict[str, Any]:
+        return {
+            "stop_when": self.stop_when,
+            "allow_pulling": self.allow_pulling,
+            "watch": self.watch,
+        }
 
 
 def trajectory(
     scene: Scene,
     integrator: Integrator,
-    result: Pass,
+    result: Sampled,
     *,
     watch: Watch | None = None,
     tolerance: float | None = None,
     estimate: float | None = None,
 ) -> Trajectory:
-    """Trajectory from the samples of a pass."""
+    """Trajectory from the samples."""
     ending = None
     if result.ended is not None:
         seconds = (watch or Watch()).seconds
-        force = float(result.values[-1, columns.NORMAL_FORCE])
+        force = float(result.values[-1, sampled.NORMAL_FORCE])
         values = {TIME_LIMIT: seconds, CONTACT_WOULD_PULL: force}
         value = values.get(result.ended, 0.0)
         ending = Ending(reason=result.ended, time=float(result.times[-1]), value=value)
     return Trajectory(
         times=result.times,
-        coordinates=result.values[:, columns.COORDINATES],
-        rates=result.values[:, columns.RATES],
-        multipliers=result.values[:, columns.FORCES],
+        coordinates=result.values[:, sampled.COORDINATES],
+        rates=result.values[:, sampled.RATES],
+        multipliers=result.values[:, sampled.FORCES],
         scenario=scene.scenario,
         source="engine",
         method={
@@ -198,4 +266,28 @@ def trajectory(
         versions=versions("numpy", "exudyn"),
         ending=ending,
         pulling=result.pulling,
+        solver_seconds=result.seconds,
     )
+
+
+def _advice(scene: Scene, integrator: Integrator) -> str:
+    """Other ways to simulate the same motion, the most promising one first.
+
+    Parameters
+    ----------
+    scene : Scene
+    integrator : Integrator
+        What has been tried.
+    """
+    ways = []
+    if scene.scenario.contact is None:
+        best = Scene(scene.scenario)
+        if not best.has_constraints:
+            if scene.built_as != best.built_as:
+                ways.append(f"formulation {best.built_as!r}, which has no constraints")
+            elif not integrator.controls_step:
+                ways.append("integrator 'DOPRI5', which controls its step")
+        ways.append("the in-house equations (analysis.simulate, stiff ones with method 'Radau')")
+    if integrator.implicit or integrator.controls_step:
+        ways.append("a smaller step" if integrator.implicit else "another local tolerance")
+    return f"try {', or '.join(ways)}" if ways else "try a smaller step"

@@ -1,22 +1,19 @@
-"""Ways to a tolerance: fixed steps halved and extrapolated, or steps that are controlled."""
+"""The way of the engine's own integrators to a tolerance: fixed steps halved and extrapolated."""
 
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from analysis.data.agreement import needed
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.data.state import FlatError
-from mbs_models.columns import apart
 from mbs_models.effort import HALVINGS
-from mbs_models.extrapolation import CAUTION, ROUNDING, Ladder
+from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import Integrator
-from mbs_models.passes import Pass
 from mbs_models.runs import EngineError
+from mbs_models.sampled import Reached, Sampled
 from mbs_models.scene import Scene
 
 PATIENCE = 6
@@ -28,42 +25,29 @@ LATE = 5
 HOPELESS = 100.0
 """and the estimated error over the tolerance from which on they lead to nothing."""
 
-FIRST_LOCAL = 1e-3
-"""Part of the tolerance that the first run under step control allows in a step."""
-
-LEAST_LOCAL = 1e-13
-"""Local tolerance below which rounding decides."""
-
-TIGHTENINGS = 8
-"""Runs under step control."""
-
-Run = Callable[[Integrator, float, int], Pass]
-"""From an integrator, the longest step in s and the number of its halvings to a pass."""
+Run = Callable[[Integrator, float, int], Sampled]
+"""From an integrator, the longest step in s and the number of its halvings to a motion."""
 
 
 def to_tolerance(
-    scene: Scene, run: Run, integrator: Integrator, tolerance: float, *, may_change: bool
-) -> tuple[Integrator, Pass, float]:
+    scene: Scene,
+    run: Run,
+    integrator: Integrator,
+    tolerance: float,
+    otherwise: Callable[[], Reached | None] | None = None,
+) -> Reached:
     """Halve the step and extrapolate until the estimated error is small enough.
 
     Parameters
     ----------
     scene : Scene
     run : callable
-        From an integrator, the longest step in s and the number of its halvings to a pass.
+        From an integrator, the longest step in s and the number of its halvings to a motion.
     integrator : Integrator
     tolerance : float
         Largest error in beta and gamma in rad.
-    may_change : bool
-        Whether step control may take over where fixed steps lead to nothing.
-
-    Returns
-    -------
-    integrator : Integrator
-        What has led there.
-    result : Pass
-    estimate : float
-        Estimated error in rad.
+    otherwise : callable, optional
+        What is tried where fixed steps lead to nothing; it may come to nothing as well.
 
     Raises
     ------
@@ -76,12 +60,14 @@ def to_tolerance(
     failure: EngineError | FlatError | None = None
     kind: tuple[str | None, int] = (None, 0)
     flat = 0
-    late = LATE if may_change and not scene.has_constraints else HALVINGS
     for halvings in range(HALVINGS):
-        if halvings == late and ladder.best_estimate > HOPELESS * tolerance:
-            found = _by_step_control(run, tolerance, counts)
-            if found is not None:
-                return found
+        if (
+            otherwise is not None
+            and halvings == LATE
+            and ladder.best_estimate > HOPELESS * tolerance
+            and (found := otherwise()) is not None
+        ):
+            return found._replace(result=found.result.with_work(counts))
         try:
             result = run(integrator, integrator.first_step, halvings)
         except (EngineError, FlatError) as error:
@@ -101,7 +87,7 @@ def to_tolerance(
         ladder.add(result.values, result.times, result.step)
         if ladder.estimate <= needed(tolerance, result.ended == FLAT):
             best = replace(result, times=ladder.best_times, values=ladder.best, counts=counts)
-            return integrator, best, ladder.estimate
+            return Reached(best, integrator, ladder.estimate)
         if over:
             what = f"a step of {result.step:.3g} s"
             raise _time_is_over(result, what, tolerance, ladder.best_estimate)
@@ -113,41 +99,7 @@ def to_tolerance(
     )
 
 
-def _by_step_control(
-    run: Run, tolerance: float, counts: Counter[str]
-) -> tuple[Integrator, Pass, float] | None:
-    """Tighten the local tolerance tenfold until two runs agree, if they do."""
-    local = FIRST_LOCAL * tolerance
-    coarse: Pass | None = None
-    for halvings in range(TIGHTENINGS):
-        integrator = Integrator(name="DOPRI5", local_tolerance=max(local, LEAST_LOCAL))
-        try:
-            # Nor do two of them share their longest step: they would agree without being right.
-            fine = run(integrator, np.inf, halvings)
-        except (EngineError, FlatError):
-            return None
-        counts.update(fine.counts)
-        if fine.ended == TIME_LIMIT:
-            raise TimeLimitError(
-                f"time limit met at t = {fine.times[-1]:.6g} s of a run with a local tolerance of "
-                f"{local:.0e}, before runs agreed to {tolerance:g} rad"
-            )
-        if coarse is not None and (fine.ended, fine.times.size) == (
-            coarse.ended,
-            coarse.times.size,
-        ):
-            one, other = (np.column_stack((each.values, each.times)) for each in (fine, coarse))
-            difference = apart(one, other, flat=fine.ended == FLAT)
-            estimate = CAUTION * max(difference, ROUNDING)
-            if estimate <= needed(tolerance, fine.ended == FLAT):
-                return integrator, replace(fine, counts=counts), estimate
-        if local < LEAST_LOCAL:
-            return None
-        coarse, local = fine, 0.1 * local
-    return None
-
-
-def _time_is_over(result: Pass, what: str, tolerance: float, best: float) -> TimeLimitError:
+def _time_is_over(result: Sampled, what: str, tolerance: float, best: float) -> TimeLimitError:
     return TimeLimitError(
         f"time limit met at t = {result.times[-1]:.6g} s of a run with {what}, before runs agreed "
         f"to {tolerance:g} rad; the best estimated error is {best:.1e} rad"

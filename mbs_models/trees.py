@@ -9,12 +9,11 @@ import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import MODELS
+from analysis.data.constraint_set import MODELS, Constraint
 from analysis.data.scenario import Scenario
-from analysis.data.state import State
 from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_force, friction_load
-from mbs_models.model import Model, Residual
-from mbs_models.penalty import euler_tree_contact
+from mbs_models.loads import euler_tree_contact
+from mbs_models.model import Floats, Model, table_forces
 
 _JOINT, _OUTPUT = exu.JointType, exu.OutputVariableType
 
@@ -28,26 +27,25 @@ class _Tree(Model):
     _law: Callable[[Scenario, Load], Force]
     _tree: int
 
-    def _add_tree(
-        self, joints: Sequence[Any], disk_offset: Sequence[float], position: Array, velocity: Array
-    ) -> None:
+    def _add_tree(self, joints: Sequence[Any], disk_offset: Sequence[float]) -> None:
         """Add the chain; the last joint turns the disk about its axis and carries its mass."""
         n, disk = len(joints), self.scenario.disk
+        position, velocity = self.encode(self.start.coordinates, self.start.rates)
         self._node = self._add(
             items.NodeGenericODE2(
                 numberOfODE2Coordinates=n,
                 referenceCoordinates=[0.0] * n,
-                initialCoordinates=position.tolist(),
-                initialCoordinates_t=velocity.tolist(),
+                initialCoordinates=position,
+                initialCoordinates_t=velocity,
             ),
             "the joint coordinates",
         )
         inertia = np.diag(disk.inertia_about_cog)
         forces = {}
         why = "the disk at the end of its joints, with its weight"
-        if self.has_force:
+        if name := table_forces(self.scenario):
             forces["forceUserFunction"] = self._force()
-            why += f" and {self.force_name} by a user function"
+            why += f" and {name} by a user function"
         self._tree = self._add(
             items.ObjectKinematicTree(
                 nodeNumber=self._node,
@@ -88,6 +86,7 @@ class EulerTree(_Tree):
 
     _law = staticmethod(euler_tree_force)
     _order = (3, 0, 1, 2, 4, 5)
+    _back: ClassVar[list[int]] = [1, 2, 3, 0, 4, 5]
 
     @classmethod
     def obstacle(cls, scenario: Scenario) -> str:
@@ -101,9 +100,9 @@ class EulerTree(_Tree):
             return "knows no dissipation besides friction and the contact's damping"
         return ""
 
-    def encode(self, state: State) -> tuple[Array, Array]:
-        order = list(self._order)
-        return np.array(state.coordinates)[order], np.array(state.rates)[order]
+    def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
+        order = self._order
+        return [coordinates[place] for place in order], [rates[place] for place in order]
 
     def _build(self) -> None:
         self._add_tree(
@@ -116,7 +115,6 @@ class EulerTree(_Tree):
                 _JOINT.RevoluteZ,
             ),
             (0.0, 0.0, 0.0),
-            *self.encode(self.start),
         )
         if self.scenario.contact is not None:
             return
@@ -139,11 +137,12 @@ class EulerTree(_Tree):
         )
 
     def decode(self, records: Array) -> tuple[Array, Array]:
-        back = np.argsort(self._order)
-        return records[:, :6][:, back], records[:, 6:][:, back]
+        return records[:, :6][:, self._back], records[:, 6:][:, self._back]
 
-    def decode_accelerations(self, second_derivatives: Array, state: State) -> Array:
-        return second_derivatives[np.argsort(self._order)]
+    def decode_accelerations(
+        self, second_derivatives: Array, coordinates: Floats, rates: Floats
+    ) -> Array:
+        return second_derivatives[self._back]
 
 
 class ContactTree(_Tree):
@@ -177,13 +176,13 @@ class ContactTree(_Tree):
     def has_constraints(cls, scenario: Scenario) -> bool:  # noqa: ARG003 - whatever it is
         return False
 
-    def encode(self, state: State) -> tuple[Array, Array]:
-        x, y, _, alpha, beta, gamma = state.coordinates
-        xd, yd, _, ad, bd, gd = state.rates
+    def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
+        x, y, _, alpha, beta, gamma = coordinates
+        xd, yd, _, ad, bd, gd = rates
         r = self.scenario.disk.radius
         return (
-            np.array((alpha, x, y - r * cos(beta), beta, gamma)),
-            np.array((ad, xd, yd + r * sin(beta) * bd, bd, gd)),
+            [alpha, x, y - r * cos(beta), beta, gamma],
+            [ad, xd, yd + r * sin(beta) * bd, bd, gd],
         )
 
     def _build(self) -> None:
@@ -196,7 +195,6 @@ class ContactTree(_Tree):
                 _JOINT.RevoluteZ,
             ),
             (0.0, self.scenario.disk.radius, 0.0),
-            *self.encode(self.start),
         )
 
     def decode(self, records: Array) -> tuple[Array, Array]:
@@ -207,11 +205,13 @@ class ContactTree(_Tree):
         rates = np.column_stack((xd, yd - r * sb * bd, r * cb * bd, ad, bd, gd))
         return coordinates, rates
 
-    def decode_accelerations(self, second_derivatives: Array, state: State) -> Array:
+    def decode_accelerations(
+        self, second_derivatives: Array, coordinates: Floats, rates: Floats
+    ) -> Array:
         r = self.scenario.disk.radius
-        add, xdd, ydd, bdd, gdd = second_derivatives
-        beta, bd = state.coordinates[4], state.rates[4]
-        sb, cb = np.sin(beta), np.cos(beta)
+        add, xdd, ydd, bdd, gdd = second_derivatives.tolist()
+        beta, bd = coordinates[4], rates[4]
+        sb, cb = sin(beta), cos(beta)
         return np.array(
             (
                 xdd,
@@ -236,10 +236,10 @@ class ContactTree(_Tree):
         rise += (r + e * sg) * (cb * bdd - sb * bd * bd)
         return (disk.mass * (table.pressing + rise))[:, None]
 
-    def start_residuals(self, velocity_residuals: Array) -> list[Residual]:
-        coordinates, rates = self.decode(self.record()[None])
-        start = self.start
-        return [
-            Residual("contact", "position", start.coordinates[2] - float(coordinates[0, 2])),
-            Residual("contact", "velocity", start.rates[2] - float(rates[0, 2])),
-        ]
+    def position_residuals(self) -> dict[Constraint, float]:
+        coordinates, _ = self.decode(self.record()[None])
+        return {"contact": self.start.coordinates[2] - float(coordinates[0, 2])}
+
+    def velocity_residuals(self, equations: Array) -> dict[Constraint, float]:
+        _, rates = self.decode(self.record()[None])
+        return {"contact": self.start.rates[2] - float(rates[0, 2])}

@@ -24,13 +24,20 @@ def imported_modules(path: Path) -> set[str]:
     return names
 
 
+SHARED = {"data": {"data"}, "solve": {"data", "solve"}}
+"""Folders of `analysis` that both sides use, and what these import of it themselves: the
+description of a problem and of a motion, and how any initial value problem is solved step by
+step. A solver of differential equations knows no disk, so that it is no mechanics; what it is
+given to solve comes from either side alone."""
+
+
 @pytest.mark.parametrize("path", sorted((ROOT / "mbs_models").rglob("*.py")), ids=lambda p: p.stem)
-def test_engine_side_imports_data_types_only(path: Path) -> None:
+def test_engine_side_imports_what_is_shared_only(path: Path) -> None:
     for name in imported_modules(path):
         package, _, rest = name.partition(".")
         assert package != "validation"
         if package == "analysis":
-            assert rest.split(".")[0] == "data", f"{path.name} imports {name}"
+            assert rest.split(".")[0] in SHARED, f"{path.name} imports {name}"
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "analysis").rglob("*.py")), ids=lambda p: p.stem)
@@ -43,13 +50,15 @@ def test_in_house_side_imports_numpy_and_scipy_only(path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", sorted((ROOT / "analysis" / "data").rglob("*.py")), ids=lambda p: p.stem
+    "path",
+    sorted(each for folder in SHARED for each in (ROOT / "analysis" / folder).rglob("*.py")),
+    ids=lambda p: p.stem,
 )
-def test_data_types_import_no_mechanics(path: Path) -> None:
+def test_what_is_shared_imports_no_mechanics(path: Path) -> None:
     for name in imported_modules(path):
         package, _, rest = name.partition(".")
         if package == "analysis":
-            assert rest.split(".")[0] == "data", f"{path.name} imports {name}"
+            assert rest.split(".")[0] in SHARED[path.parent.name], f"{path.name} imports {name}"
 
 
 @pytest.mark.parametrize(
@@ -58,6 +67,9 @@ def test_data_types_import_no_mechanics(path: Path) -> None:
         ("analysis", ("exudyn", "heyoka", "matplotlib", "pandas", "xarray")),
         ("mbs_models", ("matplotlib",)),
         ("validation.cli", ("numpy", "exudyn", "matplotlib")),
+        ("validation.studies.stability.tables", ("exudyn", "matplotlib", "pandas")),
+        ("validation.studies.nonlinear.tables", ("exudyn", "matplotlib", "pandas")),
+        ("validation.studies.nonlinear.passage", ("exudyn", "matplotlib", "pandas")),
     ],
 )
 def test_import_loads_nothing_it_does_not_need(module: str, absent: tuple[str, ...]) -> None:

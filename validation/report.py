@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import sqlite3
 import time
 from base64 import b64decode, b64encode
@@ -18,12 +19,12 @@ import pandas as pd
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
 from validation import study as kit
-from validation.kit.processes import Processes
+from validation.kit.processes import open_processes
 from validation.kit.progress import bar, say
 from validation.kit.provenance import PACKAGES, Provenance, machine
 from validation.kit.sources import behind, digest
 from validation.page.content import StudyModule, Verdict
-from validation.page.section import Section, environment, table_html
+from validation.page.section import PlainSection, Section, environment, table_html
 from validation.study import RESULTS, Check, Found, Study
 
 DISK = ("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps")
@@ -63,6 +64,8 @@ class MadeSection:
     Parameters
     ----------
     name, title, html : str
+    text : str
+        As Markdown without files beside it.
     checks : list of Check
     verdicts : list of Verdict
     files : dict
@@ -72,6 +75,7 @@ class MadeSection:
     name: str
     title: str
     html: str
+    text: str
     checks: list[Check]
     verdicts: list[Verdict]
     files: dict[str, bytes]
@@ -107,6 +111,18 @@ def verdict(checks: Sequence[Check]) -> bool:
     return any(check.where == "fresh" for check in checks) and all(c.holds for c in checks)
 
 
+def as_text(report: Report) -> str:
+    """The verdicts and sections of a report as one page of Markdown."""
+    verdicts = [
+        f"- {each.statement} **{each.answer}**: {each.numbers} ({each.criterion})"
+        for section in report.sections
+        for each in section.verdicts
+    ]
+    sections = [f"## {section.title}\n\n{section.text.strip()}" for section in report.sections]
+    text = "\n\n".join(["# All results", "\n".join(verdicts), *sections])
+    return re.sub(r"\n{3,}", "\n\n", text) + "\n"
+
+
 def find(name: str) -> StudyModule:
     """Module of a study by its name, with hyphens or underscores; others by their full names.
 
@@ -132,6 +148,7 @@ def make(
     *,
     only: Collection[str] = (),
     fresh: bool = False,
+    workers: int | None = None,
     results: Path = RESULTS,
     pages: Sequence[Page] = PAGES,
 ) -> Report:
@@ -144,6 +161,8 @@ def make(
         Names of the sections to make, by default all.
     fresh : bool
         Measure everything again.
+    workers : int, optional
+        As in `validation.study.measured`.
     results : Path
         Where the stored tables lie.
     pages : sequence of Page
@@ -164,8 +183,8 @@ def make(
         # What measures times runs last, beside its like.
         ordered = sorted(studies.values(), key=lambda study: bool(study.timed))
         tasks = [task for study in ordered for task in study.tasks(whole=False)]
-        found = kit.measured(tasks, folder / KEPT, fresh=fresh, title="measure")
-        sections = _sections(modules, found, folder / KEPT, results)
+        found = kit.measured(tasks, folder / KEPT, workers=workers, fresh=fresh, title="measure")
+        sections = _sections(modules, found, folder / KEPT, results, workers)
         made = f"Made in {time.perf_counter() - begin:.0f} s; {_surroundings()}."
         stored = stored_table(modules, results)
         page = _write(folder, pages, sections, stored, made, whole=not only)
@@ -191,7 +210,11 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def _sections(
-    modules: Sequence[StudyModule], found: Found, kept: Path, results: Path
+    modules: Sequence[StudyModule],
+    found: Found,
+    kept: Path,
+    results: Path,
+    workers: int | None,
 ) -> list[MadeSection]:
     """Sections of studies, drawn side by side where they are not kept."""
     made: dict[str, MadeSection] = {}
@@ -204,7 +227,8 @@ def _sections(
             made[module.__name__] = known
         else:
             calls[module] = (path, identity, own)
-    with Processes(max(1, min(len(calls), os.cpu_count() or 1))) as pool:
+    number = os.cpu_count() or 1 if workers is None else workers
+    with open_processes(min(number, len(calls))) as pool:
         futures = [
             (module, path, identity, pool.submit(make_section, module.__name__, own, results))
             for module, (path, identity, own) in calls.items()
@@ -241,18 +265,23 @@ def make_section(name: str, found: Found, results: Path) -> MadeSection:
     try:
         content = module.present(rows)
         section = Section(short(module), content)
-        text = section.html(about, _text(module))
+        page = section.html(about, _text(module))
+        text = PlainSection(short(module), content).filled(about, _text(module))
     except Exception as error:  # noqa: BLE001
         # A section that cannot be made says so, and the report fails.
         return _broken(module, f"{type(error).__name__}: {error}", checks)
     return MadeSection(
         name=short(module),
         title=module.TITLE,
-        html=text,
+        html=page,
+        text=text,
         checks=[*checks, *content.checks],
         verdicts=list(content.verdicts),
         files=section.files,
     )
+
+
+_NOTHING = "This section could not be made: see the checks that fail."
 
 
 def _broken(module: StudyModule, reason: str, checks: Sequence[Check] = ()) -> MadeSection:
@@ -261,7 +290,8 @@ def _broken(module: StudyModule, reason: str, checks: Sequence[Check] = ()) -> M
     return MadeSection(
         name=name,
         title=module.TITLE,
-        html="<p>This section could not be made: see the checks that fail.</p>",
+        html=f"<p>{_NOTHING}</p>",
+        text=_NOTHING,
         checks=[*checks, failed],
         verdicts=[],
         files={},
@@ -306,6 +336,7 @@ def _keep_section(path: Path, identity: str, section: MadeSection) -> None:
         "name": section.name,
         "title": section.title,
         "html": section.html,
+        "text": section.text,
         "checks": [[_told(value) for value in check] for check in section.checks],
         "verdicts": [asdict(each) for each in section.verdicts],
         "files": {name: b64encode(text).decode() for name, text in section.files.items()},

@@ -22,7 +22,7 @@ from pebble import ProcessExpired
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
 from validation.kit.limits import holds
-from validation.kit.processes import Processes
+from validation.kit.processes import open_processes
 from validation.kit.progress import bar
 from validation.kit.provenance import PACKAGES, Provenance, machine
 from validation.kit.sources import behind
@@ -55,7 +55,7 @@ class Study:
         empty where it did not; anything raised is a crash. Importable by its name, for worker
         processes.
     keys : sequence of str
-        Columns that tell the rows of a case apart; their numbers are whole ones or text.
+        Columns that tell the rows of a case apart, numbers by their first six digits.
     sample : sequence of str
         Labels of the cases that are measured again. With some, the table comes with the package;
         without, all cases are measured for each report.
@@ -159,7 +159,8 @@ def measured(
         Where finished rows are kept, and found again while nothing changes that they hang on:
         the code of the study and of both sides, the versions, the machine.
     workers : int, optional
-        Number of processes, by default that of the cores.
+        Number of processes, by default that of the cores; 0 for none but this one, where no time
+        limit holds and a debugger sees everything.
     fresh : bool
         Measure all of them again.
     title : str
@@ -174,7 +175,7 @@ def measured(
             left.append(task)
         else:
             found[task.key] = known
-    for task, rows in _run(left, workers or os.cpu_count() or 1, title):
+    for task, rows in _run(left, os.cpu_count() or 1 if workers is None else workers, title):
         if not isinstance(rows, Exception):
             kept[task.study.name].add(task, rows)
         found[task.key] = rows
@@ -240,7 +241,7 @@ def _run(
     if not tasks:
         return
     cases = {name: study.cases() for name, study in _studies(tasks).items()}
-    pool = Processes(min(workers, len(tasks)))
+    pool = open_processes(min(workers, len(tasks)))
     try:
         futures = {
             pool.submit_within(
@@ -440,7 +441,8 @@ def _compared(
 ) -> Iterator[Check]:
     """Checks of the rows of one case; a number that is none holds nothing."""
     here, there = (
-        {tuple(row[key] for key in study.keys): row for row in rows} for rows in (fresh, stored)
+        {tuple(_key(row[key]) for key in study.keys): row for row in rows}
+        for rows in (fresh, stored)
     )
     alone = len(here.keys() ^ there.keys())
     both = [(row, there[key]) for key, row in here.items() if key in there]
@@ -458,6 +460,11 @@ def _compared(
             default=(0.0, 0.0),
         )
         yield at_most(f"{name}: {column}", *worst)
+
+
+def _key(value: Any) -> Any:
+    """A value that tells rows apart; numbers may differ in their last digits."""
+    return f"{value:.6g}" if isinstance(value, float) else value
 
 
 def _apart(one: Any, other: Any, stored: Row, limit: Limit | None) -> tuple[float, float]:

@@ -16,10 +16,10 @@ from analysis.data.limits import Effort
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Setting, Trajectory
 from analysis.data.watch import Watch
-from analysis.models.effort import simulation_effort
 from analysis.models.forms import Form, PosedForm, default_form, pose
-from analysis.models.integration import Run, endings, pulls_at_start
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE, local_tolerances, trajectory
+from analysis.solve.effort import simulation_effort
+from analysis.solve.stepping import Run, endings, pulls_at_start
 
 Outcome = Trajectory | Exception
 """Of one member: its motion, or the error that ended it."""

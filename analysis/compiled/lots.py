@@ -16,8 +16,8 @@ from analysis.data.checks import Array
 from analysis.data.endings import FLAT
 from analysis.data.files import AnyArray
 from analysis.data.members import Rows
-from analysis.models.integration import Run
-from analysis.models.simulation import CAUTION, ROUNDING, unreachable
+from analysis.solve.stepping import Run
+from analysis.solve.to_tolerance import CAUTION, ROUNDING, unreachable
 
 Alone = Callable[[int, float, float, float], Run | Exception]
 """Runs one member with a local tolerance, a part of its longest step and so many steps at most."""
@@ -190,7 +190,7 @@ def run_to(lot: Lot, times: Array, ladder: Sequence[float], tolerances: Array) -
 
 
 def _estimates(fine: Reached, coarse: Reached, times: Array, lot: Lot, members: Rows) -> Array:
-    """Estimated errors of the finer runs of some members in rad; see `simulation.compare`."""
+    """Estimated errors of the finer runs of some members in rad; see `to_tolerance.compare`."""
     columns = slice(0, 2) if lot.form == "reduced" else slice(4, 6)
     grid = [np.searchsorted(times, each.ends, side="right") for each in (fine, coarse)]
     alike = (fine.reasons == coarse.reasons) & (grid[0] == grid[1])

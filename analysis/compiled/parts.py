@@ -21,10 +21,10 @@ from analysis.data.trajectories import BETA, Part, Samples
 from analysis.data.trajectory import Trajectory
 from analysis.mechanics import reduced
 from analysis.mechanics.states import paper_arrays, state_of
-from analysis.models.effort import longest_step
 from analysis.models.forms import Form, check_form, default_form, start_values
-from analysis.models.integration import Run
 from analysis.models.simulation import local_tolerances
+from analysis.solve.effort import longest_step
+from analysis.solve.stepping import Run
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,13 +14,13 @@ from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Watch
-from analysis.models.integration import (
+from analysis.solve.lookout import intervals
+from analysis.solve.stepping import (
     InitialValueProblem,
     Run,
     endings,
     pulls_at_start,
 )
-from analysis.models.lookout import intervals
 
 
 def code_for(

@@ -18,12 +18,13 @@ from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
-from analysis.data.friction import FrictionLaw, Load
+from analysis.data.friction import FrictionLaw
 from analysis.data.members import Members
+from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.states import paper_of
-from analysis.models.integration import NEARLY_FLAT
+from analysis.solve.stepping import NEARLY_FLAT
 
 FAINT = 1e-8
 """Slip speed in m/s over which the kink of friction is rounded if slip has two directions.

@@ -4,22 +4,24 @@ from dataclasses import dataclass
 from math import pi
 from typing import Literal, get_args
 
-from analysis.data.checks import choice, not_negative, number, within
+from analysis.data.admissible import FOLLOWING, demanded
+from analysis.data.checks import choice
 from analysis.data.constraint_set import ConstraintSet, set_name
+from analysis.data.described import Described
 from analysis.data.disk import Disk
 from analysis.data.elementary import cos, hypot, sin
-from analysis.data.limits import FASTEST_TURN, LARGEST_ANGLE, LEAST_TILT
-from analysis.data.names import suggesting_fields
-from analysis.data.state import State, check_tilt
+from analysis.data.limits import LEAST_TILT
+from analysis.data.names import ArgumentError
+from analysis.data.quantities import default
+from analysis.data.state import State
 
 Motion = Literal["inverted", "noninverted"]
 MOTIONS: tuple[Motion, ...] = get_args(Motion)
 """The stationary motions, Eq. (5): the centre of gravity above or below the geometric centre."""
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Start:
+class Start(Described):
     """A start that meets every constraint; the defaults are those of Table 3.
 
     What is None follows from the others and from the constraints. A held centre of gravity lies
@@ -58,10 +60,12 @@ class Start:
     20.0
     """
 
-    beta: float = pi / 2
-    gamma: float = -pi / 2 + 0.1
-    spin: float = 40.0
-    alpha: float = 0.0
+    TABLE = "start"
+
+    beta: float = default("start.beta")
+    gamma: float = default("start.gamma")
+    spin: float = default("start.spin")
+    alpha: float = default("start.alpha")
     beta_rate: float | None = None
     gamma_rate: float | None = None
     x: float | None = None
@@ -71,25 +75,13 @@ class Start:
     height: float | None = None
 
     def __post_init__(self) -> None:
-        beta = check_tilt("beta", number("beta", self.beta))
-        if not LEAST_TILT <= beta <= pi - LEAST_TILT:
-            raise ValueError(
-                f"beta must keep {LEAST_TILT:g} rad from 0 and pi, where the disk lies flat and "
-                f"the Euler angles are singular, got {min(beta, pi - beta):g} rad of it"
+        if not LEAST_TILT <= self.beta <= pi - LEAST_TILT:
+            from_flat = min(self.beta, pi - self.beta)
+            raise ArgumentError(
+                "beta",
+                f"must keep {LEAST_TILT:g} rad from 0 and pi, where the disk lies flat and the "
+                f"Euler angles are singular, got {from_flat:g} rad of it",
             )
-        object.__setattr__(self, "beta", beta)
-        for name in ("alpha", "gamma"):
-            value = within(name, getattr(self, name), -LARGEST_ANGLE, LARGEST_ANGLE)
-            object.__setattr__(self, name, value)
-        for name in ("spin", "beta_rate", "gamma_rate"):
-            if (value := getattr(self, name)) is not None:
-                value = within(name, value, -FASTEST_TURN, FASTEST_TURN)
-                object.__setattr__(self, name, value)
-        for name in ("x", "y", "x_rate", "y_rate"):
-            if (value := getattr(self, name)) is not None:
-                object.__setattr__(self, name, number(name, value))
-        if self.height is not None:
-            object.__setattr__(self, "height", not_negative("height", self.height))
 
     @classmethod
     def stationary(cls, spin: float, motion: Motion = "inverted") -> "Start":
@@ -128,40 +120,24 @@ class Start:
         ValueError
             If the start breaks a constraint.
         """
-        r, e, name = disk.radius, disk.eccentricity, set_name(constraints)
-        sb, cb, sg, cg = sin(self.beta), cos(self.beta), sin(self.gamma), cos(self.gamma)
-
-        def settled(field: str, value: float, why: str) -> float:
-            """What the constraints demand of a field, which must not ask for anything else."""
-            given = getattr(self, field)
-            if given is not None and not abs(given - value) <= 1e-12 * max(1.0, abs(value)):
-                raise ValueError(f"{field} must be {value:g} in {name} ({why}), got {given:g}")
-            return value
-
-        held = "fixed-cog" in constraints
-        along, across = "no-slip-along" in constraints, "no-slip-across" in constraints
-        gamma_rate = -self.spin * cb
-        if held and along:
-            gamma_rate = settled("gamma_rate", gamma_rate, "no tangential slip: -spin * cos(beta)")
-        elif self.gamma_rate is not None:
-            gamma_rate = self.gamma_rate
-        beta_rate = _or_zero(self.beta_rate)
-        if held and across:
-            turn = e * cg * (cb * gamma_rate + self.spin) / (sb * (r + e * sg))
-            beta_rate = settled("beta_rate", turn, "no lateral slip")
-        if held:
-            why = "the centre of gravity held above the origin"
-            x, y = settled("x", -e * cg, why), settled("y", -e * cb * sg, why)
-            x_rate = settled("x_rate", e * sg * gamma_rate, why)
-            y_rate = settled("y_rate", e * (sb * sg * beta_rate - cb * cg * gamma_rate), why)
-        else:
-            x, y = _or_zero(self.x), _or_zero(self.y)
-            x_rate, y_rate = _or_zero(self.x_rate), _or_zero(self.y_rate)
-            if along:
-                rolling = -(r * cb - y) * self.spin - r * gamma_rate
-                x_rate = settled("x_rate", rolling, "no tangential slip")
-            if across:
-                y_rate = settled("y_rate", -x * self.spin - r * sb * beta_rate, "no lateral slip")
+        r = disk.radius
+        beta, gamma = self.beta, self.gamma
+        sb, cb = sin(beta), cos(beta)
+        given = [getattr(self, field) for field in FOLLOWING]
+        # As in Table 3.
+        usual = (0.0, 0.0, 0.0, 0.0, 0.0, -self.spin * cb)
+        free = tuple(
+            other if each is None else each for each, other in zip(given, usual, strict=True)
+        )
+        found = demanded(constraints, disk, (beta, gamma, self.spin), free)
+        for field, wanted, value in zip(FOLLOWING, given, found, strict=True):
+            if wanted is not None and not abs(wanted - value) <= 1e-12 * max(1.0, abs(value)):
+                reason = _reason(field, constraints)
+                raise ArgumentError(
+                    field,
+                    f"must be {value:g} in {set_name(constraints)} ({reason}), got {wanted:g}",
+                )
+        x, y, x_rate, y_rate, beta_rate, gamma_rate = found
         lift = height if self.height is None else self.height
         over = hypot(r * sb, half_thickness * cb)
         # In the order in which it is r cos(beta) to the last digit on a sharp rim.
@@ -172,5 +148,13 @@ class Start:
         )
 
 
-def _or_zero(value: float | None) -> float:
-    return 0.0 if value is None else value
+def _reason(field: str, constraints: ConstraintSet) -> str:
+    """Why the constraints demand a value of a field."""
+    held = "fixed-cog" in constraints
+    if field == "gamma_rate":
+        return "no tangential slip: -spin * cos(beta)"
+    if field == "beta_rate" or (field == "y_rate" and not held):
+        return "no lateral slip"
+    if field == "x_rate" and not held:
+        return "no tangential slip"
+    return "the centre of gravity held above the origin"

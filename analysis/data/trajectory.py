@@ -62,6 +62,9 @@ class Trajectory(SampledMotion):
         Why it ends before the last time asked for, if it does.
     pulling : tuple of pairs of floats
         Times in s between which an ideal contact pulls, if it was let.
+    solver_seconds : float, optional
+        Processor time in s of the integration that it comes from, without the preparations and
+        the runs to a tolerance before it; None for one from a file.
 
     Raises
     ------
@@ -99,6 +102,7 @@ class Trajectory(SampledMotion):
     versions: Mapping[str, str] = field(default_factory=dict)
     ending: Ending | None = None
     pulling: tuple[tuple[float, float], ...] = ()
+    solver_seconds: float | None = None
 
     def __post_init__(self) -> None:
         choice("source", self.source, SOURCES)

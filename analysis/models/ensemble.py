@@ -36,8 +36,8 @@ from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Watch
 from analysis.data.workers import Pool
 from analysis.models.forms import FORMS, Form
-from analysis.models.integration import METHODS, Method
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE, simulate
+from analysis.solve.stepping import METHODS, Method
 
 S = TypeVar("S")
 T = TypeVar("T")

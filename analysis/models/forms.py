@@ -17,9 +17,8 @@ from analysis.mechanics.attitude import EulerAngles, EulerTurning
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocities
 from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import paper_arrays, state_of
-from analysis.models.effort import longest_step
-from analysis.models.integration import InitialValueProblem
-from analysis.rest.to_rest import contact_time
+from analysis.solve.effort import contact_time, longest_step
+from analysis.solve.stepping import InitialValueProblem
 
 Form = Literal["index-1", "reduced", "free-body"]
 FORMS: tuple[Form, ...] = get_args(Form)
@@ -40,15 +39,11 @@ class PosedForm:
         each shape (n, 6), and multipliers, shape (n, k).
     state : callable
         From one state, shape (m,), to a `State`; its alpha counts for nothing.
-    attitudes : callable
-        From states, shape (n, m), to numbers that tell beta and gamma, shape (n, k), in rad;
-        errors are judged by them.
     """
 
     problem: InitialValueProblem
     expand: Callable[[Array, Array], tuple[Array, Array, Array]]
     state: Callable[[Array], State]
-    attitudes: Callable[[Array], Array]
 
 
 def default_form(scenario: Scenario) -> Form:
@@ -173,11 +168,11 @@ def _full(scenario: Scenario, compiled: Multipliers | None, chart: type[EulerAng
             lambda state: sin(state[4]),
             normal_force,
             longest if scenario.contact is None else min(longest, contact_time(scenario)),
+            lambda states: states[:, 4:6],
             slip=slip if scenario.rubs and len(slips) == 1 else None,
         ),
         expand,
         lambda state: _state(*paper_arrays(scenario.disk, state, chart)),
-        lambda states: states[:, 4:6],
     )
 
 
@@ -204,11 +199,11 @@ def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
             lambda state: sin(state[0]),
             lambda state: solved(*state.tolist())[3],
             longest_step(scenario),
+            lambda states: states[:, :2],
             slip=(lambda state: solved(*state.tolist())[4]) if scenario.rubs else None,
         ),
         expand,
         state,
-        lambda states: states[:, :2],
     )
 
 

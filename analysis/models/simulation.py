@@ -1,19 +1,15 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from math import inf
 
-import numpy as np
 import numpy.typing as npt
 
 from analysis.compiled.runs import CompiledScenario
-from analysis.data.agreement import error_at_ending, needed
 from analysis.data.checks import (
     Array,
-    TimeLimitError,
-    ToleranceError,
     choice,
     increasing_times,
     instance,
@@ -21,29 +17,21 @@ from analysis.data.checks import (
     switch,
 )
 from analysis.data.checks import local_tolerance as one_step
-from analysis.data.endings import FLAT, TIME_LIMIT, Ending, StopWhen, named_conditions
+from analysis.data.endings import TIME_LIMIT, Ending, StopWhen, named_conditions
 from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Setting, Trajectory, versions
 from analysis.data.watch import Progress, Watch
-from analysis.models.effort import simulation_effort
 from analysis.models.forms import Form, PosedForm, default_form, pose
-from analysis.models.integration import METHODS, Method, Run, integrate
+from analysis.solve.effort import simulation_effort
+from analysis.solve.stepping import METHODS, Method, Run, integrate
+from analysis.solve.to_tolerance import run_to, tighter_and_tighter
 
 TIGHTEST_LOCAL_TOLERANCE = 3e-14
 """SciPy's solvers do not go below 100 machine precisions."""
 
-ROUNDING = 1e-14
-"""Error in rad that no run is free of, not even one that stands still."""
-
 COMPILED_TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15)
 """Local tolerances of compiled runs to a tolerance; code is compiled for each."""
-
-CAUTION = 2.0
-"""Estimated error over the difference of two runs that it is taken from."""
-
-_MOMENT = 1e-7
-"""Time in s over which rates are told by a difference."""
 
 
 def simulate(
@@ -139,15 +127,18 @@ def simulate(
     watch = Watch(time_limit, progress, effort.most)
 
     evaluations: list[int] = []
+    seconds = 0.0
 
     def run(posed: PosedForm, local: float, longest: float = 1.0) -> Run:
-        problem = posed.problem.with_steps_up_to(longest)
+        nonlocal seconds
+        problem, begin = posed.problem.with_steps_up_to(longest), time.process_time()
         if compiled is not None:
             found = compiled.integrate(problem, times, local, watch)
         else:
             found = integrate(
                 problem, times, method, local, allow_pulling=allow_pulling, watch=watch
             )
+        seconds = time.process_time() - begin
         evaluations.append(found.evaluations)
         if found.ended == _LOW:
             raise _NearlyFlatError
@@ -157,7 +148,8 @@ def simulate(
         if tolerance is None:
             assert local_tolerance is not None
             return run(posed, local_tolerance), local_tolerance, None
-        return _integrate_to(partial(run, posed), posed, tolerance, method)
+        tolerances = local_tolerances(tolerance, method)
+        return run_to(partial(run, posed), posed.problem, tolerance, tolerances, method)
 
     posed = pose(scenario, form, conditions, compiled.multipliers if compiled else None)
     try:
@@ -177,7 +169,7 @@ def simulate(
         "tolerance": tolerance,
         "local_tolerance": local_tolerance,
     }
-    return trajectory(scenario, posed, result, settings, estimate)
+    return replace(trajectory(scenario, posed, result, settings, estimate), solver_seconds=seconds)
 
 
 def _accuracy(
@@ -249,83 +241,6 @@ def trajectory(
     )
 
 
-def _integrate_to(
-    run: Callable[[float, float], Run],
-    posed: PosedForm,
-    tolerance: float,
-    method: Method,
-) -> tuple[Run, float, float]:
-    """Tighten the local tolerance until the estimated error of beta and gamma is small enough.
-
-    Returns the run, its local tolerance and that error.
-    """
-    first, *tighter = local_tolerances(tolerance, method)
-    longest = 1.0
-    coarse, estimate = run(first, longest), inf
-    for local in tighter:
-        if coarse.ended == TIME_LIMIT:
-            break
-        # Not both may take the longest steps there are.
-        longest *= 0.8
-        fine = run(local, longest)
-        fine, estimate = compare(fine, coarse, posed)
-        if estimate <= needed(tolerance, fine.ended == FLAT):
-            return fine, local, estimate
-        coarse = fine
-    if coarse.ended == TIME_LIMIT:
-        raise TimeLimitError(
-            f"time limit met at t = {coarse.times[-1]:.6g} s of a run before two runs agreed to "
-            f"{tolerance:g} rad"
-        )
-    raise unreachable(tolerance, method, estimate)
-
-
-def unreachable(tolerance: float, method: Method, estimate: float) -> ToleranceError:
-    """The error of a tolerance that not even the tightest run keeps."""
-    return ToleranceError(
-        f"tolerance {tolerance:g} rad cannot be reached with {method}: the estimated error of "
-        f"the tightest run is {estimate:.1e} rad"
-    )
-
-
-def compare(fine: Run, coarse: Run, posed: PosedForm) -> tuple[Run, float]:
-    """The finer run as far as it can be judged, and its estimated error.
-
-    The error in beta and gamma, and in the time of an ending, is infinite if the two do not end
-    alike.
-    """
-    if fine.ended == TIME_LIMIT and fine.times.size > 2:
-        fine = replace(fine, times=fine.times[:-1], states=fine.states[:-1])
-    elif fine.ended != coarse.ended or fine.times.size != coarse.times.size:
-        return fine, inf
-    common = fine.times.size
-    if coarse.times.size < common:
-        return fine, inf
-    error = ROUNDING / CAUTION
-    if fine.ended not in {None, TIME_LIMIT}:
-        common -= 1
-        error = max(error, _apart_at_ending(fine, coarse, posed))
-    apart = posed.attitudes(fine.states[:common]) - posed.attitudes(coarse.states[:common])
-    return fine, CAUTION * max(error, float(np.max(np.abs(apart))))
-
-
-def _apart_at_ending(fine: Run, coarse: Run, posed: PosedForm) -> float:
-    """How far two runs are apart at their endings, as `error_at_ending` has it."""
-
-    def angles(state: Array) -> Array:
-        if fine.ended == FLAT:
-            # There only the sum or the difference of alpha and gamma has a meaning.
-            return np.array([posed.problem.leaning(state)])
-        found: Array = posed.attitudes(state[None])[0]
-        return found
-
-    time, state = fine.times[-1], fine.states[-1]
-    moved = state + _MOMENT * np.asarray(posed.problem.right_hand_side(time, state))
-    rates = (angles(moved) - angles(state)) / _MOMENT
-    apart = angles(state) - angles(coarse.states[-1])
-    return float(error_at_ending(apart, time - coarse.times[-1], rates))
-
-
 def local_tolerances(tolerance: float, method: Method) -> list[float]:
     """Local tolerances of the runs to a tolerance, in turn.
 
@@ -334,9 +249,4 @@ def local_tolerances(tolerance: float, method: Method) -> list[float]:
     if method == "taylor":
         rungs = [each for each in COMPILED_TOLERANCES if each <= tolerance / 3.0]
         return rungs if len(rungs) > 1 else list(COMPILED_TOLERANCES[-2:])
-    local = max(min(tolerance / 3.0, 1e-3), 10.0 * TIGHTEST_LOCAL_TOLERANCE)
-    tolerances = [local]
-    while local >= 3.0 * TIGHTEST_LOCAL_TOLERANCE:
-        local /= 10.0
-        tolerances.append(max(local, TIGHTEST_LOCAL_TOLERANCE))
-    return tolerances
+    return tighter_and_tighter(tolerance / 3.0, TIGHTEST_LOCAL_TOLERANCE)

@@ -1,43 +1,32 @@
 """Cycles that are not their own mirror images, from where symmetric ones lose their symmetry.
 
 They are collocated over a whole period and followed in their largest deviation of gamma, which
-grows smoothly through the bifurcation; their mirror images have it as the least one. A run beside
-the bifurcation settles to the first of them.
+grows smoothly through the bifurcation; their mirror images have it as the least one. The mode that
+breaks the symmetry leads to the first of them.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import solve_ivp
 
 from analysis.data.checks import Array, real_array
-from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
-from analysis.mechanics import reduced
-from analysis.nonlinear.collocation import NoCycleError, collocated_period, period_values
-from analysis.nonlinear.cycle import WholePeriod
-from analysis.nonlinear.family import Bifurcation, CycleFamily, bifurcations, cycle_family
-from analysis.nonlinear.following import followed, locate, reach
+from analysis.nonlinear.collocation import NoCycleError, breaking_mode, solve
+from analysis.nonlinear.cycle import Ends, WholePeriod, characteristics
+from analysis.nonlinear.family import Bifurcation, CycleFamily, bifurcations
+from analysis.stability.continuation import followed, gathered, sign_changes
 
 Change = Literal["fold", "period-doubling"]
-_AT: dict[Change, float] = {"fold": 1.0, "period-doubling": -1.0}
+_MULTIPLIERS: dict[Change, float] = {"fold": 1.0, "period-doubling": -1.0}
 
-_BESIDE = 0.04
-"""How much larger in rad the symmetric cycle is from which a run leaves."""
-
-_PUSH = 1e-2
-_PERIODS = 400
-_SETTLED = 1e-5
-"""Push of gamma in rad, periods to settle in, and change over one in rad that is small enough."""
+_FIRST = 0.05
+"""How much larger in rad than at the bifurcation the first cycle is that is looked for."""
 
 _SYMMETRIC = 1e-4
 """Difference in rad of the largest deviations to both sides below which they are the same."""
-
-_HALVINGS = 4
 
 BEYOND: Array = np.concatenate(((0.005, 0.02), np.linspace(0.05, 1.3, 26)))
 """Amplitudes in rad beyond that of the bifurcation, to which the cycles are followed."""
@@ -49,13 +38,35 @@ class AsymmetricCycle(WholePeriod):
 
     Parameters
     ----------
-    amplitude, lowest : float
-        Largest and least deviation of gamma from pi/2 in rad. The others are those of
-        `WholePeriod`.
+    amplitude : float
+        Largest deviation of gamma from pi/2 in rad. The others are those of `WholePeriod`.
     """
 
+    ends = Ends(held=0, follows=1)
+    noun = "cycle without symmetry with an amplitude"
     amplitude: float
-    lowest: float
+
+    @classmethod
+    def of(cls, value: float, larger: float, **fields: Any) -> Self:
+        """See `PeriodicMotion`."""
+        return cls(amplitude=value, multiplier=larger, **fields)
+
+    @property
+    def value(self) -> float:
+        """The amplitude in rad."""
+        return self.amplitude
+
+    @property
+    def lowest(self) -> float:
+        """Least deviation of gamma from pi/2 in rad."""
+        return float(np.min(self.states[:, 1])) - np.pi / 2
+
+    @property
+    def flaw(self) -> str | None:
+        """Why this is not what was looked for, if it is not."""
+        if self.amplitude + self.lowest < _SYMMETRIC:
+            return "it swings as far to the other side"
+        return WholePeriod.flaw.fget(self)  # type: ignore[attr-defined, no-any-return]
 
     @property
     def stable(self) -> bool:
@@ -93,7 +104,7 @@ def asymmetric_family(
     Parameters
     ----------
     bifurcation : Bifurcation
-        Of the kind "symmetry-breaking", into stable cycles.
+        Of the kind "symmetry-breaking", into larger cycles.
     amplitudes : array_like, shape (n,), optional
         Largest deviations of gamma in rad, rising, beyond that of the bifurcation; by default
         further by `BEYOND`.
@@ -105,7 +116,7 @@ def asymmetric_family(
     ValueError
         If the bifurcation is another one, or the amplitudes are no such.
     NoCycleError
-        If no cycle without symmetry settles.
+        If there is no cycle without symmetry beside the bifurcation.
     """
     if bifurcation.kind != "symmetry-breaking":
         raise ValueError(f"bifurcation must be symmetry-breaking, got {bifurcation.kind!r}")
@@ -113,23 +124,15 @@ def asymmetric_family(
     wanted = real_array("amplitudes", begin + BEYOND if amplitudes is None else amplitudes)
     if wanted.ndim != 1 or not wanted.size or np.any(np.diff(wanted, prepend=begin) <= 0.0):
         raise ValueError(f"amplitudes must rise strictly beyond {begin:.6g}, got {amplitudes!r}")
-    first = _settled(bifurcation)
-    found: list[AsymmetricCycle] = []
-    reason = None
-    try:
-        for cycle in followed(_solved, wanted, first, lambda each: each.amplitude, _HALVINGS):
-            found.append(cycle)
-            if progress is not None:
-                progress(float(len(found)), float(wanted.size))
-    except NoCycleError as error:
-        reason = str(error)
-    return AsymmetricFamily(bifurcation=bifurcation, cycles=tuple(found), reason=reason)
+    cycles = followed(_solved, _first(bifurcation), wanted.tolist())
+    found, reason = gathered(cycles, progress=progress, wanted=wanted.size)
+    return AsymmetricFamily(bifurcation=bifurcation, cycles=found, reason=reason)
 
 
 def first_asymmetric_family(
     family: CycleFamily, *, progress: Progress | None = None
 ) -> AsymmetricFamily:
-    """Cycles without symmetry from the first place of a family where some settle.
+    """Cycles without symmetry from the first place of a family where some branch off.
 
     Parameters
     ----------
@@ -141,7 +144,7 @@ def first_asymmetric_family(
     Raises
     ------
     NoCycleError
-        If no cycle of the family loses its symmetry, or none without it settles.
+        If no cycle of the family loses its symmetry, or none without it is found.
     """
     reason = "no cycle of the family loses its symmetry"
     for bifurcation in bifurcations(family):
@@ -161,86 +164,26 @@ def changes(branch: Sequence[AsymmetricCycle]) -> tuple[tuple[Change, Asymmetric
     NoCycleError
         If an iteration between two of them fails.
     """
-    return tuple(
-        (kind, _located(first, last, value))
-        for first, last in pairwise(branch)
-        for kind, value in _AT.items()
-        if (first.multiplier - value) * (last.multiplier - value) < 0.0
-    )
-
-
-def _located(first: AsymmetricCycle, last: AsymmetricCycle, value: float) -> AsymmetricCycle:
-    return locate(
-        lambda amplitude: reach(_solved, first.amplitude, amplitude, first, _HALVINGS),
-        lambda each: each.multiplier - value,
-        {first.amplitude: first, last.amplitude: last},
-    )
+    return tuple(sign_changes(_solved, branch, characteristics(_MULTIPLIERS)))
 
 
 def _solved(amplitude: float, start: AsymmetricCycle) -> AsymmetricCycle:
-
-    def ends(first: Array, last: Array, _: Array) -> Array:
-        return np.append((first[0], first[1] - amplitude), last - first)
-
-    found = collocated_period(start, ends)
-    highest, lowest = float(np.max(found.y[1])), float(np.min(found.y[1]))
-    symmetric = highest + lowest < _SYMMETRIC
-    if found.status != 0 or np.min(found.p) <= 0.0 or highest > amplitude + 1e-6 or symmetric:
-        raise NoCycleError(f"no cycle without symmetry found at {amplitude:.9g} rad")
-    return AsymmetricCycle(
-        amplitude=amplitude, lowest=lowest, **period_values(start.scenario, found)
-    )
+    return solve(start.scenario, amplitude, start)
 
 
-def _settled(bifurcation: Bifurcation) -> AsymmetricCycle:
-    """What a run settles to that starts on a symmetric cycle beyond the bifurcation, pushed."""
-    near = bifurcation.cycle
-    scenario = near.scenario
-    cycle = cycle_family(scenario, (near.amplitude, near.amplitude + _BESIDE)).cycles[-1]
-    state, highest = cycle.states[0] + np.array((0.0, _PUSH, 0.0)), np.inf
-    for _ in range(_PERIODS):
-        times, states = _swing(scenario, cycle.spin, state)
-        state, before, highest = states[-1], highest, float(states[-1, 1]) - np.pi / 2
-        if abs(highest - before) < _SETTLED:
-            break
-    else:
-        raise NoCycleError(f"nothing settles beside {near.spin:.9g} rad/s")
+def _first(bifurcation: Bifurcation) -> AsymmetricCycle:
+    """The one that the mode leads to."""
+    near, mode = bifurcation.cycle, _FIRST * breaking_mode(bifurcation.cycle)
+    times, states = near.full
     start = AsymmetricCycle(
-        scenario=scenario,
-        spin=cycle.spin,
-        amplitude=highest,
-        lowest=float(np.min(states[:, 1])) - np.pi / 2,
-        period=float(times[-1]),
+        scenario=near.scenario,
+        spin=near.spin,
+        amplitude=near.amplitude + _FIRST,
+        period=near.period,
         times=times,
-        states=states,
-        multiplier=np.nan,
-        log_strong=np.nan,
+        # The mode is the same on the other side, where the cycle is mirrored.
+        states=states + np.concatenate((mode, mode[1:])),
+        multiplier=1.0,
+        log_strong=-np.inf,
     )
-    return _solved(highest, start)
-
-
-def _swing(scenario: Scenario, spin: float, state: Array) -> tuple[Array, Array]:
-    """Times, shape (n,), and states, (n, 3), from one largest gamma to the next."""
-
-    def upright(_: float, x: Array) -> float:
-        return float(x[0]) - np.pi / 2
-
-    upright.direction = -1.0  # type: ignore[attr-defined]
-    upright.terminal = True  # type: ignore[attr-defined]
-    parts = []
-    time = 0.0
-    # A part of the period first, in which the disk leaves the event's place.
-    for end, events in ((0.5 / spin * np.pi, None), (20.0, upright)):
-        run = solve_ivp(
-            reduced.right_hand_side(scenario, spin),
-            (0.0, end),
-            state,
-            method="LSODA",
-            rtol=1e-10,
-            atol=1e-11,
-            events=events,
-        )
-        parts.append((time + run.t, run.y.T))
-        time, state = time + float(run.t[-1]), run.y[:, -1]
-    times = np.append(parts[0][0][:-1], parts[1][0])
-    return times, np.concatenate((parts[0][1][:-1], parts[1][1]))
+    return _solved(start.amplitude, start)

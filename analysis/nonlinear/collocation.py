@@ -1,37 +1,42 @@
-"""Cycles as solutions of a boundary value problem by collocation.
+"""Periodic motions by collocation, and their multipliers by the variational equations on its mesh.
 
-Half a cycle leads from (0, a, b), where the deviation of gamma is extreme and the disk upright, to
-its mirror image (0, -a, -b). The amplitude a is given, b, the spin and half the period are found.
-As a parameter the amplitude passes folds of the spin. Multipliers come from the variational
-equations, collocated on the same mesh.
+Given is the amplitude or tilt, and the spin is found, so that folds of the spin are nothing
+special; or the spin is given.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.linalg import eigvals
 from scipy.integrate import solve_bvp
 
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.nonlinear import flow
-from analysis.nonlinear.cycle import INVERTED, Cycle, WholePeriod, multipliers
+from analysis.nonlinear.cycle import INVERTED, Cycle, Ends, PeriodicMotion
 from analysis.stability.linear_reduced import critical_speed
+
+M = TypeVar("M", bound=PeriodicMotion)
 
 TOLERANCE = 1e-9
 """Relative residual of the collocation polynomials."""
 
-Ends = Callable[[Array, Array, Array], Array]
-
-MOST_NODES = 40_000
+_MOST_NODES = 40_000
+_FIRST_NODES = 41
+_RESTART_NODES = 400
 
 _STEEPEST = 1e4
 """Gradient of friction in s/m beyond which these nodes are too few."""
 
 _BOUNDARY = 1e-11
-_FIRST_NODES = 41
-_RESTART_NODES = 400
+"""Residual at the ends."""
+
+_SMALL = 1e-6
+"""Amplitude in rad at which a cycle is that of the linear system."""
+
+_FURTHEST = 2.0
+"""Factor by which the amplitude of a cycle at a spin may differ from the one it is begun with."""
 
 
 class NoCycleError(ArithmeticError):
@@ -44,225 +49,210 @@ def require_collocation(scenario: Scenario) -> None:
     flow.require_steepness(scenario, _STEEPEST)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Mesh:
-    """Half a cycle on its mesh, to start a next one from.
-
-    Parameters
-    ----------
-    amplitude : float
-        In rad.
-    nodes : ndarray, shape (n,)
-        Parts of half the period.
-    values : ndarray, shape (3, n)
-        Deviations over the amplitude; the rate over the Hopf frequency, too.
-    unknowns : ndarray, shape (2,)
-        Spin and half the period.
-    """
-
-    amplitude: float
-    nodes: Array
-    values: Array
-    unknowns: Array
-
-    @classmethod
-    def of(cls, cycle: Cycle) -> "Mesh":
-        """That of a cycle which has been found."""
-        scale = cycle.amplitude * _unit_scale(cycle.scenario)
-        half = cycle.period / 2.0
-        return cls(
-            amplitude=cycle.amplitude,
-            nodes=cycle.times / half,
-            values=((cycle.states - INVERTED) / scale).T,
-            unknowns=np.array((cycle.spin, half)),
-        )
-
-    def thinned(self) -> "Mesh":
-        """The same on fewer nodes, both ends among them."""
-        every = max(1, self.nodes.size // _RESTART_NODES)
-        kept = np.unique(np.append(np.arange(0, self.nodes.size, every), self.nodes.size - 1))
-        return Mesh(
-            amplitude=self.amplitude,
-            nodes=self.nodes[kept],
-            values=self.values[:, kept],
-            unknowns=self.unknowns,
-        )
-
-
-def hopf_mesh(scenario: Scenario) -> Mesh:
-    """The cycle of vanishing amplitude at the Hopf point."""
+def hopf_cycle(scenario: Scenario) -> Cycle:
+    """The cycle of vanishing amplitude at the Hopf point, to begin with."""
     hopf = critical_speed(scenario)
-    nodes = np.linspace(0.0, 1.0, _FIRST_NODES)
-    part, sine, cosine = hopf.frequency / hopf.spin, np.sin(np.pi * nodes), np.cos(np.pi * nodes)
-    return Mesh(
-        amplitude=0.0,
-        nodes=nodes,
-        values=np.array((-part * sine, cosine, -part * cosine)),
-        unknowns=np.array((hopf.spin, np.pi / hopf.frequency)),
+    phases = np.linspace(0.0, np.pi, _FIRST_NODES)
+    tilt = hopf.frequency / hopf.spin
+    shape = (-tilt * np.sin(phases), np.cos(phases), -tilt * hopf.frequency * np.cos(phases))
+    return Cycle(
+        scenario=scenario,
+        spin=hopf.spin,
+        amplitude=_SMALL,
+        period=2.0 * np.pi / hopf.frequency,
+        times=phases / hopf.frequency,
+        states=INVERTED + _SMALL * np.transpose(shape),
+        half_multiplier=1.0,
+        log_strong=-np.inf,
     )
 
 
 def solve(
-    scenario: Scenario, amplitude: float, start: Mesh, tolerance: float = TOLERANCE
-) -> Cycle:
-    """Find the cycle of an amplitude.
+    scenario: Scenario,
+    value: float,
+    start: M,
+    *,
+    spin: float | None = None,
+    tolerance: float = TOLERANCE,
+) -> M:
+    """Find the periodic motion of the kind of another one with a given amplitude or tilt.
 
     Parameters
     ----------
     scenario : Scenario
         Of the reduced system.
-    amplitude : float
-        In rad, between 0 and pi.
-    start : Mesh
-        A cycle near it.
+    value : float
+        Amplitude or tilt in rad; with a given spin the amplitude to begin with.
+    start : PeriodicMotion
+        One near it.
+    spin : float, optional
+        In rad/s, for cycles alone; the amplitude is then found.
     tolerance : float
         Relative residual.
 
     Raises
     ------
     NoCycleError
-        If the iteration does not converge.
+        If the iteration does not converge, or to something else.
     """
-    scale = amplitude * _unit_scale(scenario)
-
-    def ends(first: Array, last: Array, _: Array) -> Array:
-        return np.array((first[0], first[1] - 1.0, last[0], last[1] + 1.0, last[2] + first[2]))
-
-    found = collocated(scenario, scale, ends, start.thinned(), tolerance)
-    if found.status != 0 or np.min(found.p) <= 0.0 or np.max(np.abs(found.y[1])) > 1.0 + 1e-6:
-        raise NoCycleError(
-            f"no periodic motion found at an amplitude of {amplitude:.9g} rad: the collocation "
-            f"ended with {found.x.size} nodes and a residual of "
-            f"{np.max(found.rms_residuals):.1e}"
+    ends, stretches = start.ends, 2.0 if start.ends.mirrored else 1.0
+    found, unit = _collocated(scenario, value, start, spin, tolerance)
+    *spins, duration = found.p.tolist()
+    speed = spins[0] if spin is None else spin
+    times, states = duration * found.x, (unit[:, None] * found.y).T + INVERTED
+    reached = value if spin is None else float((states[0] - INVERTED)[ends.follows])
+    residual = np.max(found.rms_residuals)
+    why = f"the collocation ended with {found.x.size} nodes and a residual of {residual:.1e}"
+    if found.status == 0 and np.min(found.p) > 0.0 and value < _FURTHEST * reached:
+        larger, strong = multipliers(variations(scenario, speed, times, states), ends)
+        motion = type(start).of(
+            reached,
+            larger,
+            scenario=scenario,
+            spin=speed,
+            period=stretches * duration,
+            times=times,
+            states=states,
+            log_strong=stretches * strong,
         )
-    spin, half = found.p.tolist()
-    larger, strong = floquet(scenario, scale, found, mirrored=True)
-    return Cycle(
-        scenario=scenario,
-        spin=spin,
-        amplitude=amplitude,
-        period=2.0 * half,
-        times=half * found.x,
-        states=(scale[:, None] * found.y).T + INVERTED,
-        half_multiplier=larger,
-        log_strong=2.0 * strong,
-        method="collocation",
-    )
+        if motion.flaw is None:
+            return motion
+        why = motion.flaw
+    raise NoCycleError(f"no {start.noun} of {value:.9g} rad found: {why}")
 
 
-def collocated(scenario: Scenario, scale: Array, ends: Ends, start: Mesh, tolerance: float) -> Any:
-    """Solve for a part of a periodic motion, its spin and duration; the result of `solve_bvp`.
+def _collocated(
+    scenario: Scenario, value: float, start: PeriodicMotion, spin: float | None, tolerance: float
+) -> tuple[Any, Array]:
+    """Result of `solve_bvp`, and the units of its deviations, shape (3,)."""
+    ends, every = start.ends, max(1, start.times.size // _RESTART_NODES)
+    kept = np.unique(np.append(np.arange(0, start.times.size, every), start.times.size - 1))
+    unit = np.array((1.0, 1.0, critical_speed(scenario).frequency))
+    values = ((start.states[kept] - INVERTED) / unit).T
+    if not ends.turn:
+        # Small cycles are known to the same part of their amplitude as large ones.
+        unit, values = value * unit, values / start.value
+    column = unit[:, None]
 
-    Parameters
-    ----------
-    scenario : Scenario
-        Of the reduced system.
-    scale : ndarray, shape (3,)
-        Units of the deviations from inverted spinning.
-    ends : callable
-        From the first and the last values, in these units, and the unknowns to 5 residuals.
-    start : Mesh
-        Where to begin.
-    tolerance : float
-        Relative residual.
+    def rates(_: float, y: Array, p: Array) -> Any:
+        speed = p[0] if spin is None else spin
+        return p[-1] * flow.right_hand_side(scenario, speed, column * y) / column
 
-    Raises
-    ------
-    NoCycleError
-        If a friction force overflows on the way.
-    """
-    unit = scale[:, None]
+    def slopes(_: float, y: Array, p: Array) -> tuple[Array, Array]:
+        speed = p[0] if spin is None else spin
+        right, jacobian, by_spin = flow.derivatives(scenario, speed, column * y)
+        by_state = p[-1] * jacobian.transpose(1, 2, 0) / column[:, None] * column[None, :]
+        by_unknown = (right,) if spin is not None else (p[-1] * by_spin, right)
+        return by_state, np.stack(by_unknown, axis=1) / column[:, None]
 
-    def rates(_: Array, y: Array, p: Array) -> Any:
-        return p[1] * flow.right_hand_side(scenario, p[0], unit * y) / unit
+    def residual(first: Array, last: Array, _: Array) -> Array:
+        return ends.residual(value / unit[1] if spin is None else None, first, last)
 
-    def slopes(_: Array, y: Array, p: Array) -> tuple[Array, Array]:
-        right, jacobian, by_spin = flow.derivatives(scenario, p[0], unit * y)
-        by_state = p[1] * jacobian.transpose(1, 2, 0) / unit[:, None] * unit[None, :]
-        return by_state, np.stack((p[1] * by_spin, right), axis=1) / unit[:, None]
-
+    duration = float(start.times[-1])
     with np.errstate(all="ignore"):
         try:
-            return solve_bvp(
+            found = solve_bvp(
                 rates,
-                ends,
-                start.nodes,
-                start.values,
-                start.unknowns,
+                residual,
+                start.times[kept] / duration,
+                values,
+                (start.spin, duration) if spin is None else (duration,),
                 fun_jac=slopes,
                 tol=tolerance,
                 bc_tol=_BOUNDARY,
-                max_nodes=MOST_NODES,
+                max_nodes=_MOST_NODES,
             )
         except OverflowError as error:
             raise NoCycleError("no periodic motion found: the collocation diverges") from error
+    return found, unit
 
 
-def collocated_period(start: WholePeriod, ends: Ends) -> Any:
-    """Solve for a whole period near a motion; the result of `solve_bvp`.
+@dataclass(frozen=True, slots=True)
+class Variations:
+    """The variational equations along a motion, one step of its mesh after the other.
 
     Parameters
     ----------
-    start : WholePeriod
-    ends : callable
-        As in `collocated`, in units of rad and of the Hopf frequency.
-
-    Raises
-    ------
-    NoCycleError
-        If a friction force overflows on the way.
+    transfers : ndarray, shape (n, 2, 2)
+        Of deviations across the motion, in `frames`. Those along it are left out (the linear
+        Poincaré flow), since their trivial multiplier would hide a small one behind rounding.
+    frames : ndarray, shape (n + 1, 3, 2)
+        Directions across the motion; the last are the first.
+    log_determinant : float
+        Integral of the trace of the Jacobian. The strong multiplier is below rounding in the
+        transfers, but not in this number (Liouville).
     """
-    scale = _unit_scale(start.scenario)
-    mesh = Mesh(
-        amplitude=1.0,
-        nodes=start.times / start.period,
-        values=((start.states - INVERTED) / scale).T,
-        unknowns=np.array((start.spin, start.period)),
+
+    transfers: Array
+    frames: Array
+    log_determinant: float
+
+
+def variations(scenario: Scenario, spin: float, times: Array, states: Array) -> Variations:
+    """Solve them by the collocation that has made the motion.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    spin : float
+        In rad/s.
+    times : ndarray, shape (n + 1,)
+        In s.
+    states : ndarray, shape (n + 1, 3)
+        See `PeriodicMotion`.
+    """
+    x, h = (states - INVERTED).T, np.diff(times)[:, None, None]
+    rates, jacobians, _ = flow.derivatives(scenario, spin, x)
+    before, after, unit = jacobians[:-1], jacobians[1:], np.eye(3)
+    # The polynomials of the collocation are cubic.
+    middles = (x[:, 1:] + x[:, :-1]) / 2.0 - h[:, 0, 0] / 8.0 * np.diff(rates)
+    middle = flow.derivatives(scenario, spin, middles)[1]
+    left = unit - h / 6 * after - 2 * h / 3 * middle @ (unit / 2 - h / 8 * after)
+    right = unit + h / 6 * before + 2 * h / 3 * middle @ (unit / 2 + h / 8 * before)
+    frames = np.linalg.qr(rates.T[:, :, None], mode="complete")[0]
+    # The motion ends in the direction in which it began, or in the opposite one.
+    frames[-1] = frames[0]
+    across = frames[:, :, 1:]
+    average = np.trace(before + 4.0 * middle + after, axis1=1, axis2=2) / 6.0
+    return Variations(
+        across[1:].transpose(0, 2, 1) @ np.linalg.solve(left, right) @ across[:-1],
+        across,
+        float(h[:, 0, 0] @ average),
     )
-    return collocated(start.scenario, scale, ends, mesh.thinned(), TOLERANCE)
 
 
-def period_values(scenario: Scenario, found: Any) -> dict[str, Any]:
-    """Values of the `WholePeriod` that `collocated_period` has found, by their names."""
-    scale = _unit_scale(scenario)
-    larger, strong = floquet(scenario, scale, found, mirrored=False)
-    spin, period = found.p.tolist()
-    return {
-        "scenario": scenario,
-        "spin": spin,
-        "period": period,
-        "times": period * found.x,
-        "states": (scale[:, None] * found.y).T + INVERTED,
-        "multiplier": larger,
-        "log_strong": strong,
-    }
+def multipliers(found: Variations, ends: Ends) -> tuple[float, float]:
+    """Larger multiplier over the stretch of a motion, and logarithm of the other's size.
+
+    Over half a period a deviation is carried on and mirrored, so that the whole monodromy matrix
+    is a square.
+    """
+    product, log_size = np.eye(2), 0.0
+    for transfer in found.transfers:
+        product = transfer @ product
+        size = np.max(np.abs(product))
+        product, log_size = product / size, log_size + np.log(size)
+    values = eigvals(-product if ends.mirrored else product).real
+    larger = float(values[np.argmax(np.abs(values))] * np.exp(log_size))
+    return larger, found.log_determinant - float(np.log(abs(larger)))
 
 
-def _unit_scale(scenario: Scenario) -> Array:
-    """Deviations of 1 rad, and the rate that they have at the Hopf frequency."""
-    return np.array((1.0, 1.0, critical_speed(scenario).frequency))
+def breaking_mode(cycle: Cycle) -> Array:
+    """Deviation that comes back as its mirror image, of 1 rad in gamma at first, shape (n, 3).
 
-
-def floquet(
-    scenario: Scenario, scale: Array, found: Any, *, mirrored: bool
-) -> tuple[float, float]:
-    """`multipliers` of what `collocated` has found, by the collocation that has found it."""
-    spin, duration = found.p
-    middles = (found.x[1:] + found.x[:-1]) / 2.0
-    rates, J, _ = flow.derivatives(scenario, spin, scale[:, None] * found.y)
-    J *= duration
-    J_middle = duration * flow.derivatives(scenario, spin, scale[:, None] * found.sol(middles))[1]
-    steps = np.diff(found.x)
-    traces = np.trace(J, axis1=1, axis2=2)
-    average = (traces[1:] + traces[:-1] + 4.0 * np.trace(J_middle, axis1=1, axis2=2)) / 6.0
-    transfers = _transfers(steps, J, J_middle)
-    return multipliers(transfers, rates.T, float(steps @ average), mirrored=mirrored)
-
-
-def _transfers(steps: Array, J: Array, J_middle: Array) -> Array:
-    """Solutions of the variational equations by the collocation that made the cycle, (n, 3, 3)."""
-    unit, h = np.eye(3), steps[:, None, None]
-    before, after = J[:-1], J[1:]
-    left = unit - h / 6 * after - 2 * h / 3 * J_middle @ (unit / 2 - h / 8 * after)
-    right = unit + h / 6 * before + 2 * h / 3 * J_middle @ (unit / 2 + h / 8 * before)
-    return np.asarray(np.linalg.solve(left, right), dtype=float)
+    Parameters
+    ----------
+    cycle : Cycle
+        Where cycles lose their symmetry.
+    """
+    found = variations(cycle.scenario, cycle.spin, cycle.times, cycle.states)
+    # Whatever it begins with, after half a period the strong direction is gone.
+    deviation = np.ones(2)
+    for _ in range(2):
+        carried = [deviation]
+        for transfer in found.transfers:
+            carried.append(transfer @ carried[-1])
+        deviation = carried[-1]
+    states = np.einsum("nij,nj->ni", found.frames, np.array(carried))
+    result: Array = states / states[0, 1]
+    return result

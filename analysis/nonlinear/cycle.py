@@ -1,12 +1,26 @@
-"""A periodic motion of the reduced system."""
+"""Periodic motions of the reduced system: one boundary value problem with three end conditions.
 
+| kind | where it begins | where it ends |
+| --- | --- | --- |
+| its own mirror image half a period later | upright, gamma at its largest | mirrored |
+| without that symmetry | upright, gamma at its largest | the same |
+| rotating | noninverted, with a tilt | the same, gamma a turn further |
+
+The largest gamma or the tilt is given, spin and duration are found: as a parameter it passes folds
+of the spin.
+"""
+
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
-from numpy.linalg import eigvals
 
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
+
+K = TypeVar("K")
 
 INVERTED: Array = np.array((np.pi / 2, np.pi / 2, 0.0))
 """Inverted spinning: beta and gamma in rad, and the rate of beta."""
@@ -14,53 +28,149 @@ INVERTED: Array = np.array((np.pi / 2, np.pi / 2, 0.0))
 _NEUTRAL = 1e-6
 """Distance of a multiplier from 1 below which a cycle is called neither stable nor unstable."""
 
+_BEYOND = 1e-6
+"""Part of an amplitude by which a swing may exceed it, where it is largest."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ends:
+    """What holds at the ends of the stretch of a periodic motion that is solved for.
+
+    Parameters
+    ----------
+    held, follows : {0, 1}
+        Whether the deviation of beta or of gamma from inverted spinning is the same for a whole
+        family where its motions begin, and which one is followed.
+    at : float
+        The former in rad.
+    mirrored : bool
+        Whether the stretch is half a period, after which the motion is its own mirror image.
+    turn : float
+        What gamma gains over the stretch in rad.
+    """
+
+    held: int
+    follows: int
+    at: float = 0.0
+    mirrored: bool = False
+    turn: float = 0.0
+
+    def residual(self, value: float | None, first: Array, last: Array) -> Array:
+        """Residuals of two deviations, shape (3,) each; 5, or 4 if no value is given."""
+        closing = last + first if self.mirrored else last - first
+        closing[1] -= self.turn
+        begins = [first[self.held] - self.at]
+        if value is not None:
+            begins.append(first[self.follows] - value)
+        return np.array((*begins, *closing))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cycle:
-    """A periodic motion about inverted spinning that is its own mirror image half a period later.
+class PeriodicMotion:
+    """A periodic motion of the reduced system.
 
     Parameters
     ----------
     scenario : Scenario
     spin : float
         Constant spinning speed in rad/s.
-    amplitude : float
-        Largest deviation of gamma from pi/2 in rad.
     period : float
         In s.
     times : ndarray, shape (n,)
-        From 0 to half a period in s.
+        Over a period in s, or over half of it if the motion is then its own mirror image.
     states : ndarray, shape (n, 3)
-        beta, gamma in rad and the rate of beta in rad/s at `times`; gamma is largest at the first.
-    half_multiplier : float
-        The larger of the two multipliers, over half a period with the mirror image. The cycle
-        meets others in a fold where it is 1, and loses its mirror symmetry where it is -1. Both
-        are real, since their product is negative: the mirror image turns all three directions
-        round and the flow none, and the third multiplier, along the motion, is 1.
+        beta, gamma in rad and the rate of beta in rad/s at `times`.
     log_strong : float
-        Logarithm of the size of the other Floquet multiplier, which mostly is below rounding.
-    method : {"collocation", "shooting"}
+        Logarithm of the size of the smaller nontrivial Floquet multiplier, which mostly is below
+        rounding.
     """
 
+    ends: ClassVar[Ends]
+    noun: ClassVar[str]
     scenario: Scenario
     spin: float
-    amplitude: float
     period: float
     times: Array
     states: Array
-    half_multiplier: float
     log_strong: float
-    method: str
+
+    @classmethod
+    def of(cls, value: float, larger: float, **fields: Any) -> Self:
+        """The motion of a value with the larger multiplier over its stretch."""
+        raise NotImplementedError
+
+    @property
+    def value(self) -> float:
+        """The amplitude or tilt in rad in which its family is followed."""
+        raise NotImplementedError
+
+    @property
+    def larger(self) -> float:
+        """The larger multiplier over the stretch that is told."""
+        raise NotImplementedError
+
+    @property
+    def flaw(self) -> str | None:
+        """Why this is not what was looked for, if it is not."""
+        beyond = np.max(np.abs(self.states[:, 1] - INVERTED[1])) > (1.0 + _BEYOND) * self.value
+        return "it swings further" if beyond else None
+
+    def characteristic(self, multiplier: float) -> float:
+        """Characteristic polynomial of the stretch, which changes sign with the stability.
+
+        Over half a period with the mirror image the product of both multipliers is negative,
+        since that turns all three directions round and the flow none; over a whole period it is
+        positive.
+        """
+        sign, halves = (-1.0, 2.0) if self.ends.mirrored else (1.0, 1.0)
+        other = np.copysign(np.exp(self.log_strong / halves), sign * self.larger)
+        return float((self.larger - multiplier) * (other - multiplier))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cycle(PeriodicMotion):
+    """A periodic motion about inverted spinning that is its own mirror image half a period later.
+
+    `times` and `states` hold half a period; gamma is largest at the first.
+
+    Parameters
+    ----------
+    amplitude : float
+        Largest deviation of gamma from pi/2 in rad.
+    half_multiplier : float
+        The larger of the two multipliers, over half a period with the mirror image. The cycle
+        meets others in a fold where it is 1, and loses its mirror symmetry where it is -1. Both
+        are real, since their product is negative, and the third multiplier, along the motion,
+        is 1.
+    method : str
+        How it was found. The others are those of `PeriodicMotion`.
+    """
+
+    ends = Ends(held=0, follows=1, mirrored=True)
+    noun = "periodic motion with an amplitude"
+    amplitude: float
+    half_multiplier: float
+    method: str = "collocation"
+
+    @classmethod
+    def of(cls, value: float, larger: float, **fields: Any) -> Self:
+        """See `PeriodicMotion`."""
+        return cls(amplitude=value, half_multiplier=larger, **fields)
+
+    @property
+    def value(self) -> float:
+        """The amplitude in rad."""
+        return self.amplitude
+
+    @property
+    def larger(self) -> float:
+        """The larger multiplier over half a period."""
+        return self.half_multiplier
 
     @property
     def multiplier(self) -> float:
         """Size of the larger nontrivial Floquet multiplier, over a whole period."""
         return self.half_multiplier**2
-
-    @property
-    def strong_half_multiplier(self) -> float:
-        """The smaller one over half a period; 0 where it is too small for a float."""
-        return -float(np.copysign(np.exp(self.log_strong / 2.0), self.half_multiplier))
 
     @property
     def stable(self) -> bool | None:
@@ -76,34 +186,22 @@ class Cycle:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class WholePeriod:
+class WholePeriod(PeriodicMotion):
     """A periodic motion that is told over its whole period.
 
     Parameters
     ----------
-    scenario : Scenario
-    spin : float
-        Constant spinning speed in rad/s.
-    period : float
-        In s.
-    times : ndarray, shape (n,)
-        Over a period in s.
-    states : ndarray, shape (n, 3)
-        beta, gamma in rad and the rate of beta in rad/s.
     multiplier : float
         The larger of the two nontrivial Floquet multipliers: 1 at a fold, -1 where the period
-        doubles.
-    log_strong : float
-        Logarithm of the size of the other one.
+        doubles. The others are those of `PeriodicMotion`.
     """
 
-    scenario: Scenario
-    spin: float
-    period: float
-    times: Array
-    states: Array
     multiplier: float
-    log_strong: float
+
+    @property
+    def larger(self) -> float:
+        """The larger multiplier over the period."""
+        return self.multiplier
 
 
 def is_stable(multiplier: float) -> bool | None:
@@ -111,36 +209,9 @@ def is_stable(multiplier: float) -> bool | None:
     return None if abs(multiplier - 1.0) < _NEUTRAL else multiplier < 1.0
 
 
-def multipliers(
-    transfers: Array, rates: Array, log_determinant: float, *, mirrored: bool = True
-) -> tuple[float, float]:
-    """Larger multiplier over half a period or a whole one, and logarithm of the other's size.
-
-    Deviations along the motion are left out (the linear Poincaré flow), since the trivial
-    multiplier they have would hide a small one behind rounding. Over half a period a deviation
-    is carried on and mirrored, so that the whole monodromy matrix is a square.
-
-    Parameters
-    ----------
-    transfers : ndarray, shape (n, 3, 3)
-        Solutions of the variational equations over successive parts of the time.
-    rates : ndarray, shape (n + 1, 3)
-        Time derivatives of the state at the ends of these parts.
-    log_determinant : float
-        Integral of the trace of the Jacobian over that time. The strong multiplier is below
-        rounding in the matrices, but not in this number (Liouville).
-    mirrored : bool
-        Whether the time is half a period, after which the motion is its own mirror image.
-    """
-    frames = np.linalg.qr(rates[:, :, None], mode="complete")[0]
-    # The motion ends in the direction in which it began, or in the opposite one.
-    frames[-1] = frames[0]
-    normal = frames[:, :, 1:]
-    product, log_size = np.eye(2), 0.0
-    for part in normal[1:].transpose(0, 2, 1) @ transfers @ normal[:-1]:
-        product = part @ product
-        size = np.max(np.abs(product))
-        product, log_size = product / size, log_size + np.log(size)
-    values = eigvals(-product if mirrored else product).real
-    larger = float(values[np.argmax(np.abs(values))] * np.exp(log_size))
-    return larger, log_determinant - float(np.log(abs(larger)))
+def characteristics(multipliers: Mapping[K, float]) -> dict[K, Callable[[PeriodicMotion], float]]:
+    """Functions of a motion that change sign where a multiplier passes these values, by name."""
+    return {
+        name: partial(PeriodicMotion.characteristic, multiplier=value)
+        for name, value in multipliers.items()
+    }

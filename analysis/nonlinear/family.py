@@ -2,26 +2,18 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from analysis.data.checks import Array, number, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
-from analysis.nonlinear.collocation import (
-    Mesh,
-    NoCycleError,
-    hopf_mesh,
-    require_collocation,
-    solve,
-)
-from analysis.nonlinear.cycle import Cycle
-from analysis.nonlinear.following import locate, reach
+from analysis.nonlinear.collocation import NoCycleError, hopf_cycle, require_collocation, solve
+from analysis.nonlinear.cycle import Cycle, characteristics
 from analysis.nonlinear.heteroclinic import NoConnectionError, last_amplitude
+from analysis.stability.continuation import Solve, followed, gathered, sign_changes
 from analysis.stability.linear_reduced import CriticalSpeed, critical_speed
 
 AMPLITUDES: Array = np.concatenate(
@@ -35,12 +27,9 @@ About a saddle-focus it ends beyond pi; see `_amplitudes`.
 _SAME_END = 1e-6
 """Distance in rad from the connection at which a family ends."""
 
-_HALVINGS = 5
-"""How often a step in amplitude that fails is halved before the family ends there."""
-
 BifurcationKind = Literal["fold", "symmetry-breaking"]
 
-_CROSSINGS: dict[BifurcationKind, float] = {"fold": 1.0, "symmetry-breaking": -1.0}
+_MULTIPLIERS: dict[BifurcationKind, float] = {"fold": 1.0, "symmetry-breaking": -1.0}
 """There are no others: the multipliers over half a period are real; see `Cycle`."""
 
 
@@ -113,19 +102,17 @@ def cycle_family(
     """
     require_collocation(scenario)
     wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
-    cycles: list[Cycle] = []
-    reason = None
-    try:
-        for cycle in _followed(scenario, wanted):
-            cycles.append(cycle)
-            if progress is not None:
-                progress(cycle.amplitude, float(np.max(wanted)))
-    except NoCycleError as error:
-        if not cycles:
-            raise
-        reason = str(error)
+
+    def amplitude(count: float, _: float) -> None:
+        if progress is not None:
+            progress(float(np.ravel(wanted)[round(count) - 1]), float(np.max(wanted)))
+
+    found = _from_hopf_point(scenario, wanted)
+    cycles, reason = gathered(found, progress=amplitude, wanted=np.size(wanted))
+    if not cycles:
+        raise NoCycleError(reason)
     hopf = critical_speed(scenario)
-    return CycleFamily(scenario=scenario, hopf=hopf, cycles=tuple(cycles), reason=reason)
+    return CycleFamily(scenario=scenario, hopf=hopf, cycles=cycles, reason=reason)
 
 
 def _amplitudes(scenario: Scenario) -> Array:
@@ -141,35 +128,17 @@ def _amplitudes(scenario: Scenario) -> Array:
     return np.concatenate((AMPLITUDES[near[0] - 0.05 > AMPLITUDES], near))
 
 
-def _followed(scenario: Scenario, amplitudes: npt.ArrayLike) -> Iterator[Cycle]:
+def _from_hopf_point(scenario: Scenario, amplitudes: npt.ArrayLike) -> Iterator[Cycle]:
     """Cycles one by one; `NoCycleError` names the last good one."""
     wanted = real_array("amplitudes", amplitudes)
     proper = wanted.ndim == 1 and wanted.size and np.all(np.diff(wanted, prepend=0.0) > 0.0)
     if not proper or wanted[-1] >= 1.5 * np.pi:
         raise ValueError(f"amplitudes must rise strictly between 0 and 3 pi/2, got {amplitudes!r}")
-    last: Cycle | None = None
-    for amplitude in wanted.tolist():
-        try:
-            last = _reach(scenario, amplitude, last)
-        except NoCycleError as error:
-            if last is None:
-                raise
-            raise NoCycleError(
-                f"{error}; the last good one has {last.amplitude:.9g} rad at a spin of "
-                f"{last.spin:.9g} rad/s"
-            ) from error
-        yield last
+    return followed(_of_amplitude(scenario), hopf_cycle(scenario), wanted.tolist())
 
 
-def _reach(scenario: Scenario, amplitude: float, start: Cycle | None) -> Cycle:
-    """The cycle of an amplitude, followed from another one or from the Hopf point."""
-
-    def solved(wanted: float, near: Cycle | None) -> Cycle:
-        mesh = hopf_mesh(scenario) if near is None else Mesh.of(near)
-        return solve(scenario, wanted, mesh)
-
-    begin = 0.0 if start is None else start.amplitude
-    return reach(solved, begin, amplitude, start, _HALVINGS)
+def _of_amplitude(scenario: Scenario) -> Solve[Cycle]:
+    return lambda amplitude, near: solve(scenario, amplitude, near)
 
 
 def cycle_at(scenario: Scenario, spin: float) -> Cycle:
@@ -189,34 +158,22 @@ def cycle_at(scenario: Scenario, spin: float) -> Cycle:
         If the iteration fails.
     """
     require_collocation(scenario)
-    spin, hopf = number("spin", spin), critical_speed(scenario).spin
-    spins = [hopf]
-    before: Cycle | None = None
-    for last in _followed(scenario, _amplitudes(scenario)):
-        if (last.spin - spin) * (spins[-1] - spin) <= 0.0 and spin != hopf:
-            return _between(scenario, spin, before, last)
-        spins.append(last.spin)
-        before = last
+    spin = number("spin", spin)
+    before = hopf_cycle(scenario)
+    spins = [before.spin]
+    for cycle in _from_hopf_point(scenario, _amplitudes(scenario)):
+        part = (spin - before.spin) / (cycle.spin - before.spin)
+        if 0.0 < part <= 1.0:
+            # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
+            low, high = before.amplitude**2, cycle.amplitude**2
+            amplitude = float(np.sqrt(low + part * (high - low)))
+            return solve(scenario, amplitude, cycle, spin=spin)
+        spins.append(cycle.spin)
+        before = cycle
     raise ValueError(
         f"spin must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
         f"cycles, got {spin:.9g}"
     )
-
-
-def _between(scenario: Scenario, spin: float, first: Cycle | None, last: Cycle) -> Cycle:
-    # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
-    found = {last.amplitude**2: last} | ({} if first is None else {first.amplitude**2: first})
-
-    def miss(square: float) -> float:
-        if square == 0.0:
-            return critical_speed(scenario).spin - spin
-        if square not in found:
-            found[square] = _reach(scenario, float(np.sqrt(square)), first)
-        return found[square].spin - spin
-
-    low = 0.0 if first is None else first.amplitude**2
-    brentq(miss, low, last.amplitude**2, xtol=1e-13, rtol=1e-13)
-    return min(found.values(), key=lambda cycle: abs(cycle.spin - spin))
 
 
 def bifurcations(family: CycleFamily) -> tuple[Bifurcation, ...]:
@@ -227,24 +184,6 @@ def bifurcations(family: CycleFamily) -> tuple[Bifurcation, ...]:
     NoCycleError
         If an iteration between two of its cycles fails.
     """
-    return tuple(
-        _located(family.scenario, kind, first, last)
-        for first, last in pairwise(family.cycles)
-        for kind in _CROSSINGS
-        if _test(first, kind) * _test(last, kind) < 0.0
-    )
-
-
-def _located(scenario: Scenario, kind: BifurcationKind, first: Cycle, last: Cycle) -> Bifurcation:
-    cycle = locate(
-        lambda amplitude: _reach(scenario, amplitude, first),
-        lambda each: _test(each, kind),
-        {first.amplitude: first, last.amplitude: last},
-    )
-    return Bifurcation(kind=kind, cycle=cycle)
-
-
-def _test(cycle: Cycle, kind: BifurcationKind) -> float:
-    """Characteristic polynomial of the mirrored half period, which changes sign there."""
-    weak, strong = cycle.half_multiplier, cycle.strong_half_multiplier
-    return (weak - _CROSSINGS[kind]) * (strong - _CROSSINGS[kind])
+    tests = characteristics(_MULTIPLIERS)
+    found = sign_changes(_of_amplitude(family.scenario), family.cycles, tests)
+    return tuple(Bifurcation(kind=kind, cycle=cycle) for kind, cycle in found)

@@ -1,26 +1,23 @@
 """The reduced system as a flow of many states at once, with exact derivatives.
 
 States are deviations from inverted spinning, (beta - pi/2, gamma - pi/2, beta'): in them the flow
-is odd. Derivatives come from a complex step, which has no rounding error to speak of. The friction
-law may have a kink in its second derivative at zero slip: the force, its slope and so the Jacobian
-are continuous there, so that variational equations need no jump conditions.
+is odd. Derivatives come from dual numbers. The friction law may have a kink in its second
+derivative at zero slip: the force, its slope and so the Jacobian are continuous there, so that
+variational equations need no jump conditions.
 """
 
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from analysis.data.checks import Array
+from analysis.data.checks import Array, number
+from analysis.data.elementary import cos, sin
 from analysis.data.scenario import Scenario
+from analysis.mechanics.dual import Dual, dual
 from analysis.mechanics.reduced import acceleration_from
-from analysis.stability.scope import require_spinning
-
-_STEP = 1e-100
-"""Complex step; its square vanishes beside anything."""
-
-Columns = npt.NDArray[Any]
+from analysis.mechanics.vectors import Numbers
+from analysis.stability.linearisation import require_spinning
 
 
 def require_cycles(scenario: Scenario) -> None:
@@ -50,13 +47,21 @@ def require_steepness(scenario: Scenario, steepest: float) -> None:
         )
 
 
+def open_amplitude(value: float) -> float:
+    """Return an amplitude in rad; `ValueError` unless it lies between 0 and pi, both excluded."""
+    result = number("amplitude", value)
+    if not 0.0 < result < np.pi:
+        raise ValueError(f"amplitude must lie between 0 and {np.pi:.6g} rad, got {result:g}")
+    return result
+
+
 def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:
     """Time derivative of deviations from inverted spinning.
 
     Parameters
     ----------
     scenario : Scenario
-        See `reduced.acceleration`.
+        See `reduced.solver`.
     spin : float
         In rad/s.
     x : ndarray, shape (3, n)
@@ -66,29 +71,12 @@ def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:
     -------
     ndarray, shape (3, n)
     """
-    friction = scenario.friction
 
     def force(slip: Array) -> Array:
-        speeds = np.abs(slip)
-        result: Array = slip * np.array([friction.per_speed(speed) for speed in speeds.tolist()])
+        result: Array = slip * _each(scenario.friction.per_speed, np.abs(slip))
         return result
 
-    return np.array(_derivative(scenario, spin, x, force), dtype=float)
-
-
-def analytic(
-    scenario: Scenario, spin: float, x: Columns, force: Callable[[Columns], Columns]
-) -> Columns:
-    """Right-hand side at complex deviations, shape (3, n), with an analytic friction force.
-
-    Parameters
-    ----------
-    scenario, spin, x
-        See `right_hand_side`; the friction law of the scenario is not looked at.
-    force : callable
-        From the slip in m/s to the force against it for each newton of load.
-    """
-    return np.array(_derivative(scenario, spin, x, force))
+    return np.array(derivative(scenario, spin, x, force), dtype=float)
 
 
 def derivatives(scenario: Scenario, spin: float, x: Array) -> tuple[Array, Array, Array]:
@@ -98,29 +86,44 @@ def derivatives(scenario: Scenario, spin: float, x: Array) -> tuple[Array, Array
     """
     friction = scenario.friction
 
-    def force(slip: Columns) -> Columns:
-        # All rows are one state, stepped in different directions.
-        real = slip[0].real
-        speeds = np.abs(real).tolist()
-        per_speed = np.array([friction.per_speed(speed) for speed in speeds])
-        slopes = np.array([friction.per_speed_slope(speed) for speed in speeds])
-        result: Columns = real * per_speed + 1j * slip.imag * (per_speed + slopes * speeds)
-        return result
+    def force(slip: Dual) -> Dual:
+        speeds = np.abs(slip.value)
+        per_speed = _each(friction.per_speed, speeds)
+        slope = per_speed + speeds * _each(friction.per_speed_slope, speeds)
+        return Dual(slip.value * per_speed, slope * slip.change)
 
-    steps = 1j * _STEP * np.eye(4)[:, :, None]
-    stepped = x[None, :, :] + steps[:, :3]
-    values = _derivative(scenario, spin + steps[:, 3], stepped.transpose(1, 0, 2), force)
-    changes = np.array(values).imag / _STEP
-    right: Array = np.array([value[0].real for value in values])
+    *state, turning = (
+        Dual(value, axis) for value, axis in zip((*x, spin), np.eye(4)[:, :, None], strict=True)
+    )
+    rates = [dual(rate) for rate in derivative(scenario, turning, state, force)]
+    changes = np.array([np.broadcast_to(rate.change, (4, x.shape[1])) for rate in rates])
+    right: Array = np.array([rate.value for rate in rates])
     return right, changes[:, :3].transpose(2, 0, 1), changes[:, 3]
 
 
-def _derivative(
-    scenario: Scenario, spin: Any, x: Columns, force: Callable[[Columns], Columns]
-) -> list[Columns]:
+def derivative(
+    scenario: Scenario, spin: Any, x: Numbers, force: Callable[[Any], Any]
+) -> tuple[Any, Any, Any]:
+    """Time derivative of deviations from inverted spinning, for numbers of any kind.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its friction law is not looked at.
+    spin : number
+        In rad/s.
+    x : sequence of 3 numbers
+        See `right_hand_side`.
+    force : callable
+        From the slip in m/s to the force against it for each newton of load.
+    """
     tilt, turn, rate = x
-    sin_tilt = np.sin(tilt)
-    directions = np.cos(tilt), -sin_tilt, np.cos(turn), -np.sin(turn)
+    sin_tilt = sin(tilt)
+    directions = cos(tilt), -sin_tilt, cos(turn), -sin(turn)
     acceleration = acceleration_from(scenario, spin, directions, rate, force)
-    zero = 0.0 * sin_tilt
-    return [rate + zero, spin * sin_tilt, acceleration]
+    return rate, spin * sin_tilt, acceleration
+
+
+def _each(function: Callable[[float], float], values: Array) -> Array:
+    """Values of a friction law, which takes floats alone."""
+    return np.array([function(value) for value in values.tolist()])

@@ -11,24 +11,22 @@ Y. A. Kuznetsov, "Elements of Applied Bifurcation Theory": A q = i omega q, A^T 
 <p, q> = 1, l_1 = Re <p, C(q, q, conj q)> / (2 omega).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
+from analysis.mechanics.dual import Dual, dual
 from analysis.nonlinear import flow
 from analysis.stability.linear_reduced import critical_speed, reduced_matrices
+from analysis.stability.linearisation import ComplexArray
 
-ComplexArray = npt.NDArray[np.complex128]
 HopfKind = Literal["supercritical", "subcritical", "degenerate"]
 
-_CIRCLE = 16
-"""Points on a circle in the complex plane from which a Taylor coefficient is taken."""
-
-_RADIUS = 0.1
 _NOTHING = 1e-9
 
 
@@ -83,17 +81,7 @@ def hopf_type(scenario: Scenario) -> HopfType:
     q = q / q[1]
     p = _eigenvector(A.T, -hopf.frequency)
     p = p / np.conj(np.vdot(p, q))
-    u, w = q.real, q.imag
-
-    def mixed(first: Array, second: Array) -> Array:
-        """C(first, second, second) from third derivatives along single directions."""
-        both = _cubic(scenario, hopf.spin, first + second)
-        both = both + _cubic(scenario, hopf.spin, first - second)
-        result: Array = (both - 2.0 * _cubic(scenario, hopf.spin, first)) / 6.0
-        return result
-
-    C = _cubic(scenario, hopf.spin, u) + mixed(u, w)
-    C = C + 1j * (mixed(w, u) + _cubic(scenario, hopf.spin, w))
+    C = _third_derivative(scenario, hopf.spin, (q, q, q.conj()))
     disk = scenario.disk
     turning = disk.eccentricity * hopf.spin * q[1]
     slip = (disk.radius + disk.eccentricity) * q[2] + turning
@@ -113,18 +101,23 @@ def _eigenvector(A: Array, frequency: float) -> ComplexArray:
     return result
 
 
-def _cubic(scenario: Scenario, spin: float, direction: Array) -> Array:
-    """Third derivative of the flow along a direction, shape (3,), by Cauchy's integral.
+def _third_derivative(
+    scenario: Scenario, spin: float, directions: Sequence[ComplexArray]
+) -> ComplexArray:
+    """Third derivative of the flow along three directions, shape (3,).
 
     With friction in proportion to slip, the flow is analytic; see the top of the file.
     """
-    circle = np.exp(2j * np.pi * np.arange(_CIRCLE) / _CIRCLE)
+    # A dual number in the first direction of one in the second of one in the third: zero, with
+    # a change by one of them at each level.
+    x: list[Any] = [0.0, 0.0, 0.0]
+    for direction in directions:
+        x = [Dual(value, change) for value, change in zip(x, direction.tolist(), strict=True)]
     gradient = scenario.friction.gradient
-    values = flow.analytic(
-        scenario, spin, _RADIUS * circle * direction[:, None], lambda slip: gradient * slip
-    )
-    coefficient: Array = (values @ circle**-3).real / _CIRCLE / _RADIUS**3
-    return 6.0 * coefficient
+    rates: Any = flow.derivative(scenario, spin, x, lambda slip: gradient * slip)
+    for _ in directions:
+        rates = [dual(rate).change for rate in rates]
+    return np.array(rates, dtype=complex)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -11,16 +11,10 @@ import numpy as np
 
 from analysis.data.checks import number
 from analysis.data.scenario import Scenario
-from analysis.nonlinear.collocation import Mesh, NoCycleError, require_collocation, solve
+from analysis.nonlinear.collocation import NoCycleError, require_collocation, solve
 from analysis.nonlinear.cycle import Cycle
 from analysis.nonlinear.family import cycle_at, cycle_family
-from analysis.nonlinear.shooting import open_amplitude
-
-_ITERATIONS = 10
-_SPIN_ERROR = 1e-11
-"""Steps of the secant method to a spin, and how near it has to come, in parts of the spin."""
-
-_FIRST_STEP = 1.01
+from analysis.nonlinear.flow import open_amplitude
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,15 +71,12 @@ def cycles_over(
         raise ValueError(f"amplitude or spin must be given, got {amplitude} and {spin}")
     for scenario in scenarios:
         require_collocation(scenario)
-    if amplitude is not None:
-        amplitude = open_amplitude(amplitude)
-    wanted = None if spin is None else number("spin", spin)
+    amplitude = None if amplitude is None else open_amplitude(amplitude)
+    spin = None if spin is None else number("spin", spin)
     cycles: list[Cycle] = []
-    reason = None
     for scenario in scenarios:
         try:
-            last = cycles[-1] if cycles else None
-            cycles.append(_next(scenario, amplitude, wanted, last))
+            cycles.append(_next(scenario, amplitude, spin, cycles))
         except (NoCycleError, ValueError) as error:
             if not cycles:
                 raise
@@ -94,39 +85,18 @@ def cycles_over(
                 f"{error}; the last good one is cycle {len(cycles)} of {len(scenarios)}, with "
                 f"{last.amplitude:.9g} rad at a spin of {last.spin:.9g} rad/s"
             )
-            break
-    return CyclesOver(cycles=tuple(cycles), reason=reason)
+            return CyclesOver(cycles=tuple(cycles), reason=reason)
+    return CyclesOver(cycles=tuple(cycles))
 
 
 def _next(
-    scenario: Scenario, amplitude: float | None, spin: float | None, last: Cycle | None
+    scenario: Scenario, amplitude: float | None, spin: float | None, before: Sequence[Cycle]
 ) -> Cycle:
-    try:
-        if last is not None and amplitude is not None:
-            return solve(scenario, amplitude, Mesh.of(last))
-        if last is not None and spin is not None:
-            return _by_secants(scenario, spin, last)
-    except NoCycleError:
-        pass
+    if before:
+        try:
+            return solve(scenario, amplitude or before[-1].amplitude, before[-1], spin=spin)
+        except NoCycleError:
+            pass
     if spin is not None:
         return cycle_at(scenario, spin)
     return cycle_family(scenario, np.array([amplitude])).cycles[-1]
-
-
-def _by_secants(scenario: Scenario, spin: float, last: Cycle) -> Cycle:
-    """The cycle at a spin from one of nearly the same amplitude; see `_between` of the family."""
-    cycle = solve(scenario, last.amplitude, Mesh.of(last))
-    before, miss_before = last.amplitude**2, cycle.spin - spin
-    square = before * _FIRST_STEP
-    for _ in range(_ITERATIONS):
-        if not 0.0 < square < 9.8:
-            break
-        cycle = solve(scenario, square**0.5, Mesh.of(cycle))
-        miss = cycle.spin - spin
-        if abs(miss) < _SPIN_ERROR * abs(spin):
-            return cycle
-        if miss == miss_before:
-            break
-        slope = (miss - miss_before) / (square - before)
-        before, miss_before, square = square, miss, square - miss / slope
-    raise NoCycleError(f"no periodic motion found at a spin of {spin:.9g} rad/s")

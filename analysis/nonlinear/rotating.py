@@ -7,26 +7,18 @@ noninverted spinning, from zero at the connection on; as a parameter it passes f
 """
 
 from dataclasses import dataclass
-from functools import partial
-from itertools import pairwise
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import solve_ivp
 
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
-from analysis.mechanics import reduced
-from analysis.nonlinear.collocation import (
-    NoCycleError,
-    collocated_period,
-    period_values,
-    require_collocation,
-)
-from analysis.nonlinear.cycle import WholePeriod, is_stable
-from analysis.nonlinear.following import followed, locate
+from analysis.nonlinear.collocation import NoCycleError, require_collocation, solve
+from analysis.nonlinear.cycle import INVERTED, Ends, WholePeriod, characteristics, is_stable
 from analysis.nonlinear.heteroclinic import Connection, fall, heteroclinic_connection
+from analysis.stability.continuation import followed, gathered, sign_changes
 from analysis.stability.linear_reduced import critical_speed
 
 TILTS: Array = np.concatenate(
@@ -35,16 +27,8 @@ TILTS: Array = np.concatenate(
 """Tilts in rad from near the connection to a disk that is nearly flat."""
 
 _BESIDE = (0.02, 0.005, 0.001)
-"""Distances from the connection at which one may settle, in parts of that to the Hopf point."""
-
-_TURNS = 40
-_SETTLED = 3e-3
-"""Turns within which it has to settle; relative change over a turn that is near enough."""
-
-_LONGEST = 100.0
-"""Longest turn in s."""
-
-_HALVINGS = 5
+"""Distances from the connection at which the first is looked for, in parts of that to the Hopf
+point."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,7 +44,26 @@ class Rotation(WholePeriod):
         `WholePeriod`.
     """
 
+    ends = Ends(held=1, at=-np.pi, follows=0, turn=2.0 * np.pi)
+    noun = "rotating motion with a tilt"
     tilt: float
+
+    @classmethod
+    def of(cls, value: float, larger: float, **fields: Any) -> Self:
+        """See `PeriodicMotion`."""
+        return cls(tilt=value, multiplier=larger, **fields)
+
+    @property
+    def value(self) -> float:
+        """The tilt in rad."""
+        return self.tilt
+
+    @property
+    def flaw(self) -> str | None:
+        """Why this is not what was looked for, if it is not."""
+        # A disk that is flat on the way has left the plane in which it can be seen to rotate.
+        flat = np.max(np.abs(self.states[:, 0] - INVERTED[0])) >= np.pi / 2
+        return "the disk would fall flat on the way" if flat else None
 
     @property
     def stable(self) -> bool | None:
@@ -120,7 +123,7 @@ def rotating_family(
     NoConnectionError
         If there is no connection.
     NoCycleError
-        If the motions next to it are unstable, so that none settles there.
+        If none is found beside it.
     """
     wanted = real_array("tilts", TILTS if tilts is None else tilts)
     proper = wanted.ndim == 1 and wanted.size and np.all(np.diff(wanted, prepend=0.0) > 0.0)
@@ -128,21 +131,16 @@ def rotating_family(
         raise ValueError(f"tilts must rise strictly between 0 and pi/2, got {tilts!r}")
     require_collocation(scenario)
     connection = heteroclinic_connection(scenario)
-    first = _settled(scenario, connection)
+    first = _first(scenario, connection)
     split = int(np.searchsorted(wanted, first.tilt))
-    found: list[Rotation] = []
-    reason = None
-    for way in (wanted[:split][::-1], wanted[split:]):
-        solve = partial(rotation, scenario)
-        try:
-            for each in followed(solve, way, first, lambda each: each.tilt, _HALVINGS):
-                found.append(each)
-                if progress is not None:
-                    progress(float(len(found)), float(wanted.size))
-        except NoCycleError as error:
-            reason = str(error)
-    found.sort(key=lambda each: each.tilt)
-    return RotationFamily(connection=connection, rotations=tuple(found), reason=reason)
+    ways = (wanted[:split][::-1], wanted[split:])
+    found, reason = gathered(
+        *(followed(_solved, first, way.tolist()) for way in ways),
+        progress=progress,
+        wanted=wanted.size,
+    )
+    rotations = tuple(sorted(found, key=lambda each: each.tilt))
+    return RotationFamily(connection=connection, rotations=rotations, reason=reason)
 
 
 def folds(family: RotationFamily) -> tuple[Rotation, ...]:
@@ -153,101 +151,44 @@ def folds(family: RotationFamily) -> tuple[Rotation, ...]:
     NoCycleError
         If an iteration between two neighbours fails.
     """
-    return tuple(
-        locate(
-            partial(rotation, first.scenario, start=first),
-            lambda each: each.multiplier - 1.0,
-            {first.tilt: first, last.tilt: last},
-        )
-        for first, last in pairwise(family.rotations)
-        if (first.multiplier - 1.0) * (last.multiplier - 1.0) < 0.0
-    )
+    found = sign_changes(_solved, family.rotations, characteristics({"fold": 1.0}))
+    return tuple(each for _, each in found)
 
 
-def rotation(scenario: Scenario, tilt: float, start: Rotation) -> Rotation:
-    """Find the rotating motion of a tilt, from one near it.
-
-    Raises
-    ------
-    NoCycleError
-        If the iteration does not converge.
-    """
-
-    def ends(first: Array, last: Array, _: Array) -> Array:
-        return np.array(
-            (
-                first[0] - tilt,
-                first[1] + np.pi,
-                last[0] - tilt,
-                last[1] - np.pi,
-                last[2] - first[2],
-            )
-        )
-
-    found = collocated_period(start, ends)
-    # A disk that is flat on the way has left the plane in which it can be seen to rotate.
-    flat = np.max(np.abs(found.y[0])) >= np.pi / 2
-    if found.status != 0 or np.min(found.p) <= 0.0 or flat:
-        why = "the disk would fall flat on the way" if flat else "the collocation fails"
-        raise NoCycleError(f"no rotating motion found with a tilt of {tilt:.9g} rad: {why}")
-    return Rotation(tilt=tilt, **period_values(scenario, found))
+def _solved(tilt: float, start: Rotation) -> Rotation:
+    return solve(start.scenario, tilt, start)
 
 
-def _settled(scenario: Scenario, connection: Connection) -> Rotation:
-    """The one to which the motion from noninverted spinning settles beside the connection."""
+def _first(scenario: Scenario, connection: Connection) -> Rotation:
+    """The one that a motion from noninverted spinning beside the connection leads to."""
     width = abs(critical_speed(scenario).spin - connection.spin)
-    for part in _BESIDE:
-        sides = (connection.spin - part * width, connection.spin + part * width)
-        ways = {spin: fall(scenario, spin) for spin in sides}
-        for spin, way in ways.items():
-            if way.miss > 0.0:
-                try:
-                    return _settled_at(scenario, spin, way.states[-1])
-                except NoCycleError:
-                    continue
-    raise NoCycleError(
-        f"no rotating motion settles beside the connection at {connection.spin:.9g} rad/s"
+    for distance in width * np.array(_BESIDE):
+        for spin in (connection.spin - distance, connection.spin + distance):
+            try:
+                return _beside(scenario, spin)
+            except NoCycleError:
+                continue
+    raise NoCycleError(f"no rotating motion found beside {connection.spin:.9g} rad/s")
+
+
+def _beside(scenario: Scenario, spin: float) -> Rotation:
+    way = fall(scenario, spin)
+    tilts, turns = (way.states - INVERTED).T[:2]
+    if way.miss < 0.0 or np.max(turns) < np.pi:
+        raise NoCycleError(f"the motion turns back at {spin:.9g} rad/s")
+    # A turn begins as tilted as it ends.
+    last = int(np.argmax(turns >= np.pi))
+    tilt = float(tilts[last])
+    turn = slice(int(np.argmax(tilts >= tilt)), last + 1)
+    times = way.times[turn] - way.times[turn][0]
+    start = Rotation(
+        scenario=scenario,
+        spin=spin,
+        tilt=tilt,
+        period=float(times[-1]),
+        times=times,
+        states=way.states[turn],
+        multiplier=1.0,
+        log_strong=-np.inf,
     )
-
-
-def _settled_at(scenario: Scenario, spin: float, state: Array) -> Rotation:
-    tilt = 0.0
-    for _ in range(_TURNS):
-        times, states = _turn(scenario, spin, state)
-        state, before, tilt = states[-1].copy(), tilt, float(states[-1, 0]) - np.pi / 2
-        if tilt > 0.0 and abs(tilt - before) < _SETTLED * tilt:
-            states[:, 1] -= state[1] - 1.5 * np.pi
-            rough = Rotation(
-                scenario=scenario,
-                spin=spin,
-                tilt=tilt,
-                period=float(times[-1]),
-                times=times,
-                states=states,
-                multiplier=np.nan,
-                log_strong=np.nan,
-            )
-            return rotation(scenario, tilt, rough)
-    raise NoCycleError(f"no rotating motion settles at {spin:.9g} rad/s")
-
-
-def _turn(scenario: Scenario, spin: float, state: Array) -> tuple[Array, Array]:
-    """Times, shape (n,), and states, (n, 3), until gamma is a turn further, noninverted."""
-    goal = 1.5 * np.pi + 2 * np.pi * np.round((state[1] - 1.5 * np.pi) / (2 * np.pi) + 1.0)
-
-    def turned(_: float, x: Array) -> float:
-        return float(x[1] - goal)
-
-    turned.terminal = True  # type: ignore[attr-defined]
-    run = solve_ivp(
-        reduced.right_hand_side(scenario, spin),
-        (0.0, _LONGEST),
-        state,
-        method="LSODA",
-        rtol=1e-10,
-        atol=1e-11,
-        events=turned,
-    )
-    if not run.t_events[0].size:
-        raise NoCycleError(f"no rotating motion settles at {spin:.9g} rad/s: the disk falls")
-    return run.t, run.y.T.copy()
+    return _solved(tilt, start)

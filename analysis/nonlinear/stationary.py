@@ -11,20 +11,26 @@ A search from many starts finds them, and a continuation follows them through fo
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from analysis.data.checks import Array, number, positive, whole
+from analysis.data.elementary import sin
 from analysis.data.scenario import Scenario
-from analysis.data.start import Motion
 from analysis.mechanics import recorded
 from analysis.mechanics.constraints import SLIPS, places, velocities
+from analysis.mechanics.dual import Dual, dual
+from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import state_of
-from analysis.stability.linear_reduced import ComplexArray
-from analysis.stability.linear_stationary import stationary_eigenvalues
-from analysis.stability.scope import require_spinning, spin_scale
-from analysis.stability.spectra import matrices_over_spin
+from analysis.stability.continuation import Bound, Curve
+from analysis.stability.linearisation import (
+    ComplexArray,
+    require_spinning,
+    spin_scale,
+    stationary_eigenvalues,
+)
 
 STARTS = 40
 """Attitudes and places from which a search begins."""
@@ -34,7 +40,9 @@ _NEARLY_UPRIGHT = (-0.02, -0.02, 1.55, -3.0), (0.02, 0.02, 1.6, 3.0)
 """Least and largest x / r, y / r, beta and gamma of starts."""
 
 _SMALL = 1e-10
-_SLOPE_STEP = 1e-6
+_PARAMETER_STEP = 1e-6
+"""Of differences by a parameter, in its unit: what it changes is told by a function alone."""
+
 _SPIN_UNIT = 20.0
 _STEP = 0.03
 """Spins along a branch are in these rad/s; length of its steps."""
@@ -42,6 +50,9 @@ _STEP = 0.03
 _SAME = 1e-6
 _FLAT = 0.02
 """Inclination from flat in rad below which the Euler angles end, and nothing is looked for."""
+
+_MIRROR: Array = np.array((0.0, 0.0, np.pi, np.pi))
+"""A place and its mirror image add up to this."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,6 +115,23 @@ class StationaryMotion:
         """Whether the disk is not upright."""
         return abs(self.beta - np.pi / 2) > _SAME
 
+    @classmethod
+    def at(
+        cls, scenario: Scenario, spin: float, place: Array, value: float | None = None
+    ) -> "StationaryMotion":
+        """That of a place, x / r, y / r, beta and gamma; the parameter is the spin by default."""
+        r = scenario.disk.radius
+        x, y, beta, gamma = (place * (r, r, 1.0, 1.0)).tolist()
+        return cls(
+            spin=spin,
+            x=x,
+            y=y,
+            beta=beta,
+            gamma=gamma,
+            eigenvalues=stationary_eigenvalues(scenario, spin, (x, y, beta, gamma)),
+            value=spin if value is None else value,
+        )
+
 
 def stationary_motions(
     scenario: Scenario, spin: float, starts: int = STARTS
@@ -146,52 +174,82 @@ def stationary_motions(
     for begin in begins:
         place = _solved(scenario, spin, begin)
         if place is not None:
-            # Its mirror image is one, too.
-            mirror = np.array((0.0, 0.0, np.pi, np.pi)) + place * -1.0
-            mirror[3] = np.angle(np.exp(1j * mirror[3]))
-            found.extend(each for each in (place, mirror) if _is_new(each, found))
+            found.extend(each for each in (place, _turned(_MIRROR - place)) if _new(each, found))
     found.sort(key=lambda place: -float(place[3]))
-    return tuple(_motion(scenario, spin, place, spin) for place in found)
+    return tuple(StationaryMotion.at(scenario, spin, place) for place in found)
 
 
-def _is_new(place: Array, found: list[Array]) -> bool:
+def _new(place: Array, found: list[Array]) -> bool:
     return all(np.max(np.abs(place - each)) > _SAME for each in found)
+
+
+def _turned(place: Array) -> Array:
+    """The same with gamma between -pi and pi."""
+    result: Array = np.append(place[:3], np.angle(np.exp(1j * place[3])))
+    return result
 
 
 def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     """A root as x / r, y / r, beta, gamma; None if the iteration ends elsewhere."""
-    lowest, highest = (-3.0, -3.0, _FLAT, -10.0), (3.0, 3.0, np.pi - _FLAT, 10.0)
     found = least_squares(
-        lambda place: _residual(scenario, spin, place),
+        lambda place: _residual(scenario, spin, np.append(place, spin)),
         begin,
-        bounds=(lowest, highest),
+        jac=lambda place: _slopes(scenario, spin, np.append(place, spin))[1][:, :4],
+        bounds=((-3.0, -3.0, _FLAT, -10.0), (3.0, 3.0, np.pi - _FLAT, 10.0)),
         xtol=1e-15,
         ftol=1e-15,
         gtol=1e-15,
     )
     if np.max(np.abs(found.fun)) > _SMALL or np.any(found.active_mask):
         return None
-    place = np.array(found.x)
-    place[3] = np.angle(np.exp(1j * place[3]))
-    return place
+    return _turned(found.x)
 
 
-def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
-    disk, unit = scenario.disk, spin**2 + spin_scale(scenario) ** 2
-    x, y, beta, gamma = disk.radius * place[0], disk.radius * place[1], place[2], place[3]
-    coordinates = (x, y, disk.radius * np.sin(beta), 0.0, beta, gamma)
-    state = np.array(state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))).tolist()
-    rates = np.array(recorded.solver(scenario)(*state)[6:12]) / unit
-    held = scenario.constraints
-    slips = tuple(each for each in SLIPS if each in held)
-    return np.concatenate(
-        (
-            rates[:2] / disk.radius,
-            rates[3:],
-            np.array(velocities(slips, disk, state)) / (spin * disk.radius),
-            np.array(places(held, disk, state)[1:]) / disk.radius,
-        )
-    )
+def _balance(scenario: Scenario, about: float, solve: Solver, *point: Any) -> list[Any]:
+    """What is zero in a stationary motion, without units, for numbers of any kind.
+
+    All but the vertical acceleration, which the contact holds; what else is held, too.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    about : float
+        A spin in rad/s, about which the spins are.
+    solve : callable
+        That of `recorded.solver`, or `recorded.dual_solver`.
+    *point : 5 numbers
+        x / r, y / r, beta, gamma and the spin in rad/s.
+    """
+    x, y, beta, gamma, spin = point
+    disk, held = scenario.disk, scenario.constraints
+    r, unit = disk.radius, about**2 + spin_scale(scenario) ** 2
+    coordinates = r * x, r * y, r * sin(beta), 0.0, beta, gamma
+    state = state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
+    ahead, across, _, *turning = solve(*state)[6:12]
+    no_slips = tuple(each for each in SLIPS if each in held)
+    slips = velocities(no_slips, disk, state) if no_slips else []
+    away = places(held, disk, state)[1:] if "fixed-cog" in held else []
+    return [
+        *(each / (r * unit) for each in (ahead, across)),
+        *(each / unit for each in turning),
+        *(each / (about * r) for each in slips),
+        *(each / r for each in away),
+    ]
+
+
+def _residual(scenario: Scenario, about: float, point: Array) -> Array:
+    """What is zero in a stationary motion at a point, shape (k,)."""
+    return np.array(_balance(scenario, about, recorded.solver(scenario), *point.tolist()))
+
+
+def _slopes(scenario: Scenario, about: float, point: Array) -> tuple[Array, Array]:
+    """What is zero in a stationary motion at a point, shape (k,), and its Jacobian, (k, 5)."""
+    moving = [Dual(*each) for each in zip(point.tolist(), np.eye(5), strict=True)]
+    found = [
+        dual(each) for each in _balance(scenario, about, recorded.dual_solver(scenario), *moving)
+    ]
+    changes = [np.broadcast_to(each.change, 5) for each in found]
+    return np.array([each.value for each in found]), np.array(changes)
 
 
 def stationary_branch(
@@ -240,9 +298,10 @@ def stationary_branch(
     if not interval[0] <= value <= interval[1] or (parameter is None and interval[0] <= 0.0):
         allowed = "positive spins" if parameter is None else "values"
         raise ValueError(f"interval must be one of {allowed} about {value:g}, got {interval}")
-    line = _Line(scenario, start.spin, parameter)
+    scale = _SPIN_UNIT if parameter is None else parameter.unit
     r = scenario.disk.radius
-    point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / line.unit))
+    point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / scale))
+    line = _Line(scenario, start.spin, parameter, scale)
     ways = [_followed(line, point, sign, interval, most) for sign in (-1.0, 1.0)]
     return tuple(line.motion(p) for p in [*reversed(ways[0]), point, *ways[1]])
 
@@ -254,85 +313,61 @@ class _Line:
     scenario: Scenario
     spin: float
     parameter: Parameter | None
+    unit: float
 
-    @property
-    def unit(self) -> float:
-        return _SPIN_UNIT if self.parameter is None else self.parameter.unit
-
-    def at(self, point: Array) -> tuple[Scenario, float]:
+    def _at(self, point: Array) -> tuple[Scenario, float]:
         """Scenario and spin of a point."""
         value = self.unit * float(point[4])
         if self.parameter is None:
             return self.scenario, value
         return self.parameter.change(value), self.spin
 
-    def residual(self, point: Array) -> Array:
-        return _residual(*self.at(point), point[:4])
-
-    def slopes(self, point: Array) -> Array:
-        steps = _SLOPE_STEP * np.eye(5)
-        pairs = ((self.residual(point + way), self.residual(point - way)) for way in steps)
-        return np.column_stack([(a - b) / (2.0 * _SLOPE_STEP) for a, b in pairs])
-
-    def ends(self, how: str, point: Array) -> ArithmeticError:
-        """Error that says how the branch ends, and its last good motion."""
-        return ArithmeticError(
-            f"the branch of stationary motions {how} beyond {self.unit * point[4]:.9g} with beta "
-            f"{point[2]:.6g} and gamma {point[3]:.6g} rad"
-        )
-
     def motion(self, point: Array) -> StationaryMotion:
-        return _motion(*self.at(point), point[:4], self.unit * float(point[4]))
+        """Stationary motion of a point."""
+        return StationaryMotion.at(*self._at(point), point[:4], self.unit * float(point[4]))
+
+    def equations(self, point: Array) -> tuple[Array, Array]:
+        """What is zero in a stationary motion, and its Jacobian, (k,) and (k, 5)."""
+        scenario, spin = self._at(point)
+        place = np.append(point[:4], spin)
+        residual, slopes = _slopes(scenario, self.spin, place)
+        slopes = slopes * (1.0, 1.0, 1.0, 1.0, self.unit)
+        if self.parameter is not None:
+            ahead, behind = (
+                _residual(self._at(point + side)[0], self.spin, place)
+                for side in _PARAMETER_STEP * np.outer((1.0, -1.0), np.eye(5)[4])
+            )
+            slopes[:, 4] = (ahead - behind) / (2.0 * _PARAMETER_STEP)
+        return residual, slopes
 
 
 def _followed(
-    line: _Line, point: Array, sign: float, interval: tuple[float, float], most: int
+    line: _Line, start: Array, sign: float, interval: tuple[float, float], most: int
 ) -> list[Array]:
-    found: list[Array] = []
-    along, step = np.array((0.0, 0.0, 0.0, 0.0, sign)), _STEP
-    while True:
-        # The direction in which nothing changes to first order, the same way on as before.
-        tangent = np.linalg.svd(line.slopes(point))[2][-1]
-        tangent = tangent * np.sign(tangent @ along) if found or tangent @ along else tangent
-        following = _corrected(line, point + step * tangent, tangent)
-        if following is None:
-            step /= 2.0
-            if step < _STEP / 64:
-                raise line.ends("fails", point)
-            continue
-        point, along, step = following, tangent, min(_STEP, 1.5 * step)
-        if not interval[0] <= line.unit * point[4] <= interval[1] or _is_upright(point):
-            return found
-        if len(found) == most:
-            raise line.ends(f"has more than {most} motions one way, and goes on", found[-1])
-        found.append(point)
-
-
-def _corrected(line: _Line, guess: Array, tangent: Array) -> Array | None:
-    point = guess.copy()
-    for _ in range(8):
-        residual = np.append(line.residual(point), tangent @ (point - guess))
-        if np.max(np.abs(residual)) < _SMALL:
-            return point
-        matrix = np.vstack((line.slopes(point), tangent))
-        point = point - np.linalg.lstsq(matrix, residual, rcond=None)[0]
-    return None
+    """Points one way from a start, up to where the branch is left or meets upright spinning."""
+    found = [start]
+    bounds = [Bound("value", 4, end / line.unit, end == interval[1]) for end in interval]
+    points = Curve(line.equations).points(
+        start,
+        np.array((0.0, 0.0, 0.0, 0.0, sign)),
+        step=_STEP,
+        largest=lambda _: _STEP,
+        bounds=bounds,
+        most=most,
+    )
+    try:
+        for point, _ in points:
+            if _is_upright(point) or np.cos(point[3]) * np.cos(start[3]) < 0.0:
+                break
+            found.append(point)
+    except ArithmeticError as error:
+        last = found[-1]
+        raise ArithmeticError(
+            f"the branch of stationary motions {error} beyond {line.unit * last[4]:.9g} with beta "
+            f"{last[2]:.6g} and gamma {last[3]:.6g} rad"
+        ) from error
+    return found[1:]
 
 
 def _is_upright(place: Array) -> bool:
     return bool(abs(place[2] - np.pi / 2) < _SAME and abs(abs(place[3]) - np.pi / 2) < _SAME)
-
-
-def _motion(scenario: Scenario, spin: float, place: Array, value: float) -> StationaryMotion:
-    r = scenario.disk.radius
-    x, y, beta, gamma = r * float(place[0]), r * float(place[1]), float(place[2]), float(place[3])
-    if _is_upright(place):
-        upright: Motion = "inverted" if gamma > 0.0 else "noninverted"
-        matrix = matrices_over_spin(scenario, None, upright)(np.array([spin]))[0]
-        found = np.linalg.eigvals(matrix).astype(complex)
-        values = found[np.lexsort((-found.imag, -found.real))]
-    else:
-        values = stationary_eigenvalues(scenario, spin, (x, y, beta, gamma))
-    return StationaryMotion(
-        spin=spin, x=x, y=y, beta=beta, gamma=gamma, eigenvalues=values, value=value
-    )

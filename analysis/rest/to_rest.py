@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from math import pi, sqrt
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -34,7 +33,7 @@ from analysis.data.state import State
 from analysis.data.trajectory import versions
 from analysis.data.watch import Progress, Watch
 from analysis.mechanics.free_body import FreeBody
-from analysis.models.effort import rest_effort
+from analysis.solve.effort import contact_time, rest_effort
 
 RestMethod = Literal["LSODA", "DOP853", "RK45"]
 REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
@@ -315,11 +314,6 @@ def _with_unit_quaternions(states: Array) -> Array:
     states = states.copy()
     states[:, 3:7] /= np.linalg.norm(states[:, 3:7], axis=1)[:, None]
     return states
-
-
-def contact_time(scenario: Scenario) -> float:
-    """Half a period in s of the disk on its contact: steps no longer find every impact."""
-    return pi / sqrt(scenario.penalty_contact.stiffness * scenario.disk.contact_mobility)
 
 
 def sampled(model: FreeBody, times: Array, states: Array) -> dict[str, Any]:

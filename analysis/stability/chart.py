@@ -13,16 +13,8 @@ from analysis.data.checks import Array, float_array
 from analysis.data.friction import ViscousFriction
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.linear_full import (
-    full_system,
-    signed_eccentricity,
-    spin_array,
-    without_drift,
-)
-from analysis.stability.scope import require_spinning
-
-_ROUND_OFF = 1e-11
-"""Real parts below this part of the largest eigenvalue count as zero."""
+from analysis.stability.linear_full import full_system, signed_eccentricity
+from analysis.stability.linearisation import ROUND_OFF, require_spinning, spin_array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -53,8 +45,7 @@ def with_gradient(scenario: Scenario, gradient: float) -> Scenario:
 
 def gradient_matrices(scenario: Scenario, spins: Array, gradient: float, motion: Motion) -> Array:
     """State matrices of the full system without the drift pair, shape (n, 6, 6)."""
-    system = full_system(scenario, spins, motion, gradient=gradient)
-    return without_drift(spins, system.state_matrices)
+    return full_system(scenario, spins, motion, gradient=gradient).relevant_matrices
 
 
 def stability_chart(
@@ -86,7 +77,7 @@ def stability_chart(
     unstable = np.empty((gradients.size, spins.size), dtype=int)
     for row, gradient in enumerate(gradients.tolist()):
         values = np.linalg.eigvals(gradient_matrices(scenario, spins, gradient, motion))
-        floor = _ROUND_OFF * np.max(np.abs(values), axis=1, keepdims=True)
+        floor = ROUND_OFF * np.max(np.abs(values), axis=1, keepdims=True)
         unstable[row] = np.sum(values.real > floor, axis=1)
     return StabilityChart(motion=motion, spins=spins, gradients=gradients, unstable=unstable)
 

@@ -1,20 +1,25 @@
 """Corners of the stability chart: where two stability boundaries of the full system meet."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import combinations
-from math import log
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root
 
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.stability.chart import static_gradient
-from analysis.stability.hopf_curves import LEAST_FREQUENCY, HopfCurve
-from analysis.stability.hopf_points import CONVERGED, ExtendedSystem
-from analysis.stability.scope import spin_scale
+from analysis.stability.hopf_curves import LEAST_FREQUENCY, ExtendedSystem, HopfCurve
+from analysis.stability.linearisation import spin_scale
+
+Kind = Literal["double hopf", "zero hopf", "double zero"]
+
+Equations = Callable[[Array], tuple[Array, Array]]
+
+_SMALL = 1e-9
+"""Residual of a corner, at most."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,7 +38,7 @@ class Corner:
         Imaginary parts of the critical pairs in rad/s.
     """
 
-    kind: Literal["double hopf", "zero hopf", "double zero"]
+    kind: Kind
     spin: float
     gradient: float
     frequencies: tuple[float, ...]
@@ -82,48 +87,28 @@ def _points(scenario: Scenario, curve: HopfCurve) -> Array:
 
 def _static_corners(scenario: Scenario, curve: HopfCurve) -> list[Corner]:
     """Crossings of a Hopf curve with the static curve, its own end on it aside."""
-    scale = spin_scale(scenario)
     free = curve.frequencies > 2 * LEAST_FREQUENCY
-    points = _points(scenario, curve)[free]
-    static = static_gradient(scenario, curve.spins[free], curve.motion)
-    above = curve.gradients[free] > static
+    points, scale = _points(scenario, curve)[free], spin_scale(scenario)
+
+    def above(spin: float | Array) -> Array:
+        """Logarithm of the static gradient at spins over the scale."""
+        return np.log(static_gradient(scenario, np.asarray(spin) * scale, curve.motion))
+
+    over = points[:, 1] > above(points[:, 0])
+    crossed = np.diff(over) & np.isfinite(np.diff(above(points[:, 0])))
     result = []
-    for index in np.nonzero(np.diff(above) & np.isfinite(static[:-1] + static[1:]))[0].tolist():
-        system = ExtendedSystem(scenario, curve.motion, points[index])
-        x = _static_corner(system, points[index], points[index + 1])
-        spin, gradient, frequency = x[0] * scale, np.exp(x[1]), x[2] * scale
-        result.append(
-            Corner(
-                kind="zero hopf",
-                spin=float(spin),
-                gradient=float(gradient),
-                frequencies=(float(frequency),),
-            )
-        )
+    for guess in points[:-1][crossed]:
+        hopf = ExtendedSystem(scenario, curve.motion, guess).residual
+
+        def equations(x: Array, hopf: Equations = hopf) -> Array:
+            return np.append(hopf(x)[0], x[1] - above(x[0]))
+
+        result.append(_corner("zero hopf", _refined(equations, guess, scale), scale))
     return result
 
 
-def _static_corner(system: ExtendedSystem, start: Array, end: Array) -> Array:
-    """Point between two Hopf points at which the static curve passes."""
-    chord = end - start
-
-    def point(part: float) -> Array:
-        guess = start + part * chord
-        found = system.correct(guess, chord, float(chord @ guess))
-        if found is None:
-            raise ArithmeticError(f"Hopf curve lost at spin {guess[0] * system.scale:g} rad/s")
-        return found[0]
-
-    def above(part: float) -> float:
-        x = point(part)
-        static = static_gradient(system.scenario, x[0] * system.scale, system.motion)[0]
-        return float(x[1] - log(static))
-
-    return point(float(brentq(above, 0.0, 1.0, xtol=1e-14)))
-
-
 def _double_hopf(scenario: Scenario, one: HopfCurve, other: HopfCurve) -> list[Corner]:
-    """Crossings of two Hopf curves: crossings of their chords, refined by Newton's method."""
+    """Crossings of two Hopf curves, begun where their chords cross."""
     scale = spin_scale(scenario)
     first, second = _points(scenario, one), _points(scenario, other)
     # p + s a = q + t b for every pair of chords
@@ -135,37 +120,31 @@ def _double_hopf(scenario: Scenario, one: HopfCurve, other: HopfCurve) -> list[C
         t = (gap[..., 0] * a[..., 1] - gap[..., 1] * a[..., 0]) / area
     result = []
     for i, j in np.argwhere((s >= 0) & (s < 1) & (t >= 0) & (t < 1)).tolist():
-        meeting = first[i] + s[i, j] * (first[i + 1] - first[i])
-        partner = second[j] + t[i, j] * (second[j + 1] - second[j])
-        x = np.append(meeting, partner[2])
-        systems = (
-            ExtendedSystem(scenario, one.motion, meeting),
-            ExtendedSystem(scenario, other.motion, partner),
+        meeting = first[i] + s[i, j] * a[i, 0]
+        partner = second[j] + t[i, j] * b[0, j]
+        both = (
+            ExtendedSystem(scenario, one.motion, meeting).residual,
+            ExtendedSystem(scenario, other.motion, partner).residual,
         )
-        x = _meet(systems, x)
-        result.append(
-            Corner(
-                kind="double hopf",
-                spin=float(x[0] * scale),
-                gradient=float(np.exp(x[1])),
-                frequencies=(float(x[2] * scale), float(x[3] * scale)),
-            )
-        )
+
+        def equations(x: Array, both: tuple[Equations, Equations] = both) -> Array:
+            return np.append(both[0](x[:3])[0], both[1](x[[0, 1, 3]])[0])
+
+        x = _refined(equations, np.append(meeting, partner[2]), scale)
+        result.append(_corner("double hopf", x, scale))
     return result
 
 
-def _meet(systems: tuple[ExtendedSystem, ExtendedSystem], x: Array) -> Array:
-    """Newton's method for a common point (Omega / s, ln delta) with two frequencies."""
-    for _ in range(12):
-        residuals, jacobian = np.empty(4), np.zeros((4, 4))
-        for half, system in enumerate(systems):
-            unknowns = [0, 1, 2 + half]
-            rows = slice(2 * half, 2 * half + 2)
-            residuals[rows], jacobian[rows, unknowns] = system.residual(x[unknowns])
-        step = np.linalg.solve(jacobian, -residuals)
-        x = x + step
-        if np.max(np.abs(step)) < CONVERGED:
-            return x
-    raise ArithmeticError(
-        f"no common point of two Hopf curves near {systems[0].scale * x[0]:g} rad/s"
+def _refined(equations: Callable[[Array], Array], guess: Array, scale: float) -> Array:
+    """Root of as many equations as unknowns (Omega / s, ln delta, frequencies / s)."""
+    found = root(equations, guess, tol=1e-13)
+    if not np.max(np.abs(found.fun)) < _SMALL:
+        raise ArithmeticError(f"no meeting of two boundaries near {scale * guess[0]:g} rad/s")
+    return np.array(found.x)
+
+
+def _corner(kind: Kind, x: Array, scale: float) -> Corner:
+    spin, *frequencies = (np.delete(x, 1) * scale).tolist()
+    return Corner(
+        kind=kind, spin=spin, gradient=float(np.exp(x[1])), frequencies=tuple(frequencies)
     )

@@ -7,81 +7,99 @@ Turning the body frame by pi about its z axis swaps the two motions and the sign
 eccentricity and changes nothing else, so noninverted spinning has the same matrices with -e.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, choice, float_array, within
+from analysis.data.checks import Array, choice
 from analysis.data.disk import Disk
-from analysis.data.limits import FASTEST_TURN
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
-from analysis.stability.scope import require_spinning
+from analysis.stability.linearisation import require_spinning, spin_array
 
-FULL_COORDINATES = ("x", "y", "beta", "gamma")
-"""Coordinates of the full linear system, in order; its states add their rates."""
+Matrix = tuple[tuple[Any, ...], ...]
+
+
+def printed_matrices(
+    *, m: Any, r: Any, e: Any, A: Any, B: Any, C: Any, mg: Any, D: Any = None
+) -> dict[str, Matrix]:
+    """Entries of Eqs. (48)-(54), of numbers of any kind, by the paper's names.
+
+    With the signs of Eq. (48), friction enters as + d D_C and + d Omega B_C with the force d =
+    mu m g / epsilon: the paper prints (53) and (54) with a minus, which would feed energy in. The
+    powers of Omega are left out: D + G = d D_C + Omega G_h and K + N = Omega² K_h + K_f + d Omega
+    B_C. M is Eq. (49), G_h (50), K_h (51), K_f (52), D_C (53) and B_C (54); D abbreviates A - B -
+    C, unless another number is given.
+    """
+    me, D = m * e, A - B - C if D is None else D
+    return {
+        "M": ((m, 0, 0, -me), (0, m, -me, 0), (0, -me, B, 0), (-me, 0, 0, C)),
+        "G_h": (
+            (0, -2 * m, 2 * me, 0),
+            (2 * m, 0, 0, -2 * me),
+            (-2 * me, 0, 0, -D),
+            (0, 2 * me, D, 0),
+        ),
+        "K_h": ((-m, 0, 0, me), (0, -m, me, 0), (0, me, A - C, 0), (me, 0, 0, A - B)),
+        "K_f": ((0, 0, 0, 0), (0, 0, 0, 0), (0, 0, -mg * (e + r), 0), (0, 0, 0, -mg * e)),
+        "D_C": ((1, 0, 0, r), (0, 1, r, 0), (0, r, r * r, 0), (r, 0, 0, r * r)),
+        "B_C": ((0, -1, -r, 0), (1, 0, 0, 0), (r, 0, 0, 0), (0, -r, -r * r, 0)),
+    }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FullLinearSystem:
-    """Matrices of Eq. (55) for a stack of spins.
+    """Eq. (55) for a stack of spins.
 
     Parameters
     ----------
-    motion : {"inverted", "noninverted"}
     spins : ndarray, shape (n,)
         Spinning speeds in rad/s (paper: Omega).
-    mass : ndarray, shape (n, 4, 4)
-        Symmetric mass matrix M, Eq. (49).
-    damping : ndarray, shape (n, 4, 4)
-        Symmetric damping matrix D, Eq. (53).
-    gyroscopic : ndarray, shape (n, 4, 4)
-        Skew-symmetric gyroscopic matrix G, Eq. (50).
-    stiffness : ndarray, shape (n, 4, 4)
-        Symmetric stiffness matrix K: Eqs. (51), (52) and the symmetric part of (54).
-    circulatory : ndarray, shape (n, 4, 4)
-        Skew-symmetric circulatory matrix N, the skew part of Eq. (54).
+    mass : ndarray, shape (4, 4)
+        M.
+    by_rate, by_place : ndarray, shape (n, 4, 4)
+        D + G and K + N.
     """
 
-    motion: Motion
     spins: Array
     mass: Array
-    damping: Array
-    gyroscopic: Array
-    stiffness: Array
-    circulatory: Array
+    by_rate: Array
+    by_place: Array
+
+    @classmethod
+    def of(cls, printed: Mapping[str, npt.ArrayLike], spins: Array, d: float) -> Self:
+        """System of `printed_matrices` with a friction force d in N s/m."""
+        M, G_h, K_h, K_f, D_C, B_C = (np.array(each, dtype=float) for each in printed.values())
+        Omega = spins[:, None, None]
+        by_place = Omega**2 * K_h + K_f + d * Omega * B_C
+        return cls(spins=spins, mass=M, by_rate=d * D_C + Omega * G_h, by_place=by_place)
 
     @property
     def state_matrices(self) -> Array:
         """Matrices of the first-order form in (z, z'), shape (n, 8, 8)."""
         result = np.zeros((self.spins.size, 8, 8))
         result[:, :4, 4:] = np.eye(4)
-        result[:, 4:, :4] = -np.linalg.solve(self.mass, self.stiffness + self.circulatory)
-        result[:, 4:, 4:] = -np.linalg.solve(self.mass, self.damping + self.gyroscopic)
+        result[:, 4:, :4] = -np.linalg.solve(self.mass, self.by_place)
+        result[:, 4:, 4:] = -np.linalg.solve(self.mass, self.by_rate)
         return result
 
+    @property
+    def relevant_matrices(self) -> Array:
+        """The same without the drift, shape (n, 6, 6).
 
-def spin_array(spins: npt.ArrayLike) -> Array:
-    """Return `spins` as a float array, shape (n,), n >= 1; a single number gives n = 1.
-
-    Raises
-    ------
-    ValueError
-        If it holds no real numbers, is empty, has more than one dimension, is not finite or
-        exceeds `FASTEST_TURN`.
-    """
-    result = np.atleast_1d(float_array("spins", spins))
-    if result.ndim != 1 or result.size == 0:
-        raise ValueError(
-            f"spins must be one-dimensional with at least 1 entry, got shape {result.shape}"
-        )
-    if not np.all(np.isfinite(result)):
-        worst = result[~np.isfinite(result)][0]
-        raise ValueError(f"spins must be finite numbers in rad/s, got {worst}")
-    fastest = float(result[np.argmax(np.abs(result))])
-    within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
-    return result
+        The table is homogeneous: a disk spinning elsewhere spins just as well. In the R-frame,
+        which turns with the disk, a place fixed on the table circles with -Omega, which gives
+        every (8, 8) matrix the pair of eigenvalues +-i Omega exactly, whatever the friction. In
+        the states (beta, gamma, inertial velocity of G along e_x^R and e_y^R, rates of beta and
+        gamma) the place does not occur any more, and the other six eigenvalues stand alone.
+        """
+        change = np.zeros((self.spins.size, 8, 8))
+        change[:, 4, 1], change[:, 5, 0] = -self.spins, self.spins
+        turned = (np.eye(8) + change) @ self.state_matrices @ (np.eye(8) - change)
+        return np.ascontiguousarray(turned[:, 2:, 2:])
 
 
 def signed_eccentricity(disk: Disk, motion: Motion) -> float:
@@ -105,9 +123,8 @@ def full_system(
 ) -> FullLinearSystem:
     """Linearise the full system about a spinning motion, Eqs. (48)-(55).
 
-    With the signs of Eq. (48), friction enters as + D_C and + B_C: the paper prints (53) and (54)
-    with a minus, which would feed energy in. Load "weight" and load "contact" have the same
-    linearisation, because the contact force is m g up to second order, Eq. (40).
+    Load "weight" and load "contact" have the same linearisation, because the contact force is m g
+    up to second order, Eq. (40).
 
     Parameters
     ----------
@@ -125,59 +142,20 @@ def full_system(
         If a spin is not finite, there is none, the motion is unknown or the scenario another one.
     """
     require_spinning(scenario, "the full system", 1)
-    disk, Omega = scenario.disk, spin_array(spins)
-    e = signed_eccentricity(disk, motion)
-    m, r, mg, me = disk.mass, disk.radius, scenario.weight, disk.mass * e
-    A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
-    d = (scenario.friction.gradient if gradient is None else gradient) * mg
-    D = A - B - C
-    M = ((m, 0, 0, -me), (0, m, -me, 0), (0, -me, B, 0), (-me, 0, 0, C))
-    G_h = ((0, -2 * m, 2 * me, 0), (2 * m, 0, 0, -2 * me), (-2 * me, 0, 0, -D), (0, 2 * me, D, 0))
-    K_h = ((-m, 0, 0, me), (0, -m, me, 0), (0, me, A - C, 0), (me, 0, 0, A - B))
-    K_f = np.diag((0.0, 0.0, -mg * (e + r), -mg * e))
-    D_C = d * np.array(((1, 0, 0, r), (0, 1, r, 0), (0, r, r * r, 0), (r, 0, 0, r * r)))
-    B_C = d * np.array(((0, -1, -r, 0), (1, 0, 0, 0), (r, 0, 0, 0), (0, -r, -r * r, 0)))
-    first, second = Omega[:, None, None], Omega[:, None, None] ** 2
-    ones = np.ones_like(first)
-    return FullLinearSystem(
-        motion=motion,
-        spins=Omega,
-        mass=ones * np.array(M),
-        damping=ones * D_C,
-        gyroscopic=first * np.array(G_h),
-        stiffness=second * np.array(K_h) + K_f + first * (B_C + B_C.T) / 2,
-        circulatory=first * (B_C - B_C.T) / 2,
-    )
+    spins = spin_array(spins)
+    d = (scenario.friction.gradient if gradient is None else gradient) * scenario.weight
+    return FullLinearSystem.of(printed_matrices(**paper_numbers(scenario, motion)), spins, d)
 
 
-def without_drift(spins: Array, matrices: Array) -> Array:
-    """Take the drift out of state matrices of the full system: shape (n, 8, 8) to (n, 6, 6).
-
-    The table is homogeneous: a disk spinning elsewhere spins just as well. In the R-frame, which
-    turns with the disk, a place fixed on the table circles with -Omega, which gives every
-    (n, 8, 8) matrix the pair of eigenvalues +-i Omega exactly, whatever the friction. In the
-    states (beta, gamma, inertial velocity of G along e_x^R and e_y^R, rates of beta and gamma)
-    the place does not occur any more, and the other six eigenvalues stand alone.
-
-    Parameters
-    ----------
-    spins : ndarray, shape (n,)
-        Spinning speeds in rad/s.
-    matrices : ndarray, shape (n, 8, 8)
-        State matrices in (x, y, beta, gamma) and their rates.
-
-    Raises
-    ------
-    ArithmeticError
-        If the place does matter, so that the matrices are not those of a homogeneous table.
-    """
-    change = np.zeros((spins.size, 8, 8))
-    change[:, 4, 1], change[:, 5, 0] = -spins, spins
-    turned = (np.eye(8) + change) @ matrices @ (np.eye(8) - change)
-    scale = np.max(np.abs(turned), axis=(1, 2))
-    coupling = np.max(np.abs(turned[:, 2:, :2]), axis=(1, 2)) / scale
-    if np.max(coupling) > 1e-6:
-        raise ArithmeticError(
-            f"drift does not separate: relative coupling to the place {np.max(coupling):.1e}"
-        )
-    return np.ascontiguousarray(turned[:, 2:, 2:])
+def paper_numbers(scenario: Scenario, motion: Motion = "inverted") -> dict[str, float]:
+    """Numbers of `printed_matrices` by the paper's names."""
+    disk = scenario.disk
+    return {
+        "m": disk.mass,
+        "r": disk.radius,
+        "e": signed_eccentricity(disk, motion),
+        "A": disk.inertia_x,
+        "B": disk.inertia_y,
+        "C": disk.inertia_z,
+        "mg": scenario.weight,
+    }

@@ -16,13 +16,8 @@ import numpy.typing as npt
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.linear_full import signed_eccentricity, spin_array
-from analysis.stability.scope import require_spinning
-
-ComplexArray = npt.NDArray[np.complex128]
-
-REDUCED_STATES = ("beta", "gamma", "beta_rate")
-"""States of the reduced linear system, in order."""
+from analysis.stability.linear_full import signed_eccentricity
+from analysis.stability.linearisation import ComplexArray, require_spinning, spin_array
 
 
 def reduced_matrices(

@@ -5,21 +5,18 @@ held. "size" scales all lengths at the same density: radius and eccentricity gro
 mass with its cube, the moments of inertia with its fifth power; the friction law stays.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from math import exp, log
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
-from analysis.data.disk import Disk
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.chart import static_gradient
+from analysis.mechanics.dual import derivatives
 from analysis.stability.critical import Crossing, critical_speeds
-from analysis.stability.hopf_points import ExtendedSystem
-from analysis.stability.scope import spin_scale
+from analysis.stability.linear_full import printed_matrices, signed_eccentricity
 
 DISK_PARAMETERS: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {
@@ -44,7 +41,7 @@ DISK_PARAMETERS: Mapping[str, Mapping[str, int]] = MappingProxyType(
 FRICTION_GRADIENT = "friction_gradient"
 """The one further parameter of the full system, mu / epsilon."""
 
-_STEP = 1e-3
+_FIELDS = ("eccentricity", "inertia_x", "inertia_y", "inertia_z", "radius", "mass")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,6 +99,8 @@ def full_sensitivities(
 ) -> tuple[Sensitivity, ...]:
     """Logarithmic derivatives of every critical speed of the full system in an interval.
 
+    They are exact: what a parameter does to the real part of the eigenvalue, the spin undoes.
+
     Parameters
     ----------
     scenario : Scenario
@@ -113,9 +112,7 @@ def full_sensitivities(
     Raises
     ------
     ValueError
-        If the interval or the motion is out of range, the scenario is another one, or the disk
-        stands at a bound of what a rigid body can be, so that a parameter cannot be varied to
-        both sides.
+        If the interval or the motion is out of range, or the scenario is another one.
     """
     found = critical_speeds(scenario, interval, "full", motion)
     return tuple(
@@ -125,56 +122,35 @@ def full_sensitivities(
 
 
 def _sensitivities(scenario: Scenario, crossing: Crossing, motion: Motion) -> dict[str, float]:
-    gradient = scenario.friction.gradient
+    disk, sign = scenario.disk, np.sign(signed_eccentricity(scenario.disk, motion))
+    gravity = scenario.weight / disk.mass
 
-    def by_disk(parameter: str) -> float:
-        def speed(change: float) -> float:
-            disk = _scaled(scenario.disk, parameter, exp(change))
-            return _speed(replace(scenario, disk=disk), gradient, crossing, motion)
+    def pencil(numbers: Sequence[Any]) -> list[Any]:
+        """Entries of lambda² M + lambda (D + G) + K + N."""
+        eigenvalue, Omega, delta, e, A, B, C, r, m = numbers
+        mg = gravity * m
+        printed = printed_matrices(m=m, r=r, e=sign * e, A=A, B=B, C=C, mg=mg)
+        M, G_h, K_h, K_f, D_C, B_C = (sum(rows, ()) for rows in printed.values())
+        square, turning, rubbing = eigenvalue * eigenvalue, Omega * Omega, delta * mg
+        return [
+            square * M[k]
+            + eigenvalue * (rubbing * D_C[k] + Omega * G_h[k])
+            + turning * K_h[k]
+            + K_f[k]
+            + rubbing * Omega * B_C[k]
+            for k in range(16)
+        ]
 
-        return _slope(speed)
-
-    def by_friction(change: float) -> float:
-        return _speed(scenario, gradient * exp(change), crossing, motion)
-
-    result = {name: by_disk(name) for name in DISK_PARAMETERS}
-    result[FRICTION_GRADIENT] = _slope(by_friction)
-    return result
-
-
-def _slope(speed: Callable[[float], float]) -> float:
-    """Derivative of the logarithm of `speed` at 0 by central differences of fourth order."""
-    fine = log(speed(_STEP) / speed(-_STEP)) / (2 * _STEP)
-    coarse = log(speed(2 * _STEP) / speed(-2 * _STEP)) / (4 * _STEP)
-    return (4 * fine - coarse) / 3
-
-
-def _scaled(disk: Disk, parameter: str, factor: float) -> Disk:
-    """Disk with one of `DISK_PARAMETERS` multiplied by `factor`."""
-    changes = {
-        field: getattr(disk, field) * factor**power
-        for field, power in DISK_PARAMETERS[parameter].items()
+    given = [crossing.spin, scenario.friction.gradient, *(getattr(disk, n) for n in _FIELDS)]
+    place = np.array([1j * crossing.frequency, *given])
+    left, _, right = np.linalg.svd(np.reshape(pencil(place.tolist()), (4, 4)))
+    w, v = left[:, -1].conj(), right[-1].conj()
+    slopes = np.einsum("i,ijk,j->k", w, derivatives(pencil, place).reshape(4, 4, -1), v)
+    growth = -(slopes[1:] / slopes[0]).real * given
+    by_friction, *by_field = (-growth[1:] / growth[0]).tolist()
+    by_name = dict(zip(_FIELDS, by_field, strict=True))
+    values = {
+        name: sum(power * by_name[field] for field, power in fields.items())
+        for name, fields in DISK_PARAMETERS.items()
     }
-    try:
-        return replace(disk, **changes)
-    except ValueError as error:
-        raise ValueError(f"{parameter} cannot be varied by {factor - 1:+.1%}: {error}") from None
-
-
-def _speed(scenario: Scenario, gradient: float, near: Crossing, motion: Motion) -> float:
-    """Critical speed in rad/s next to that of a neighbouring disk or gradient."""
-    if near.kind == "static":
-        return float(
-            brentq(
-                lambda spin: float(static_gradient(scenario, spin, motion)[0]) - gradient,
-                0.95 * near.spin,
-                1.05 * near.spin,
-                xtol=1e-13,
-            )
-        )
-    scale = spin_scale(scenario)
-    guess = np.array((near.spin / scale, log(gradient), near.frequency / scale))
-    found = ExtendedSystem(scenario, motion, guess).correct(guess, np.eye(3)[1], guess[1])
-    if found is None:
-        raise ArithmeticError(f"critical speed near {near.spin:g} rad/s lost")
-    return float(found[0][0] * scale)
+    return {**values, FRICTION_GRADIENT: by_friction}

@@ -20,10 +20,17 @@ from scipy.optimize import linear_sum_assignment
 from analysis.data.checks import Array, choice
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
-from analysis.stability.linear_full import full_system, spin_array, without_drift
-from analysis.stability.linear_numeric import NumericSystem, has_drift, upright_gamma
-from analysis.stability.linear_reduced import ComplexArray, reduced_matrices
-from analysis.stability.scope import spin_scale
+from analysis.stability.linear_full import full_system
+from analysis.stability.linear_reduced import reduced_matrices
+from analysis.stability.linearisation import (
+    ZERO,
+    ComplexArray,
+    falling,
+    has_drift,
+    spin_array,
+    spin_scale,
+    spinning,
+)
 
 System = Literal["full", "reduced", "numeric"]
 SYSTEMS: tuple[System, ...] = get_args(System)
@@ -43,9 +50,6 @@ _BISECTIONS = 8
 
 _CLEAR = 0.3
 """A match is clear if it costs at most this part of the eigenvalue's next best match."""
-
-_ZERO = 1e-6
-"""Eigenvalues below this part of sqrt(g / r) are zeros that rounding has moved or split."""
 
 _TIE_BREAK = 1e-6
 """Weight of the convention for colliding eigenvalues against distance and angle."""
@@ -116,15 +120,15 @@ def matrices_over_spin(
     if system == "full":
 
         def full(spins: Array) -> Array:
-            matrices = full_system(scenario, spins, motion).state_matrices
-            return matrices if drift else without_drift(spins, matrices)
+            found = full_system(scenario, spins, motion)
+            return found.state_matrices if drift else found.relevant_matrices
 
         full(np.zeros(1))
         return full
     if system == "reduced":
         reduced_matrices(scenario, 0.0, motion)
         return lambda spins: reduced_matrices(scenario, spins, motion)
-    numeric = NumericSystem(scenario, upright_gamma(motion))
+    numeric = spinning(scenario, motion)
     return lambda spins: numeric.matrices(spins, drift=drift)
 
 
@@ -152,19 +156,6 @@ def state_matrices(
     return matrices_over_spin(scenario, system, motion, drift=True)(spin_array(spins))
 
 
-def relevant_matrices(
-    scenario: Scenario,
-    spins: npt.ArrayLike,
-    system: System | None = None,
-    motion: Motion = "inverted",
-) -> Array:
-    """State matrices without the drift pair, shape (n, k, k), k = 6, 4, 3, 3 for Models 1 to 4.
-
-    Arguments and errors are those of `state_matrices`.
-    """
-    return matrices_over_spin(scenario, system, motion)(spin_array(spins))
-
-
 def eigenvalues(
     scenario: Scenario,
     spins: npt.ArrayLike,
@@ -177,11 +168,10 @@ def eigenvalues(
     come in any order; arguments and errors are those of `state_matrices`.
     """
     spins = spin_array(spins)
-    matrices = relevant_matrices(scenario, spins, system, motion)
-    values: ComplexArray = np.linalg.eigvals(matrices).astype(complex)
+    values = np.linalg.eigvals(matrices_over_spin(scenario, system, motion)(spins))
     if has_drift(scenario.constraints):
         values = np.column_stack((values, 1j * spins, -1j * spins))
-    return np.take_along_axis(values, np.lexsort((-values.imag, -values.real)), axis=1)
+    return falling(values)
 
 
 def branches(
@@ -215,7 +205,7 @@ def branches(
     low, high = min(0.0, wanted[0]), max(0.0, wanted[-1])
     every = np.union1d(np.append(helper_spins(low, high), 0.0), wanted)
     matrices = matrices_over_spin(scenario, system, motion)
-    every, values, vectors = _refine(matrices, every, _ZERO * spin_scale(scenario))
+    every, values, vectors = _refine(matrices, every, ZERO * spin_scale(scenario))
     start = int(np.searchsorted(every, 0.0))
     order = _chain(_matches(every, values, vectors), _numbering(values[start]), start)
     values = np.take_along_axis(values, order, axis=1)[np.searchsorted(every, wanted)]

@@ -7,20 +7,22 @@ import numpy as np
 
 from analysis.data.dissipation import Dissipation
 from analysis.data.friction import ViscousFriction
-from analysis.data.limits import STEEPEST_FRICTION
+from analysis.data.quantities import STEEPEST_FRICTION
 from analysis.data.scenario import Scenario
 from analysis.data.start import Start
-from analysis.stability.linear_numeric import NumericSystem, has_drift
-from analysis.stability.scope import spin_scale
+from analysis.stability.linearisation import (
+    ROUND_OFF,
+    Linearisation,
+    has_drift,
+    spin_scale,
+    upright,
+)
 
 _EXACT = 1e-12
 """Largest deviation that rounding makes, in radii, rad and sqrt(g / r)."""
 
 _SLOWEST = 1e-4
 """Growth rate in sqrt(g / r) that counts; rounding may split zero eigenvalues by as much."""
-
-_ROUND_OFF = 1e-10
-"""Real parts of less than this part of the largest eigenvalue are none."""
 
 
 def unstable_start(scenario: Scenario) -> str | None:
@@ -43,12 +45,10 @@ def unstable_start(scenario: Scenario) -> str | None:
     spin, gamma = scenario.initial_state.rates[3], scenario.initial_state.coordinates[5]
     # Of friction only its slope at no slip matters, and neither its kink nor its load.
     friction = ViscousFriction(viscosity=min(scenario.friction.gradient, STEEPEST_FRICTION))
-    system = NumericSystem(
-        replace(
-            scenario, friction=friction, contact=None, dissipation=Dissipation(), start=Start()
-        ),
-        gamma,
+    ideal = replace(
+        scenario, friction=friction, contact=None, dissipation=Dissipation(), start=Start()
     )
+    system = Linearisation(ideal, upright(ideal, gamma))
     relative = spin / system.frequency
     rubbing = friction.gradient * scenario.disk.radius * system.frequency
     largest = 1.0 + relative**2 + rubbing * abs(relative)
@@ -56,7 +56,7 @@ def unstable_start(scenario: Scenario) -> str | None:
         return None
     values = np.linalg.eigvals(system.matrices(np.array([spin]), drift=False)[0])
     growth = float(np.max(values.real))
-    if growth <= _SLOWEST * system.frequency + _ROUND_OFF * np.max(np.abs(values)):
+    if growth <= _SLOWEST * system.frequency + ROUND_OFF * np.max(np.abs(values)):
         return None
     motion = "inverted" if sin(gamma) > 0.0 else "noninverted"
     if not scenario.disk.eccentricity:

@@ -99,9 +99,9 @@ def test_engine_runs_end_where_the_in_house_ones_do(
     scenario = Scenario(start=Start(gamma=-pi / 2 + 0.1 + 6 * pi))
     expected = analysis.simulate(scenario, LONG, tolerance=1e-10, stop_when=condition)
     found = mbs_models.simulate(
-        Scene(scenario, formulation), LONG, tolerance=1e-6, stop_when=condition
+        Scene(scenario, formulation), LONG, tolerance=1e-8, stop_when=condition
     )
-    check_same_ending(found, expected, 1e-9)
+    check_same_ending(found, expected, 1e-8)
     np.testing.assert_allclose(found.coordinates, expected.coordinates, atol=1e-7)
 
 

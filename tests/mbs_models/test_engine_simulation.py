@@ -20,10 +20,11 @@ from analysis import (
     Trajectory,
 )
 from mbs_models import EngineError, Integrator, Newton, Scene
-from mbs_models.build import build
 from mbs_models.extrapolation import BLIND, Ladder
-from mbs_models.passes import _even_stretches
+from mbs_models.newton import force_rounding
+from mbs_models.own_runs import even_spans
 from mbs_models.probe import Probe
+from mbs_models.scene import build
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
 
@@ -94,9 +95,9 @@ def test_uneven_times_give_the_same_motion_as_even_ones() -> None:
         np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=2e-4)
 
 
-def test_even_stretches_cover_all_times() -> None:
+def testeven_spans_cover_all_times() -> None:
     times = np.array([0.0, 1.0, 2.0, 2.5, 3.0, 7.0])
-    assert list(_even_stretches(times)) == [(0, 2, 1.0), (2, 2, 0.5), (4, 1, 4.0)]
+    assert list(even_spans(times)) == [(0, 2, 1.0), (2, 2, 0.5), (4, 1, 4.0)]
 
 
 @pytest.mark.parametrize("formulation", mbs_models.formulations(Scenario()))
@@ -278,7 +279,7 @@ def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, sp
         scene, [0.0, 1e-4, 2e-4], step=1e-4, integrator=strict, allow_pulling=True
     )
     assert run.counts["newton_iterations"] <= 8 * run.counts["steps"]
-    assert build(scene).force_rounding < 1e-11 * scene.scenario.weight
+    assert force_rounding(build(scene)) < 1e-11 * scene.scenario.weight
 
 
 def test_step_that_is_far_too_long_for_a_stiff_contact_is_the_engines_failure() -> None:

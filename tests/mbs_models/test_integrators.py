@@ -9,8 +9,8 @@ import analysis
 import mbs_models
 from analysis import Scenario, SmoothCoulomb, Trajectory
 from mbs_models import EngineError, Integrator, Newton, Scene
-from mbs_models.build import build
 from mbs_models.runs import run
+from mbs_models.scene import build
 from tests.helpers import model
 from tests.scenes import scene_of
 

@@ -8,7 +8,7 @@ import pytest
 
 import mbs_models
 from analysis import LEVELS, MODELS, STEEL_DISK, SmoothCoulomb, Start, State
-from mbs_models.build import build
+from mbs_models.scene import build
 from tests.helpers import model
 from tests.scenes import scene_of
 

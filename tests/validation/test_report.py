@@ -17,14 +17,14 @@ PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the table of the toy study."""
     folder = tmp_path_factory.mktemp("results")
-    report.measure(STUDY, folder, results=folder)
+    report.measure(STUDY, folder, results=folder, workers=0)
     return folder
 
 
 def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
     results: Path, tmp_path: Path
 ) -> None:
-    made = report.make(tmp_path, results=results, pages=PAGES)
+    made = report.make(tmp_path, results=results, pages=PAGES, workers=0)
     assert made.holds
     page = made.page.read_text()
     for shown in ("The largest is 4,", "Of <em>two</em> numbers.", "It grows.", "paper: Fig. 1"):
@@ -38,6 +38,7 @@ def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
 def test_a_second_call_measures_and_draws_nothing(
     results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # In processes of their own, as usual.
     first = report.make(tmp_path, results=results, pages=PAGES)
 
     def none(*_: object) -> None:
@@ -45,7 +46,9 @@ def test_a_second_call_measures_and_draws_nothing(
 
     monkeypatch.setattr(kit, "_run", lambda tasks, *_: iter(()) if not tasks else none())
     monkeypatch.setattr(report, "make_section", none)
-    assert report.make(tmp_path, results=results, pages=PAGES).sections == first.sections
+    assert (
+        report.make(tmp_path, results=results, pages=PAGES, workers=0).sections == first.sections
+    )
 
 
 def planted(results: Path, folder: Path, value: float) -> Path:
@@ -64,13 +67,13 @@ def test_a_wrong_stored_value_fails_the_report(
     value: float, results: Path, tmp_path: Path
 ) -> None:
     wrong = planted(results, tmp_path / "results", value)
-    made = report.make(tmp_path / "report", results=wrong, pages=PAGES)
+    made = report.make(tmp_path / "report", results=wrong, pages=PAGES, workers=0)
     assert not made.holds
     assert "checks FAIL" in made.page.read_text()
 
 
 def test_a_section_without_its_table_says_so_and_fails_the_report(tmp_path: Path) -> None:
-    made = report.make(tmp_path / "report", results=tmp_path, pages=PAGES)
+    made = report.make(tmp_path / "report", results=tmp_path, pages=PAGES, workers=0)
     assert {c.name for c in made.checks if not c.holds} == {"toy: table", "toy-section: section"}
 
 
@@ -85,11 +88,11 @@ def test_files_of_an_earlier_report_go_and_foreign_ones_stay(
     (tmp_path / "mine.csv").write_text("1\n")
     (tmp_path / "old.csv").write_text("1\n")
     (tmp_path / ".contents").write_text("old.csv\n")
-    report.make(tmp_path, results=results, pages=PAGES)
+    report.make(tmp_path, results=results, pages=PAGES, workers=0)
     assert (tmp_path / "mine.csv").is_file()
     assert not (tmp_path / "old.csv").is_file()
 
 
 def test_two_reports_do_not_work_in_one_folder(results: Path, tmp_path: Path) -> None:
     with report.locked(tmp_path), pytest.raises(OSError, match="another process works in it"):
-        report.make(tmp_path, results=results, pages=PAGES)
+        report.make(tmp_path, results=results, pages=PAGES, workers=0)

@@ -1,71 +1,60 @@
-"""What the subcommands that make a long study by itself do; each returns the exit code."""
+"""What the subcommands on the studies do; each returns the exit code."""
 
 import argparse
-from collections.abc import Callable, Sequence
-from functools import partial
-from pathlib import Path
-from typing import Any
+import textwrap
 
 from validation.commands.options import output_folder
-from validation.kit.clock import Clock
-from validation.kit.parts import Job
-from validation.kit.provenance import Provenance
-from validation.kit.report import Section, run_kept, write
-from validation.kit.tables import Table
 
-Results = dict[Any, Any]
+_WIDTH = 98
+"""Of a line."""
 
 
-def work_precision(options: argparse.Namespace) -> int:
-    """Measure error against run time; options are out, quick and fresh."""
-    from validation.studies.work_precision import section as study
-    from validation.studies.work_precision.jobs import WORKERS, jobs
+def report(options: argparse.Namespace) -> int:
+    """Write the report and print its verdicts and the checks that fail, or all of them."""
+    from analysis.data.files import whole_file
+    from validation.report import as_text, make
 
-    # The commit may move on while the study runs.
-    section = partial(study.section, quick=options.quick, provenance=Provenance.here())
-    page, made, _ = make(options, jobs(quick=options.quick), section, workers=WORKERS)
-    _print([table for table in made.tables if not table.file_only])
-    print(f"\nOpen {page}")
+    made = make(output_folder("out", options.out), only=options.only or (), fresh=options.fresh)
+    for section in made.sections:
+        held = sum(check.holds for check in section.checks)
+        print(f"{section.title}: {held} of {len(section.checks)} checks hold")
+        for verdict in section.verdicts:
+            said = f"{verdict.statement} {verdict.answer.capitalize()}: {verdict.numbers}"
+            print(_indented(f"{said} [{verdict.criterion}]"))
+        for check in section.checks:
+            if options.verbose or not check.holds:
+                word = "holds" if check.holds else "FAILS"
+                compared = f"{check.value}, limit {check.limit} ({check.where})"
+                print(_indented(f"{word}: {check.name}: {compared}"))
+        print()
+    if options.text is not None:
+        with whole_file(options.text) as stream:
+            stream.write(as_text(made).encode())
+    failed = sum(not check.holds for check in made.checks)
+    said = f"{failed} of {len(made.checks)} checks FAIL" if failed else "All checks hold"
+    if not made.holds and not failed:
+        said = "Nothing was measured on the spot"
+    print(f"{said}. Open {made.page}")
+    return 0 if made.holds else 1
+
+
+def _indented(text: str) -> str:
+    return textwrap.fill(text, _WIDTH, initial_indent="  ", subsequent_indent="      ")
+
+
+def study(options: argparse.Namespace) -> int:
+    """Measure the stored tables of a study anew, all cases of them."""
+    from validation.report import find, measure
+
+    folder = output_folder("out", options.out)
+    results = output_folder("results", options.results or options.out)
+    stored = [each for each in find(options.name).STUDIES if each.is_stored]
+    if not stored:
+        raise ValueError(
+            f"study must be one whose results are stored, got {options.name!r}, which every "
+            "report measures as a whole"
+        )
+    for each in stored:
+        table = measure(each, folder, results=results, fresh=options.fresh)
+        print(f"{results / each.name}.csv: {len(table)} rows of {len(each.cases())} cases")
     return 0
-
-
-def robustness(options: argparse.Namespace) -> int:
-    """Run the hard cases; options as of `work_precision`.
-
-    Returns 1 if a result came back as right and is not, or if a run took the interpreter down.
-    """
-    from validation.studies.robustness import section as study
-
-    section = partial(study.section, quick=options.quick)
-    page, made, results = make(options, study.jobs(quick=options.quick), section)
-    _print(made.tables[:2])
-    wrong = study.wrong(results)
-    verdict = "No case crashed or broke its promise" if not wrong else f"{wrong} cases FAIL"
-    print(f"\n{verdict}. Open {page}")
-    return 1 if wrong else 0
-
-
-def make(
-    options: argparse.Namespace,
-    jobs: Sequence[Job],
-    section: Callable[[Results], Section],
-    *,
-    workers: int | None = None,
-) -> tuple[Path, Section, Results]:
-    """Run what is not kept of the jobs, and write the page of their section."""
-    from validation.studies.full_report import STUDIES
-
-    folder, clock = output_folder("--out", options.out), Clock()
-    name = options.command.replace("_", "-")
-    (study,) = (each for each in STUDIES if each.name == name)
-    seconds = study.expected_seconds(quick=options.quick)
-    how: dict[str, Any] = {"workers": workers, "fresh": options.fresh, "seconds": seconds}
-    parts = run_kept(jobs, folder, title=name, **how)
-    results = {key: part.result for key, part in parts.items()}
-    made = section(results)
-    return write([made], folder, made=clock.sentence()), made, results
-
-
-def _print(tables: Sequence[Table]) -> None:
-    for table in tables:
-        print(f"\n{table.title}\n{table.to_text()}")

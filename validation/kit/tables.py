@@ -95,6 +95,10 @@ class Table:
         rows = [[cell(each) for cell in columns.values()] for each in items]
         return cls(columns=tuple(columns), rows=rows, **told)
 
+    def records(self) -> list[dict[str, Cell]]:
+        """Rows by their headings."""
+        return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
+
     def to_csv(self) -> str:
         """Comma-separated text with full precision."""
         stream = io.StringIO()

@@ -8,6 +8,7 @@ import base64
 import html
 import io
 from collections.abc import Iterable, Mapping
+from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -56,7 +57,12 @@ class Section:
         }
 
     def html(self, about: Mapping[str, Any], text: Path) -> str:
-        """The text with everything filled in.
+        """The text with everything filled in; the arguments are those of `filled`."""
+        filled = self.filled(about, text)
+        return str(MarkdownIt("commonmark", {"html": True}).enable("table").render(filled))
+
+    def filled(self, about: Mapping[str, Any], text: Path) -> str:
+        """The text with everything filled in, still as Markdown.
 
         Parameters
         ----------
@@ -71,28 +77,26 @@ class Section:
         jinja2.UndefinedError
             If it names what there is not.
         """
-        filled = (
-            environment(text.parent)
-            .get_template(text.name)
-            .render(
-                {
-                    **self._content.numbers,
-                    "about": about,
-                    "tables": self._content.tables,
-                    "table": self.table,
-                    "file": self.file,
-                    "figure": self.figure,
-                    "drawing": self.drawing,
-                    "animation": self.animation,
-                }
-            )
-        )
+        names = {
+            **self._content.numbers,
+            "about": about,
+            "tables": self._content.tables,
+            **{kind: getattr(self, kind) for kind in _KINDS},
+        }
+        filled = environment(text.parent).get_template(text.name).render(names)
         if self._left:
             raise ValueError(f"{text.name} leaves out {', '.join(sorted(self._left))}")
-        return str(MarkdownIt("commonmark", {"html": True}).enable("table").render(filled))
+        return filled
 
     def table(
-        self, name: str, title: str, note: str = "", worst: str = "", digits: int = 4
+        self,
+        name: str,
+        title: str,
+        note: str = "",
+        *,
+        worst: str = "",
+        rows: int = SHOWN,
+        digits: int = 4,
     ) -> str:
         """A table, of a long one some rows; all of it is in a file.
 
@@ -101,21 +105,26 @@ class Section:
         name, title, note : str
         worst : str
             The column whose largest values are shown of a long one; without it, the first rows.
+        rows : int
+            How many these are.
         digits : int
             Significant digits that are shown.
         """
-        table = _as_frame(self._content.tables[name])
         link = self.file(name)
-        shown = table
-        if len(table) > LONG:
-            shown = table if not worst else table.loc[_sizes(table[worst]).nlargest(SHOWN).index]
-            shown = shown.sort_index().head(SHOWN)
-            which = f"with the largest: {worst}" if worst else "the first"
-            title = f"{title} ({SHOWN} of {len(table)} rows, {which})"
+        shown, title = self._shown(name, title, worst, rows)
         return _block(
             f'<div class="table" id="{self.name}-{name}">{table_html(shown, title, digits)}</div>'
             f'<p class="note">{_inline(note)} <span class="files">{link}</span></p>'
         )
+
+    def _shown(self, name: str, title: str, worst: str, rows: int) -> tuple[pd.DataFrame, str]:
+        """The rows of a table that are shown, and its title with which these are."""
+        table = _as_frame(self._content.tables[name])
+        if len(table) <= max(LONG, rows):
+            return table, title
+        chosen = _sizes(table[worst]).nlargest(rows).index if worst else table.index[:rows]
+        which = f"with the largest: {worst}" if worst else "the first"
+        return table.loc[chosen].sort_index(), f"{title} ({rows} of {len(table)} rows, {which})"
 
     def file(self, name: str) -> str:
         """Put a whole table beside the page; a link to it."""
@@ -160,6 +169,59 @@ class Section:
         return f'<a href="{path}">{path}</a>'
 
 
+_KINDS = ("table", "file", "figure", "drawing", "animation")
+"""What a text may call."""
+
+
+class PlainSection(Section):
+    """The same for a page of Markdown by itself, which has no files beside it."""
+
+    def table(
+        self,
+        name: str,
+        title: str,
+        note: str = "",
+        *,
+        worst: str = "",
+        rows: int = SHOWN,
+        digits: int = 4,
+    ) -> str:
+        """A table as Markdown has it."""
+        self._left.discard(name)
+        shown, title = self._shown(name, title, worst, rows)
+        lines = [list(map(str, shown.columns)), ["---"] * shown.shape[1]]
+        lines += [[show(_value(cell), digits) for cell in row] for row in _cells(shown)]
+        body = "\n".join(f"| {' | '.join(c.replace('|', '∣') for c in line)} |" for line in lines)
+        return f"\n\n**{title}.** {note}\n\n{body}\n\n"
+
+    def file(self, name: str) -> str:
+        """The name of a file beside the report."""
+        self._left.discard(name)
+        return f"`{self.name}-{name}.csv`"
+
+    def figure(
+        self,
+        name: str,
+        title: str,
+        caption: str = "",
+        paper: str = "",
+        wide: bool = False,  # noqa: ARG002 # there is nothing to be wide
+    ) -> str:
+        """The title of a figure and what it is about."""
+        self._left.discard(name)
+        beside = f" (paper: {paper})" if paper else ""
+        return f"\n\n*Figure in the report: {title}{beside}.* {caption}\n\n"
+
+    def drawing(self, name: str, title: str, caption: str = "") -> str:
+        """The same of a drawing."""
+        return self.figure(name, title, caption)
+
+    def animation(self, name: str) -> str:
+        """Nothing: a page of text does not move."""
+        self._left.discard(name)
+        return ""
+
+
 def environment(folder: Path) -> Environment:
     """Templates of a folder, with the filters that they use."""
     made = Environment(
@@ -189,24 +251,29 @@ def table_html(table: pd.DataFrame, title: str = "", digits: int = 4) -> str:
     heads = [html.escape(str(name)) for name in table.columns]
     head = "".join(f"<th>{name}</th>" for name in heads)
     body = "".join(
-        "<tr>"
-        + "".join(_cell(c, name, digits) for c, name in zip(row, heads, strict=True))
-        + "</tr>"
-        for row in table.astype(object).itertuples(index=False, name=None)
+        f"<tr>{''.join(_cell(c, name, digits) for c, name in zip(row, heads, strict=True))}</tr>"
+        for row in _cells(table)
     )
     caption = f"<caption>{html.escape(title)}</caption>" if title else ""
     return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def _cell(value: Any, head: str, digits: int) -> str:
-    value = value.item() if hasattr(value, "item") else value
-    kind = ""
+def _cells(table: pd.DataFrame) -> list[tuple[Any, ...]]:
+    return list(table.astype(object).itertuples(index=False, name=None))
+
+
+def _value(cell: Any) -> Any:
+    """A cell as Python has it; a number that is none is missing."""
+    value = cell.item() if hasattr(cell, "item") else cell
+    return None if isinstance(value, float) and isnan(value) else value
+
+
+def _cell(cell: Any, head: str, digits: int) -> str:
+    value, kind = _value(cell), ""
     if isinstance(value, bool):
         kind = ' class="good"' if value else ' class="bad"'
     elif isinstance(value, int | float):
         kind = ' class="number"'
-    if isinstance(value, float) and value != value:  # noqa: PLR0124
-        value = None
     return f'<td{kind} data-head="{head}">{html.escape(show(value, digits))}</td>'
 
 

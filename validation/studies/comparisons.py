@@ -22,10 +22,10 @@ from analysis.data.endings import FLAT, TIME_LIMIT, Ending
 from analysis.data.trajectory import Source
 from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
-from mbs_models import IntegratorName, Scene
+from mbs_models import Scene
 from validation.kit.limits import largest
+from validation.kit.references import deviation
 from validation.run import run, run_effort, run_to_rest
-from validation.studies.robustness.reference import deviation
 from validation.studies.stability.eigenvalue_check import distance
 
 ANGLE_LIMIT = 1e-7
@@ -168,7 +168,8 @@ def _motion_difference(scene: Scene, end: float) -> Found:
             times,
             formulation=scene.built_as,
             tolerance=ANGLE_LIMIT,
-            integrator=own_solver(scene),
+            # Stepped by the engine as well, so that the sides share no solver.
+            integrator=own_integrator(scene),
             time_limit=LIMIT,
         )
     except (mbs_models.EngineError, FlatError) as error:
@@ -184,11 +185,9 @@ def _motion_difference(scene: Scene, end: float) -> Found:
     return deviation(engine, inhouse), f"over {engine.times[-1]:.4g} s{where}"
 
 
-def own_solver(scene: Scene) -> IntegratorName | None:
-    """Integrator of the engine's own for what has constraints; otherwise its default."""
-    if not scene.has_constraints:
-        return None
-    return mbs_models.integrators(scene.built_as, constrained=True)[0]
+def own_integrator(scene: Scene) -> mbs_models.IntegratorName:
+    """The engine's own integrator that is the default of a scene with a step."""
+    return mbs_models.integrators(scene.built_as, constrained=scene.has_constraints)[0]
 
 
 def _comparable(scene: Scene, end: float) -> tuple[tuple[float, ...], Trajectory]:
@@ -200,7 +199,7 @@ def _comparable(scene: Scene, end: float) -> tuple[tuple[float, ...], Trajectory
             times,
             formulation=scene.built_as,
             tolerance=ANGLE_LIMIT,
-            integrator=own_solver(scene),
+            integrator=own_integrator(scene),
         ),
         run_effort(scenario, times, source="in-house", tolerance=REFERENCE_TOLERANCE),
     )

@@ -17,9 +17,10 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
 )
+from analysis.data.checks import Array
 from analysis.mechanics import paper
 from analysis.stability import linear_reduced
-from analysis.stability.linear_full import full_system
+from analysis.stability.linear_full import FullLinearSystem, paper_numbers, printed_matrices
 from analysis.stability.linear_variants import MATRIX_CHANGES
 from validation.page.content import Content, Rows, Verdict
 from validation.run import run
@@ -119,15 +120,17 @@ def misprints(_: Any) -> list[Row]:
 
 
 def _linear_friction() -> tuple[float, float]:
-    spin = [40.0]
-    system = full_system(Scenario(), spin)
-    free = full_system(Scenario(), spin, gradient=0.0)
-    friction = system.stiffness - free.stiffness + system.circulatory
-    printed = MATRIX_CHANGES["(53) and (54) with the printed signs"](system, friction)
-    engine = mbs_models.state_matrix(spinning(Scenario(), *spin))
+    scenario, spin = Scenario(), np.array([40.0])
+    right: dict[str, Array] = {
+        n: np.array(m) for n, m in printed_matrices(**paper_numbers(scenario)).items()
+    }
+    printed = MATRIX_CHANGES["(53) and (54) with the printed signs"](right)
+    force = scenario.friction.gradient * scenario.weight
+    engine = mbs_models.state_matrix(spinning(scenario, *spin))
     one, other = (
-        np.max(np.abs(each.state_matrices[0] - engine)) / np.max(np.abs(engine))
-        for each in (printed, system)
+        np.max(np.abs(FullLinearSystem.of(each, spin, force).state_matrices[0] - engine))
+        / np.max(np.abs(engine))
+        for each in (printed, right)
     )
     return one, other
 

@@ -25,8 +25,8 @@ from analysis import (
 from analysis.compiled import code, systems
 from analysis.data.members import in_columns
 from analysis.models import ensemble as many
-from analysis.models.effort import longest_step, simulation_effort
 from analysis.models.forms import check_form, start_values
+from analysis.solve.effort import longest_step, simulation_effort
 from tests.helpers import assert_close, model
 
 TIMES = np.linspace(0.0, 1.0, 51)

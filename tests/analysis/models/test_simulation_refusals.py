@@ -22,7 +22,7 @@ from analysis import (
 from analysis.data.checks import Array
 from analysis.mechanics import reduced
 from analysis.models import simulation
-from analysis.models.integration import Run
+from analysis.solve.stepping import Run
 from tests.helpers import model
 
 

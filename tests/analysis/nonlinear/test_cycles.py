@@ -4,13 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import root
 
 from analysis import CENTRED_DISK, Disk, Scenario, SmoothCoulomb, TanhCoulomb
 from analysis.data.checks import Array
 from analysis.data.disk import STEEL_RING
 from analysis.mechanics import reduced
 from analysis.nonlinear import family as families
-from analysis.nonlinear.collocation import Mesh, NoCycleError
+from analysis.nonlinear import flow
+from analysis.nonlinear.collocation import NoCycleError, solve
 from analysis.nonlinear.cycle import INVERTED, Cycle
 from analysis.nonlinear.family import (
     Bifurcation,
@@ -21,12 +24,14 @@ from analysis.nonlinear.family import (
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.over import cycles_over
-from analysis.nonlinear.shooting import shoot
-from tests.helpers import model, reduced_run
+from tests.helpers import jacobian, model, reduced_run
 
 PAPER = model(4)
 WEAK = model(4, friction=SmoothCoulomb(coefficient=0.1, smoothing=0.4))
 """Friction so weak and smooth that cycles lose their stability on the way."""
+
+WEAKEST = model(4, friction=SmoothCoulomb(coefficient=0.02, smoothing=0.4))
+"""So weak that the strong multiplier is no small number."""
 
 
 @pytest.fixture(scope="module")
@@ -44,87 +49,97 @@ def changes(weak: CycleFamily) -> tuple[Bifurcation, ...]:
     return bifurcations(weak)
 
 
-def shot(cycle: Cycle, off: float = 1e-5) -> Cycle:
-    more = 1.0 + off
-    start = cycle.spin * more, cycle.period / more, float(cycle.states[0, 2]) * more
-    return shoot(cycle.scenario, cycle.amplitude, start)
+def run(cycle: Cycle, spin: float, half: float, begin: Array) -> Array:
+    """Deviation from inverted spinning after a time, mirrored, by an explicit method."""
+    found = solve_ivp(
+        reduced.right_hand_side(cycle.scenario, spin),
+        (0.0, half),
+        begin + INVERTED,
+        method="DOP853",
+        rtol=1e-13,
+        atol=1e-14,
+    )
+    result: Array = INVERTED - found.y[:, -1]
+    return result
 
 
-def assert_same(first: Cycle, second: Cycle) -> None:
-    assert first.method != second.method
-    assert second.spin == pytest.approx(first.spin, rel=1e-10)
-    assert second.period == pytest.approx(first.period, rel=1e-9)
-    assert second.half_multiplier == pytest.approx(first.half_multiplier, rel=1e-8)
-    assert second.log_strong == pytest.approx(first.log_strong, abs=1e-5)
+def shot(cycle: Cycle) -> tuple[float, float, float]:
+    """Spin, half the period and rate of beta of the cycle of an amplitude, by shooting."""
+
+    def miss(unknowns: Array) -> Array:
+        begin = np.array((0.0, cycle.amplitude, unknowns[2]))
+        return np.asarray(run(cycle, unknowns[0], unknowns[1], begin) - begin)
+
+    guess = np.array((cycle.spin, cycle.period / 2, cycle.states[0, 2])) * (1 + 1e-6, 1 - 1e-6, 1)
+    spin, half, rate = root(miss, guess, tol=1e-13).x.tolist()
+    return spin, half, rate
+
+
+def assert_shot(cycle: Cycle) -> None:
+    """Shooting gives the same cycle, and integrated variations its larger multiplier."""
+    spin, half, rate = shot(cycle)
+    assert cycle.spin == pytest.approx(spin, rel=1e-10)
+    assert cycle.period == pytest.approx(2.0 * half, rel=1e-9)
+    assert multipliers_of_runs(cycle, rate)[-1] == pytest.approx(cycle.half_multiplier, rel=1e-8)
+
+
+def multipliers_of_runs(cycle: Cycle, rate: float) -> list[float]:
+    """Multipliers over half a period by rising size but for that along it, by integration."""
+
+    def rates(_: float, values: Array) -> Array:
+        right, slopes = flow.derivatives(cycle.scenario, cycle.spin, values[:3, None])[:2]
+        return np.append(right[:, 0], (slopes[0] @ values[3:].reshape(3, 3)).ravel())
+
+    begin = np.append((0.0, cycle.amplitude, rate), np.eye(3))
+    found = solve_ivp(
+        rates, (0.0, cycle.period / 2), begin, method="DOP853", rtol=1e-11, atol=1e-12
+    )
+    # The mirror image turns all deviations round.
+    values = np.linalg.eigvals(-found.y[3:, -1].reshape(3, 3)).real
+    others = np.delete(values, np.argmin(np.abs(values - 1.0)))
+    return sorted(others.tolist(), key=abs)
 
 
 def test_collocation_and_shooting_agree(family: CycleFamily) -> None:
-    assert_same(family.cycles[0], shot(family.cycles[0], off=1e-7))
+    spin, half = shot(family.cycles[0])[:2]
+    assert family.cycles[0].spin == pytest.approx(spin, rel=1e-10)
+    assert family.cycles[0].period == pytest.approx(2.0 * half, rel=1e-9)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("index", [4, 6, 7])
-def test_collocation_and_shooting_agree_along_the_family(family: CycleFamily, index: int) -> None:
-    assert_same(family.cycles[index], shot(family.cycles[index]))
+def test_collocation_and_shooting_agree_along_the_families(
+    family: CycleFamily, weak: CycleFamily
+) -> None:
+    for cycle in (family.cycles[4], family.cycles[6], weak.cycles[5]):
+        assert_shot(cycle)
 
 
-@pytest.mark.slow
-def test_collocation_and_shooting_agree_where_cycles_are_unstable(weak: CycleFamily) -> None:
-    assert_same(weak.cycles[5], shot(weak.cycles[5]))
+def test_both_multipliers_are_those_of_the_variational_equations_over_half_a_period() -> None:
+    (cycle,) = cycle_family(WEAKEST, (0.5,)).cycles
+    strong = -np.exp(cycle.log_strong / 2.0)
+    found = multipliers_of_runs(cycle, float(cycle.states[0, 2]))
+    assert found == pytest.approx([strong, cycle.half_multiplier], rel=1e-7)
 
 
-def test_the_reduced_system_comes_back_after_a_period(family: CycleFamily) -> None:
-    for cycle in family.cycles[::5]:
-        begin = cycle.states[0]
-        np.testing.assert_allclose(
-            reduced_run(PAPER, cycle.spin, begin, cycle.period), begin, rtol=0.0, atol=1e-8
+def test_either_multiplier_may_tell_that_the_stability_changes(family: CycleFamily) -> None:
+    # Over half a period the smaller one has the opposite sign.
+    for larger, at in ((1.3, -1.0), (-1.3, 1.0)):
+        inside, outside = (
+            replace(family.cycles[0], half_multiplier=larger, log_strong=2.0 * np.log(size))
+            for size in (0.9, 1.1)
         )
-        times, states = cycle.full
+        assert inside.characteristic(at) * outside.characteristic(at) < 0.0
+        assert inside.characteristic(-at) * outside.characteristic(-at) > 0.0
+
+
+def test_a_cycle_closes_and_is_its_own_mirror_image(family: CycleFamily) -> None:
+    for cycle in family.cycles[::5]:
+        begin, (times, states) = cycle.states[0], cycle.full
+        end = reduced_run(PAPER, cycle.spin, begin, cycle.period)
+        np.testing.assert_allclose(end, begin, rtol=0.0, atol=1e-8)
         assert times[-1] == pytest.approx(cycle.period)
         np.testing.assert_allclose(states[-1], begin, rtol=0.0, atol=1e-9)
-
-
-def test_a_deviation_shrinks_by_the_multiplier(family: CycleFamily) -> None:
-    cycle, size = family.cycles[5], 1e-5
-    # After half a period only the weak direction is left, and what lies along the motion.
-    ends = [
-        reduced_run(
-            PAPER, cycle.spin, cycle.states[0] + np.array((0.0, change, 0.0)), part * cycle.period
-        )
-        for part in (0.5, 1.0)
-        for change in (size, -size)
-    ]
-    along = np.array(reduced.solver(PAPER, cycle.spin)(*cycle.states[0].tolist())[:3])
-    half, whole = ends[0] - ends[1], ends[2] - ends[3]
-
-    def across(deviation: Array) -> Array:
-        return np.asarray(deviation - along * (along @ deviation) / (along @ along))
-
-    # Projected across the motion, one of them is as many times smaller as the other is larger.
-    ratio = np.linalg.norm(across(whole)) / np.linalg.norm(across(half))
-    assert ratio == pytest.approx(abs(cycle.half_multiplier), rel=1e-5)
-
-
-def test_larger_multipliers_may_be_of_either_sign() -> None:
-    cycles = cycle_family(WEAK, (0.5, 1.0, 1.7)).cycles
-    assert cycles[0].half_multiplier > 0.0 > cycles[-1].half_multiplier
-    for cycle in cycles:
-        assert cycle.half_multiplier * cycle.strong_half_multiplier < 0.0
-        assert abs(cycle.half_multiplier) > abs(cycle.strong_half_multiplier)
-
-
-def test_both_multipliers_are_those_of_displaced_runs_over_half_a_period() -> None:
-    # Friction so weak that the strong multiplier is no small number.
-    scenario = model(4, friction=SmoothCoulomb(coefficient=0.02, smoothing=0.4))
-    (*_, cycle) = cycle_family(scenario, (0.5,)).cycles
-    ends = [
-        reduced_run(scenario, cycle.spin, cycle.states[0] + displaced, 0.5 * cycle.period)
-        for displaced in 1e-5 * np.vstack((np.eye(3), -np.eye(3)))
-    ]
-    # The mirror image turns all deviations round.
-    monodromy = -(np.array(ends[:3]) - np.array(ends[3:])).T / 2e-5
-    expected = [cycle.strong_half_multiplier, cycle.half_multiplier, 1.0]
-    assert np.sort(np.linalg.eigvals(monodromy).real) == pytest.approx(expected, rel=1e-6)
+        assert np.max(cycle.states[:, 1]) - np.pi / 2 == pytest.approx(cycle.amplitude)
 
 
 def test_small_cycles_are_those_of_the_hopf_point(family: CycleFamily) -> None:
@@ -168,10 +183,8 @@ def test_stability_changes_where_bifurcations_are_found(
 @pytest.mark.slow
 def test_a_fold_is_where_the_spin_is_extreme(changes: tuple[Bifurcation, ...]) -> None:
     fold = changes[-1].cycle
-    beside = cycle_family(
-        WEAK, (0.5, 1.0, 1.5, 2.0, 2.5, fold.amplitude - 0.01, fold.amplitude + 0.01)
-    )
-    before, after = (cycle.spin - fold.spin for cycle in beside.cycles[-2:])
+    sides = (solve(WEAK, fold.amplitude + side, fold).spin for side in (-0.01, 0.01))
+    before, after = (spin - fold.spin for spin in sides)
     assert before == pytest.approx(after, rel=0.05)
     assert before > 1e-6
 
@@ -197,19 +210,16 @@ def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
     assert found.reason is not None
     assert found.reason.endswith(" at a spin of 30.91 rad/s")
     assert "the last good one is cycle 1 of 2" in found.reason
-    with pytest.raises(ValueError, match="amplitude or spin must be given"):
-        cycles_over([PAPER], spin=30.0, amplitude=1.0)
-    with pytest.raises(ValueError, match="scenarios must be 1 or more"):
-        cycles_over([], spin=30.0)
 
 
-def test_the_cycle_at_a_spin_has_that_spin() -> None:
-    cycle = cycle_at(PAPER, 30.85)
-    assert cycle.spin == pytest.approx(30.85, rel=1e-12)
-    assert cycle.method == "collocation"
+@pytest.mark.parametrize("spin", [30.85, 30.916])
+def test_the_cycle_at_a_spin_has_that_spin(spin: float) -> None:
+    cycle = cycle_at(PAPER, spin)
+    assert cycle.spin == spin
+    assert solve(PAPER, cycle.amplitude, cycle).spin == pytest.approx(spin, rel=1e-11)
 
 
-def test_cycles_are_refused_where_there_can_be_none() -> None:
+def test_cycles_are_refused_where_there_can_be_none(monkeypatch: pytest.MonkeyPatch) -> None:
     for scenario, message in (
         (model(1), "Model 4"),
         (replace(PAPER, disk=CENTRED_DISK), "eccentricity"),
@@ -222,16 +232,14 @@ def test_cycles_are_refused_where_there_can_be_none() -> None:
     for amplitudes in ((), (0.0, 1.0), (1.0, 0.5), (1.0, 4.8)):
         with pytest.raises(ValueError, match="amplitudes must rise"):
             cycle_family(PAPER, amplitudes)
-    for amplitude in (0.0, 4.8):
-        with pytest.raises(ValueError, match=r"amplitude must lie between 0 and 4\.71239"):
-            shoot(PAPER, amplitude, (30.0, 1.0, 1.0))
     with pytest.raises(ValueError, match="spins and amplitudes must be 5 or more"):
         fitted_growth([30.0], [1.0], 31.0)
-
-
-def test_a_spin_without_cycles_is_refused_with_those_that_have_them(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    with pytest.raises(ValueError, match="amplitude or spin must be given"):
+        cycles_over([PAPER], spin=30.0, amplitude=1.0)
+    with pytest.raises(ValueError, match=r"amplitude must lie between 0 and 3\.14159"):
+        cycles_over([PAPER], amplitude=4.0)
+    with pytest.raises(ValueError, match="scenarios must be 1 or more"):
+        cycles_over([], spin=30.0)
     monkeypatch.setattr(families, "AMPLITUDES", np.array((0.3, 0.6)))
     with pytest.raises(ValueError, match=r"between 30\.83.* and 30\.91.*, got 31"):
         cycle_at(PAPER, 31.0)
@@ -240,8 +248,7 @@ def test_a_spin_without_cycles_is_refused_with_those_that_have_them(
 def test_a_family_that_fails_names_the_last_good_cycle(
     family: CycleFamily, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fails(scenario: Scenario, amplitude: float, start: Mesh) -> Cycle:
-        assert scenario is PAPER
+    def fails(_: Scenario, amplitude: float, start: Cycle) -> Cycle:
         if amplitude == 0.15:
             return family.cycles[0]
         raise NoCycleError(f"no periodic motion found at {amplitude:g} rad from {start.amplitude}")
@@ -255,14 +262,24 @@ def test_a_family_that_fails_names_the_last_good_cycle(
         cycle_family(PAPER, (0.3,))
 
 
-def test_shooting_from_far_off_fails_instead_of_finding_something() -> None:
-    with pytest.raises(NoCycleError, match="shooting does not converge"):
-        shoot(PAPER, 1.0, (15.0, 0.5, -1.0))
+@pytest.mark.slow
+def test_a_collocation_from_far_off_fails_instead_of_finding_something() -> None:
+    (cycle,) = cycle_family(PAPER, (1.0,)).cycles
+    with pytest.raises(NoCycleError, match="no periodic motion with an amplitude of 1 rad found"):
+        solve(PAPER, 1.0, replace(cycle, spin=-10.0, times=3.0 * cycle.times))
 
 
-def test_a_cycle_is_its_own_mirror_image(family: CycleFamily) -> None:
-    for cycle in family.cycles:
-        np.testing.assert_allclose(
-            cycle.states[-1] - INVERTED, INVERTED - cycle.states[0], atol=1e-9
+def test_derivatives_of_the_flow_are_those_of_its_values() -> None:
+    x, spin = np.array(((0.3, -0.8), (1.0, 0.2), (-2.0, 0.7))), 29.0
+    right, slopes, by_spin = flow.derivatives(PAPER, spin, x)
+    np.testing.assert_allclose(right, flow.right_hand_side(PAPER, spin, x), rtol=1e-14)
+    for index, begin in enumerate(x.T):
+        state = (begin + INVERTED).tolist()
+        expected = reduced.solver(PAPER, spin)(*state)[:3]
+        np.testing.assert_allclose(right[:, index], expected, rtol=1e-12)
+        found = jacobian(
+            lambda each: flow.right_hand_side(PAPER, each[3], each[:3, None])[:, 0],
+            np.append(begin, spin),
         )
-        assert np.max(cycle.states[:, 1]) - np.pi / 2 == pytest.approx(cycle.amplitude)
+        joined = np.column_stack((slopes[index], by_spin[:, index]))
+        np.testing.assert_allclose(joined, found, rtol=1e-8, atol=1e-8)

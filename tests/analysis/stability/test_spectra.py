@@ -13,18 +13,15 @@ from analysis import (
     ConstraintSet,
     Level,
     Motion,
-    PenaltyContact,
     Scenario,
     SmoothCoulomb,
-    Table,
 )
 from analysis.data.checks import Array
 from analysis.data.constraint_set import set_name
-from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import (
     System,
     branches,
-    chosen_system,
     eigenvalues,
     follow,
     state_matrices,
@@ -77,20 +74,6 @@ def test_eigenvalues_and_branches_are_those_of_the_matrices(
         assert_same_set(followed.values[index], expected, 1e-6)
 
 
-def test_eigenvalues_fall_in_real_part() -> None:
-    values = eigenvalues(PAPER, [30.0, 0.0, 12.0])
-    assert np.all(np.diff(values.real, axis=1) <= 0.0)
-
-
-def test_models_3_and_4_share_the_spectrum_of_the_reduced_system() -> None:
-    spins = [0.0, 10.0, 30.9168, 60.0]
-    expected = eigenvalues(REDUCED, spins, "reduced")
-    levels: tuple[Level, ...] = (3, 4)
-    for level in levels:
-        found = eigenvalues(Scenario(constraints=MODELS[level]), spins, "numeric")
-        np.testing.assert_allclose(found, expected, atol=1e-8)
-
-
 def test_branches_carry_the_numbers_of_the_paper() -> None:
     values = branches(PAPER, [0.0, 10.0, 20.0, 30.0]).values
     real = [15.2627, 2.7996, 0.0, 0.0, -2.6297, -10.7108, -91.7299, -163.0212]
@@ -128,12 +111,6 @@ def test_a_branch_is_the_same_whatever_spins_are_asked_for(
     np.testing.assert_allclose(single, fine[-1:], atol=1e-9)
 
 
-def test_spectra_are_even_in_the_spin() -> None:
-    values = branches(PAPER, [-40.0, -15.0, 15.0, 40.0]).values
-    others = np.delete(values, (2, 3), axis=1)
-    np.testing.assert_allclose(others[:2], others[:1:-1], atol=1e-9)
-
-
 def test_drift_pair_is_exact_and_named() -> None:
     spins = np.array([0.0, 20.0, 40.0])
     systems: tuple[System, ...] = ("full", "numeric")
@@ -144,29 +121,12 @@ def test_drift_pair_is_exact_and_named() -> None:
     assert branches(REDUCED, spins).drift == ()
 
 
-def test_a_pair_keeps_its_two_columns_through_birth_and_death() -> None:
-    values = branches(PAPER, np.linspace(0.0, 60.0, 601)).values
-    red = values[:, :2]
-    paired = red[:, 0].imag != 0.0
-    assert np.sum(np.diff(paired)) == 2
-    np.testing.assert_allclose(red[paired, 0], red[paired, 1].conj(), atol=1e-10)
-    assert np.all(red[paired, 0].imag > 0.0)
-    assert np.all(red[~paired, 0].real > red[~paired, 1].real)
-
-
 def test_crossing_eigenvalues_keep_their_eigenvectors() -> None:
     p = np.linspace(-1.0, 1.0, 101)
     true = np.column_stack((p, -p, 0.5 * np.sin(3 * p) + 0.1, np.full_like(p, -0.33)))
     found = follow(mixed(true))
     order = np.argsort(-true[0])
     np.testing.assert_allclose(found, true[:, order], atol=1e-10)
-
-
-def test_following_can_start_anywhere() -> None:
-    p = np.linspace(-1.0, 1.0, 101)
-    true = np.column_stack((p, -p + 0.03, p**2 - 0.6))
-    found = follow(mixed(true), start=60)
-    np.testing.assert_allclose(found, true[:, np.argsort(-true[60])], atol=1e-10)
 
 
 def test_a_collision_into_a_complex_pair_and_back_leaves_other_branches_alone() -> None:
@@ -209,28 +169,6 @@ def test_without_friction_the_spectrum_is_mirrored_at_both_axes() -> None:
         assert_same_set(values, values.conj(), 1e-6)
 
 
-@pytest.mark.parametrize(
-    ("spins", "message"),
-    [
-        ([], "spins must be one-dimensional with at least 1 entry"),
-        ([1.0, np.nan], "spins must be finite"),
-        ([2.0, 1.0], "spins must increase strictly, got 2 before 1"),
-        ([1.0, 1.0], "spins must increase strictly, got 1 before 1"),
-    ],
-)
-def test_bad_spins_are_refused(spins: list[float], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        branches(PAPER, spins)
-
-
-def test_unknown_system_and_motion_are_refused() -> None:
-    for function in (branches, eigenvalues, state_matrices):
-        with pytest.raises(ValueError, match="system must be one of full, reduced, numeric"):
-            function(PAPER, [1.0], "model1")  # type: ignore[arg-type]
-        with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
-            function(PAPER, [1.0], motion="upright")  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
 def test_branches_of_every_set_are_continuous(constraints: ConstraintSet) -> None:
     scenario = Scenario(constraints=constraints)
@@ -238,23 +176,3 @@ def test_branches_of_every_set_are_continuous(constraints: ConstraintSet) -> Non
     jumps = np.abs(np.diff(values, axis=0))
     assert np.max(jumps) < 2.0
     assert np.sum(jumps > 0.2) < 60
-
-
-def test_system_is_by_default_the_closed_one_where_there_is_one() -> None:
-    chosen = [chosen_system(Scenario(constraints=each)) for each in MODELS.values()]
-    assert chosen == ["full", "numeric", "numeric", "reduced"]
-    assert chosen_system(PAPER, "numeric") == "numeric"
-
-
-def test_scenario_that_a_system_does_not_describe_is_refused() -> None:
-    for function in (branches, eigenvalues, state_matrices):
-        with pytest.raises(ValueError, match="the full system is that of Model 1, got Model 4"):
-            function(REDUCED, [1.0], "full")
-        with pytest.raises(ValueError, match="the reduced system is that of Model 4, got Model 1"):
-            function(PAPER, [1.0], "reduced")
-        for scenario in (PAPER, REDUCED, Scenario(constraints=MODELS[2])):
-            leaning = replace(scenario, table=Table(inclination=0.1))
-            with pytest.raises(ValueError, match="needs a horizontal table, got an inclination"):
-                function(leaning, [1.0])
-        with pytest.raises(ValueError, match="needs the ideal contact, got a PenaltyContact"):
-            function(Scenario(contact=PenaltyContact(stiffness=1e5)), [1.0])

@@ -126,11 +126,11 @@ def test_motions_are_compared_as_far_as_there_are_some(scenario: Scenario, over:
 
 def test_constrained_scenes_are_stepped_by_a_solver_of_the_engine() -> None:
     solvers = [
-        comparisons.own_solver(Scene(Scenario(constraints=MODELS[level]), "euler-tree"))
+        comparisons.own_integrator(Scene(Scenario(constraints=MODELS[level]), "euler-tree"))
         for level in MODELS
     ]
     assert solvers == ["TrapezoidalIndex2"] * len(MODELS)
-    assert comparisons.own_solver(Scene()) is None
+    assert comparisons.own_integrator(Scene()) == "RK67"
 
 
 def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:

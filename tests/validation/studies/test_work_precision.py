@@ -1,347 +1,158 @@
-"""The work-precision study: errors, references, ladders, prices, what is kept and what is said."""
+"""Error against run time: what its ladders, orders and cheapest ways tell, and what fails it."""
 
-import argparse
-import dataclasses
-from math import inf
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, nan
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
-import analysis
-import mbs_models
-from analysis import Scenario, Start, Trajectory
-from mbs_models import Integrator, Scene
-from validation.commands import studies
-from validation.kit.report import Job, Section
-from validation.kit.tables import Table
-from validation.studies.work_precision import measure, section
-from validation.studies.work_precision.jobs import jobs
-from validation.studies.work_precision.measure import ladder_end
-from validation.studies.work_precision.methods import EngineMethod, InHouseMethod, label, methods
-from validation.studies.work_precision.problems import (
-    PROBLEMS,
-    TIMES,
-    Errors,
-    agreement,
-    compare,
-    reference,
-)
-from validation.studies.work_precision.runs import (
-    Curve,
-    Run,
-    fastest,
-    front,
-    observed_order,
-    shortfall,
-)
+from validation import study as kit
+from validation.studies import work_precision as wp
+from validation.studies.work_precision import measuring, tables
+from validation.studies.work_precision.measuring import Curve, ladder_end
+from validation.studies.work_precision.problems import PROBLEMS, SPACING, TIMES, errors, reference
+from validation.study import Row, Task
 
-RK44 = EngineMethod(formulation="contact-tree", integrator=Integrator(name="RK44"))
-TRAPEZOIDAL = EngineMethod(
-    formulation="euler-tree", integrator=Integrator(name="TrapezoidalIndex2")
-)
+FLOOR = 1e-11
 
 
-def made_run(seconds: float, error: float, **changes: Any) -> Run:
-    values = dict.fromkeys((field.name for field in dataclasses.fields(Errors)), 0.0)
-    run = Run(
-        problem="model-1",
-        formulation="contact-tree",
-        scheme="RK44",
-        kind="step",
-        setting=seconds,
-        rounds=(seconds,),
-        repeats=1,
-        counts={"steps": 100, "right_hand_sides": 400},
-        errors=Errors(**(values | {"error": error})),
-    )
-    return dataclasses.replace(run, **changes)
+@pytest.fixture(scope="module")
+def rows() -> dict[str, pd.DataFrame]:
+    """The stored tables."""
+    return {study.name: kit.load(study) for study in wp.STUDIES}
 
 
-def made_curve(*runs: Run, end: Any = "goal") -> Curve:
-    first = runs[0]
-    return Curve(
-        problem=first.problem,
-        formulation=first.formulation,
-        scheme=first.scheme,
-        runs=runs,
-        end=end,
-    )
-
-
-def of_kind(curve: Curve, kind: str) -> list[Run]:
-    return [run for run in curve.runs if run.kind == kind]
-
-
-def moved(run: Trajectory, column: int, by: float) -> Trajectory:
-    coordinates = run.coordinates.copy()
-    coordinates[:, column] += by
-    return dataclasses.replace(run, coordinates=coordinates)
-
-
-def test_run_has_no_error_against_itself() -> None:
-    errors = compare(reference("model-2"), reference("model-2"))
-    assert errors.error == errors.end == errors.energy == errors.normal_force == 0.0
-    assert errors.position_drift < 1e-12
-
-
-@pytest.mark.parametrize(("column", "name"), [(4, "beta"), (5, "gamma")])
-def test_angle_error_is_the_angle_and_knows_no_whole_turns(column: int, name: str) -> None:
-    truth = reference("model-1")
-    assert getattr(compare(moved(truth, column, 1e-3), truth), name) == pytest.approx(1e-3)
-    assert getattr(compare(moved(truth, column, 6 * np.pi), truth), name) < 1e-12
-
-
-def test_position_error_is_that_of_the_centre_of_gravity_in_the_inertial_frame() -> None:
-    truth = reference("model-1")
-    errors = compare(moved(truth, 0, 1e-4), truth)
-    assert errors.cog == pytest.approx(1e-4)
-    assert errors.error == pytest.approx(1e-4 / truth.scenario.disk.radius)
-    turned = compare(moved(truth, 3, 1e-3), truth)
-    assert turned.beta == turned.gamma == 0.0 < turned.cog
-
-
-def test_runs_at_other_times_cannot_be_compared() -> None:
-    other = analysis.simulate(Scenario(), [0.0, 1.0])
-    with pytest.raises(ValueError, match="times must be the same"):
-        compare(other, reference("model-1"))
-
-
-@pytest.mark.parametrize("name", [pytest.param("model-3", marks=pytest.mark.slow), "undamped"])
-def test_references_of_different_methods_agree_two_digits_beyond_the_finest_goal(
-    name: Any,
-) -> None:
-    found = agreement(name)
-    assert found.others
-    assert found.floor <= 1e-9
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in PROBLEMS if name != "stiff"])
-def test_contact_of_no_problem_would_have_to_pull(name: Any) -> None:
-    often = np.linspace(0.0, TIMES[-1], 4001)
-    run = analysis.simulate(PROBLEMS[name].scenario, often, local_tolerance=1e-6)
-    assert run.ending is None
-    assert run.normal_force.min() > 0.0
-
-
-def test_reference_of_a_motion_whose_contact_pulls_is_refused(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    pulling = dataclasses.replace(PROBLEMS["fast"], scenario=Scenario(start=Start(spin=200.0)))
-    monkeypatch.setitem(PROBLEMS, "fast", pulling)
-    with pytest.raises(ArithmeticError, match="problem 'fast': contact would pull at"):
-        reference.__wrapped__("fast")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["model-2", "contact-load", "fast"])
-def test_other_references_agree_two_digits_beyond_the_finest_goal(name: Any) -> None:
-    assert agreement(name).floor <= 1e-9
+@pytest.fixture(scope="module")
+def runs(rows: dict[str, pd.DataFrame]) -> pd.DataFrame:
+    """All runs as the tables take them."""
+    return tables.prepared(rows["work-precision"])
 
 
 @pytest.mark.parametrize(
-    ("name", "form", "within"),
-    # Where slip reverses in one direction, the library ends a step that SciPy's goes across.
-    [("model-2", "index-1", 0.0), ("model-4", "index-1", 1e-7), ("model-4", "reduced", 1e-7)],
-)
-def test_timed_in_house_runs_are_those_of_the_library(name: Any, form: Any, within: float) -> None:
-    problem = PROBLEMS[name]
-    method = InHouseMethod(form=form, scheme="DOP853")
-    run = method.trajectory(problem, method.run(problem, 1e-6))
-    same = analysis.simulate(
-        problem.scenario, TIMES, form=form, method="DOP853", local_tolerance=1e-6
-    )
-    np.testing.assert_allclose(run.coordinates, same.coordinates, rtol=0.0, atol=within)
-    if not within:
-        np.testing.assert_array_equal(run.multipliers, same.multipliers)
-
-
-def test_ladder_is_measured_from_coarse_to_fine_with_times_work_and_errors() -> None:
-    curve = measure.measure("model-1", RK44, True)
-    plain = of_kind(curve, "step")
-    assert [run.setting for run in plain] == RK44.ladder(PROBLEMS["model-1"])[: len(plain)]
-    assert all(run.repeats == measure.QUICK.repeats for run in plain)
-    assert all(run.seconds > 0.0 for run in plain)
-    assert plain[1].work == 2 * plain[0].work == 800
-    assert plain[-1].error <= measure.QUICK.goal < plain[-2].error
-    assert curve.end == "goal"
-    assert observed_order(plain, 1e-10).value == pytest.approx(4.0, abs=0.2)
-
-
-def test_extrapolated_run_counts_the_work_of_all_its_rungs() -> None:
-    curve = measure.measure("model-1", RK44, True)
-    plain, joined = of_kind(curve, "step"), of_kind(curve, "extrapolated")
-    assert joined[-1].counts["steps"] == sum(run.counts["steps"] for run in plain)
-    assert joined[-1].seconds == pytest.approx(sum(run.seconds for run in plain), rel=1e-3)
-    assert joined[-1].error < 0.1 * plain[-1].error
-
-
-def test_run_to_a_tolerance_is_that_of_the_library_and_keeps_its_promise() -> None:
-    asked = of_kind(measure.measure("model-1", RK44, True), "tolerance")
-    assert [run.setting for run in asked] == [1e-3, 1e-6]
-    assert all(run.error <= run.setting for run in asked)
-    same = mbs_models.simulate(
-        Scene(PROBLEMS["model-1"].scenario, "contact-tree"),
-        TIMES,
-        tolerance=1e-6,
-        integrator="RK44",
-    )
-    assert asked[1].work == same.counts["right_hand_sides"]
-    assert asked[1].error == pytest.approx(compare(same, reference("model-1")).error, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_what_is_run_does_not_depend_on_the_time_it_takes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    swift = measure.measure("model-1", RK44, True)
-    run = EngineMethod.run
-
-    def slow(method: EngineMethod, problem: Any, setting: float) -> Any:
-        return dataclasses.replace(run(method, problem, setting), seconds=1e3)
-
-    monkeypatch.setattr(EngineMethod, "run", slow)
-    late = measure.measure("model-1", RK44, True)
-    assert [(run.kind, run.setting, run.error, run.work, run.repeats) for run in late.runs] == [
-        (run.kind, run.setting, run.error, run.work, run.repeats) for run in swift.runs
-    ]
-
-
-def test_failed_rung_is_a_gap_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(EngineMethod, "ladder", lambda *_: [0.02, 0.01])
-    curve = measure.measure("stiff", TRAPEZOIDAL, True)
-    first = curve.runs[0]
-    assert first.errors is None
-    assert first.error == inf
-    assert "Newton's iteration did not converge" in first.failure
-
-
-@pytest.mark.parametrize(
-    ("errors", "end"),
+    ("judged", "fixed_step", "end"),
     [
-        ([1e-2, 1e-5], None),
-        ([1e-2, 1e-5, 1e-9], "goal"),
-        ([inf, inf, 1e-2], None),
-        ([1e-2, 1e-4, 1e-7, 0.9e-7, 0.8e-7], "rounding"),
-        ([1e-2, 1e-4, 1e-7, 0.9e-7, 0.4e-7], None),
-        ([0.5, 0.3, 0.4, 0.6], None),
-        ([1e-2, 1e-5, inf, inf], "failure"),
-        ([1e-2, 1e-5, inf], None),
-        ([1.0, inf, inf, inf], None),
+        ([1e-2, 1e-5], True, None),
+        ([1e-2, 9e-10], True, "goal"),
+        ([inf, inf, inf], True, None),
+        ([1e-2, inf, inf], True, "failure"),
+        ([1e-6, 9e-7, 8e-7], True, "rounding"),
+        ([1e-6, 9e-7, 8e-7], False, None),
+        ([0.05, 0.06, 0.04], True, None),
     ],
 )
-def test_ladder_ends_at_the_goal_at_rounding_or_where_it_fails(
-    errors: list[float], end: Any
+def test_a_ladder_ends_where_finer_rungs_bring_nothing(
+    judged: list[float], fixed_step: bool, end: str | None
 ) -> None:
-    assert ladder_end(errors, 1e-9, fixed_step=True) == end
+    assert ladder_end(judged, fixed_step=fixed_step) == end
 
 
-def test_tolerances_that_change_nothing_yet_do_not_end_a_ladder() -> None:
-    assert ladder_end([4e-6, 4e-6, 4e-6], 1e-9, fixed_step=False) is None
+def rungs(exponent: Callable[[int], float], number: int = 7) -> pd.DataFrame:
+    """Rungs of halved steps, each error smaller by that power of 2 than the one before."""
+    sizes = 0.05 * 2.0 ** -np.cumsum([0.0, *(exponent(k) for k in range(1, number))])
+    steps = 0.5 ** np.arange(number)
+    return pd.DataFrame({"kind": "step", "setting": steps, "work": 1 / steps, "error": sizes})
+
+
+def test_the_order_of_a_clean_ladder_is_found_and_that_of_another_is_not_told() -> None:
+    assert tables.observed_order(rungs(lambda _: 4.0), FLOOR) == pytest.approx(4.0)
+    assert tables.observed_order(rungs(lambda k: 2.0 + k % 2), FLOOR) == "– unsettled, 2.0 to 3.0"
+    assert tables.observed_order(rungs(lambda _: 4.0, 3), FLOOR) == "– few rungs"
+    assert tables.observed_order(rungs(lambda _: 4.0), 1e-4) == "– few rungs"
+
+
+@pytest.mark.parametrize(
+    ("formulation", "scheme", "order"),
+    [
+        ("contact-tree", "RK44", 4.0),
+        ("contact-tree", "RK67", 6.0),
+        ("euler-tree", "trapezoidal", 2.0),
+    ],
+)
+def test_the_engines_rules_show_their_orders(
+    formulation: str, scheme: str, order: float, runs: pd.DataFrame, rows: Any
+) -> None:
+    references = rows["work-precision-references"].assign(problem=lambda table: table["case"])
+    told = tables.orders(runs, tables.floors(references))
+    assert told["model-1", formulation, scheme] == pytest.approx(order, abs=0.15)
+
+
+def test_every_curve_is_stored_and_everything_stored_holds(rows: dict[str, pd.DataFrame]) -> None:
+    assert set(rows["work-precision"]["case"]) == set(measuring.curves())
+    assert [check for check in wp.present(rows).checks if not check.holds] == []
+
+
+def test_a_run_that_breaks_its_tolerance_or_a_reference_in_doubt_fails(
+    rows: dict[str, pd.DataFrame],
+) -> None:
+    for name, column, value in (
+        ("work-precision", "angle_error", 2.0),
+        ("work-precision", "angle_error", inf),
+        ("work-precision-references", "difference", 1e-8),
+        ("work-precision-references", "difference", nan),
+    ):
+        table = rows[name].copy()
+        where = table["kind"] == "tolerance" if "kind" in table else table["case"] == "model-2"
+        table.loc[where.idxmax(), column] = value
+        checks = wp.present({**rows, name: table}).checks
+        assert not all(check.holds for check in checks), (name, column, value)
+
+
+def test_runs_that_come_out_otherwise_are_not_confirmed(rows: dict[str, pd.DataFrame]) -> None:
+    label = wp.CURVES.sample[0]
+    stored = rows["work-precision"]
+    fresh: list[Row] = stored[stored["case"] == label].to_dict("records")
+    found: kit.Found = {Task(wp.CURVES, name, 0).key: [] for name in wp.CURVES.sample}
+
+    def failing(changed: list[Row]) -> list[str]:
+        checks = kit.confirm(wp.CURVES, {**found, ("work-precision", label, 0): changed}, stored)
+        return [c.name for c in checks if not c.holds and label in c.name]
+
+    assert failing(fresh) == []
+    assert failing(fresh[1:]) == [f"work-precision: {label}: rows"]
+    for column, value in (("work", 1), ("error", nan), ("end", "failure")):
+        assert failing([fresh[0] | {column: value}, *fresh[1:]]) == [
+            f"work-precision: {label}: {column}"
+        ]
+    broken = fresh[0] | {"failure": "it failed"}
+    assert failing([broken, *fresh[1:]]) == [f"work-precision: {label}: fail on one side only"]
+
+
+def test_an_extrapolated_run_is_better_and_counts_all_its_parts() -> None:
+    curve = Curve("model-1", "contact-tree", "RK44")
+    chain, found, steps = measuring.Extrapolation(curve), [], [SPACING / k for k in (2, 4, 8)]
+    for step in steps:
+        run, seconds = curve.run(step)
+        better = chain.add(run, {"setting": step, "work": 1})
+        found.append(errors(run, reference("model-1"))["error"])
+        assert seconds > 0.0
+    assert better is not None
+    assert errors(better, reference("model-1"))["error"] < 0.2 * min(found)
+    assert [row["setting"] for row in chain.rows] == steps
+
+
+def test_errors_forgive_whole_turns_and_see_everything_else() -> None:
+    truth = reference("model-1")
+    assert errors(truth, truth)["error"] == 0.0
+    for column, shift, expected in ((5, 2 * np.pi, 0.0), (4, 1e-3, 1e-3), (3, 1e-2, None)):
+        moved = truth.coordinates.copy()
+        moved[:, column] += shift
+        found = errors(replace(truth, coordinates=moved), truth)["error"]
+        assert found > 1e-4 if expected is None else found == pytest.approx(expected, abs=1e-9)
+
+
+def test_problems_are_sampled_as_the_engine_steps() -> None:
+    assert np.allclose(np.diff(TIMES), SPACING)
+    assert len(PROBLEMS) == 8
 
 
 @pytest.mark.slow
-def test_stiff_contact_tree_is_as_exact_as_steps_below_its_stability_limit_make_it() -> None:
-    method = EngineMethod(formulation="contact-tree", integrator=Integrator(name="RK67"))
-    curve = measure.measure("stiff", method, True)
-    errors = {run.counts["steps"]: run.error for run in of_kind(curve, "step")}
-    assert errors[3200] > 1e-2
-    assert errors[12800] < 1e-9
-
-
-def test_every_method_of_a_problem_has_its_own_label_and_only_what_it_can_take() -> None:
-    for problem in PROBLEMS.values():
-        labels = [label(method) for method in methods(problem, False)]
-        assert len(labels) == len(set(labels))
-        scenario = problem.scenario
-        free = scenario.model == 1 and scenario.friction.load == "weight"
-        assert any("contact-tree" in text for text in labels) is free
-        assert any("reduced" in text for text in labels) is (scenario.model == 4)
-        assert {label(method) for method in methods(problem, True)} <= set(labels)
-
-
-def test_full_study_holds_every_integrator_of_the_engine() -> None:
-    labels = " | ".join(label(method) for method in methods(PROBLEMS["model-1"], False))
-    for part in (
-        "contact-tree, RK44",
-        "contact-tree, RK67",
-        "contact-tree, DOPRI5",
-        "contact-tree, trapezoidal",
-        "floating, generalized-α 1",
-        "floating, generalized-α 0.9",
-        "floating-lie, generalized-α 0.6",
-        "index-1, BDF",
-    ):
-        assert part in labels
-
-
-@pytest.mark.parametrize("quick", [True, False])
-def test_jobs_have_keys_of_their_own(quick: bool) -> None:
-    found = jobs(quick=quick)
-    assert all(isinstance(job, Job) and job.key[0] == "work-precision" for job in found)
-    assert len({job.key for job in found}) == len(found)
-
-
-def test_full_jobs_cover_all_problems_and_quick_ones_some_of_them() -> None:
-    full = {job.key for job in jobs(quick=False)}
-    assert {key[1] for key in full} == {"agreement", "price", *PROBLEMS}
-    assert {job.key for job in jobs(quick=True)} < full
-
-
-def test_fastest_way_is_the_quickest_run_that_is_good_enough() -> None:
-    runs = [made_run(3.0, 1e-7), made_run(1.0, 1e-2), made_run(2.0, 1e-4)]
-    assert fastest(runs, 1e-3) is runs[2]
-    assert fastest(runs, 1e-9) is None
-    by_itself = made_run(0.1, 1e-7, kind="tolerance", setting=1e-3)
-    assert fastest([*runs, by_itself], 1e-3) is runs[2]
-
-
-def test_front_leaves_out_what_is_slower_and_worse() -> None:
-    runs = [made_run(1.0, 1e-2), made_run(2.0, 3e-2), made_run(3.0, 1e-4), made_run(0.5, 5.0)]
-    runs.insert(1, made_run(float("nan"), 0.0, errors=None, failure="stopped"))
-    assert [run.seconds for run in front(runs)] == [1.0, 3.0]
-
-
-def test_not_reached_is_said_only_of_ladders_that_went_to_their_end() -> None:
-    run = made_run(0.02, 2e-5)
-    assert shortfall([]) == "not in this selection"
-    assert shortfall([made_curve(run, end="rounding")]) == "not reached, best 2e-05"
-    assert shortfall([made_curve(run, end="failure")]) == "not reached, best 2e-05"
-    assert shortfall([made_curve(run, end="finest")]) == "not reached, best 2e-05"
-    ended_early = [made_curve(run, end="rounding"), made_curve(run, end="work")]
-    gap = made_run(0.005, inf, errors=None, failure="stopped")
-    assert shortfall([made_curve(gap, end="work")]) == "fails up to 400 steps"
-    assert shortfall(ended_early) == "not tried beyond 100 steps, best 2e-05"
-    assert shortfall([made_curve(run, end="goal")]) == "not in this selection"
-
-
-def test_observed_order_is_found_between_the_useless_and_the_unmeasurable() -> None:
-    runs = [made_run(0.5**k, 2.0 * 0.5 ** (3 * k)) for k in range(12)]
-    assert observed_order(runs, 1e-7).value == pytest.approx(3.0)
-
-
-def test_observed_order_takes_four_rungs_that_agree() -> None:
-    runs = [made_run(0.5**k, 1e-2 * 0.5 ** (3 * k)) for k in range(4)]
-    assert observed_order(runs, 1e-12).value == pytest.approx(3.0)
-    assert observed_order(runs[:3], 1e-12).reason == "few rungs"
-    assert observed_order([*runs[:3], made_run(0.1, 1.0)], 1e-12).reason == "few rungs"
-    jump = [*runs[:3], made_run(0.125, 1e-9)]
-    assert observed_order(jump, 1e-12).reason == "unsettled, 3.0 to 17.3"
-
-
-def test_command_prints_the_tables_and_the_page(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    table = Table(name="x", title="Fastest way", columns=("a",), rows=[[1]])
-    made = Section(name="x", title="x", paragraphs=[], tables=[table])
-    monkeypatch.setattr(studies, "run_kept", lambda *_, **__: {})
-    monkeypatch.setattr(section, "section", lambda *_, **__: made)
-    options = argparse.Namespace(
-        command="work_precision", out=str(tmp_path), quick=True, fresh=False
-    )
-    assert studies.work_precision(options) == 0
-    printed = capsys.readouterr().out
-    assert "Fastest way" in printed
-    assert printed.rstrip().endswith(f"Open {tmp_path / 'report.html'}")
+@pytest.mark.parametrize("label", ["model-1, contact-tree, DOPRI5", "model-4, reduced, DOP853"])
+def test_a_curve_comes_out_as_it_is_stored(label: str, rows: dict[str, pd.DataFrame]) -> None:
+    fresh = kit.rows_of(measuring.measure, measuring.curves()[label])
+    stored = rows["work-precision"]
+    study = replace(wp.CURVES, sample=(label,))
+    found: kit.Found = {("work-precision", label, 0): fresh}
+    assert [c for c in kit.confirm(study, found, stored) if not c.holds] == []

@@ -1,8 +1,8 @@
 """The largest step that works, over the smoothing of the friction and the contact's stiffness."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import pi, sqrt
+from math import inf, pi, sqrt
 from typing import Literal
 
 import numpy as np
@@ -10,14 +10,41 @@ import numpy as np
 import mbs_models
 from analysis import STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
-from analysis.stability.linear_reduced import ComplexArray
+from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import state_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
-from validation.studies.robustness.cases import STIFF, Way
-from validation.studies.robustness.reference import deviation
+from validation.kit.references import STIFF, deviation
+from validation.kit.ways import Way
+from validation.study import Row, Study
 
 Axis = Literal["smoothing", "stiffness"]
+Place = tuple[Axis, float]
+"""Smoothing in m/s or stiffness in N/m."""
+
+SMOOTHINGS = tuple(10.0**-digits for digits in range(9))
+STIFFNESSES = tuple(10.0**digits for digits in range(4, 10))
+
+EXPLICIT: tuple[IntegratorName, ...] = ("RK44", "RK67")
+"""Integrators of which stability is tested, on a formulation without constraints:"""
+
+TREES: dict[Axis, Formulation] = {"smoothing": "contact-tree", "stiffness": "euler-tree"}
+
+WAYS: dict[Axis, tuple[tuple[Formulation, IntegratorName], ...]] = {
+    "smoothing": (
+        ("contact-tree", "RK44"),
+        ("contact-tree", "TrapezoidalIndex2"),
+        ("euler-tree", "TrapezoidalIndex2"),
+        ("floating", "GeneralizedAlpha"),
+    ),
+    "stiffness": (
+        ("euler-tree", "RK44"),
+        ("euler-tree", "TrapezoidalIndex2"),
+        ("floating-lie", "TrapezoidalIndex2"),
+        ("floating", "GeneralizedAlpha"),
+    ),
+}
+"""Ways of which accuracy is tested."""
 
 SPIN = 40.0
 """Spinning speed in rad/s of the inverted spinning about which stability is tested."""
@@ -25,7 +52,16 @@ SPIN = 40.0
 DAMPING_RATIO = 0.5
 
 ACCURACY = 1e-3
-"""Error in rad from Table 3 at which a step counts as accurate."""
+"""Error in rad from Table 3 over `END` at which a step counts as accurate."""
+
+END = 0.4
+"""In s."""
+
+LADDER: tuple[float, ...] = tuple(10.0 ** (-1.0 - k / 4.0) for k in range(11))
+"""Steps tried for accuracy in s, from 1e-1 to 3e-4."""
+
+STIFFEST = 1e-4
+"""Smoothing in m/s below which a run at each step of the ladder takes long: none is made."""
 
 _STEPS = 480
 """Steps over which a motion must not grow."""
@@ -39,74 +75,69 @@ _GROWTH = 100.0
 _LATE = slice(-8, None)
 """Samples in which a growing disturbance shows, of 25."""
 
-LADDER: tuple[float, ...] = tuple(10.0 ** (-1.0 - k / 4.0) for k in range(17))
-"""Steps tried for accuracy in s, from 1e-1 to 1e-5."""
+
+def measure(place: Place) -> list[Row]:
+    """Largest stable steps of explicit integrators, and largest accurate ones, at a place."""
+    axis, value = place
+    disturbed = (_slipping if axis == "smoothing" else _bouncing)(value)
+    found = [("stable", TREES[axis], each, *_stable(disturbed, each)) for each in EXPLICIT]
+    if axis == "stiffness" or value >= STIFFEST:
+        ideal, scenario = _table_3(axis, value)
+        method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
+        equations = Way(source="in-house", formulation="index-1", integrator=method)
+        truth = equations.run(ideal, np.linspace(0.0, END, 5), local_tolerance=1e-8)
+        for formulation, integrator in WAYS[axis]:
+            step = largest_accurate(Scene(scenario, formulation), integrator, truth)
+            found.append(("accurate", formulation, integrator, step, None))
+    names = ("over", "value", "kind", "formulation", "integrator", "step", "predicted")
+    return [dict(zip(names, (axis, value, *row), strict=True)) for row in found]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StepLimit:
-    """The largest step at one place of a curve.
+# --- Stable: a small disturbance of inverted spinning does not grow ------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Disturbed:
+    """Inverted spinning with a small disturbance.
 
     Parameters
     ----------
-    axis : {"smoothing", "stiffness"}
-    value : float
-        Smoothing in m/s or stiffness in N/m.
-    formulation, integrator : str
-    kind : {"stable", "accurate"}
-        `stable`: no fast growth near the inverted spinning; `accurate`: error below
-        `ACCURACY` from Table 3.
-    step : float, optional
-        In s; None if no step tried works.
-    predicted : float, optional
-        From the eigenvalues and the measured stability function, in s.
+    scene : Scene
+    decays : list of complex
+        Eigenvalues of the disturbance in 1/s.
+    growth : callable
+        From a run to the disturbance over its start, shape (n,).
+    own : float
+        Rate in 1/s at which the spinning itself grows unstable.
     """
 
-    axis: Axis
-    value: float
-    formulation: Formulation
-    integrator: IntegratorName
-    kind: Literal["stable", "accurate"]
-    step: float | None
-    predicted: float | None = None
+    scene: Scene
+    decays: list[complex]
+    growth: Callable[[Trajectory], Array]
+    own: float = -inf
 
 
-def stable_over_smoothing(smoothing: float, integrator: IntegratorName) -> list[StepLimit]:
-    """Largest stable step of the contact tree, by bisection, and its prediction.
+def _slipping(smoothing: float) -> _Disturbed:
+    """With a small slip, in which friction is linear with a rate of one over the smoothing.
 
-    Near inverted spinning the slip is tiny, so that friction is linear with a rate that grows as
-    one over the smoothing. An unstable step shows as slip that grows; it does not blow up, since
-    the friction force is bounded, but chatters. With much smoothing the inverted spinning itself
-    is unstable about as fast; then there is no limit to be seen, and none is given.
+    Slip that grows does not blow up, since the friction force is bounded, but chatters.
     """
     slip = _SMALL * smoothing
     scenario = Scenario(
         friction=SmoothCoulomb(smoothing=smoothing),
         start=Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / STEEL_DISK.radius),
     )
-    scene = Scene(scenario, "contact-tree")
-
-    def stable(step: float) -> bool:
-        run = _short_run(scene, step, integrator)
-        return run is not None and bool(np.max(_slip(run)[_LATE]) <= _GROWTH * slip)
-
     values = _eigenvalues(scenario)
-    predicted = min(largest_step(integrator, value) for value in _fast(values))
-    hidden = np.exp(np.max(values.real) * _STEPS * predicted) > 0.5 * _GROWTH
-    limit = StepLimit(
-        axis="smoothing",
-        value=smoothing,
-        formulation="contact-tree",
-        integrator=integrator,
-        kind="stable",
-        step=None if hidden else _bisect(stable, predicted),
-        predicted=None if hidden else predicted,
+    return _Disturbed(
+        Scene(scenario, TREES["smoothing"]),
+        _fast(values),
+        lambda run: _slip(run) / slip,
+        own=float(np.max(values.real)),
     )
-    return [limit]
 
 
-def stable_over_stiffness(stiffness: float, integrator: IntegratorName) -> list[StepLimit]:
-    """Largest stable step of the Euler tree on a damped penalty contact, and its prediction."""
+def _bouncing(stiffness: float) -> _Disturbed:
+    """On a damped penalty contact, with a small vertical speed."""
     contact = PenaltyContact.damped(stiffness, STEEL_DISK, ratio=DAMPING_RATIO)
     scenario = Scenario(
         friction=SmoothCoulomb(load="contact"),
@@ -117,29 +148,37 @@ def stable_over_stiffness(stiffness: float, integrator: IntegratorName) -> list[
     depth = contact.resting_penetration(scenario.weight)
     resting = scenario.initial_state
     along, across, _, *turning = resting.rates
-    bouncing_start = replace(resting, rates=(along, across, _SMALL * depth * rate, *turning))
-    scene = Scene(replace(scenario, start=bouncing_start), "euler-tree")
+    start = replace(resting, rates=(along, across, _SMALL * depth * rate, *turning))
 
-    def stable(step: float) -> bool:
-        run = _short_run(scene, step, integrator)
-        if run is None:
-            return False
+    def growth(run: Trajectory) -> Array:
         height = run.coordinate("z") - run.scenario.disk.radius * np.sin(run.coordinate("beta"))
-        return bool(np.max(np.abs(height[_LATE] + depth)) <= _GROWTH * _SMALL * depth)
+        found: Array = np.abs(height + depth) / (_SMALL * depth)
+        return found
 
     bouncing = rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2))
-    rates_of_decay = [bouncing, *_fast(_eigenvalues(replace(scenario, contact=None)))]
-    predicted = min(largest_step(integrator, value) for value in rates_of_decay)
-    limit = StepLimit(
-        axis="stiffness",
-        value=stiffness,
-        formulation="euler-tree",
-        integrator=integrator,
-        kind="stable",
-        step=_bisect(stable, predicted),
-        predicted=predicted,
-    )
-    return [limit]
+    decays = [bouncing, *_fast(_eigenvalues(replace(scenario, contact=None)))]
+    return _Disturbed(Scene(replace(scenario, start=start), TREES["stiffness"]), decays, growth)
+
+
+def _stable(disturbed: _Disturbed, integrator: IntegratorName) -> tuple[float | None, ...]:
+    """Largest stable step by bisection, and its prediction.
+
+    With much smoothing the inverted spinning itself is unstable about as fast as the step could
+    make it; then there is no limit to be seen, and none is given.
+    """
+    predicted = min(largest_step(integrator, value) for value in disturbed.decays)
+
+    def stable(step: float) -> bool:
+        times = step * np.linspace(0.0, _STEPS, 25)
+        try:
+            run = mbs_models.simulate(disturbed.scene, times, step=step, integrator=integrator)
+        except ArithmeticError:
+            return False
+        return run.ending is None and bool(np.max(disturbed.growth(run)[_LATE]) <= _GROWTH)
+
+    if np.exp(disturbed.own * _STEPS * predicted) > 0.5 * _GROWTH:
+        return None, None
+    return bisected(stable, predicted), predicted
 
 
 def _eigenvalues(scenario: Scenario) -> ComplexArray:
@@ -163,16 +202,7 @@ def _slip(run: Trajectory) -> Array:
     return result
 
 
-def _short_run(scene: Scene, step: float, integrator: IntegratorName) -> Trajectory | None:
-    times = step * np.linspace(0.0, _STEPS, 25)
-    try:
-        run = mbs_models.simulate(scene, times, step=step, integrator=integrator)
-    except ArithmeticError:
-        return None
-    return run if run.ending is None else None
-
-
-def _bisect(works: Callable[[float], bool], guess: float) -> float | None:
+def bisected(works: Callable[[float], bool], guess: float) -> float | None:
     """Largest working step within a factor of 30 about a guess, to two per cent.
 
     None if the smallest does not work.
@@ -190,53 +220,22 @@ def _bisect(works: Callable[[float], bool], guess: float) -> float | None:
     return low
 
 
-def accurate_steps(
-    axis: Axis,
-    value: float,
-    ways: Sequence[tuple[Formulation, IntegratorName]],
-    smallest: float,
-) -> list[StepLimit]:
-    """Largest step of `LADDER` that keeps the error from Table 3 below `ACCURACY`, by way.
-
-    Parameters
-    ----------
-    axis : {"smoothing", "stiffness"}
-    value : float
-    ways : sequence of (formulation, integrator)
-    smallest : float
-        Step in s at which to give up.
-    """
-    ideal = scenario = Scenario(friction=SmoothCoulomb(smoothing=value))
-    if axis == "stiffness":
-        ideal = Scenario(friction=SmoothCoulomb(load="contact"))
-        contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
-        scenario = replace(ideal, contact=contact)
-    times = np.linspace(0.0, 0.4, 5)
-    method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
-    by_equations = Way(source="in-house", formulation="index-1", integrator=method)
-    truth = by_equations.run(ideal, times, local_tolerance=1e-8)
-    found = []
-    for formulation, integrator in ways:
-        scene = Scene(scenario, formulation)
-        found.append(
-            StepLimit(
-                axis=axis,
-                value=value,
-                formulation=formulation,
-                integrator=integrator,
-                kind="accurate",
-                step=_largest_accurate(scene, integrator, truth, smallest),
-            )
-        )
-    return found
+# --- Accurate: the error from Table 3 stays small ------------------------------------------------
 
 
-def _largest_accurate(
-    scene: Scene, integrator: IntegratorName, truth: Trajectory, smallest: float
-) -> float | None:
+def _table_3(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
+    """The scenario with an ideal contact, and the one to be run."""
+    if axis == "smoothing":
+        ideal = Scenario(friction=SmoothCoulomb(smoothing=value))
+        return ideal, ideal
+    ideal = Scenario(friction=SmoothCoulomb(load="contact"))
+    contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
+    return ideal, replace(ideal, contact=contact)
+
+
+def largest_accurate(scene: Scene, integrator: IntegratorName, truth: Trajectory) -> float | None:
+    """Largest step of `LADDER` in s with which a run stays close to another; None without one."""
     for step in LADDER:
-        if step < 0.999 * smallest:
-            break
         try:
             run = mbs_models.simulate(scene, truth.times, step=step, integrator=integrator)
         except ArithmeticError:
@@ -244,3 +243,19 @@ def _largest_accurate(
         if run.ending is None and deviation(run, truth) <= ACCURACY:
             return step
     return None
+
+
+def _cases() -> Mapping[str, Place]:
+    found: dict[str, Place] = {
+        f"smoothing {each:g} m/s": ("smoothing", each) for each in SMOOTHINGS
+    }
+    return found | {f"stiffness {each:g} N/m": ("stiffness", each) for each in STIFFNESSES}
+
+
+STEPS = Study(
+    name="robustness-steps",
+    cases=_cases,
+    measure=measure,
+    keys=("kind", "formulation", "integrator"),
+    columns={"step": "largest in s; none if no step tried works", "predicted": "in s"},
+)

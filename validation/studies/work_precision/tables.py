@@ -1,333 +1,284 @@
-"""Tables of the work-precision study."""
+"""What the runs say: cheapest ways, orders, prices, failures."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
-from functools import partial
-from statistics import median
+from collections.abc import Sequence
+from itertools import pairwise
+from math import inf, log
+from statistics import geometric_mean, median
+from typing import Any
 
-import mbs_models
-from validation.kit.limits import holds
-from validation.kit.plain import rounded
-from validation.kit.tables import Cell, Table
-from validation.studies.work_precision.figures import NAMES
-from validation.studies.work_precision.prices import Price
-from validation.studies.work_precision.problems import (
-    PROBLEMS,
-    SAFETY,
-    Agreement,
-    Errors,
-    ProblemName,
-)
-from validation.studies.work_precision.runs import (
-    ENDS,
-    GOALS,
-    Run,
-    fastest,
-    grouped,
-    observed_order,
-    shortfall,
-    words,
-)
-from validation.studies.work_precision.stored import Study
+import numpy as np
+import pandas as pd
 
-_COSTS = ("evaluations", "time in ms")
+from validation.kit.timing import ratio
+from validation.page.section import power, sig
+from validation.studies.work_precision.measuring import CONSTRAINED, GOALS, IN_HOUSE, USEFUL
+from validation.studies.work_precision.problems import SAFETY, TIMES, TITLES
+
+NAMES = {
+    "contact-tree": "contact tree",
+    "euler-tree": "Euler tree",
+    "floating": "floating, Euler parameters",
+    "floating-lie": "floating, Lie group",
+    "index-1": "in-house, index 1 (Python)",
+    "reduced": "in-house, reduced (Python)",
+}
+
+CURVE = ["problem", "formulation", "scheme"]
+
+_ENDS = {
+    "goal": "met the finest goal",
+    "rounding": "two finer rungs brought no gain",
+    "failure": "two finer rungs failed",
+    "finest": "there is no finer tolerance",
+    "work": "stopped at the limit of work",
+}
+
+_LEAST_RATIO = 1.4
+"""Of steps or evaluations between two rungs from which an order can be told."""
+
+_LEAST_RUNGS = 4
+"""Rungs in the asymptotic range from which an order can be told."""
+
+_SETTLED = 0.6
+"""Largest spread of the slopes between those rungs."""
 
 
-def ways(study: Study) -> Table:
+def prepared(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs with names of their ways and their sides; failed ones have an infinite error."""
+    words = {"extrapolated": ", extrapolated", "tolerance": ", to a tolerance"}
+    return runs.fillna({"error": inf, "angle_error": inf}).assign(
+        way=runs["scheme"] + runs["kind"].map(words).fillna(""),
+        side=np.where(runs["formulation"].isin(IN_HOUSE), "in-house", "engine"),
+        milliseconds=1e3 * runs["seconds"],
+        failed=runs["failure"] != "",
+    )
+
+
+def floors(references: pd.DataFrame) -> dict[str, float]:
+    """Smallest error that can be measured on each problem."""
+    least = references.groupby("problem")["difference"].min()
+    return {str(problem): SAFETY * float(value) for problem, value in least.items()}
+
+
+def cheapest(runs: pd.DataFrame, by: Sequence[str], cost: str = "seconds") -> pd.DataFrame:
+    """The cheapest run of each group to each goal, indexed by both.
+
+    Runs to a tolerance, which are not chosen with the reference at hand, are not among them.
+    """
+    chosen = runs[runs["kind"] != "tolerance"]
+    met = pd.concat(
+        [chosen[chosen["error"] <= goal].assign(goal=goal) for goal in GOALS], ignore_index=True
+    )
+    best = met.loc[met.groupby([*by, "goal"], sort=False)[cost].idxmin()]
+    return best.set_index([*by, "goal"], drop=False)
+
+
+def shortfall(runs: pd.DataFrame) -> str:
+    """Why no run meets a goal; "not reached" only where every ladder went to its end."""
+    best = runs["error"].min()
+    found = f", best {best:.0e}" if best <= USEFUL else ""
+    open_ended = runs[runs["end"].isin(["work", "goal"])]
+    if open_ended.empty:
+        return f"not reached{found}"
+    finest = open_ended.loc[open_ended["kind"] == "step", "setting"].min()
+    steps = round(TIMES[-1] / finest)
+    return (
+        f"fails up to {steps} steps" if best == inf else f"not tried beyond {steps} steps{found}"
+    )
+
+
+def ways(runs: pd.DataFrame) -> pd.DataFrame:
     """Fastest way to each goal, in the engine and in-house."""
-    cells: list[list[Cell]] = []
-    for name, problem in PROBLEMS.items():
-        if not study.of(name):
-            cells.append([problem.title, None, "not in this selection", *(None,) * 5])
-            continue
+    best, sides = cheapest(runs, ["problem", "side"]), runs.groupby(["problem", "side"])
+    rows = []
+    for problem, title in TITLES.items():
         for goal in GOALS:
-            row: list[Cell] = [problem.title, words(goal)]
-            for side in (_engine(name), ("index-1", "reduced")):
-                row += _way(study, name, side, goal)
-            cells.append(row)
-    return Table(
-        name="work-precision-ways",
-        title="Fastest way to an error of 1e-3, 1e-6 and 1e-9",
-        folded=False,
-        columns=(
-            "problem",
-            "error at most",
-            "in the engine",
-            "evaluations",
-            "time in ms",
-            "in-house",
-            "evaluations",
-            "time in ms",
-        ),
-        rows=cells,
-        note="Among the rungs that were run, without interpolation; which rung is good enough is "
-        "known from the reference. The engine is compiled and calls a Python friction function; "
-        "the in-house equations are Python altogether. An extrapolated run counts all the runs "
-        "it is made of. Evaluations: of the right-hand side, one per Newton iteration.",
-    )
+            row: dict[str, Any] = {"problem": title, "error at most": power(goal)}
+            for side, head in (("engine", "in the engine"), ("in-house", "in-house")):
+                if (problem, side, goal) in best.index:
+                    run = best.loc[(problem, side, goal)]
+                    row[head] = f"{run['formulation']}, {run['way']}"
+                    row[f"evaluations, {side}"] = int(run["work"])
+                    row[f"time in ms, {side}"] = float(sig(run["milliseconds"], 3))
+                else:
+                    row[head] = shortfall(sides.get_group((problem, side)))
+            rows.append(row)
+    return pd.DataFrame(rows)
 
 
-def _engine(name: ProblemName) -> Sequence[str]:
-    return mbs_models.formulations(PROBLEMS[name].scenario)
-
-
-def _way(study: Study, name: ProblemName, side: Sequence[str], goal: float) -> list[Cell]:
-    curves = study.of(name, *side)
-    run = fastest([run for curve in curves for run in curve.runs], goal)
-    if run is None:
-        return [shortfall(curves), None, None]
-    return [run.method, run.work, _milliseconds(run)]
-
-
-def _milliseconds(run: Run) -> float:
-    milliseconds: float = rounded(1e3 * run.seconds, 3)
-    return milliseconds
-
-
-def formulation_ways(study: Study) -> Table:
+def formulation_ways(runs: pd.DataFrame) -> pd.DataFrame:
     """Fastest way of each formulation of the engine to each goal."""
-    names = [name for name in NAMES if name not in {"index-1", "reduced"}]
-    cells: list[list[Cell]] = []
-    for name, problem in PROBLEMS.items():
-        if not study.of(name):
-            cells.append([problem.title, None, *("not in this selection",) * len(names)])
-            continue
+    engine = runs[runs["side"] == "engine"]
+    best = cheapest(engine, ["problem", "formulation"])
+    rows = []
+    for problem, title in TITLES.items():
+        groups = dict(tuple(engine[engine["problem"] == problem].groupby("formulation")))
         for goal in GOALS:
-            row: list[Cell] = [problem.title, words(goal)]
-            for formulation in names:
-                if formulation not in _engine(name):
-                    row.append(None)
-                    continue
-                curves = study.of(name, formulation)
-                best = fastest([run for curve in curves for run in curve.runs], goal)
-                row.append(
-                    shortfall(curves)
-                    if best is None
-                    else f"{best.way}: {_milliseconds(best):g} ms"
-                )
-            cells.append(row)
-    return Table(
-        name="work-precision-formulations",
-        title="Fastest way of each formulation",
-        columns=("problem", "error at most", *(NAMES[name] for name in names)),
-        rows=cells,
-        note="–: the formulation does not apply. Not reached: every ladder of it went to its "
-        "end, where finer steps bring no gain or fail. Not tried: stopped at that many steps.",
-    )
+            row = {"problem": title, "error at most": power(goal)}
+            for formulation in dict.fromkeys(engine["formulation"]):
+                key = (problem, formulation, goal)
+                if key in best.index:
+                    found = best.loc[key]
+                    row[NAMES[formulation]] = f"{found['way']}: {sig(found['milliseconds'], 3)} ms"
+                elif formulation in groups:
+                    row[NAMES[formulation]] = shortfall(groups[formulation])
+            rows.append(row)
+    return pd.DataFrame(rows)
 
 
-def every_way(study: Study) -> Table:
+def every_way(runs: pd.DataFrame) -> pd.DataFrame:
     """What each method takes to each goal, with a step, extrapolated and to a tolerance."""
-    cells: list[list[Cell]] = []
-    for curve in study.curves:
-        for kind, runs in grouped(curve.runs, lambda run: run.kind).items():
-            row: list[Cell] = [
-                PROBLEMS[curve.problem].title,
-                curve.formulation,
-                curve.scheme,
-                kind,
-            ]
-            for goal in GOALS:
-                good = [run for run in runs if run.error <= goal]
-                if kind == "tolerance":
-                    good = [run for run in good if run.setting == goal]
-                best = min(good, key=lambda run: run.work, default=None)
-                row += [best.work, _milliseconds(best)] if best else [None, None]
-            cells.append([*row, min(run.error for run in runs), ENDS[curve.end]])
-    return Table(
-        name="work-precision-every-way",
-        title="What every way takes to each goal",
-        file_only=True,
-        columns=(
-            "problem",
-            "formulation",
-            "integrator",
-            "asked for",
-            *(f"{what} to {words(goal)}" for goal in GOALS for what in _COSTS),
-            "smallest error",
-            "why the ladder ended",
-        ),
-        rows=cells,
+    by = [*CURVE, "kind"]
+    table = runs.groupby(by, sort=False).agg(smallest_error=("error", "min"), end=("end", "first"))
+    for goal in GOALS:
+        own = (runs["kind"] != "tolerance") | (runs["setting"] == goal)
+        good = runs[(runs["error"] <= goal) & own]
+        best = good.loc[good.groupby(by)["work"].idxmin()].set_index(by)
+        table[f"evaluations to {power(goal)}"] = best["work"]
+        table[f"time in ms to {power(goal)}"] = best["milliseconds"]
+    table["end"] = table["end"].map(_ENDS)
+    heads = {"smallest_error": "smallest error", "end": "why the ladder ended"}
+    return table.rename(columns=heads).reset_index()
+
+
+def asked(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs to a tolerance, with how much better and dearer they are than they would have to be.
+
+    `over` is the error of beta and gamma over the tolerance, `excess` the evaluations over those
+    of the cheapest run of the same method that would do, which only a reference tells.
+    """
+    found = runs[runs["kind"] == "tolerance"]
+    enough = cheapest(runs, CURVE, cost="work")["work"].rename("enough")
+    found = found.join(enough, on=[*CURVE, "setting"])
+    met = found["error"] <= found["setting"]
+    return found.assign(
+        over=(found["angle_error"] / found["setting"]).where(~found["failed"]),
+        excess=(found["work"] / found["enough"]).where(met),
+        worse=~met & ~found["failed"],
     )
 
 
-def tolerances(study: Study) -> Table:
+def tolerances(runs: pd.DataFrame) -> pd.DataFrame:
     """What runs to a tolerance deliver and take, per formulation and integrator."""
-    asked = [run for run in study.runs if run.kind == "tolerance"]
-    cells: list[list[Cell]] = []
-    for method, runs in grouped(asked, lambda run: f"{run.formulation}, {run.scheme}").items():
-        met = [run for run in runs if run.errors is not None]
-        extra = [excess for run in met if (excess := study.excess(run)) is not None]
-        margins = [run.angle_error / run.setting for run in met]
-        cells.append(
-            [
-                method,
-                len(runs),
-                len(runs) - len(met),
-                rounded(max(margins), 3) if margins else None,
-                rounded(median(margins), 3) if margins else None,
-                sum(not holds(run.error, run.setting) for run in met),
-                rounded(median(extra), 3) if extra else None,
-            ]
-        )
-    return Table(
-        name="work-precision-tolerances",
-        title="Runs to a tolerance, for which the library chooses the steps",
-        worst="error of β and γ over tolerance, largest",
-        columns=(
-            "method",
-            "runs",
-            "refused",
-            "error of β and γ over tolerance, largest",
-            "median",
-            "position worse than that, runs",
-            "evaluations over the least that would do, median",
-        ),
-        rows=cells,
-        note="Promised are β and γ; the position of the centre of gravity, over the radius, is "
-        "not. Tolerances of 1e-3, 1e-6 and 1e-9 rad where the ladder of the method meets them. "
-        "The least that would do is that of the cheapest run of the same method, extrapolated or "
-        "not, chosen with the reference at hand.",
+    groups = asked(runs).groupby(["formulation", "scheme"], sort=False)
+    table = groups.agg(
+        **{
+            "runs": ("kind", "size"),
+            "refused": ("failed", "sum"),
+            "error of β and γ over tolerance, largest": ("over", "max"),
+            "median": ("over", "median"),
+            "position worse than that, runs": ("worse", "sum"),
+            "evaluations over the least that would do, median": ("excess", "median"),
+        }
     )
+    return table.reset_index()
 
 
-def agreement_table(agreements: Mapping[ProblemName, Agreement]) -> Table:
-    """What the references agree to, and the smallest error that can be measured with them."""
-    return Table(
-        name="work-precision-references",
-        title="References: in-house DOP853 at its tightest tolerance against other methods",
-        columns=("problem", "compared with", "largest difference in rad", "errors count from"),
-        rows=[
-            [PROBLEMS[name].title, other, difference, agreements[name].floor]
-            for name in PROBLEMS
-            if name in agreements
-            for other, difference in agreements[name].others.items()
-        ],
-        note=f"Errors below {SAFETY:g} times the smaller difference are not told apart from the "
-        "reference's own; that range is shaded in the diagrams.",
-    )
+def orders(runs: pd.DataFrame, floor: dict[str, float]) -> dict[tuple[str, str, str], float | str]:
+    """Observed order of each curve, or why it has none."""
+    shown = runs[runs["kind"].isin(["step", "local tolerance"])]
+    groups: Any = shown.groupby(CURVE, sort=False)
+    return {key: observed_order(group, floor[key[0]]) for key, group in groups}
 
 
-def order_table(study: Study) -> Table:
-    """Observed orders of all methods on all problems."""
-    shown = [run for run in study.runs if run.kind in {"step", "local tolerance"}]
-    names = [name for name in PROBLEMS if study.of(name)]
-    methods = grouped(shown, lambda run: run.method)
-    cells: list[list[Cell]] = []
-    for method, group in sorted(methods.items(), key=lambda item: _rank(item[1][0])):
-        by_problem = grouped(group, lambda run: run.problem)
-        row: list[Cell] = [method]
-        for name in names:
-            if name not in by_problem:
-                row.append("")
-                continue
-            order = observed_order(by_problem[name], study.agreements[name].floor)
-            row.append(f"– {order.reason}" if order.value is None else round(order.value, 2))
-        cells.append(row)
-    return Table(
-        name="work-precision-orders",
-        title="Observed orders",
-        columns=("method", *(PROBLEMS[name].title for name in names)),
-        rows=cells,
-        note="Slope of the error against the number of steps, for methods with step control "
-        "against the evaluations of the right-hand side, over the last four of at least four "
-        "rungs with a useful and measurable error. Few rungs: fewer than that. Unsettled: the "
-        "slopes between them differ by more than 0.6. Empty: the method does not apply.",
-    )
+def observed_order(runs: pd.DataFrame, floor: float) -> float | str:
+    """Median slope of the error against the number of steps, with its sign turned.
+
+    Evaluations of the right-hand side stand for the steps of methods that control them. Counted
+    are the finest consecutive rungs whose errors lie between what can be measured and what is
+    useful and fall from each to the next; there must be 4 of them, and the slopes between the
+    last ones must agree to 0.6.
+
+    Parameters
+    ----------
+    runs : DataFrame
+        Of one method on one problem, from coarse to fine.
+    floor : float
+        Smallest error that can be measured.
+    """
+    slopes: list[list[float]] = [[]]
+    for coarse, fine in pairwise(runs.to_dict("records")):
+        by_step = coarse["kind"] == "step"
+        finer = coarse["setting"] / fine["setting"] if by_step else fine["work"] / coarse["work"]
+        if floor < fine["error"] < coarse["error"] < USEFUL and finer > _LEAST_RATIO:
+            slopes[-1].append(log(coarse["error"] / fine["error"]) / log(finer))
+        elif slopes[-1]:
+            slopes.append([])
+    last = max(slopes, key=len)[1 - _LEAST_RUNGS :]
+    if len(last) < _LEAST_RUNGS - 1:
+        return "– few rungs"
+    if max(last) - min(last) > _SETTLED:
+        return f"– unsettled, {min(last):.1f} to {max(last):.1f}"
+    return round(median(last), 2)
 
 
-def _rank(run: Run) -> tuple[int, str]:
-    return list(NAMES).index(run.formulation), run.scheme
+def order_table(found: dict[tuple[str, str, str], float | str]) -> pd.DataFrame:
+    """Observed orders, a row for each method and a column for each problem."""
+    rows: dict[str, dict[str, Any]] = {}
+    for (problem, formulation, scheme), order in found.items():
+        row = rows.setdefault(f"{formulation}, {scheme}", {})
+        row[TITLES[problem]] = order
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=list(TITLES.values()))
+    return table.fillna("").rename_axis("method").reset_index()
 
 
-def price_table(prices: Sequence[Price]) -> Table:
-    """What options and formulations cost, from pairs of runs in turns."""
-    cells: list[list[Cell]] = []
-    for price in sorted(prices, key=lambda price: (price.what, price.formulation)):
-        low, high = price.interval
-        cells.append(
-            [
-                price.what,
-                price.formulation,
-                PROBLEMS[price.problem].title,
-                rounded(price.ratio, 3),
-                f"{low:.3g} to {high:.3g}",
-                "more" if low > 1.0 else "less" if high < 1.0 else "within scatter",
-                rounded(price.work, 3),
-                rounded(price.error, 3),
-            ]
-        )
-    pairs = min((len(price.ratios) for price in prices), default=0)
-    return Table(
-        name="work-precision-prices",
-        title="Prices, from pairs of runs measured in turns",
-        columns=(
-            "what",
-            "formulation",
-            "problem",
-            "time, median ratio",
-            "interval of the median",
-            "so",
-            "evaluations, ratio",
-            "error, ratio",
-        ),
-        rows=cells,
-        note=f"Processor time with over without, {pairs} pairs each, at the same step unless a "
-        "goal is named. Within scatter: the interval, of at least 94 % confidence, holds 1.",
-    )
-
-
-def failures(study: Study) -> Table:
-    """Failed runs, one row per method and problem, with the reason of the finest."""
-    failed = [run for run in study.runs if run.failure]
-    cells: list[list[Cell]] = []
-    for gaps in grouped(failed, lambda run: f"{run.problem}, {run.method}").values():
-        finest = min(gaps, key=lambda run: run.setting)
-        cells.append(
-            [
-                PROBLEMS[finest.problem].title,
-                finest.method,
-                len(gaps),
-                finest.setting,
-                finest.failure,
-            ]
-        )
-    return Table(
-        name="work-precision-failures",
-        title="Runs that did not reach their end",
-        worst="runs",
-        columns=("problem", "method", "runs", "finest step or tolerance", "reason of that one"),
-        rows=cells,
-    )
-
-
-def all_runs(study: Study) -> Table:
-    """Everything, for a file."""
-    counts = sorted({name for run in study.runs for name in run.counts})
-    return Table.of(
-        study.runs,
+def failures(runs: pd.DataFrame) -> pd.DataFrame:
+    """Failed runs of each method on each problem, with the reason of the finest."""
+    failed = runs[runs["failed"]].assign(problem=runs["problem"].map(TITLES))
+    groups = failed.groupby(["problem", "formulation", "way"], sort=False)
+    finest = failed.loc[groups["setting"].idxmin()].set_index(["problem", "formulation", "way"])
+    table = pd.DataFrame(
         {
-            "problem": lambda run: run.problem,
-            "formulation": lambda run: run.formulation,
-            "integrator": lambda run: run.scheme,
-            "asked for": lambda run: run.kind,
-            "step in s or tolerance": lambda run: run.setting,
-            "least processor time in s": lambda run: run.seconds if run.errors else None,
-            "slowest round over fastest": lambda run: run.scatter if run.errors else None,
-            "repeats of a round": lambda run: run.repeats,
-            **{each.name.replace("_", " "): partial(_error, each.name) for each in fields(Errors)},
-            **{name.replace("_", " "): partial(_count, name) for name in counts},
-            "failure": lambda run: run.failure,
-        },
-        name="work-precision-all-runs",
-        title="All runs of the work-precision study",
-        file_only=True,
+            "runs": groups.size(),
+            "finest step or tolerance": finest["setting"],
+            "reason of that one": finest["failure"],
+        }
     )
+    return table.reset_index()
 
 
-def _error(name: str, run: Run) -> float | None:
-    return getattr(run.errors, name, None)
+def price_table(pairs: pd.DataFrame) -> pd.DataFrame:
+    """Median ratio of each comparison, with its interval."""
+    rows = []
+    for (what, formulation, problem), group in pairs.groupby(["what", "formulation", "problem"]):
+        middle, low, high = ratio(group["ratio"].tolist(), [1.0] * len(group))
+        rows.append(
+            {
+                "what": what,
+                "formulation": formulation,
+                "problem": TITLES[problem],
+                "time, median ratio": middle,
+                "from": low,
+                "to": high,
+                "so": "more" if low > 1.0 else "less" if high < 1.0 else "within scatter",
+                "evaluations, ratio": group["work"].iloc[0],
+                "error, ratio": group["error"].iloc[0],
+            }
+        )
+    return pd.DataFrame(rows)
 
 
-def _count(name: str, run: Run) -> int | None:
-    return run.counts.get(name)
+def extrapolation_gain(runs: pd.DataFrame, goal: float) -> tuple[float, int, int]:
+    """Mean work of plain runs of the trapezoidal rule over that of extrapolated ones.
+
+    Returns
+    -------
+    gain : float
+        Geometric mean; NaN without a case.
+    cases : int
+    alone : int
+        Cases in which only extrapolated ones get there.
+    """
+    held = runs[runs["formulation"].isin(CONSTRAINED) & (runs["scheme"] == "trapezoidal")]
+    good = held[(held["error"] <= goal) & (held["kind"] != "tolerance")]
+    work = good.groupby(["problem", "formulation", "kind"])["work"].min().unstack("kind")
+    work = work.reindex(columns=["step", "extrapolated"])
+    gains = (work["step"] / work["extrapolated"]).dropna()
+    alone = int((work["step"].isna() & work["extrapolated"].notna()).sum())
+    return (geometric_mean(gains) if len(gains) else float("nan")), len(gains), alone
+
+
+def ranked(names: "pd.Series[str]") -> dict[str, int]:
+    """How often each name comes, the most frequent first."""
+    counts = names.value_counts()
+    return {str(n): int(counts[n]) for n in sorted(counts.index, key=lambda n: (-counts[n], n))}

@@ -1,0 +1,1 @@
+"""Initial value problems solved step by step: no mechanics, so that both sides share it."""

@@ -1,0 +1,139 @@
+"""How many steps an in-house run will take, told from its arguments before it starts.
+
+The numbers come from measured runs. A step resolves the fastest of what happens: the turning of
+the disk, as finely as the tolerance asks; friction at no slip, for explicit methods; and the
+Euler angles, which turn the faster the flatter the disk leans.
+"""
+
+from math import inf, pi
+from typing import NamedTuple
+
+from analysis.data.checks import Array, choice, positive
+from analysis.data.elementary import sin, sqrt
+from analysis.data.limits import Effort
+from analysis.data.scenario import Scenario
+from analysis.solve.stepping import Method
+
+
+class _Method(NamedTuple):
+    """How steps fall with the tolerance, how long they may be, and what they take.
+
+    The step is as the tolerance to the power 1 / `order`; `stable` is the largest product of
+    step and decay rate, and a step takes so many evaluations of the right-hand side.
+    """
+
+    order: int
+    stable: float
+    evaluations: float
+
+
+METHODS: dict[Method, _Method] = {
+    "DOP853": _Method(10, 6.0, 12),
+    "RK45": _Method(7, 3.3, 6),
+    "RK23": _Method(5, 2.5, 3),
+    "Radau": _Method(5, inf, 10),
+    "BDF": _Method(4, inf, 2),
+    "LSODA": _Method(5, inf, 2),
+    "taylor": _Method(10, 6.0, 0.7),
+}
+"""From measured runs; compiled steps take their time in parts of an evaluation."""
+
+_SECONDS = 1.2e-5
+"""Processor time in s that goes with one evaluation of the equations, the solver's included,"""
+
+_FREE_BODY_SECONDS = 2.5e-5
+"""and with one of a free body on a penalty contact."""
+
+
+def longest_step(scenario: Scenario) -> float:
+    """Longest step in s: a part of a turn and of the time of a fall.
+
+    On an unstable equilibrium nothing but rounding moves, and steps without a bound would grow
+    past the time in which a deviation does.
+    """
+    fall = 0.5 * sqrt(scenario.disk.radius / scenario.table.gravity)
+    return min(fall, 2.0 / max(abs(scenario.initial_state.rates[3]), 1e-3))
+
+
+def contact_time(scenario: Scenario) -> float:
+    """Half a period in s of the disk on its contact: steps no longer find every impact."""
+    return pi / sqrt(scenario.penalty_contact.stiffness * scenario.disk.contact_mobility)
+
+
+def simulation_effort(
+    scenario: Scenario,
+    times: Array,
+    *,
+    method: Method = "DOP853",
+    tolerance: float | None = None,
+    local_tolerance: float | None = None,
+) -> Effort:
+    """Effort of `analysis.simulate` with these arguments.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    times : ndarray, shape (n,)
+        In s.
+    method : str
+        One of `METHODS`.
+    tolerance, local_tolerance : float, optional
+        As in `analysis.simulate`; a tolerance takes two runs or more.
+
+    Raises
+    ------
+    ValueError
+        If a tolerance is not positive, or the method is none.
+    """
+    choice("method", method, METHODS)
+    used = METHODS[method]
+    name, wanted = "tolerance", 1e-8 if tolerance is None else tolerance
+    if local_tolerance is not None:
+        name, wanted = "local_tolerance", local_tolerance
+    wanted = positive(name, wanted)
+    start, gradient = scenario.initial_state, scenario.friction.gradient
+    spin = abs(start.rates[3])
+    turning = sum(abs(rate) for rate in start.rates[3:])
+    sharpness = wanted ** (-1.0 / (used.order))
+    # What asks for steps: how to call it, its value, and how many it asks for in a second.
+    rates = [
+        ("times", 0.0, 1.0 / longest_step(scenario)),
+        (name + " {:g}", wanted, 0.4 * spin * sharpness),
+        (
+            "friction gradient {:g} s/m",
+            gradient,
+            scenario.slip_decay / used.stable,
+        ),
+        ("beta {:g} rad", start.coordinates[4], turning / abs(sin(start.coordinates[4]))),
+    ]
+    seconds = _SECONDS
+    if scenario.contact is not None:
+        seconds = _FREE_BODY_SECONDS
+        stiffness = scenario.contact.stiffness
+        swinging = sqrt(stiffness * scenario.disk.contact_mobility) / min(used.stable, 3.0)
+        rates.append(("stiffness {:g} N/m", stiffness, swinging))
+    cause, value, fastest = max(rates, key=lambda each: each[2])
+    steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
+    return Effort(
+        steps=steps,
+        seconds=steps * used.evaluations * seconds,
+        cause=f"{cause.format(value)} up to t = {times[-1]:g} s",
+    )
+
+
+def rest_effort(scenario: Scenario, end: float) -> Effort:
+    """Effort of `analysis.simulate_to_rest` with LSODA, up to the time `end` in s.
+
+    Raises
+    ------
+    ValueError
+        If the scenario has no penalty contact.
+    """
+    contact = scenario.penalty_contact
+    # The method changes to implicit steps where friction is stiff, and follows the contact.
+    evaluations = 3.0 * end * sqrt(contact.stiffness * scenario.disk.contact_mobility)
+    return Effort(
+        steps=evaluations / 2.0,
+        seconds=evaluations * _SECONDS,
+        cause=f"stiffness {contact.stiffness:g} N/m until end = {end:g} s",
+    )

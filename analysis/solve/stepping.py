@@ -1,0 +1,295 @@
+"""Initial value problems, solved step by step with SciPy, watched on the way.
+
+`scipy.integrate.solve_ivp` throws away what it has reached when it is stopped from outside, so
+its solvers are stepped here.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from math import asin
+from typing import Any, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
+from scipy.optimize import brentq
+
+from analysis.data.checks import Array
+from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
+from analysis.data.limits import LEAST_TILT
+from analysis.data.watch import Watch
+from analysis.solve.lookout import Found, Lookout, Step
+
+Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
+METHODS: tuple[Method, ...] = get_args(Method)
+
+_SOLVERS: dict[str, Any] = {
+    "DOP853": DOP853,
+    "RK45": RK45,
+    "RK23": RK23,
+    "Radau": Radau,
+    "BDF": BDF,
+    "LSODA": LSODA,
+}
+
+
+STILL = 1e-9
+"""Slip in m/s that has no sign."""
+
+NEARLY_FLAT = LEAST_TILT
+"""Sine of the angle between disk and table at which a motion in Euler angles ends."""
+
+
+class SolverError(ArithmeticError):
+    """A solver has given up."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InitialValueProblem:
+    """An initial value problem of the disk.
+
+    Parameters
+    ----------
+    right_hand_side : callable
+        Time derivative of the state from time and state.
+    start : ndarray, shape (n,)
+    leaning : callable
+        From a state to the sine of the angle between disk and table.
+    normal_force : callable
+        From a state to the normal contact force in N.
+    longest_step : float
+        In s.
+    attitudes : callable
+        From states, shape (n, m), to numbers that tell beta and gamma, shape (n, k), in rad;
+        errors are judged by them.
+    conditions : mapping
+        From reasons to functions of a state; the motion ends where one turns negative.
+    slip : callable, optional
+        From a state to the slip in the one direction there is, in m/s; friction has a kink where
+        that changes its sign.
+    difference : float
+        Part of a variable, or of 1 if that is smaller, by which it is moved to differentiate the
+        right-hand side; friction may bend within less than usual.
+    """
+
+    right_hand_side: Callable[[float, Array], npt.ArrayLike]
+    start: Array
+    leaning: Callable[[Array], float]
+    normal_force: Callable[[Array], float]
+    longest_step: float
+    attitudes: Callable[[Array], Array]
+    conditions: Mapping[str, Callable[[Array], float]] = field(default_factory=dict)
+    slip: Callable[[Array], float] | None = None
+    difference: float = 1e-8
+
+    def with_steps_up_to(self, part: float) -> "InitialValueProblem":
+        """The same problem with this part of its longest step."""
+        return self if part == 1.0 else replace(self, longest_step=part * self.longest_step)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """What one integration has reached.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Those asked for, up to where the run ended, and the time of that ending.
+    states : ndarray, shape (n, m)
+    evaluations : int
+        Of the right-hand side.
+    ended : str or None
+        Why it ended before the last time asked for.
+    value : float
+        What the condition that ended it says there.
+    steps : int
+    pulling : tuple of pairs of floats
+        Times in s between which the contact has pulled.
+    """
+
+    times: Array
+    states: Array
+    evaluations: int
+    ended: str | None
+    pulling: tuple[tuple[float, float], ...]
+    value: float = 0.0
+    steps: int = 0
+
+
+def integrate(
+    problem: InitialValueProblem,
+    times: Array,
+    method: Method,
+    local_tolerance: float,
+    *,
+    allow_pulling: bool,
+    watch: Watch,
+) -> Run:
+    """Integrate a problem and sample it at `times`.
+
+    Parameters
+    ----------
+    problem : InitialValueProblem
+    times : ndarray, shape (n,)
+        Increasing; the start is at the first.
+    method : str
+        One of `METHODS`.
+    local_tolerance : float
+        Relative and absolute tolerance of a step.
+    allow_pulling : bool
+        Whether to go on where the normal force turns negative.
+    watch : Watch
+
+    Raises
+    ------
+    SolverError
+        If the solver gives up.
+    ToleranceError
+        If the call is out of steps.
+    ValueError
+        If the contact would have to pull at the start and must not.
+    """
+    pulls_at_start(problem, allow_pulling=allow_pulling)
+    lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
+    solvers: list[Any] = []
+
+    def started(moment: float, state: Array, end: float, first_step: float | None = None) -> Any:
+        solver = _SOLVERS[method](
+            problem.right_hand_side,
+            moment,
+            state,
+            end,
+            rtol=local_tolerance,
+            atol=local_tolerance,
+            max_step=problem.longest_step,
+            first_step=first_step,
+            **_jacobian(problem, method),
+        )
+        solvers.append(solver)
+        return solver
+
+    found: Found | None = None
+    states, row, begun = [problem.start], 1, watch.steps
+    for step in _steps(started, problem, times):
+        watch.steps += 1
+        if not watch.steps_left:
+            watch.flattest = step.end, asin(min(1.0, problem.leaning(step.last)))
+            raise watch.given_up(method)
+        found = lookout.ending(step)
+        count = int(np.searchsorted(times, step.end, side="right"))
+        states += step.states(times[row:count])
+        row = count
+        if found is None and watch.is_over(step.end, times[-1]) and row < times.size:
+            found = Found(TIME_LIMIT, 0.0)
+        if found is not None:
+            break
+    reached = times[:row]
+    if found is not None and step.end > reached[-1]:
+        reached = np.append(reached, step.end)
+        states.append(step.last)
+    ended, value = found or (None, 0.0)
+    return Run(
+        reached,
+        np.array(states),
+        sum(map(_evaluations, solvers)),
+        ended,
+        lookout.pulling(reached[-1]),
+        value,
+        watch.steps - begun,
+    )
+
+
+def _steps(
+    started: Callable[..., Any], problem: InitialValueProblem, times: Array
+) -> Iterator[Step]:
+    """Steps of a run, none of which goes across a kink of friction.
+
+    A step that does is taken again up to there: its error would be larger than it shows.
+
+    Parameters
+    ----------
+    started : callable
+        From a time, a state, a last time and the length of a first step to a solver.
+    problem : InitialValueProblem
+    times : ndarray, shape (n,)
+    """
+    slip = problem.slip or (lambda _: 0.0)
+    solver, before = started(times[0], problem.start, times[-1]), slip(problem.start)
+    while solver.status == "running":
+        state = solver.y.copy()
+        step = _step(solver)
+        after = slip(step.last)
+        turn = _turn(slip, before, step, after)
+        if step.begin < turn < step.end:
+            upto = started(step.begin, state, turn, turn - step.begin)
+            while upto.status == "running":
+                yield _step(upto)
+            length = min(step.end - step.begin, times[-1] - turn)
+            solver = started(turn, upto.y, times[-1], length)
+            before = slip(upto.y)
+        else:
+            yield step
+            before = after
+
+
+def _turn(slip: Callable[[Array], float], before: float, step: Step, after: float) -> float:
+    """Time at which slip changes its sign within a step, or its end."""
+    if before * after >= 0.0 or min(abs(before), abs(after)) <= STILL:
+        return step.end
+    return float(brentq(lambda time: slip(step.path(time)), step.begin, step.end))
+
+
+def _step(solver: Any) -> Step:
+    message = solver.step()
+    if solver.status == "failed":
+        name = type(solver).__name__
+        raise SolverError(f"{name} stopped after t = {solver.t:g} s: {message}")
+    return Step(solver)
+
+
+def _evaluations(solver: Any) -> int:
+    """Evaluations of the right-hand side, those for `_jacobian` among them."""
+    jacobians = solver.njev if isinstance(solver, (BDF, Radau)) else 0
+    return int(solver.nfev + jacobians * (1 + solver.n))
+
+
+def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
+    """Jacobian of the right-hand side by forward differences, for the methods that take one.
+
+    SciPy's own widens its steps for ever along coordinates that the right-hand side does not
+    depend on, such as alpha, until they overflow.
+    """
+    if method not in {"Radau", "BDF"}:
+        return {}
+
+    def jacobian(moment: float, state: Array) -> Array:
+        base = np.asarray(problem.right_hand_side(moment, state))
+        columns = []
+        for index, value in enumerate(state):
+            moved = state.copy()
+            moved[index] += problem.difference * max(1.0, abs(value))
+            step = moved[index] - value
+            columns.append((np.asarray(problem.right_hand_side(moment, moved)) - base) / step)
+        return np.column_stack(columns)
+
+    return {"jac": jacobian}
+
+
+def pulls_at_start(problem: InitialValueProblem, *, allow_pulling: bool) -> bool:
+    """Whether the contact pulls at the start; `ValueError` if it does and must not."""
+    force = problem.normal_force(problem.start)
+    if force < 0.0 and not allow_pulling:
+        raise ValueError(
+            f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
+            "allow_pulling lets it"
+        )
+    return force < 0.0
+
+
+def endings(problem: InitialValueProblem) -> dict[str, Callable[[Array], float]]:
+    """What ends a motion: functions of its state that turn negative there, by reason."""
+    return {
+        FLAT: lambda state: problem.leaning(state) - NEARLY_FLAT,
+        CONTACT_WOULD_PULL: problem.normal_force,
+        **problem.conditions,
+    }

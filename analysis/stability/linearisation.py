@@ -1,0 +1,292 @@
+"""Any scenario linearised about a stationary motion, along its constraint manifold.
+
+Independent of the printed matrices of `linear_full` and `linear_reduced`: the nonlinear index-1
+system s' = F(s) in the states of `mechanics.states` is differentiated by dual numbers along the
+tangent space T of the states that meet every constraint on position and velocity level. Its
+Jacobian maps T into itself, so that it is told by the numbers of a state that are free in T.
+
+Some directions of T are neutral. They, too, are mapped into themselves (which is checked), so
+that leaving them out leaves the other eigenvalues as they are:
+
+- alpha: the disk may stand on the table in any direction;
+- its rate, unless the spin is held: the neighbouring stationary motion, an eigenvalue of zero;
+- the drift, unless the centre of gravity is held: spinning elsewhere on the table, which circles
+  in the turning R-frame and has the eigenvalues +-i spin.
+
+With alpha and its rate left out, Models 1 to 4 have the 8 eigenvalues of Eq. (55), 4, and twice
+the 3 of Eq. (111).
+
+The equations of motion are quadratic in the velocities, but for friction, whose law is one of the
+slip and at no slip linear in it. For upright spinning, which has no slip, all derivatives are
+therefore polynomials of degree 2 in the spin, taken from three spins. All lengths count in radii
+and all times in sqrt(r / g).
+"""
+
+from math import pi, sin, sqrt
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import qr
+
+from analysis.data.checks import Array, choice, float_array, within
+from analysis.data.constraint_set import ConstraintSet
+from analysis.data.quantities import FASTEST_TURN, Level
+from analysis.data.scenario import Scenario
+from analysis.data.start import MOTIONS, Motion
+from analysis.mechanics import recorded
+from analysis.mechanics.constraints import places, velocities
+from analysis.mechanics.dual import derivatives
+from analysis.mechanics.states import state_of
+
+ComplexArray = npt.NDArray[np.complex128]
+
+Place = tuple[float, float, float, float]
+"""x and y of the geometric centre in the turning frame in m, beta and gamma in rad."""
+
+_SPIN_STEP = 2.0
+"""Spin for which derivatives are worked out, beside 0 and its negative, without units."""
+
+_NEUTRAL = 1e-6
+"""Largest relative coupling of the others to what is neutral."""
+
+ROUND_OFF = 1e-10
+"""Real parts of less than this part of the largest eigenvalue are none."""
+
+ZERO = 1e-6
+"""Eigenvalues, and differences, below this part of sqrt(g / r) or of the largest one are none.
+
+Rounding, some 1e-12, splits a double zero into two of its square root.
+"""
+
+
+def spin_scale(scenario: Scenario) -> float:
+    """Natural unit of spins and frequencies: sqrt(g / r) in rad/s."""
+    return sqrt(scenario.table.gravity / scenario.disk.radius)
+
+
+def require_spinning(scenario: Scenario, analysis: str, level: Level | None = None) -> None:
+    """Raise `ValueError` unless a scenario has the stationary motions that an analysis knows.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    analysis : str
+        What to call it, such as "the full system".
+    level : {1, 2, 3, 4}, optional
+        The one model that it describes; any constraints by default.
+
+    Raises
+    ------
+    ValueError
+        If the table leans, the contact is compliant, or the model is another one.
+    """
+    scenario.require_horizontal_table(analysis)
+    if scenario.contact is not None:
+        raise ValueError(f"{analysis} needs the ideal contact, got a {scenario.contact!r}")
+    if level is not None and scenario.model != level:
+        raise ValueError(
+            f"{analysis} is that of Model {level}, got {scenario.name}; "
+            "the system 'numeric' takes any constraints"
+        )
+
+
+def spin_array(spins: npt.ArrayLike) -> Array:
+    """Return `spins` as a float array, shape (n,), n >= 1; a single number gives n = 1.
+
+    Raises
+    ------
+    ValueError
+        If it holds no real numbers, is empty, has more than one dimension, is not finite or
+        exceeds `FASTEST_TURN`.
+    """
+    result = np.atleast_1d(float_array("spins", spins))
+    if result.ndim != 1 or result.size == 0:
+        raise ValueError(
+            f"spins must be one-dimensional with at least 1 entry, got shape {result.shape}"
+        )
+    if not np.all(np.isfinite(result)):
+        worst = result[~np.isfinite(result)][0]
+        raise ValueError(f"spins must be finite numbers in rad/s, got {worst}")
+    fastest = float(result[np.argmax(np.abs(result))])
+    within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
+    return result
+
+
+def has_drift(constraints: ConstraintSet) -> bool:
+    """Whether the disk may spin at any place on the table."""
+    return "fixed-cog" not in constraints
+
+
+def falling(values: npt.NDArray[np.inexact]) -> ComplexArray:
+    """Eigenvalues, shape (..., k), by falling real and imaginary part."""
+    order = np.lexsort((-values.imag, -values.real))
+    return np.take_along_axis(values.astype(complex), order, axis=-1)
+
+
+def upright(scenario: Scenario, gamma: float) -> Place:
+    """Where the disk spins upright: G, or a centre of gravity that is held, above the origin."""
+    held = not has_drift(scenario.constraints)
+    return -scenario.disk.eccentricity * np.cos(gamma) * held, 0.0, pi / 2, gamma
+
+
+class Linearisation:
+    """A scenario linearised about a stationary motion.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        On a horizontal table, with the ideal contact and any constraints.
+    place : tuple of 4 floats
+        Of the stationary motion, see `Place`.
+    spin : float, optional
+        Of the stationary motion in rad/s; by default any, of an upright one.
+    """
+
+    def __init__(self, scenario: Scenario, place: Place, spin: float | None = None) -> None:
+        require_spinning(scenario, "the numeric linearisation")
+        self._scenario, self._place = scenario, place
+        self.frequency = spin_scale(scenario)
+        """Unit sqrt(g / r) of the spin in rad/s."""
+        radius, unit = scenario.disk.radius, self.frequency
+        self._units = np.repeat((radius, 1.0, radius * unit, unit), 3)
+        self._jacobian = recorded.jacobian(scenario)
+        step = _SPIN_STEP * unit
+        if spin is not None:
+            self._powers = np.vstack((self._by_state(spin), self._held(spin)))[None]
+        else:
+            less, rest, more = (self._by_state(each) for each in (-step, 0.0, step))
+            still, moving = self._held(0.0), self._held(step)
+            linear = np.vstack((more - less, 2 * (moving - still))) / (2 * _SPIN_STEP)
+            square = np.vstack((more - 2 * rest + less, 0.0 * still)) / (2 * _SPIN_STEP**2)
+            self._powers = np.array((np.vstack((rest, still)), linear, square))
+
+    def state(self, spin: float) -> Array:
+        """State of the stationary motion at a spin in rad/s, shape (12,)."""
+        x, y, beta, gamma = self._place
+        disk, rates = self._scenario.disk, (0.0, 0.0, 0.0, spin, 0.0, 0.0)
+        coordinates = x, y, disk.radius * sin(beta), 0.0, beta, gamma
+        return np.array(state_of(disk, coordinates, rates))
+
+    def accelerations(self, spin: float) -> Array:
+        """Changes of the velocities there without units, shape (6,): zero if it is stationary."""
+        found = np.array(recorded.solver(self._scenario)(*self.state(spin).tolist())[6:12])
+        result: Array = found / (self._units[6:] * self.frequency)
+        return result
+
+    def _by_state(self, spin: float) -> Array:
+        """Jacobian of the flow without units, shape (12, 12)."""
+        found = self._jacobian(self.state(spin)) * self._units / self._units[:, None]
+        result: Array = found / self.frequency
+        return result
+
+    def _held(self, spin: float) -> Array:
+        """Derivatives of what the constraints hold, without units, shape (m, 12)."""
+        held, disk = self._scenario.constraints, self._scenario.disk
+        rows = derivatives(
+            lambda moving: [*places(held, disk, moving), *velocities(held, disk, moving)],
+            self.state(spin),
+        )
+        result: Array = rows * self._units / disk.radius
+        return result
+
+    def matrices(self, spins: Array, *, drift: bool = True) -> Array:
+        """State matrices in 1/s at spins in rad/s, shape (n, k, k).
+
+        Parameters
+        ----------
+        spins : ndarray, shape (n,)
+        drift : bool
+            Whether the pair +-i spin of a disk that spins elsewhere stays in; see `has_drift`.
+
+        Raises
+        ------
+        ArithmeticError
+            If a direction is not neutral that should be.
+        """
+        every = self._at(spins)
+        jacobians = every[:, :12]
+        free, neutral, bases = self._tangents(every[:, 12:], drift=drift)
+        rows = jacobians[:, free]
+        coupling = np.max(np.abs(rows[:, :, neutral]), axis=(1, 2))
+        worst = float(np.max(coupling / np.max(np.abs(jacobians), axis=(1, 2))))
+        if worst > _NEUTRAL:
+            raise ArithmeticError(
+                f"a change of the spin or of the place of {self._scenario.name} is not neutral: "
+                f"relative coupling {worst:.1e}"
+            )
+        result: Array = self.frequency * rows @ bases
+        return result
+
+    def bases(self, spins: Array, *, drift: bool = True) -> Array:
+        """Deviations of a state without units by each free number, shape (n, 12, k)."""
+        return self._tangents(self._at(spins)[:, 12:], drift=drift)[2]
+
+    def _at(self, spins: Array) -> Array:
+        """Those of `_by_state` and `_held` at spins in rad/s, shape (n, 12 + m, 12)."""
+        spin = np.vander(spins / self.frequency, len(self._powers), increasing=True)
+        return np.tensordot(spin, self._powers, axes=1)
+
+    def _tangents(self, normals: Array, *, drift: bool) -> tuple[Array, list[int], Array]:
+        """Free numbers and neutral ones, and how all deviate with each free one."""
+        held = self._scenario.constraints
+        # A free spin is that about the centre of gravity: no other motion is stationary.
+        neutral = [3] if "constant-spin" in held else [3, 9]
+        if not drift and has_drift(held):
+            neutral += [0, 1]
+        others, count = np.setdiff1d(np.arange(12), neutral), normals.shape[1]
+        best = qr(self._powers[0][12:, others], mode="r", pivoting=True)[1]
+        solved, free = others[best[:count]], others[np.sort(best[count:])]
+        bases = np.zeros((len(normals), 12, free.size))
+        bases[:, free] = np.eye(free.size)
+        bases[:, solved] = -np.linalg.solve(normals[:, :, solved], normals[:, :, free])
+        return free, neutral, bases
+
+
+def upright_gamma(motion: Motion) -> float:
+    """Rotation angle in rad of a stationary motion, Eq. (5)."""
+    choice("motion", motion, MOTIONS)
+    return pi / 2 if motion == "inverted" else -pi / 2
+
+
+def spinning(scenario: Scenario, motion: Motion = "inverted") -> Linearisation:
+    """Any constraints linearised about inverted or noninverted spinning at any spin.
+
+    Raises
+    ------
+    ValueError
+        If the motion is unknown, the table leans or the contact is compliant.
+    """
+    return Linearisation(scenario, upright(scenario, upright_gamma(motion)))
+
+
+def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> ComplexArray:
+    """Eigenvalues of any stationary motion in 1/s, shape (k,), by falling real part.
+
+    The neutral ones are left out: those of the direction in which the disk stands, of the
+    neighbouring spin where it is free, and of the place on the table where that is free.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        On a horizontal table, with the ideal contact and any constraints.
+    spin : float
+        In rad/s.
+    place : tuple of 4 floats
+        Of a motion in which it does not change, see `Place`.
+
+    Raises
+    ------
+    ValueError
+        If the table leans or the contact is compliant.
+    ArithmeticError
+        If the motion is not stationary.
+    """
+    found = Linearisation(scenario, place, spin)
+    change = np.max(np.abs(found.accelerations(spin))) / (1.0 + (spin / found.frequency) ** 2)
+    if change > 1e-6:
+        raise ArithmeticError(
+            f"a motion at {spin:.9g} rad/s with beta {place[2]:.6g} and gamma {place[3]:.6g} rad "
+            f"is not stationary: its accelerations are {change:.1e} of those of the spinning"
+        )
+    matrices = found.matrices(np.array([spin]), drift=False)
+    return falling(np.linalg.eigvals(matrices[0]))

@@ -1,0 +1,103 @@
+"""Sampled motions: columns of their samples, and what came with them."""
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from analysis.data.agreement import error_at_ending
+from analysis.data.checks import Array
+from analysis.data.state import State
+from mbs_models.integrators import Integrator
+
+COORDINATES = slice(0, 6)
+RATES = slice(6, 12)
+FORCES = slice(12, None)
+
+ALPHA, BETA, GAMMA = 3, 4, 5
+TURNING = [ALPHA, GAMMA]
+BETA_RATE = 10
+NORMAL_FORCE = 12
+
+ANGLES, ANGLE_RATES = slice(4, 6), slice(10, 12)
+"""Those of beta and gamma."""
+
+
+def apart(first: Array, second: Array, *, flat: bool = False) -> float:
+    """Largest difference of beta and gamma in rad, which is what tolerances speak of.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (n, 12 + k)
+        Samples with their times as the last column; those of the last may differ.
+    flat : bool
+        Whether the disk lies flat at the last sample: gamma means nothing there.
+    """
+    gaps, rates = first[:, ANGLES] - second[:, ANGLES], second[:, ANGLE_RATES].copy()
+    if flat:
+        gaps[-1, 1] = rates[-1, 1] = 0.0
+    return float(np.max(error_at_ending(gaps, first[:, -1] - second[:, -1], rates)))
+
+
+def leaning(rows: Array) -> Array:
+    """Angle in rad between disk and table in samples.
+
+    It is negative where beta lies outside (0, pi), by whole turns if a run has failed.
+    """
+    tilts = rows[..., BETA]
+    result: Array = np.minimum(tilts, pi - tilts)
+    return result
+
+
+def state_of(row: Array) -> State:
+    """State of a sample."""
+    values = row.tolist()
+    return State(coordinates=tuple(values[COORDINATES]), rates=tuple(values[RATES]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sampled:
+    """A motion over all times: what came out and what it took.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Those asked for, up to where it ended, and the time of that ending.
+    values : ndarray, shape (n, 12 + k)
+        Co-rotating coordinates, their rates, and the constraint forces.
+    step : float
+        Longest step in s, or the limit of step control.
+    counts : Counter
+        See `Samples`.
+    setup_seconds : float
+        Processor time that building the scene took.
+    seconds : float
+        Processor time that the engine's solver took.
+    ended : str or None
+        Why it ended before the last time asked for.
+    pulling : tuple of pairs of floats
+        Times in s between which the contact has pulled.
+    """
+
+    times: Array
+    values: Array
+    step: float
+    counts: Counter[str]
+    setup_seconds: float = 0.0
+    seconds: float = 0.0
+    ended: str | None = None
+    pulling: tuple[tuple[float, float], ...] = ()
+
+    def with_work(self, counts: Counter[str]) -> "Sampled":
+        """The same with the work of runs before it."""
+        return replace(self, counts=self.counts + counts)
+
+
+class Reached(NamedTuple):
+    """A motion, the integrator that has led there, and its estimated error in rad."""
+
+    result: Sampled
+    integrator: Integrator
+    estimate: float | None = None

@@ -1,0 +1,189 @@
+"""A motion ends where a condition turns negative first, whatever the times asked for."""
+
+from collections.abc import Callable
+from itertools import count
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import METHODS, MODELS, Method, Scenario, Start, State, Trajectory
+from analysis.data.checks import Array
+from analysis.data.watch import Watch
+from analysis.solve.stepping import InitialValueProblem, integrate
+from tests.helpers import model, mostly_slow
+
+QUICK, ALL = 8, 300
+
+SCIPY_METHODS = [each for each in METHODS if each != "taylor"]
+
+SHORT_PULL = Start(spin=139.0)
+"""Its contact would pull for 2.2 ms."""
+
+FAST = Start(beta=2.0, spin=40.0)
+
+AIMED = model(4, start=Start(beta=0.63878, beta_rate=5.14286))
+
+
+def random_scenario(random: np.random.Generator) -> Scenario:
+    """A start that ends, for more than one reason, within a second, or does not."""
+    start = Start(
+        spin=random.uniform(15.0, 150.0),
+        beta=random.uniform(0.8, 2.3),
+        gamma=random.uniform(-3.0, 3.0),
+    )
+    return Scenario(constraints=[*MODELS.values()][random.integers(4)], start=start)
+
+
+def said(run: Trajectory) -> tuple[str, float]:
+    """Reason and time of an ending."""
+    return ("", 0.0) if run.ending is None else (run.ending.reason, run.ending.time)
+
+
+def assert_said(run: Trajectory, reason: str, time: float, within: float) -> None:
+    found = said(run)
+    assert found[0] == reason, run.scenario
+    assert found[1] == pytest.approx(time, abs=within), run.scenario
+
+
+@pytest.mark.parametrize(
+    ("spin", "tolerance"),
+    # The first pulls for a tenth of a millisecond.
+    [(138.5465, 1e-8), (139.0, 1e-3), (139.0, 1e-8), (140.0, 1e-3), (140.0, 1e-8)],
+)
+def test_a_short_pull_between_two_samples_ends_a_run(spin: float, tolerance: float) -> None:
+    scenario = Scenario(start=Start(spin=spin))
+    few = analysis.simulate(scenario, [0.0, 1.0], tolerance=tolerance)
+    many = analysis.simulate(scenario, np.linspace(0.0, 0.2, 10001), tolerance=1e-9)
+    assert_said(few, "contact would pull", said(many)[1], tolerance)
+
+
+def test_the_short_pull_is_noted_where_it_ends_nothing() -> None:
+    scenario = Scenario(start=SHORT_PULL)
+    few, many = (
+        analysis.simulate(scenario, times, tolerance=1e-9, allow_pulling=True).pulling
+        for times in ([0.0, 0.2], np.linspace(0.0, 0.2, 401))
+    )
+    np.testing.assert_allclose(few, many, atol=1e-8)
+    assert few[0][0] == pytest.approx(0.15983, abs=1e-5)
+    assert few[0][1] - few[0][0] == pytest.approx(2.2e-3, abs=1e-4)
+
+
+def test_a_pull_behind_the_end_of_a_run_in_the_same_step_is_not_noted() -> None:
+    before = analysis.simulate(Scenario(start=SHORT_PULL), [0.0, 0.1597], local_tolerance=1e-9)
+    turned = float(before.coordinate("gamma")[-1])
+
+    def far(state: State) -> float:
+        return turned - state.coordinates[5]
+
+    assert turned > np.max(before.coordinate("gamma")[:-1])
+    run = analysis.simulate(
+        Scenario(start=SHORT_PULL),
+        [0.0, 1.0],
+        stop_when=far,
+        local_tolerance=1e-3,
+        allow_pulling=True,
+    )
+    assert said(run)[0] == "far"
+    assert run.pulling == ()
+
+
+def test_conditions_say_nothing_of_what_comes_after_a_fall() -> None:
+    start = Start(spin=9.4667, beta=1.18926, gamma=1.70513, beta_rate=-0.44891)
+    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-3}
+    run = analysis.simulate(model(4, start=start), [0.0, 1.5], stop_when="lost", **how)
+    assert_said(run, "flat", 0.148187, 1e-5)
+
+
+@pytest.mark.parametrize("samples", [2, 31, 601])
+def test_the_reduced_system_ends_whatever_the_samples(samples: int) -> None:
+    times = np.linspace(0.0, 0.3, samples)
+    run = analysis.simulate(AIMED, times, form="reduced", tolerance=1e-6)
+    assert_said(run, "contact would pull", 0.10066573, 1e-6)
+
+
+@pytest.mark.parametrize("method", SCIPY_METHODS)
+def test_every_method_sees_the_short_pull(method: Method) -> None:
+    scenario = Scenario(start=SHORT_PULL)
+    run = analysis.simulate(scenario, [0.0, 0.2], method=method, local_tolerance=1e-6)
+    assert_said(run, "contact would pull", 0.15983, 1e-4)
+
+
+@pytest.mark.parametrize("starts", mostly_slow([QUICK, ALL], [QUICK]))
+def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: int) -> None:
+    random = np.random.default_rng(21)
+    ended = 0
+    for number in range(starts):
+        scenario = random_scenario(random)
+        how: dict[str, Any] = {"tolerance": 1e-6, "stop_when": ["inverted", "lost"]}
+        if scenario.model == 4 and number % 2:
+            how["form"] = "reduced"
+        between = np.sort(random.uniform(0.0, 0.6, 40))
+        few = analysis.simulate(scenario, [0.0, 0.6], **how)
+        many = analysis.simulate(scenario, [0.0, *between, 0.6], **how)
+        others = [many]
+        if starts == ALL:
+            # Compiling takes longer than a quick test may.
+            others.append(analysis.simulate(scenario, [0.0, 0.6], method="taylor", **how))
+        reason, time = said(few)
+        for other in others:
+            assert_said(other, reason, time, 2e-6)
+        ended += bool(reason)
+    assert ended > starts // 4
+
+
+@pytest.mark.slow
+def test_endings_are_those_of_the_engine() -> None:
+    random = np.random.default_rng(22)
+    for _ in range(30):
+        scenario = random_scenario(random)
+        how: dict[str, Any] = {"tolerance": 1e-6, "stop_when": ["inverted", "lost"]}
+        run = analysis.simulate(scenario, [0.0, 0.4], **how)
+        engine = mbs_models.simulate(mbs_models.Scene(scenario), np.linspace(0, 0.4, 201), **how)
+        reason, time = said(run)
+        assert_said(engine, reason, time, 2e-6)
+
+
+def turned_by(angle: float) -> Callable[[State], float]:
+    """Condition that ends a run where gamma has risen by an angle."""
+
+    def condition(state: State) -> float:
+        return Start().gamma + angle - state.coordinates[5]
+
+    condition.__name__ = f"turned by {angle}"
+    return condition
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_two_endings_in_one_step_the_earlier_one_counts(order: int) -> None:
+    # They are a few microseconds apart, and the step is hundreds of times as long.
+    conditions = [turned_by(0.5), turned_by(0.5001)][::order]
+    run, alone = (
+        analysis.simulate(Scenario(start=FAST), [0.0, 1.0], stop_when=each, local_tolerance=1e-6)
+        for each in (conditions, turned_by(0.5))
+    )
+    assert said(run) == said(alone)
+    assert said(run)[0] == "turned by 0.5"
+
+
+@pytest.mark.parametrize("method", SCIPY_METHODS)
+def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
+    calls = count()
+
+    def right_hand_side(_: float, state: Array) -> Array:
+        next(calls)
+        return np.array([state[1], -50.0 * state[0] - 0.1 * state[1] ** 3])
+
+    problem = InitialValueProblem(
+        right_hand_side,
+        np.array([1.0, 0.0]),
+        lambda _: 1.0,
+        lambda _: 1.0,
+        longest_step=0.5,
+        attitudes=lambda states: states,
+    )
+    times = np.linspace(0.0, 2.0, 21)
+    run = integrate(problem, times, method, 1e-6, allow_pulling=False, watch=Watch())
+    assert run.evaluations == next(calls)

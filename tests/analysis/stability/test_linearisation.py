@@ -1,0 +1,237 @@
+"""Any set of constraints linearised numerically, against closed matrices and textbooks."""
+
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+from analysis import (
+    CENTRED_DISK,
+    MODELS,
+    MOTIONS,
+    POSSIBLE_SETS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    ConstraintSet,
+    FrictionLaw,
+    Level,
+    Motion,
+    Scenario,
+    SmoothCoulomb,
+    Stribeck,
+    Table,
+    TanhCoulomb,
+    ViscousFriction,
+)
+from analysis.data.checks import Array
+from analysis.data.constraint_set import set_name
+from analysis.mechanics import paper
+from analysis.mechanics.states import paper_of
+from analysis.stability.chart import with_gradient
+from analysis.stability.critical import critical_speeds
+from analysis.stability.linear_full import full_system, signed_eccentricity
+from analysis.stability.linearisation import (
+    ComplexArray,
+    Linearisation,
+    spinning,
+    upright,
+)
+from analysis.stability.spectra import System, eigenvalues
+from tests.helpers import jacobian, mostly_slow, random_disk
+
+SPINS = np.array([0.0, 1e-3, 5.0, 30.0, 60.0])
+STATES = [0, 1, 4, 5, 6, 7, 10, 11]
+"""Of coordinates and rates, those of the full linear system: x, y, beta, gamma and their rates."""
+
+some_sets = pytest.mark.parametrize(
+    "constraints",
+    mostly_slow(POSSIBLE_SETS, (MODELS[1], MODELS[3], MODELS[4], POSSIBLE_SETS[-1])),
+    ids=set_name,
+)
+
+ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
+
+
+def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
+    """State matrix of Eq. (55), shape (8, 8), with linearised constraints on acceleration level.
+
+    The forces that hold the slip or the centre of gravity are zero in the stationary motion, so
+    that they act along their directions there, and add no stiffness.
+    """
+    free = replace(scenario, constraints=MODELS[1])
+    system = full_system(with_gradient(free, 0.0), spin, motion)
+    r, e = scenario.disk.radius, signed_eccentricity(scenario.disk, motion)
+    slips = (
+        ("no-slip-along", (1.0, 0.0, 0.0, r), (0.0, -spin, -r * spin, 0.0)),
+        ("no-slip-across", (0.0, 1.0, r, 0.0), (spin, 0.0, 0.0, 0.0)),
+    )
+    forces = -np.hstack((system.by_place[0], system.by_rate[0]))
+    rows, terms = [], []
+    for name, by_rate, by_place in slips:
+        if name in scenario.constraints:
+            rows.append(np.array(by_rate))
+            terms.append(np.concatenate((np.zeros(4), by_place)))
+        else:
+            slope = scenario.friction.gradient * scenario.weight
+            forces -= slope * np.outer(by_rate, np.concatenate((by_place, by_rate)))
+    if "fixed-cog" in scenario.constraints:
+        rows += [np.array((1.0, 0.0, 0.0, -e)), np.array((0.0, 1.0, -e, 0.0))]
+        terms += [np.zeros(8), np.zeros(8)]
+    count = len(rows)
+    W, chi = np.reshape(rows, (count, 4)), np.reshape(terms, (count, 8))
+    matrix = np.block([[system.mass, -W.T], [W, np.zeros((count, count))]])
+    accelerations = np.linalg.solve(matrix, np.vstack((forces, -chi)))[:4]
+    return np.vstack((np.hstack((np.zeros((4, 4)), np.eye(4))), accelerations))
+
+
+def error(scenario: Scenario, motion: Motion, spins: Array = SPINS) -> float:
+    """Largest error of the matrices relative to the largest entry, entry by entry.
+
+    The columns of the basis B, turned into the paper's coordinates, are tangent to the
+    constraints, and the closed matrix A maps them as the numeric one N does: A B = B N.
+    """
+    system = spinning(scenario, motion)
+    r, rate = scenario.disk.radius, system.frequency
+    units = np.array((r, r, r, 1.0, 1.0, 1.0, r * rate, r * rate, r * rate, rate, rate, rate))
+    worst = 0.0
+    bases = system.bases(spins)
+    for spin, states, found in zip(spins, bases, system.matrices(spins), strict=True):
+        into_paper = jacobian(
+            lambda state: np.concatenate(paper_of(scenario.disk, state)), system.state(spin)
+        )
+        basis = (into_paper * units / units[:, None]) @ states
+        assert not np.any(np.abs(np.delete(basis, STATES, axis=0)) > 1e-11 * (1.0 + spin**2))
+        some = units[STATES]
+        closed = closed_matrix(scenario, spin, motion) * some / some[:, None]
+        gap = closed @ basis[STATES] - basis[STATES] @ found
+        worst = max(worst, float(np.max(np.abs(gap)) / np.max(np.abs(closed))))
+    return worst
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@some_sets
+def test_every_set_linearises_to_the_closed_matrices_under_its_constraints(
+    constraints: ConstraintSet, motion: Motion
+) -> None:
+    disks = [random_disk(np.random.default_rng(seed)) for seed in range(2)]
+    for disk in (STEEL_DISK, ROUNDED_STEEL_DISK, CENTRED_DISK, *disks):
+        assert error(Scenario(constraints=constraints, disk=disk), motion) < 1e-11
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_linearisation_is_as_good_at_a_spin_far_from_those_it_is_made_of(
+    constraints: ConstraintSet,
+) -> None:
+    assert error(Scenario(constraints=constraints), "inverted", np.array([-40.0, 2e3])) < 1e-10
+
+
+def sizes() -> dict[ConstraintSet, int]:
+    """Number of eigenvalues: what the freedom leaves, alpha and a free spin aside."""
+    result = {}
+    for held in POSSIBLE_SETS:
+        places = len(paper.constraint_positions(held, STEEL_DISK, np.zeros(6)))
+        speeds = len(paper.constraint_directions(held, STEEL_DISK, np.zeros(6)))
+        result[held] = 12 - places - speeds - (1 if "constant-spin" in held else 2)
+    return result
+
+
+def test_number_of_eigenvalues_is_what_the_freedom_leaves() -> None:
+    for held, size in sizes().items():
+        assert eigenvalues(Scenario(constraints=held), [7.0]).shape == (1, size)
+    assert [sizes()[held] for held in MODELS.values()] == [8, 4, 3, 3]
+    assert sizes()[ROLLING] == 6
+
+
+def gap(found: ComplexArray, expected: ComplexArray) -> float:
+    """Largest distance of an eigenvalue to the nearest expected one, relative to the largest."""
+    nearest = np.min(np.abs(found[:, :, None] - expected[:, None, :]), axis=2)
+    return float(np.max(nearest) / np.max(np.abs(expected)))
+
+
+LAWS_OF_ONE_GRADIENT: tuple[FrictionLaw, ...] = (
+    SmoothCoulomb(coefficient=0.3, smoothing=0.1),
+    SmoothCoulomb(coefficient=0.03, smoothing=0.01, load="contact"),
+    Stribeck(static=0.3, kinetic=0.1, stribeck_speed=0.05, smoothing=0.1),
+    TanhCoulomb(coefficient=0.6, smoothing=0.2),
+    ViscousFriction(viscosity=3.0),
+)
+
+
+@some_sets
+def test_linear_stability_depends_on_the_law_by_its_slope_at_no_slip_alone(
+    constraints: ConstraintSet,
+) -> None:
+    first, *others = (
+        eigenvalues(Scenario(constraints=constraints, friction=law), SPINS, "numeric")
+        for law in LAWS_OF_ONE_GRADIENT
+    )
+    for values in others:
+        assert gap(values, first) < 1e-10
+    steeper = Scenario(constraints=constraints, friction=ViscousFriction(viscosity=3.01))
+    assert (gap(eigenvalues(steeper, SPINS, "numeric"), first) > 1e-6) == steeper.rubs
+
+
+@some_sets
+@pytest.mark.parametrize("gravity", [1.62, 24.79])
+def test_spins_grow_with_the_root_of_gravity(constraints: ConstraintSet, gravity: float) -> None:
+    faster = sqrt(gravity / Table().gravity)
+    here = Scenario(constraints=constraints)
+    there = replace(
+        here,
+        table=Table(gravity=gravity),
+        friction=SmoothCoulomb(smoothing=0.1 * faster),
+    )
+    expected = eigenvalues(here, SPINS, "numeric")
+    assert gap(eigenvalues(there, faster * SPINS, "numeric") / faster, expected) < 1e-10
+
+
+def test_printed_matrices_have_the_eigenvalues_of_the_linearisation() -> None:
+    closed: tuple[tuple[Level, System], ...] = ((1, "full"), (4, "reduced"))
+    for level, system in closed:
+        scenario = Scenario(constraints=MODELS[level])
+        for motion in MOTIONS:
+            printed = eigenvalues(scenario, SPINS, system, motion)
+            assert gap(eigenvalues(scenario, SPINS, "numeric", motion), printed) < 1e-11
+    third, fourth = (
+        eigenvalues(Scenario(constraints=MODELS[k]), SPINS, "numeric") for k in (3, 4)
+    )
+    assert gap(third, fourth) < 1e-11
+
+
+def test_endless_friction_rolls() -> None:
+    """Six eigenvalues of the full system tend to those of rolling; the others decay at once."""
+    rolling = eigenvalues(Scenario(constraints=ROLLING), [40.0])
+    errors = []
+    for gradient in (1e4, 1e5):
+        full = eigenvalues(with_gradient(Scenario(), gradient), [40.0])
+        assert np.sum(full.real < -1e5) == 2
+        errors.append(gap(full[full.real > -1e5][None], rolling))
+    assert errors[1] < 1e-4
+    assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.01)
+
+
+def test_round_disk_that_spins_without_slip_is_upright_above_the_textbooks_spin() -> None:
+    """Spin² > m g r / (A + m r²), which is 4 g / (5 r) for a thin homogeneous disk."""
+    across = CENTRED_DISK.mass * CENTRED_DISK.radius**2 / 4
+    disk = replace(CENTRED_DISK, inertia_x=across, inertia_y=across, inertia_z=2 * across)
+    scenario = Scenario(constraints=ROLLING, disk=disk)
+    threshold = sqrt(0.8 * scenario.table.gravity / disk.radius)
+    below, above = eigenvalues(scenario, [0.999 * threshold, 1.001 * threshold])
+    assert np.max(below.real) > 0.1
+    assert np.max(above.real) < 1e-4
+    (change,) = critical_speeds(scenario).pair_changes
+    assert change.spin == pytest.approx(threshold, rel=1e-9)
+
+
+def test_a_place_that_is_not_stationary_is_refused() -> None:
+    system = Linearisation(Scenario(), upright(Scenario(), pi / 2 - 0.2))
+    with pytest.raises(ArithmeticError, match="change of the spin or of the place of Model 1"):
+        system.matrices(np.array([20.0]))
+
+
+@pytest.mark.parametrize("smoothing", [1e-5, 1e-8])
+def test_friction_may_bend_as_finely_as_it_likes(smoothing: float) -> None:
+    scenario = Scenario(friction=SmoothCoulomb(coefficient=1e-4, smoothing=smoothing))
+    # A slip of 1e-16 m/s, which rounding leaves at pi / 2, is that part of the smoothing.
+    assert error(scenario, "inverted") < 1e-15 / smoothing

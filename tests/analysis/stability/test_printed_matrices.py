@@ -1,0 +1,220 @@
+"""The paper's printed matrices and closed forms, and its numbers; see also the linearisation."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import (
+    GRAVITY,
+    MODELS,
+    MOTIONS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Motion,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Table,
+)
+from analysis.data.checks import Array
+from analysis.stability.chart import stability_chart, static_gradient
+from analysis.stability.hopf_curves import hopf_curves
+from analysis.stability.linear_full import full_system, paper_numbers, printed_matrices
+from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices
+from analysis.stability.linearisation import spinning
+from analysis.stability.sensitivities import closed_form_sensitivities, full_sensitivities
+from analysis.stability.spectra import branches, eigenvalues, state_matrices
+
+FULL = Scenario()
+PAPER = Scenario(constraints=MODELS[4])
+SPINS = np.array([0.0, 1e-3, 5.0, 30.0, 60.0])
+
+
+def test_printed_matrices_are_as_symmetric_as_the_paper_says() -> None:
+    printed: dict[str, Array] = {
+        name: np.array(each) for name, each in printed_matrices(**paper_numbers(FULL)).items()
+    }
+    for name in ("M", "K_h", "K_f", "D_C"):
+        np.testing.assert_array_equal(printed[name], printed[name].T)
+    np.testing.assert_array_equal(printed["G_h"], -printed["G_h"].T)
+    # Friction takes energy and never brings any.
+    assert np.linalg.eigvalsh(printed["D_C"]).min() > -1e-12
+    assert np.linalg.eigvalsh(printed["M"]).min() > 0.0
+
+
+@pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK])
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("gradient", [0.0, 1000.0])
+def test_a_disk_spinning_elsewhere_circles_in_the_rotating_frame(
+    disk: Disk, motion: Motion, gradient: float
+) -> None:
+    friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
+    matrix = full_system(Scenario(disk=disk, friction=friction), 7.0, motion).state_matrices[0]
+    shifted_along_x = np.array([1.0, 0.0, 0.0, 0.0, 0.0, -7.0, 0.0, 0.0])
+    shifted_along_y = np.array([0.0, 1.0, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0])
+    tolerance = 1e-13 * np.max(np.abs(matrix))
+    np.testing.assert_allclose(matrix @ shifted_along_x, -7 * shifted_along_y, atol=tolerance)
+    np.testing.assert_allclose(matrix @ shifted_along_y, 7 * shifted_along_x, atol=tolerance)
+
+
+def test_without_drift_leaves_the_six_other_eigenvalues() -> None:
+    matrices = full_system(FULL, SPINS).state_matrices
+    six = np.linalg.eigvals(full_system(FULL, SPINS).relevant_matrices).astype(complex)
+    with_pair = np.column_stack((six, 1j * SPINS, -1j * SPINS))
+    for found, expected in zip(with_pair, np.linalg.eigvals(matrices), strict=True):
+        np.testing.assert_allclose(np.sort(found.real), np.sort(expected.real), atol=1e-6)
+        np.testing.assert_allclose(np.sort(found.imag), np.sort(expected.imag), atol=1e-6)
+
+
+def test_fast_eigenvalues_are_those_printed_for_the_tenth_smoothing() -> None:
+    for smoothing, expected in ((0.1, (-156.418, -93.940)), (0.01, (-1584.48, -915.874))):
+        matrix = full_system(
+            Scenario(friction=SmoothCoulomb(smoothing=smoothing)), 30.0
+        ).state_matrices
+        slowest = np.sort(np.linalg.eigvals(matrix[0]).real)[:2]
+        np.testing.assert_allclose(slowest, expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("disk", "spin", "frequency", "limit"),
+    [(STEEL_DISK, 30.9168, 7.0928, -129.0392), (ROUNDED_STEEL_DISK, 30.8866, 7.0859, -128.7875)],
+    ids=["unrounded", "Table 1"],
+)
+def test_closed_form_gives_the_paper_numbers(
+    disk: Disk, spin: float, frequency: float, limit: float
+) -> None:
+    critical = critical_speed(replace(PAPER, disk=disk))
+    assert critical.kind == "hopf"
+    assert critical.spin == pytest.approx(spin, abs=5e-5)
+    assert critical.frequency == pytest.approx(frequency, abs=5e-5)
+    assert closed_form(replace(PAPER, disk=disk), 30.0).a == pytest.approx(limit, abs=5e-5)
+
+
+@pytest.mark.parametrize("coefficient", [1e-3, 50.0])
+@pytest.mark.parametrize("smoothing", [1e-3, 10.0])
+def test_critical_speed_depends_on_neither_friction_parameter(
+    coefficient: float, smoothing: float
+) -> None:
+    friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing)
+    critical = critical_speed(PAPER)
+    values = np.linalg.eigvals(
+        reduced_matrices(replace(PAPER, friction=friction), critical.spin)[0]
+    )
+    nearest = values[np.argmin(np.abs(values - 1j * critical.frequency))]
+    tolerance = 1e-12 * np.max(np.abs(values)) + 1e-11
+    assert abs(nearest - 1j * critical.frequency) < tolerance
+
+
+def test_closed_form_converges_with_the_smoothing() -> None:
+    errors = []
+    for smoothing in (1e-2, 1e-3, 1e-4):
+        friction = SmoothCoulomb(smoothing=smoothing)
+        values = np.linalg.eigvals(reduced_matrices(replace(PAPER, friction=friction), 40.0)[0])
+        approximate = closed_form(replace(PAPER, friction=friction), 40.0).eigenvalues[0]
+        errors.append([np.min(np.abs(values - value)) for value in approximate])
+    rates = np.log10(np.array(errors)[:-1] / np.array(errors)[1:])
+    # lambda_1,2 are off by O(epsilon²), lambda_3 by O(epsilon), as Eq. (122) says
+    assert np.all(rates[:, 2] == pytest.approx(1.0, abs=0.05))
+    assert np.all(rates[:, :2] > 0.95)
+
+
+def test_noninverted_spinning_is_a_saddle_at_every_spin() -> None:
+    spins = np.linspace(0.5, 60.0, 120)
+    values = np.linalg.eigvals(reduced_matrices(PAPER, spins, "noninverted"))
+    assert np.all(np.sum(values.real > 0.0, axis=1) == 1)
+    form = closed_form(PAPER, spins, "noninverted")
+    assert np.all(form.c < 0.0)
+    assert np.all(form.eigenvalues[:, 0].real * form.eigenvalues[:, 1].real < 0.0)
+
+
+def test_without_eccentricity_the_critical_speed_is_finite_and_static() -> None:
+    disk = replace(STEEL_DISK, eccentricity=0.0)
+    for motion in MOTIONS:
+        critical = critical_speed(replace(PAPER, disk=disk), motion)
+        assert critical.kind == "static"
+        assert critical.frequency == 0.0
+        assert critical.spin == pytest.approx(
+            np.sqrt(disk.radius * disk.mass * GRAVITY / disk.inertia_y), rel=1e-14
+        )
+    values = np.linalg.eigvals(reduced_matrices(replace(PAPER, disk=disk), critical.spin)[0])
+    assert np.min(np.abs(values)) == 0.0
+    assert np.sort(np.abs(values))[1] < 1e-12
+
+
+CALLS: dict[str, tuple[str, Any]] = {
+    "full matrices": ("full", full_system),
+    "reduced matrices": ("reduced", reduced_matrices),
+    "closed form": ("closed", closed_form),
+    "spectra": ("any", eigenvalues),
+    "branches": ("any", branches),
+    "state matrices": ("any", state_matrices),
+    "chart": ("full", lambda s, spins, **more: stability_chart(s, spins, [1.0], **more)),
+    "static": ("full", static_gradient),
+    "hopf curves": ("full", lambda s, _, **more: hopf_curves(s, **more)),
+    "sensitivities": ("full", lambda s, _, **more: full_sensitivities(s, **more)),
+    "critical speed": ("closed", lambda s, _, **more: critical_speed(s, **more)),
+    "linearisation": ("any", lambda s, _, **more: spinning(s, **more)),
+}
+"""What takes a scenario, spins and a motion, by names, with the system it is about."""
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_other_scenarios_and_motions_are_refused(name: str) -> None:
+    system, call = CALLS[name]
+    fitting = PAPER if system == "reduced" else FULL
+    with pytest.raises(ValueError, match="needs a horizontal table"):
+        call(replace(fitting, table=Table(inclination=0.1)), 1.0)
+    with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
+        call(fitting, 1.0, motion="upright")
+    # A penalty contact takes no further constraint.
+    if system in ("full", "any"):
+        with pytest.raises(ValueError, match="needs the ideal contact, got a Penalty"):
+            call(replace(fitting, contact=PenaltyContact(stiffness=1e5)), 1.0)
+    if system in ("full", "reduced"):
+        with pytest.raises(ValueError, match=rf"the {system} system is that of Model .*numeric"):
+            call(replace(fitting, constraints=MODELS[2]), 1.0)
+
+
+@pytest.mark.parametrize("name", [name for name in CALLS if CALLS[name][1].__name__ != "<lambda>"])
+@pytest.mark.parametrize(
+    ("spins", "message"),
+    [
+        ([], "spins must be one-dimensional with at least 1 entry"),
+        ([[1.0]], "spins must be one-dimensional"),
+        ([1.0, np.nan], "spins must be finite numbers in rad/s, got nan"),
+        ("fast", "must be an array of real numbers"),
+    ],
+)
+def test_bad_spins_are_refused(name: str, spins: object, message: str) -> None:
+    system, call = CALLS[name]
+    with pytest.raises(ValueError, match=message):
+        call(PAPER if system == "reduced" else FULL, spins)
+
+
+def test_other_bad_calls_are_refused() -> None:
+    for gradients, message in (
+        ([], "gradients must be one-dimensional"),
+        ([-1.0], "gradients must be finite and not negative, got -1"),
+        ([np.nan], "gradients must be finite and not negative, got nan"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            stability_chart(FULL, [1.0], gradients)
+    for ranges, message in (
+        ({"spins": (5.0, 1.0)}, "spins must have 0 <= lowest < highest, got 5 to 1"),
+        ({"gradients": (0.0, 1.0)}, "gradients must be positive"),
+        ({"gradients": (2.0, 2.0)}, "gradients must have lowest < highest, got 2 to 2"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            hopf_curves(FULL, **ranges)  # type: ignore[arg-type]
+    for spins in ([2.0, 1.0], [1.0, 1.0]):
+        with pytest.raises(ValueError, match="spins must increase strictly, got"):
+            branches(FULL, spins)
+    with pytest.raises(ValueError, match="system must be one of full, reduced, numeric"):
+        eigenvalues(FULL, [1.0], "model1")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="friction must have a positive gradient for the closed"):
+        closed_form(replace(PAPER, friction=SmoothCoulomb(coefficient=0.0)), 1.0)
+    with pytest.raises(ValueError, match="the closed form needs a horizontal table"):
+        closed_form_sensitivities(Scenario(table=Table(inclination=0.1)))

@@ -1,0 +1,134 @@
+"""Runs that step the engine's own accelerations, against others of either side."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import (
+    LEVELS,
+    POSSIBLE_SETS,
+    ConstraintSet,
+    Level,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Trajectory,
+)
+from analysis.data.constraint_set import set_name
+from mbs_models import EngineError, Integrator, Scene
+from mbs_models.integrators import ACCELERATED, FINEST_LOCAL
+from tests.helpers import model, mostly_slow, not_none
+from tests.scenes import scene_of
+
+TIMES = np.linspace(0.0, 0.2, 21)
+TREES = ["contact-tree", "euler-tree"]
+
+
+def angle_error(run: Trajectory, other: Trajectory) -> float:
+    return float(np.max(np.abs(run.coordinates - other.coordinates)[:, 4:6]))
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_every_formulation_follows_the_in_house_motion(constraints: ConstraintSet) -> None:
+    scenario = Scenario(constraints=constraints, start=Start(spin=20.0, beta=1.3))
+    truth = analysis.simulate(scenario, TIMES, local_tolerance=1e-13)
+    for formulation in mbs_models.formulations(scenario):
+        run = mbs_models.simulate(
+            Scene(scenario, formulation), TIMES, tolerance=1e-7, integrator="DOP853"
+        )
+        np.testing.assert_allclose(run.coordinates, truth.coordinates, atol=1e-7)
+        np.testing.assert_allclose(run.rates, truth.rates, atol=1e-5)
+        np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=1e-5)
+
+
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_to_a_tolerance_they_are_the_default_where_constraints_are_left(level: Level) -> None:
+    run = mbs_models.simulate(scene_of(level), TIMES, tolerance=1e-6)
+    assert run.method["integrator"] == "DOP853"
+    assert run.method["tolerance"] == 1e-6
+    with_step = mbs_models.simulate(scene_of(level), TIMES, step=5e-3)
+    assert with_step.method["integrator"] == "TrapezoidalIndex2"
+
+
+def test_they_take_a_tenth_of_the_evaluations_of_a_newton_iteration() -> None:
+    stepped, newton = (
+        mbs_models.simulate(scene_of(3), TIMES, tolerance=1e-6, integrator=name)
+        for name in (None, "TrapezoidalIndex2")
+    )
+    assert newton.method["integrator"] == "TrapezoidalIndex2"
+    assert angle_error(stepped, newton) < 2e-6
+    assert stepped.counts["right_hand_sides"] < 0.1 * newton.counts["newton_iterations"]
+
+
+@pytest.mark.parametrize("smoothing", mostly_slow([1e-4, 1e-6, 1e-8], [1e-4, 1e-6]))
+@pytest.mark.parametrize("level", mostly_slow(LEVELS, [1, 2]))
+def test_stiff_friction_keeps_its_tolerance_in_few_steps(level: Level, smoothing: float) -> None:
+    scenario = model(level, friction=SmoothCoulomb(smoothing=smoothing))
+    truth = analysis.simulate(scenario, TIMES, method="Radau", tolerance=1e-8)
+    run = mbs_models.simulate(Scene(scenario), TIMES, tolerance=1e-6)
+    assert run.method["integrator"] == "Radau"
+    assert angle_error(run, truth) <= not_none(run.error_estimate) + 1e-8 <= 1.01e-6
+    assert run.counts["steps"] < 4000
+
+
+def test_impacts_keep_their_tolerance_where_fixed_steps_lose_their_order() -> None:
+    contact = PenaltyContact.damped(1e5, Scenario().disk)
+    scenario = Scenario(
+        friction=SmoothCoulomb(load="contact"), contact=contact, start=Start(height=5e-3)
+    )
+    times = np.linspace(0.0, 0.1, 11)
+    truth = analysis.simulate(scenario, times, local_tolerance=1e-11)
+    run = mbs_models.simulate(Scene(scenario), times, tolerance=1e-6)
+    assert angle_error(run, truth) <= 1e-6
+    assert run.counts["steps"] < 1000
+
+
+@pytest.mark.parametrize("name", ACCELERATED)
+@pytest.mark.parametrize("formulation", TREES)
+def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> None:
+    truth = analysis.simulate(Scenario(), TIMES, local_tolerance=1e-13)
+    coarse, fine = (
+        mbs_models.simulate(
+            Scene(Scenario(), formulation),
+            TIMES,
+            integrator=Integrator(name=name, local_tolerance=local),
+        )
+        for local in (1e-4, 1e-8)
+    )
+    assert fine.error_estimate is None
+    assert fine.method["local_tolerance"] == 1e-8
+    assert angle_error(fine, truth) < min(1e-5, angle_error(coarse, truth))
+
+
+def test_a_step_limits_theirs() -> None:
+    run = mbs_models.simulate(scene_of(2), TIMES, step=1e-3, integrator="DOP853")
+    assert run.counts["steps"] >= 2 * 200
+
+
+def test_friction_that_leaves_no_acceleration_is_the_engines_failure() -> None:
+    friction = SmoothCoulomb(coefficient=30.0, load="contact")
+    scene = scene_of(2, friction=friction, start=Start(beta=0.4, spin=30.0))
+    with pytest.raises((EngineError, ArithmeticError), match="equations of motion are singular"):
+        mbs_models.simulate(scene, TIMES, tolerance=1e-6, integrator="DOP853")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"integrator": Integrator(name="DOP853", local_tolerance=1e-6), "tolerance": 1e-6},
+         "tolerance must be left out for integrator 'DOP853'"),
+        ({"integrator": "DOP854"}, "integrator must be one of RK44.*LSODA"),
+    ],
+)  # fmt: skip
+def test_contradicting_accuracies_are_refused(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        mbs_models.simulate(scene_of(2), TIMES, **arguments)
+
+
+def test_a_local_tolerance_within_their_noise_is_refused() -> None:
+    with pytest.raises(ValueError, match=rf"local_tolerance must lie in \[{FINEST_LOCAL:g}, 1\)"):
+        Integrator(name="Radau", local_tolerance=1e-14)

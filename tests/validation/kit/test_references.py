@@ -1,0 +1,215 @@
+"""References: two methods, what they leave open, how far a run is from them, where motions end."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, pi, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
+from analysis.data.checks import Array
+from analysis.data.endings import CONTACT_WOULD_PULL, Ending
+from tests.helpers import not_none
+from validation.kit import references
+from validation.kit.located import up_to_ending
+from validation.kit.references import Reference, deviation, ending_error, energy_error, reference
+from validation.kit.ways import StepLimit, Way, WorkLimitError
+
+TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
+EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")
+DOP853 = Way(source="in-house", formulation="index-1", integrator="DOP853")
+RADAU = Way(source="in-house", formulation="index-1", integrator="Radau")
+TIMES = np.linspace(0.0, 0.1, 11)
+BY_CONTACT = SmoothCoulomb(load="contact")
+
+
+@pytest.fixture(scope="module")
+def easy() -> Reference:
+    return reference(Scenario(), TIMES)
+
+
+@pytest.fixture(scope="module")
+def inverted() -> Reference:
+    """Up to the inversion, located apart, of a run of two samples."""
+    return reference(Scenario(), np.array((0.0, 1.0)), stop_when="inverted")
+
+
+@pytest.mark.parametrize(
+    ("way", "by"),
+    [(TREE, "DOP853"), (DOP853, "LSODA"), (RADAU, "DOP853")],
+    ids=str,
+)
+def test_a_run_is_held_against_another_method(way: Way, by: str, easy: Reference) -> None:
+    run = way.run(Scenario(), TIMES, tolerance=1e-6)
+    assert easy.beside(run).method["method"] == by
+    assert deviation(run, easy.beside(run)) < 1e-6
+    assert 0.0 < easy.doubt < 1e-9
+
+
+def test_stiff_friction_is_left_to_implicit_methods() -> None:
+    stiff = Scenario(friction=SmoothCoulomb(smoothing=1e-4))
+    known = reference(stiff, TIMES / 10.0)
+    assert [run.method["method"] for run in (known.first, known.second)] == ["Radau", "LSODA"]
+
+
+def test_a_penalty_contact_is_held_against_another_formulation() -> None:
+    scenario = Scenario(contact=PenaltyContact.damped(1e4, STEEL_DISK), friction=BY_CONTACT)
+    known = reference(scenario, TIMES)
+    assert known.doubt < 1e-7
+    for run in (known.first, known.second):
+        assert known.beside(run) is not run
+        assert known.beside(run).method["formulation"] != run.method["formulation"]
+
+
+@pytest.mark.slow
+def test_a_damper_that_meets_the_table_has_a_reference_by_short_steps() -> None:
+    contact = PenaltyContact.damped(1e5, STEEL_DISK)
+    thrown = Scenario(contact=contact, friction=BY_CONTACT, start=Start(height=1e-3))
+    known = reference(thrown, np.linspace(0.0, 0.02, 11))
+    assert known.first.method["integrator"] == "RK44"
+    assert 0.0 < known.doubt < 1e-7
+
+
+@pytest.mark.parametrize("way", [TREE, EULER, DOP853], ids=lambda way: way.name)
+def test_a_run_that_takes_all_its_steps_says_so(way: Way) -> None:
+    count = StepLimit(7)
+    with pytest.raises(WorkLimitError, match=r"7 steps taken, the last pass at t = 0\.0"), count:
+        way.run(Scenario(), TIMES, tolerance=1e-6, progress=count)
+    assert count.steps == 7
+
+
+def test_steps_count_over_all_passes_and_longer_motions_may_take_more() -> None:
+    whole, single = StepLimit(100_000), StepLimit(100_000)
+    TREE.run(Scenario(), TIMES, tolerance=1e-6, progress=whole)
+    TREE.run(Scenario(), TIMES, step=1e-2, progress=single)
+    assert single.steps == pytest.approx(10, abs=1)
+    assert whole.steps >= 30
+    assert [StepLimit(100, end).most for end in (0.1, 30.0)] == [100, 3000]
+
+
+def test_a_reference_that_takes_too_many_steps_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(references, "STEPS", 7)
+    with pytest.raises(ArithmeticError, match="7 steps taken"):
+        reference(Scenario(), TIMES)
+
+
+def test_runs_are_compared_over_what_they_have_in_common() -> None:
+    fast = Scenario(start=Start(spin=300.0))
+    run = DOP853.run(fast, np.linspace(0.0, 0.1, 21), tolerance=1e-8)
+    rows = run.times.size - 3
+    names = ("times", "coordinates", "rates", "multipliers")
+    cut = {name: getattr(run, name)[:rows].copy() for name in names}
+    cut["coordinates"][-1] += 1.0
+    ending = Ending(reason="other", time=float(run.times[rows - 1]), value=0.0)
+    # The last sample is that of an ending, and not one asked for.
+    unlike = replace(run, **cut, ending=ending)
+    assert deviation(unlike, run) == 0.0
+    assert ending_error(unlike, run) == ending_error(replace(run, ending=None), run) == inf
+
+
+def test_energy_is_compared_relative_to_its_largest_value(easy: Reference) -> None:
+    run = easy.first
+    rates = run.rates * (1.0 + 1e-3)
+    kinetic, potential = analysis.energies(run.scenario, run.coordinates, run.rates)
+    expected = 2e-3 * np.max(kinetic) / np.max(kinetic + potential)
+    assert energy_error(replace(run, rates=rates), run) == pytest.approx(expected, rel=2e-3)
+
+
+def test_the_time_of_an_ending_counts_even_where_the_angles_stand_still(
+    inverted: Reference,
+) -> None:
+    def later(run: Trajectory) -> Trajectory:
+        ending = replace(not_none(run.ending), time=not_none(run.ending).time + 1e-5)
+        return replace(run, ending=ending)
+
+    still = replace(inverted.first, rates=0.0 * inverted.first.rates)
+    assert deviation(later(still), still) == pytest.approx(1e-5, rel=1e-6)
+    assert deviation(later(inverted.first), inverted.first) > 2e-5
+
+
+def test_an_ending_is_located_where_a_run_of_many_samples_has_it(inverted: Reference) -> None:
+    many = analysis.simulate(
+        Scenario(), np.linspace(0.0, 1.0, 2001), stop_when="inverted", tolerance=1e-11
+    )
+    assert inverted.doubt < 1e-10
+    assert inverted.first.times.size == 2
+    assert ending_error(inverted.first, many) < 1e-10
+
+
+# --- Endings located apart ----------------------------------------------------------------------
+
+
+def made(height: float, *, contact: Callable[[Array], Array] = np.ones_like) -> Any:
+    """Runs of which gamma rises by 2 rad/s from -1 rad and the normal force is given."""
+
+    def plain(scenario: Scenario, times: Array) -> Trajectory:
+        zeros = np.zeros(times.size)
+        angles = (zeros, np.full(times.size, height), 2.0 * times - 1.0)
+        return Trajectory(
+            times=times,
+            coordinates=np.column_stack((zeros, zeros, zeros, *angles)),
+            rates=np.tile((0.0, 0.0, 0.0, 0.0, 0.0, 2.0), (times.size, 1)),
+            multipliers=contact(times)[:, None],
+            scenario=scenario,
+            source="in-house",
+            method={},
+        )
+
+    return plain
+
+
+def located(plain: Any, stop_when: tuple[Any, ...] = ()) -> Ending | None:
+    found = up_to_ending(plain, Scenario(), np.array((0.0, 0.7, 2.0)), stop_when, 2e-4)
+    rows = 3 if found.ending is None else 1 + int(np.searchsorted((0.0, 0.7), found.times[-1]))
+    assert found.times.size == rows
+    return found.ending
+
+
+def passes_zero(state: Any) -> float:
+    return -float(state.coordinates[5])
+
+
+def leaves_first(state: Any) -> float:
+    return float(np.cos(state.coordinates[5]) - 0.9)
+
+
+@pytest.mark.parametrize(
+    ("conditions", "reason", "angle"),
+    [
+        ((passes_zero, "inverted"), "passes_zero", 0.0),
+        (("inverted",), "inverted", float(np.arcsin(0.9))),
+        ((leaves_first,), "leaves_first", float(np.arccos(0.9))),
+    ],
+)
+def test_a_condition_is_located_where_it_is_met_first(
+    conditions: tuple[Any, ...], reason: str, angle: float
+) -> None:
+    found = not_none(located(made(pi / 2), conditions))
+    assert found.reason == reason
+    assert found.time == pytest.approx(0.5 + 0.5 * angle, abs=1e-12)
+    assert located(made(0.5), ("inverted",)) is None
+
+
+@pytest.mark.parametrize("middle", [0.123456, 0.7, 1.99])
+@pytest.mark.parametrize("half", [1e-3, 1e-6])
+def test_a_pull_shorter_than_the_samples_are_apart_is_found(middle: float, half: float) -> None:
+    def dip(depth: float) -> Any:
+        return made(1.0, contact=lambda times: ((times - middle) ** 2 - depth) * 1e4)
+
+    found = not_none(located(dip(half**2)))
+    assert found.reason == CONTACT_WOULD_PULL
+    assert found.time == pytest.approx(middle - half, abs=1e-11)
+    assert located(dip(-(half**2))) is None
+
+
+def test_a_pull_with_a_kink_is_located_at_the_kink() -> None:
+    # Friction by the contact force is gone from there on.
+    def force(times: Array) -> Array:
+        left = 1.0 / sqrt(2.0) - times
+        return np.where(left >= 0.0, left, 7.0 * left)
+
+    found = not_none(located(made(1.0, contact=force)))
+    assert found.time == pytest.approx(1.0 / sqrt(2.0), abs=1e-11)

@@ -1,0 +1,182 @@
+"""What a run is compared with: two runs by other methods, and how far they are apart.
+
+Also what "apart" means: the deviation of beta and gamma, of the time of an ending, of the energy.
+"""
+
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+from typing import Any
+
+import numpy as np
+
+import analysis
+from analysis import Method, Scenario, Trajectory
+from analysis.data.agreement import error_at_ending
+from analysis.data.checks import Array
+from analysis.data.endings import FLAT, StopWhen
+from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
+from mbs_models import EngineError, Integrator
+from validation.kit.limits import largest
+from validation.kit.located import up_to_ending
+from validation.kit.ways import StepLimit, Way
+
+ANGLES = slice(4, 6)
+"""Columns of beta and gamma."""
+
+STIFF = 1e-3
+"""Finest speed of friction in m/s below which explicit in-house methods are not tried."""
+
+LONG = 5.0
+"""Time in s beyond which small errors grow by some thousands."""
+
+SPACINGS = (2e-4, 1.37e-4)
+"""Times in s between the samples of both runs, among which endings are located."""
+
+STEPS = 30_000
+"""Most steps of a reference per second; see `StepLimit`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Reference:
+    """Two runs of a motion by two methods.
+
+    Parameters
+    ----------
+    first, second : Trajectory
+    """
+
+    first: Trajectory
+    second: Trajectory
+
+    @property
+    def doubt(self) -> float:
+        """Their deviation in rad, or that of the times at which they end in s if it is larger."""
+        return max(deviation(self.first, self.second), ending_error(self.first, self.second))
+
+    def beside(self, run: Trajectory) -> Trajectory:
+        """The first one, or the second for a run by the method of the first."""
+        return self.second if _method(run) == _method(self.first) else self.first
+
+
+def _method(run: Trajectory) -> tuple[object, ...]:
+    """What runs by one method have in common."""
+    names = ("formulation", "integrator") if run.source == "engine" else ("method",)
+    return run.source, *(run.method[name] for name in names)
+
+
+def deviation(run: Trajectory, other: Trajectory) -> float:
+    """Largest difference of beta and gamma in rad over what two runs have in common.
+
+    Where both end for the same reason, also at one time there, but for a disk that lies flat,
+    whose gamma has no meaning. Infinite if a number is none.
+    """
+    rows = _common(run, other)
+    apart = np.abs(run.coordinates[:rows] - other.coordinates[:rows])[:, ANGLES]
+    found = apart.ravel().tolist()
+    if isfinite(late := ending_error(run, other)) and run.ending and run.ending.reason != FLAT:
+        last = run.coordinates[-1, ANGLES] - other.coordinates[-1, ANGLES]
+        found.append(float(error_at_ending(last, late, other.rates[-1, ANGLES])))
+    return largest(found)
+
+
+def ending_error(run: Trajectory, other: Trajectory) -> float:
+    """Difference in s of the times at which two runs end; infinite if one alone ends early."""
+    if run.ending is None and other.ending is None:
+        return 0.0
+    if run.ending is None or other.ending is None or run.ending.reason != other.ending.reason:
+        return inf
+    return abs(run.ending.time - other.ending.time)
+
+
+def energy_error(run: Trajectory, other: Trajectory) -> float:
+    """Largest deviation of the energy over what two runs have in common, relative."""
+    rows = _common(run, other)
+    total, expected = (_energy(each)[:rows] for each in (run, other))
+    return float(np.max(np.abs(total - expected)) / np.max(expected))
+
+
+def _common(run: Trajectory, other: Trajectory) -> int:
+    """Number of samples that two runs of the same times share; the ending of one is none."""
+    early = run.ending is not None or other.ending is not None
+    return min(run.times.size, other.times.size) - early
+
+
+def _energy(run: Trajectory) -> Array:
+    result: Array = sum(analysis.energies(run.scenario, run.coordinates, run.rates), np.zeros(1))
+    return result
+
+
+def reference(scenario: Scenario, times: Array, *, stop_when: StopWhen | None = None) -> Reference:
+    """Two runs of a motion, in-house, or on a penalty contact of two formulations of the engine.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    times : ndarray, shape (n,)
+        Strictly increasing, in s.
+    stop_when : str, callable or iterable of them, optional
+        What ends the motion besides a contact that would have to pull. If it is given, even an
+        empty one, endings are located apart from the solvers' own search for them.
+
+    Raises
+    ------
+    ArithmeticError
+        If one of the two fails, or takes more than `STEPS`.
+    ValueError
+        If the motion cannot start.
+    """
+    motion = _Motion(scenario, times, stop_when)
+    if scenario.contact is not None:
+        return _penalty_reference(motion)
+    tight = 1e-12 if times[-1] <= LONG else TIGHTEST_LOCAL_TOLERANCE
+    stiff = scenario.friction.finest_speed < STIFF
+    methods: tuple[tuple[Method, float], ...] = (
+        ("Radau", 1e-10) if stiff else ("DOP853", tight),
+        ("LSODA", tight),
+    )
+    first, second = (
+        motion.run(
+            Way(source="in-house", formulation="index-1", integrator=method),
+            spacing,
+            local_tolerance=tolerance,
+        )
+        for (method, tolerance), spacing in zip(methods, SPACINGS, strict=True)
+    )
+    return Reference(first=first, second=second)
+
+
+def _penalty_reference(motion: "_Motion") -> Reference:
+    tree = Way(source="engine", formulation="euler-tree", integrator="DOPRI5")
+    body = Way(source="engine", formulation="floating-lie", integrator="RK67")
+    tight = Integrator(name="DOPRI5", local_tolerance=1e-11)
+    try:
+        first = motion.run(tree, SPACINGS[0], integrator=tight)
+    except EngineError:
+        # Step control cannot pass the jump of a damper that meets the table: short steps can.
+        first, second = (
+            replace(way, integrator="RK44").run(motion.scenario, motion.times, step=step)
+            for way, step in ((tree, 1e-6), (body, 1.3e-6))
+        )
+    else:
+        second = motion.run(body, SPACINGS[1], tolerance=1e-8)
+    return Reference(first=first, second=second)
+
+
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    """The arguments of `reference`."""
+
+    scenario: Scenario
+    times: Array
+    stop_when: StopWhen | None
+
+    def run(self, way: Way, spacing: float, **how: Any) -> Trajectory:
+        """Run it within the limit of steps; up to an ending located apart if it is to be."""
+        with StepLimit(STEPS, self.times[-1]) as count:
+            if self.stop_when is None:
+                return way.run(self.scenario, self.times, progress=count, **how)
+
+            def plain(scenario: Scenario, times: Array) -> Trajectory:
+                return way.run(scenario, times, progress=count, allow_pulling=True, **how)
+
+            return up_to_ending(plain, self.scenario, self.times, self.stop_when, spacing)

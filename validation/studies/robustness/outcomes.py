@@ -1,0 +1,380 @@
+"""Hard cases, each run to its end and classified from measured error, drift and energy."""
+
+import time
+from collections.abc import Mapping
+from functools import cache
+from math import isfinite
+
+import numpy as np
+
+import analysis
+import mbs_models
+from analysis import Form, Method, Trajectory
+from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
+from mbs_models import IntegratorName, Scene
+from validation.kit.limits import holds, largest
+from validation.kit.references import (
+    STIFF,
+    Reference,
+    deviation,
+    ending_error,
+    energy_error,
+    reference,
+)
+from validation.kit.ways import StepLimit, Way, WorkLimitError
+from validation.studies.robustness.ended import ended
+from validation.studies.robustness.problems import Problem, problems
+from validation.study import Row, Study
+
+ENGINE: tuple[IntegratorName, ...] = (
+    *("RK67", "RK44", "DOPRI5"),
+    *("TrapezoidalIndex2", "GeneralizedAlpha"),
+)
+"""Integrators of the engine that are tried where a problem says so; enter a further one here,"""
+
+EVERYWHERE: tuple[IntegratorName, ...] = ()
+"""and here if it is to be tried in each problem, beside the first that applies."""
+
+IN_HOUSE: tuple[Method, ...] = ("DOP853", "Radau")
+"""Methods of the in-house equations, of which stiff friction is left to the last one."""
+
+GOOD = ("accurate", "ends: contact would pull", "ends: condition met", "ends: lies flat")
+"""Verdicts on what is as it should be."""
+
+BAD = ("inaccurate", "reference in doubt", "diverged", "refused", "not finished in the limit")
+VERDICTS = (*GOOD, *BAD, "time limit", "crashed")
+"""All of them."""
+
+STEPS = {"engine": 50_000, "in-house": 20_000}
+"""Most steps of a run per second, all its passes together, by source; see `StepLimit`."""
+
+TIME_LIMIT = 600.0
+"""Time in s after which the runs of a problem are ended, many times what their steps take."""
+
+DOUBT = 0.1
+"""Largest doubt of a reference, in parts of the tolerance, that leaves a verdict possible."""
+
+SLACK = 10.0
+"""Times the angles' allowed error in rad that drift over radius and relative energy error may be.
+
+Speeds and forces are not what a tolerance promises, and converge more slowly in some methods.
+"""
+
+FEW = 3
+"""Samples up to which a run is repeated, to see whether it gives the same bits; but for those
+of which the ending is looked at, which are many."""
+
+COLUMNS = {
+    "axis": "what is extreme",
+    "label": "how extreme",
+    "model": "of the paper; none for another set of constraints",
+    "way": "formulation and integrator",
+    "tolerance": "error asked for in rad, and of the time of an ending in s",
+    "verdict": "see the text of the section",
+    "broken": "whether it crashed, broke its promise or, run again, gave other bits",
+    "cause": "why there is no accurate result",
+    "error": "largest deviation of beta and gamma from the reference in rad",
+    "ending_error": "deviation of the time at which it ends in s; infinite for another reason",
+    "doubt": "deviation of two references by different methods, in rad or s",
+    "estimate": "the run's own error estimate in rad",
+    "drift": "largest residual of the position-level constraints over the radius",
+    "energy": "largest deviation of the energy from the reference over its largest value",
+    "repeatable": "whether a second run gives the same bits",
+    "steps": "of all passes",
+    "seconds": "by the clock",
+    "reason": "what the run said",
+}
+
+
+@cache
+def cases() -> Mapping[str, Problem]:
+    """All problems by name."""
+    return {each.name: each for each in (*problems(), *ended())}
+
+
+def ways(problem: Problem) -> list[Way]:
+    """Ways that apply to a problem.
+
+    On a penalty contact those of the engine: the formulations are compared with each other.
+    """
+    scenario = problem.scenario
+    most = None if problem.cover == "all" else 1
+    found = []
+    formulations = mbs_models.formulations(scenario)
+    for formulation in formulations[: 1 if problem.cover == "fastest" else None]:
+        constrained = Scene(scenario, formulation).has_constraints
+        available = mbs_models.integrators(formulation, constrained=constrained)
+        first = [each for each in available if each in ENGINE][:most]
+        found += [
+            Way(source="engine", formulation=formulation, integrator=each)
+            for each in available
+            if each in {*first, *EVERYWHERE}
+        ]
+    if scenario.contact is not None:
+        return found
+    methods = IN_HOUSE[-1:] if scenario.friction.finest_speed < STIFF else IN_HOUSE[:most]
+    forms: tuple[Form, ...] = ("index-1",)
+    by_weight = scenario.friction.load == "weight"
+    if scenario.model == 4 and by_weight and scenario.table.is_horizontal:
+        forms = ("index-1", "reduced")
+    return found + [
+        Way(source="in-house", formulation=form, integrator=method)
+        for form in forms
+        for method in methods
+    ]
+
+
+# --- One case -----------------------------------------------------------------------------------
+
+
+def measure(problem: Problem) -> list[Row]:
+    """What becomes of a problem in each of its ways."""
+    known = reference_or_error(problem)
+    return [outcome(problem, way, known) for way in ways(problem)]
+
+
+def failed(problem: Problem, reason: str) -> list[Row]:
+    """Rows of a problem of which the process had to be ended, or ended itself."""
+    verdict = "time limit" if reason.startswith("not finished") else "crashed"
+    found: Row = {"verdict": verdict, "reason": reason, "steps": 0}
+    return [_row(problem, way, found) for way in ways(problem)]
+
+
+def reference_or_error(problem: Problem) -> Reference | ArithmeticError | ValueError:
+    """The reference of a problem, or why there is none: a `ValueError` if it cannot start."""
+    try:
+        return reference(problem.scenario, problem.times, stop_when=problem.stop_when)
+    except (ArithmeticError, ValueError) as error:
+        return error
+
+
+def outcome(problem: Problem, way: Way, known: Reference | ArithmeticError | ValueError) -> Row:
+    """Run a problem in one way, and classify what becomes of it."""
+    count = StepLimit(STEPS[way.source], problem.end)
+    begin = time.perf_counter()
+    try:
+        run: Trajectory | Exception = simulate(problem, way, count)
+    except (ArithmeticError, ValueError) as error:
+        run = error
+    found: Row = {"steps": count.steps, "seconds": time.perf_counter() - begin}
+    if isinstance(run, Exception):
+        found |= {"verdict": _verdict_of(run, count), "reason": _line(run)}
+        return _row(problem, way, found)
+    if problem.samples <= FEW and problem.stop_when is None:
+        again = simulate(problem, way, StepLimit(STEPS[way.source], problem.end))
+        found["repeatable"] = _same(run, again)
+    return _row(problem, way, found | judged(problem, run, known))
+
+
+def simulate(problem: Problem, way: Way, count: StepLimit) -> Trajectory:
+    """Simulate a problem to its tolerance, with the steps that `count` allows."""
+    # Step control has a local tolerance of its own and promises nothing more.
+    tolerance = None if way.integrator == "DOPRI5" else problem.tolerance
+    with count:
+        return way.run(
+            problem.scenario,
+            problem.times,
+            tolerance=tolerance,
+            stop_when=problem.stop_when or (),
+            progress=count,
+        )
+
+
+def _verdict_of(error: Exception, count: StepLimit) -> str:
+    if isinstance(error, WorkLimitError):
+        return "not finished in the limit"
+    if isinstance(error, ValueError):
+        # What is refused is so before anything is computed.
+        return "crashed" if count.steps else "refused"
+    return "diverged"
+
+
+def judged(
+    problem: Problem, run: Trajectory, known: Reference | ArithmeticError | ValueError
+) -> Row:
+    """Classify a result by its deviation from the reference.
+
+    `accurate`: the error is within what was asked for and the doubt of the reference, that doubt
+    is at most `DOUBT` of the former, and drift and energy are within `SLACK` times that. `ends:
+    …`: so it is, up to where it ends, and the reference ends there for the same reason.
+    `inaccurate`: it is beyond that. `reference in doubt`: no reference is good enough.
+    """
+    found: Row = {"estimate": run.error_estimate}
+    if isinstance(known, ValueError):
+        reason = f"runs, and the reference cannot start: {_line(known)}"
+        return found | {"verdict": "inaccurate", "reason": reason}
+    if isinstance(known, ArithmeticError):
+        reason = f"the reference fails: {_line(known)}"
+        return found | {"verdict": "reference in doubt", "reason": reason}
+    truth = known.beside(run)
+    found |= {
+        "error": deviation(run, truth),
+        "doubt": known.doubt,
+        "energy": energy_error(run, truth),
+    }
+    if run.scenario.contact is None:
+        residual, _ = analysis.constraint_drift(run)
+        found["drift"] = float(np.max(residual)) / run.scenario.disk.radius
+    if run.ending or truth.ending:
+        found["ending_error"] = ending_error(run, truth)
+        one, other = (each.ending or "does not end early" for each in (run, truth))
+        same = holds(found["ending_error"], problem.tolerance)
+        found["reason"] = str(one) if same else f"{one}; reference: {other}"
+    return found | {"verdict": _verdict(problem, run, found)}
+
+
+def _verdict(problem: Problem, run: Trajectory, found: Row) -> str:
+    allowed = _allowed(problem.tolerance, found)
+    right = holds(_worst(found), allowed)
+    if not holds(found["doubt"], DOUBT * problem.tolerance) and (right or not isfinite(allowed)):
+        return "reference in doubt"
+    pulls = run.scenario.contact is None and not np.all(run.normal_force[:-1] >= 0.0)
+    if pulls or not is_right(problem.tolerance, found):
+        return "inaccurate"
+    if run.ending is None:
+        return "accurate"
+    return {CONTACT_WOULD_PULL: "ends: contact would pull", FLAT: "ends: lies flat"}.get(
+        run.ending.reason, "ends: condition met"
+    )
+
+
+def is_right(tolerance: float, found: Row) -> bool:
+    """Whether the numbers of a run are those of an accurate one, up to where it ends."""
+    allowed = _allowed(tolerance, found)
+    kept = largest((found.get("drift") or 0.0, found["energy"]))
+    return (
+        holds(found["doubt"], DOUBT * tolerance)
+        and holds(_worst(found), allowed)
+        and holds(kept, SLACK * allowed)
+    )
+
+
+def _allowed(tolerance: float, found: Row) -> float:
+    """Error in rad that is asked for, and what the references leave open beside it."""
+    # What they leave open cannot be held against the run.
+    return tolerance + (found.get("doubt") or 0.0)
+
+
+def _worst(found: Row) -> float:
+    """Larger of both errors, in rad or in s; infinite if one is no number."""
+    return largest((found["error"], found.get("ending_error") or 0.0))
+
+
+def _row(problem: Problem, way: Way, found: Row) -> Row:
+    """A row with all columns."""
+    told = {
+        "axis": problem.axis,
+        "label": problem.label,
+        "model": str(problem.scenario.model or "none"),
+        "way": way.name,
+        "tolerance": problem.tolerance,
+    }
+    told["broken"] = is_broken(problem.tolerance, found)
+    told["cause"] = cause(problem.tolerance, found)
+    return dict.fromkeys(COLUMNS) | {"reason": ""} | told | found
+
+
+def is_broken(tolerance: float, found: Row) -> bool:
+    """Whether a run crashed, broke its promise or, run again, gave other bits.
+
+    The promise is about the angles, and about where and why the run ends. A run without an error
+    estimate, such as one with step control, promises nothing.
+    """
+    if found["verdict"] == "crashed" or found.get("repeatable") is False:
+        return True
+    if found.get("error") is None or found.get("estimate") is None:
+        return False
+    return found["verdict"] != "reference in doubt" and not holds(
+        _worst(found), _allowed(tolerance, found)
+    )
+
+
+def _same(run: Trajectory, other: Trajectory) -> bool:
+    names = ("coordinates", "rates", "multipliers")
+    return all(np.array_equal(getattr(run, name), getattr(other, name)) for name in names)
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split())
+
+
+# --- Causes -------------------------------------------------------------------------------------
+
+_BY_WORDS = {
+    "a contact that pulls": "starts where the contact would pull",
+    "lies flat": "falls flat, where Euler angles end",
+    "lies nearly flat": "falls flat, where Euler angles end",
+    "each newton of normal force": (
+        "contact load: friction calls for more normal force than it gets"
+    ),
+    "Newton's iteration did not converge": "Newton's iteration does not converge",
+    "singular": "singular system matrix",
+    "minimum step": "step control at its minimum step",
+    "cannot be reached": "rounding reached before the tolerance",
+    "cannot be followed": "turns lost between samples",
+    "before the first sample": "ends before its first sample",
+}
+"""Words of a message, and the cause they stand for; the first that fits counts."""
+
+
+def cause(tolerance: float, found: Row) -> str:
+    """Why a case is not accurate; empty if it is."""
+    verdict, reason = found["verdict"], found.get("reason", "")
+    if verdict in GOOD:
+        return ""
+    if verdict in {"diverged", "refused"}:
+        return next((told for words, told in _BY_WORDS.items() if words in reason), str(reason))
+    if verdict == "inaccurate" and found.get("error") is not None:
+        if holds(_worst(found), _allowed(tolerance, found)):
+            return "angles accurate, energy or constraint not"
+        return "wrong angles or ending"
+    return {
+        "inaccurate": "runs where the reference cannot start",
+        "not finished in the limit": "too many steps",
+        "reference in doubt": "no reference is good enough",
+    }.get(verdict, str(verdict))
+
+
+# --- The study ----------------------------------------------------------------------------------
+
+SAMPLE = (
+    "smoothing ε in m/s: 1, Model 1",
+    "smoothing ε in m/s: 1e-2, Model 1",
+    "contact stiffness in N/m: 1e4, Model 1",
+    "start above the table: 5 mm, undamped, Model 1",
+    "spin in rad/s: 0, Model 1",
+    "spin in rad/s: -40, Model 1",
+    "contact load: spin, μ: 300 rad/s, 0.3, Model 1",
+    "tilt β in rad: π − 0.01, Model 1",
+    "eccentricity in m: 1e-9, Model 1",
+    "inertia about the COG: lamina, Model 1",
+    "radius of the disk in m: 0.001, Model 1",
+    "friction μ: 0, Model 1",
+    "start: inverted, below critical spin, Model 1",
+    "sampling, duration: 2 samples, 0.5 s, Model 1",
+    "sampling, duration: 2 samples, rolling fast, Model 1",
+    "inclination of the table: 2°, Model 1",
+    "constraint set: contact + no-slip-along",
+    "constraint set: contact + no-slip-along + no-slip-across",
+    "constraint set: contact + fixed-cog + constant-spin",
+    "ended by a condition, or a pull: pull 139 rad/s 1e-8, Model 1",
+    "ended by a condition, or a pull: pull 140 rad/s 1e-3, Model 1",
+    "ended by a condition, or a pull: inverted 36.35 rad/s 1e-3, Model 1",
+)
+"""Problems that are measured again for each report: some of each axis."""
+
+CASES = Study(
+    name="robustness",
+    cases=cases,
+    measure=measure,
+    keys=("way",),
+    sample=SAMPLE,
+    confirm={
+        "verdict": None,
+        "broken": None,
+        "error": lambda stored: DOUBT * float(stored["tolerance"]),
+    },
+    limit=TIME_LIMIT,
+    failed=failed,
+    columns=COLUMNS,
+)

@@ -1,0 +1,360 @@
+"""Measuring one method on one problem: its ladder, its repeats, and what is derived from them.
+
+Nothing here looks at a clock to decide anything: ladders end by errors and by counted work, so
+that every machine makes the same runs.
+"""
+
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from math import inf, nan
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+
+import analysis
+import mbs_models
+from analysis import Trajectory
+from mbs_models import Integrator, Newton, Scene
+from mbs_models.extrapolation import Ladder
+from validation.kit.timing import in_turns
+from validation.studies.work_precision.problems import (
+    PROBLEMS,
+    SPACING,
+    TIMES,
+    errors,
+    reference,
+)
+from validation.study import Row
+
+GOALS = (1e-3, 1e-6, 1e-9)
+"""Errors to be reached, in rad."""
+
+USEFUL = 0.1
+"""Error from which on a run says nothing about the motion any more."""
+
+LONG = 30_000
+"""Evaluations from which on a run is not repeated within a round."""
+
+NEAR = 1e3
+"""Estimated error over a tolerance from which the library takes two rungs or so to get there."""
+
+VARIED = ("model-1", "model-3")
+"""Problems on which all integrators are tried: one that slides, one that rolls."""
+
+CONSTRAINED = ("euler-tree", "floating", "floating-lie")
+"""Formulations that keep constraints."""
+
+IN_HOUSE = ("index-1", "reduced")
+
+_TRAPEZOIDAL = Integrator(name="TrapezoidalIndex2")
+INTEGRATORS = {
+    **{name: Integrator(name=name) for name in ("RK67", "RK44", "DOPRI5")},
+    "trapezoidal": _TRAPEZOIDAL,
+    "trapezoidal, full Newton": replace(_TRAPEZOIDAL, newton=Newton(modified=False)),
+    **{
+        f"generalized-α {radius:g}": Integrator(name="GeneralizedAlpha", spectral_radius=radius)
+        for radius in (1.0, 0.9, 0.6)
+    },
+}
+"""Of the engine, by the name of the scheme."""
+
+FINEST = {"RK45": 12, "DOP853": 13, "Radau": 11, "BDF": 12, "LSODA": 13}
+"""Methods of SciPy, with the digits of their tightest local tolerance."""
+
+
+class Curve(NamedTuple):
+    """A formulation with an integrator on a problem."""
+
+    problem: str
+    formulation: str
+    scheme: str
+
+    @property
+    def integrator(self) -> Integrator | None:
+        """Of the engine; None in-house."""
+        return None if self.formulation in IN_HOUSE else INTEGRATORS[self.scheme]
+
+    @property
+    def fixed_step(self) -> bool:
+        """Whether it is a step that its ladder halves, not a tolerance."""
+        return self.integrator is not None and not self.integrator.controls_step
+
+    def ladder(self) -> list[float]:
+        """Steps in s or local tolerances, from coarse to fine."""
+        if self.integrator is None:
+            # Stability, not accuracy, gives explicit methods their steps there: all cost the same.
+            bound = self.problem == "stiff" and self.scheme in {"RK45", "DOP853"}
+            return [10.0**-k for k in range(3, FINEST[self.scheme] + 1, 3 if bound else 1)]
+        if not self.fixed_step:
+            return [10.0**-k for k in range(3, 14)]
+        damped = self.integrator.name == "GeneralizedAlpha"
+        return [SPACING * 0.5**k for k in range(9 - damped + (self.problem == "fast"))]
+
+    def run(self, setting: float, *, to_tolerance: bool = False) -> tuple[Trajectory, float]:
+        """One run, and processor time in s of its integration, to a tolerance of the whole call.
+
+        Raises
+        ------
+        ArithmeticError
+            If it fails.
+        """
+        scenario, begin = PROBLEMS[self.problem], time.process_time()
+        how: dict[str, Any] = {"form": self.formulation, "method": self.scheme}
+        if self.integrator is None:
+            run = analysis.simulate(scenario, TIMES, local_tolerance=setting, **how)
+        else:
+            how = {"integrator": self.integrator}
+            if self.integrator.controls_step and not to_tolerance:
+                how["integrator"] = replace(self.integrator, local_tolerance=setting)
+            else:
+                how["tolerance" if to_tolerance else "step"] = setting
+            scene = Scene(scenario, cast("Any", self.formulation))
+            run = mbs_models.simulate(scene, TIMES, **how)
+        if to_tolerance or run.solver_seconds is None:
+            return run, time.process_time() - begin
+        return run, run.solver_seconds
+
+
+def curves() -> dict[str, Curve]:
+    """Every method on every problem that it can take."""
+    found = []
+    for problem, scenario in PROBLEMS.items():
+        for formulation in mbs_models.formulations(scenario):
+            found += [
+                Curve(problem, formulation, scheme) for scheme in _schemes(problem, formulation)
+            ]
+        for form in IN_HOUSE if scenario.model == 4 else IN_HOUSE[:1]:
+            found += [Curve(problem, form, scheme) for scheme in FINEST]
+    return {", ".join(curve): curve for curve in found}
+
+
+def _schemes(problem: str, formulation: str) -> list[str]:
+    varied = problem in VARIED
+    if formulation == "contact-tree":
+        # There, the trapezoidal rule gives what it gives on the Euler tree.
+        return ["RK67", "RK44", "DOPRI5", *(["trapezoidal"] if varied else [])]
+    radii = ("1", "0.9", "0.6") if varied else ("0.9",)
+    return ["trapezoidal", *(f"generalized-α {radius}" for radius in radii)]
+
+
+class Extrapolation:
+    """Richardson's extrapolation of runs with halved steps, as runs to a tolerance use it.
+
+    Parameters
+    ----------
+    curve : Curve
+
+    Attributes
+    ----------
+    rows : list of Row
+        Of the runs that it is made of.
+    """
+
+    def __init__(self, curve: Curve) -> None:
+        integrator = curve.integrator
+        assert integrator is not None
+        decay = PROBLEMS[curve.problem].slip_decay
+        self.ladder = Ladder(cast("Any", curve.formulation), integrator.name, decay)
+        self.rows: list[Row] = []
+
+    def add(self, run: Trajectory, row: Row) -> Trajectory | None:
+        """The extrapolated run; None as long as nothing tells its error."""
+        self.rows = [*self.rows, row]
+        values = np.hstack((run.coordinates, run.rates, run.multipliers))
+        self.ladder.add(values, run.times, row["setting"])
+        if not np.isfinite(self.ladder.estimate):
+            return None
+        coordinates, rates, multipliers = np.split(self.ladder.best, (6, 12), axis=1)
+        return replace(run, coordinates=coordinates, rates=rates, multipliers=multipliers)
+
+
+def measure(curve: Curve) -> list[Row]:
+    """Run a method along its ladder, extrapolated and to tolerances beside it."""
+    coarsest, *_ = curve.ladder()
+    with suppress(ArithmeticError):
+        curve.run(coarsest)
+    rungs, extrapolated, end, known = _ladder(curve)
+    _repeat(curve, rungs)
+    joined = []
+    for row, parts in extrapolated:
+        total = {name: sum(part[name] for part in parts) for name in ("seconds", "work", "steps")}
+        joined.append({**row, **total, "kind": "extrapolated"})
+    asked: list[Row] = []
+    if curve.fixed_step:
+        best = min((row["error"] for row in [*rungs, *joined] if not row["failure"]), default=inf)
+        # Nothing is to run on without end: the library needs an estimate that is small, too.
+        goals = [goal for goal in GOALS if max(best, known) <= goal]
+        asked = [_attempt(curve, goal, "tolerance")[0] for goal in goals]
+        _repeat(curve, asked)
+    return [{**row, "end": end} for row in (*rungs, *joined, *asked)]
+
+
+def _ladder(curve: Curve) -> tuple[list[Row], list[tuple[Row, list[Row]]], str, float]:
+    """Rows of the rungs; extrapolated ones with their parts; why it ends; estimate to be met."""
+    rungs: list[Row] = []
+    extrapolated: list[tuple[Row, list[Row]]] = []
+    judged: list[float] = []
+    chain = Extrapolation(curve) if curve.fixed_step else None
+    implicit = chain is not None and curve.integrator is not None and curve.integrator.implicit
+    known = inf if implicit else 0.0
+    for setting in curve.ladder():
+        row, run = _attempt(curve, setting, "step" if curve.fixed_step else "local tolerance")
+        rungs.append(row)
+        judged.append(inf if run is None else row["error"])
+        if chain is not None and run is None:
+            chain = Extrapolation(curve)  # It needs unbroken halving.
+        elif chain is not None and run is not None and (better := chain.add(run, row)) is not None:
+            found = errors(better, reference(curve.problem))
+            extrapolated.append(({**row, **found}, chain.rows))
+            # Implicit rules are of second order and would take minutes to get there alone.
+            if implicit:
+                judged[-1] = min(judged[-1], found["error"])
+                known = chain.ladder.best_estimate / NEAR
+        if (end := ladder_end(judged, fixed_step=curve.fixed_step)) is not None:
+            return rungs, extrapolated, end, known
+    return rungs, extrapolated, "work" if curve.fixed_step else "finest", known
+
+
+def ladder_end(judged: Sequence[float], *, fixed_step: bool) -> str | None:
+    """Why a ladder with these errors needs no finer rung, or None if it does.
+
+    Parameters
+    ----------
+    judged : sequence of float
+        Errors of its rungs, from coarse to fine; infinite for failed ones.
+    fixed_step : bool
+        Whether each rung halves the step. Tolerances may change nothing until they take over
+        from the longest step.
+    """
+    if judged[-1] <= GOALS[-1]:
+        return "goal"
+    best, last = min(judged[:-2], default=inf), judged[-2:]
+    if best < USEFUL and min(last) == inf:
+        return "failure"
+    # Above the coarsest goal, an error may rise and fall again.
+    if fixed_step and best < GOALS[0] and min(last) > 0.5 * best:
+        return "rounding"
+    return None
+
+
+_ERRORS = ("error", "angle_error", "energy_error", "force_error", "drift", "velocity_drift")
+
+
+def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory | None]:
+    """Row of one run, and the run; None if it failed, which is a result with its reason."""
+    row: Row = {**curve._asdict(), "kind": kind, "setting": setting, "failure": ""}
+    try:
+        run, seconds = curve.run(setting, to_tolerance=kind == "tolerance")
+        row |= errors(run, reference(curve.problem))
+    except ArithmeticError as error:
+        nothing = dict.fromkeys(("seconds", "work", "steps", *_ERRORS))
+        return {**row, **nothing, "failure": " ".join(str(error).split())}, None
+    work = run.counts.get("right_hand_sides") or run.counts.get("newton_iterations", 0)
+    return {**row, "seconds": seconds, "work": work, "steps": run.counts.get("steps", 0)}, run
+
+
+def _repeat(curve: Curve, rows: list[Row]) -> None:
+    """Give rows the lesser time of a second sweep, which a disturbance does not hit twice."""
+    for row in rows:
+        if not row["failure"] and row["work"] <= LONG:
+            _, seconds = curve.run(row["setting"], to_tolerance=row["kind"] == "tolerance")
+            row["seconds"] = min(row["seconds"], seconds)
+
+
+# --- Prices: what an option costs, from pairs of runs in turns ---------------------------------
+
+PAIRS = 11
+_PRICE_STEP = SPACING / 8
+EXTRAPOLATED = "extrapolated for a single run, to 1e-3"
+
+
+_Side = tuple[Curve, Sequence[float]]
+"""A curve and the steps that it is run with."""
+
+
+class Price(NamedTuple):
+    """One curve compared with another."""
+
+    what: str
+    one: Curve
+    other: Curve
+
+
+def prices() -> dict[str, Price]:
+    """All comparisons."""
+    found = []
+    for problem in VARIED:
+        for formulation in CONSTRAINED:
+            plain = Curve(problem, formulation, "trapezoidal")
+            full = plain._replace(scheme="trapezoidal, full Newton")
+            damped = plain._replace(scheme="generalized-α 0.9")
+            found.append(Price("full for modified Newton", full, plain))
+            found.append(Price("generalized-α 0.9 for the trapezoidal rule", damped, plain))
+            found.append(Price(EXTRAPOLATED, plain, plain))
+        usual = Curve(problem, "floating", "trapezoidal")
+        for formulation in ("euler-tree", "floating-lie"):
+            other = usual._replace(formulation=formulation)
+            found.append(Price("instead of floating with Euler parameters", other, usual))
+    for formulation in CONSTRAINED:
+        plain = Curve("model-1", formulation, "trapezoidal")
+        knowing = plain._replace(problem="contact-load")
+        found.append(Price("friction that knows the contact force", knowing, plain))
+    return {f"{p.what}, {p.one.formulation}, {p.one.problem}": p for p in found}
+
+
+def measure_price(price: Price) -> list[Row]:
+    """Ratios of the times of both sides, of their work and of their errors."""
+    one: _Side = (price.one, (_PRICE_STEP,))
+    other: _Side = (price.other, (_PRICE_STEP,))
+    if price.what == EXTRAPOLATED:
+        one, other = _to_goal(price.one, GOALS[0])
+    (work, error), (plain_work, plain_error) = _outcome(*one), _outcome(*other)
+    times = in_turns(lambda: _runs(*one), lambda: _runs(*other), pairs=PAIRS)
+    return [
+        {
+            "what": price.what,
+            "problem": price.one.problem,
+            "formulation": price.one.formulation,
+            "pair": pair,
+            "ratio": seconds / plain_seconds,
+            "work": work / plain_work,
+            "error": error / plain_error,
+        }
+        for pair, (seconds, plain_seconds) in enumerate(zip(*times, strict=True))
+    ]
+
+
+def _runs(curve: Curve, steps: Sequence[float]) -> None:
+    for step in steps:
+        curve.run(step)
+
+
+def _outcome(curve: Curve, steps: Sequence[float]) -> tuple[int, float]:
+    """Work of the runs with these steps, and the error of what is extrapolated from them."""
+    chain, error = Extrapolation(curve), nan
+    for step in steps:
+        row, run = _attempt(curve, step, "step")
+        if run is None:
+            raise ArithmeticError(row["failure"])
+        error = errors(chain.add(run, row) or run, reference(curve.problem))["error"]
+    return sum(row["work"] for row in chain.rows), error
+
+
+def _to_goal(curve: Curve, goal: float) -> tuple[_Side, _Side]:
+    """Coarsest steps whose extrapolation meets a goal, and coarsest step that does so alone."""
+    chain = Extrapolation(curve)
+    joined: Sequence[float] = ()
+    for step in curve.ladder():
+        row, run = _attempt(curve, step, "step")
+        if run is None:
+            chain = Extrapolation(curve)
+            continue
+        better = chain.add(run, row)
+        met = better is not None and errors(better, reference(curve.problem))["error"] <= goal
+        if not joined and met:
+            joined = tuple(part["setting"] for part in chain.rows)
+        if row["error"] <= goal:
+            return (curve, joined or (step,)), (curve, (step,))
+    raise ArithmeticError(f"{', '.join(curve)} does not meet {goal:g} on its ladder")
