@@ -7,7 +7,6 @@ motion from the scenario's own start, and the eigenvalues of both stationary spi
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 from typing import NamedTuple
 
 import pandas as pd
@@ -24,7 +23,6 @@ from validation.studies.comparisons import (
     ANGLE_LIMIT,
     REST_LIMIT,
     SPINS,
-    Found,
     acceleration_differences,
     eigenvalue_difference,
     goes_to_rest,
@@ -39,15 +37,18 @@ TITLE = "Engine against in-house equations"
 ACCELERATION_LIMIT = 1e-8
 """Largest relative difference of accelerations and constraint forces that passes."""
 
+MOTION = "β and γ of the motion in rad"
+
 END = 2.0
 """End in s of the motions that are compared, if the scenario allows so long a one."""
 
-MODEL_STATES, SET_STATES = 1000, 50
-"""Random states of each of the paper's models, and of each set of constraints."""
+MODELS_OF_PAPER, SETS = "the paper's models", "sets of constraints"
+
+STATES = {MODELS_OF_PAPER: 1000, SETS: 50}
+"""Random states of each scene."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Check:
+class Check(NamedTuple):
     """One comparison of the engine with the in-house equations.
 
     Parameters
@@ -81,9 +82,7 @@ class Check:
         return holds(self.difference, self.criterion)
 
 
-def check_scenario(
-    scenario: Scenario, *, states: int = 100, end: float | None = END
-) -> list[Check]:
+def check_scenario(scenario: Scenario, *, states: int = 100, end: float = END) -> list[Check]:
     """Compare every formulation that can build a scenario with the in-house equations.
 
     Parameters
@@ -91,8 +90,8 @@ def check_scenario(
     scenario : Scenario
     states : int
         Number of random states.
-    end : float, optional
-        Longest time in s over which motions are compared; without it, they are not.
+    end : float
+        Longest time in s over which motions are compared.
     """
     return [
         check
@@ -104,56 +103,42 @@ def check_scenario(
 def check_formulation(
     scenario: Scenario, formulation: Formulation, *, states: int = 100, end: float | None = END
 ) -> list[Check]:
-    """Compare one formulation; the arguments are those of `check_scenario`."""
+    """Compare one formulation; the arguments are those of `check_scenario`.
+
+    Without an `end`, motions are not compared.
+    """
     scene = Scene(scenario, formulation)
     accelerations, forces, number = acceleration_differences(scene, states)
     how = f"relative, at {states} random states"
     if number < states:
         how = f"relative, at {number} of {states} random states: the others have no solution"
-
-    def check(quantity: str, criterion: float, found: Found, counted: int | None = None) -> Check:
-        return Check(
-            quantity=quantity,
-            formulation=formulation,
-            criterion=criterion,
-            difference=found[0],
-            detail=found[1],
-            counted=counted,
-        )
-
     checks = [
-        check("accelerations", ACCELERATION_LIMIT, (accelerations, how), number),
-        check("constraint forces", ACCELERATION_LIMIT, (forces, how), number),
+        Check(quantity, formulation, ACCELERATION_LIMIT, difference, how, number)
+        for quantity, difference in (
+            ("accelerations", accelerations),
+            ("constraint forces", forces),
+        )
     ]
     if end is not None and goes_to_rest(scene):
-        moved = rest_difference(scene, end)
-        checks.append(check("vertical and energies of the motion, relative", REST_LIMIT, moved))
+        quantity = "vertical and energies of the motion, relative"
+        checks.append(Check(quantity, formulation, REST_LIMIT, *rest_difference(scene, end)))
     elif end is not None:
-        moved = motion_difference(scene, end)
-        checks.append(check("β and γ of the motion in rad", ANGLE_LIMIT, moved))
+        checks.append(Check(MOTION, formulation, ANGLE_LIMIT, *motion_difference(scene, end)))
     for motion in MOTIONS:
-        spectra = eigenvalue_difference(scene, motion)
-        checks.append(check(f"eigenvalues, {motion}", EIGENVALUE_LIMIT, spectra))
+        found = eigenvalue_difference(scene, motion)
+        checks.append(Check(f"eigenvalues, {motion}", formulation, EIGENVALUE_LIMIT, *found))
     return checks
 
 
 def table(checks: Sequence[Check]) -> Table:
     """Every check of a scenario with its criterion and verdict."""
-    return Table.of(
-        checks,
-        {
-            "formulation": lambda check: check.formulation,
-            "compared": lambda check: check.quantity,
-            "how": lambda check: check.detail,
-            "largest difference": lambda check: check.difference,
-            "at most": lambda check: check.criterion,
-            "agrees": lambda check: (
-                check.verdict if isinstance(check.verdict, bool) else "not defined"
-            ),
-        },
-        name="check",
-        title=TITLE,
-    )
+    heads = ("formulation", "compared", "how", "largest difference", "at most", "agrees")
+    rows = [
+        [*(each.formulation, each.quantity, each.detail, each.difference, each.criterion), agrees]
+        for each in checks
+        for agrees in [each.verdict if isinstance(each.verdict, bool) else "not defined"]
+    ]
+    return Table(name="check", title=TITLE, columns=heads, rows=rows)
 
 
 class Case(NamedTuple):
@@ -169,14 +154,14 @@ def cases() -> dict[str, Case]:
     models = {
         f"Model {level}, load {load}": Case(
             Scenario(constraints=MODELS[level], friction=SmoothCoulomb(load=load)),
-            MODEL_STATES,
+            STATES[MODELS_OF_PAPER],
             END,
         )
         for load in LOADS
         for level in LEVELS
     }
     sets = {
-        " + ".join(each): Case(Scenario(constraints=each), SET_STATES, None)
+        " + ".join(each): Case(Scenario(constraints=each), STATES[SETS], None)
         for each in POSSIBLE_SETS
     }
     return models | sets
@@ -184,8 +169,13 @@ def cases() -> dict[str, Case]:
 
 def measure(case: Case) -> list[Row]:
     """All comparisons of a case."""
-    checks = check_scenario(case.scenario, states=case.states, end=case.end)
-    return [asdict(check) for check in checks]
+    return [
+        check._asdict()
+        for formulation in mbs_models.formulations(case.scenario)
+        for check in check_formulation(
+            case.scenario, formulation, states=case.states, end=case.end
+        )
+    ]
 
 
 STUDY = Study(
@@ -193,15 +183,8 @@ STUDY = Study(
     cases=cases,
     measure=measure,
     keys=("formulation", "quantity"),
-    columns={
-        "criterion": "largest difference that passes",
-        "difference": "largest difference found, in the unit of the quantity",
-        "counted": "random states at which both sides have a solution",
-    },
 )
 STUDIES = (STUDY,)
-
-MODELS_OF_PAPER, SETS = "the paper's models", "sets of constraints"
 
 
 def present(rows: Rows) -> Content:
@@ -220,15 +203,32 @@ def present(rows: Rows) -> Content:
         scenes[kinds[label]] += len(mbs_models.formulations(case.scenario))
     checks = []
     for (kind, quantity), row in worst.iterrows():
-        name = f"crosscheck: {quantity}, {kind}"
-        checks += [at_most(name, row["difference"], row["criterion"])]
-        checks += [equal(f"{name}, scenes", row["scenes"], scenes[kind])]
-    for kind, number in ((MODELS_OF_PAPER, MODEL_STATES), (SETS, SET_STATES)):
-        fewest = found.loc[found["kind"] == kind, "counted"].min()
-        checks.append(equal(f"crosscheck: random states with a solution, {kind}", fewest, number))
-    numbers = _numbers(worst.loc[MODELS_OF_PAPER], scenes)
+        name, states = f"crosscheck: {quantity}, {kind}", STATES[kind]
+        checks.append(at_most(name, row["difference"], row["criterion"]))
+        checks.append(equal(f"{name}, scenes", row["scenes"], scenes[kind]))
+        if quantity == "accelerations":
+            checks.append(equal(f"{name}, states with a solution", row["states"], states))
+    of_models = worst.loc[MODELS_OF_PAPER, "difference"]
+    most = {
+        name: tables.at_most(largest(of_models.get(each) for each in quantities))
+        for name, quantities in {
+            "accelerations": ("accelerations", "constraint forces"),
+            "motions": (MOTION,),
+            "eigenvalues": [f"eigenvalues, {motion}" for motion in MOTIONS],
+        }.items()
+    }
+    agrees = all(check.holds for check in checks)
     return Content(
-        numbers=numbers,
+        numbers={
+            **most,
+            "scenes": scenes[MODELS_OF_PAPER],
+            "states": STATES[MODELS_OF_PAPER],
+            "set_states": STATES[SETS],
+            "sets": len(POSSIBLE_SETS),
+            "end": END,
+            "spins": SPINS,
+            "angle_limit": ANGLE_LIMIT,
+        },
         tables={
             "agreement": worst.reset_index().set_axis(
                 ("compared over", "quantity", "scenes", "random states", "largest", "at most"),
@@ -241,38 +241,18 @@ def present(rows: Rows) -> Content:
         verdicts=[
             Verdict(
                 statement="The engine solves the same equations as the in-house ones.",
-                answer="yes" if all(check.holds for check in checks) else "no",
-                numbers=f"Over {numbers['scenes']} scenes: accelerations and constraint forces at "
-                f"{MODEL_STATES} random states each to {numbers['accelerations']}, relative; "
-                f"motions over {END:g} s to {numbers['motions']} rad; eigenvalues to "
-                f"{numbers['eigenvalues']}, relative.",
+                answer="yes" if agrees else "no",
+                numbers=f"Over {scenes[MODELS_OF_PAPER]} scenes: accelerations and constraint "
+                f"forces at {STATES[MODELS_OF_PAPER]} random states each to "
+                f"{most['accelerations']}, relative; motions over {END:g} s to {most['motions']} "
+                f"rad; eigenvalues to {most['eigenvalues']}, relative.",
                 criterion=f"at most {ACCELERATION_LIMIT:g}, {ANGLE_LIMIT:g} rad and "
                 f"{EIGENVALUE_LIMIT:g}, in every formulation; both sides share the description of "
                 "the problem and no mechanics, which a test sees to by reading the imports.",
-                good=all(check.holds for check in checks),
+                good=agrees,
             )
         ],
     )
-
-
-def _numbers(worst: pd.DataFrame, scenes: Counter[str]) -> dict[str, object]:
-    """What the text states, differences rounded up to one digit."""
-
-    def most(*quantities: str) -> str:
-        return tables.at_most(largest(worst["difference"].get(each) for each in quantities))
-
-    return {
-        "scenes": scenes[MODELS_OF_PAPER],
-        "accelerations": most("accelerations", "constraint forces"),
-        "motions": most("β and γ of the motion in rad"),
-        "eigenvalues": most(*(f"eigenvalues, {motion}" for motion in MOTIONS)),
-        "states": MODEL_STATES,
-        "set_states": SET_STATES,
-        "sets": len(POSSIBLE_SETS),
-        "end": END,
-        "spins": SPINS,
-        "angle_limit": ANGLE_LIMIT,
-    }
 
 
 def _by_scene(found: pd.DataFrame, scene: list[str]) -> pd.DataFrame:

@@ -296,7 +296,7 @@ def test_eigenvalues_that_one_side_lacks_are_no_agreement(
 
 
 def test_verdicts_are_yes_no_or_why_not() -> None:
-    other, missing = replace(CHECK, difference=2.0), replace(CHECK, difference=None, detail="why")
+    other, missing = CHECK._replace(difference=2.0), CHECK._replace(difference=None, detail="why")
     checks = [CHECK, other, missing]
     assert [each.verdict for each in checks] == [True, False, "not defined: why"]
     assert [row[-1] for row in crosscheck.table(checks).rows] == [True, False, "not defined"]

@@ -50,9 +50,7 @@ def present(rows: Rows) -> Content:
             "critical": starts.critical_speed(),
             "starts": starts,
             "motion": motion,
-            "tilted": shares[shares["starts"] == "any tilt"]
-            .groupby("model")["inverted in %"]
-            .max(),
+            "shares": shares.groupby(["starts", "model"])["inverted in %"].max(),
         },
         tables={
             "verdicts": pd.DataFrame(
@@ -81,7 +79,7 @@ def _numbers(judged: Judged) -> str:
 
 
 def verdicts(judged: dict[str, Judged], counted: Counter[str]) -> Iterator[Verdict]:
-    """What is read first: how many statements hold, and the two on other starts."""
+    """What is read first: how many statements hold, and the one on other starts."""
     yield Verdict(
         statement="What the paper says of the motion holds.",
         answer="yes" if counted["yes"] == len(judged) else "partly",
@@ -102,16 +100,5 @@ def verdicts(judged: dict[str, Judged], counted: Counter[str]) -> Iterator[Verdi
         f"intervals, {told}; of those of any tilt at most {found['tilted']:.0f} %.",
         criterion=f"at least {found['enough']:g} %, of any tilt, at every spin tried above "
         f"{critical:.2f} rad/s; partly: near upright, at some of these spins.",
-        good=found["verdict"] == "yes",
-    )
-    found = judged["supercritical"]
-    least, own = (", ".join(f"{spin:.2f}" for spin in found[key]) for key in ("least", "own"))
-    yield Verdict(
-        statement="The inversion occurs only for supercritical initial spins.",
-        answer=found["verdict"],
-        numbers=f"Table 3's start inverts from {least} rad/s on in Models 1 to 4; their own "
-        f"critical speeds are {own} rad/s.",
-        criterion=f"these spins lie above {critical:.2f} rad/s and above the model's own critical "
-        "speed; partly: above the first in some models.",
         good=found["verdict"] == "yes",
     )

@@ -10,7 +10,7 @@ from math import inf
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import minimize
+from scipy.optimize import bisect, minimize
 
 from analysis import STEEL_DISK, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
@@ -65,16 +65,12 @@ def losses(beta: float, gamma: float) -> list[float]:
         scene = Scene(scenario, "euler-tree")
         return [each is not None for each in solutions(scene, scenario.initial_state)]
 
-    found = []
-    for side in (0, 1):
-        low, high = 0.0, STRONGEST
-        if solved(high)[side]:
-            low = inf
-        while high - low > 0.1 * APART:
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if solved(middle)[side] else (low, middle)
-        found.append(low)
-    return found
+    return [
+        inf
+        if solved(STRONGEST)[side]
+        else bisect(lambda mu, on=side: solved(mu)[on] - 0.5, 0.0, STRONGEST, xtol=0.1 * APART)
+        for side in (0, 1)
+    ]
 
 
 def along(motion: Trajectory, *, any_slip: bool) -> Array:
@@ -128,13 +124,6 @@ CONTACT_MATRIX = Study(
     name="contact-matrix",
     cases=lambda: {"Table 3, load λ_N": LONG},
     measure=measure,
-    columns={
-        "bound": "smallest friction coefficient at which (79) is singular in any attitude",
-        "engine": "coefficient from which on the engine has no solution there",
-        "in_house": "the same in-house",
-        "worst": "least coefficient along Table 3's motion with the worst slip there",
-        "slip": "the same with the slip it has",
-    },
 )
 
 

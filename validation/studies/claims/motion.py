@@ -149,12 +149,6 @@ LONG_RUNS = Study(
     name="long-runs",
     cases=lambda: {f"Model {level}": level for level in LEVELS},
     measure=long_run,
-    columns={
-        "settled": "from when γ stays near π/2, in s",
-        "constant_until": f"until when the spin stays what it is at {LATER:g} s, in s",
-        "end": "of the inversion or of the run in s",
-        "away": "way of the COG from its start in m",
-    },
 )
 
 

@@ -56,7 +56,6 @@ ORDERS = Study(
     cases=lambda: {"40 rad/s": 40.0},
     measure=measure,
     keys=("quantity",),
-    columns={"order": "in the paper", "fitted": "exponent of the smoothing ε"},
 )
 
 

@@ -85,12 +85,6 @@ PURE_ROLLING = Study(
     cases=cases,
     measure=measure,
     keys=("source",),
-    columns={
-        "gradient": "μ/ε in s/m, none without slip",
-        "highest": "place of the COG above the centre, in parts of the eccentricity",
-        "longest_up": "longest time above the centre in s",
-        "direction": "place of the COG over time",
-    },
 )
 
 
