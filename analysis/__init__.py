@@ -2,132 +2,24 @@
 
 Source of all equation numbers: S. Sailer and R. I. Leine, "Model reduction of the tippedisk: a
 path to the full analysis", Nonlinear Dynamics 105 (2021).
+
+The names of `analysis.api` are those of this package. They are loaded when one of them is first
+asked for: whoever needs the declarations of the quantities alone does not wait for SciPy.
 """
 
-from analysis.compiled.batches import Outcome
-from analysis.data.checks import TimeLimitError, ToleranceError
-from analysis.data.constraint_set import (
-    CONSTRAINTS,
-    LEVELS,
-    MODELS,
-    MULTIPLIERS,
-    POSSIBLE_SETS,
-    Constraint,
-    ConstraintSet,
-    Level,
-    multiplier_names,
-)
-from analysis.data.contact import PenaltyContact
-from analysis.data.disk import CENTRED_DISK, DISKS, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
-from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
-from analysis.data.endings import CONDITIONS, Condition, Ending, StopWhen
-from analysis.data.ensemble import Ensemble
-from analysis.data.friction import (
-    LAWS,
-    LOADS,
-    FrictionLaw,
-    Load,
-    SmoothCoulomb,
-    Stribeck,
-    TanhCoulomb,
-    ViscousFriction,
-)
-from analysis.data.inversion import Inversion, Inversions
-from analysis.data.outcomes import OutcomeTable
-from analysis.data.phases import Phases
-from analysis.data.scenario import Scenario
-from analysis.data.scenario_file import load_scenario, scenario_text
-from analysis.data.spatial_motion import SpatialMotion
-from analysis.data.start import MOTIONS, Motion, Start
-from analysis.data.state import COORDINATES, FlatError, State
-from analysis.data.stored_runs import StoredRun, load_run
-from analysis.data.table import GRAVITY, Table
-from analysis.data.trajectories import Trajectories
-from analysis.data.trajectory import Trajectory
-from analysis.data.watch import Progress
-from analysis.models.balance import (
-    constraint_drift,
-    contact_forces,
-    energies,
-    energy_residual,
-    power,
-)
-from analysis.models.ensemble import simulate_many
-from analysis.models.forms import FORMS, Form
-from analysis.models.outcomes import outcomes
-from analysis.models.simulation import simulate
-from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
-from analysis.solve.stepping import METHODS, Method
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-__all__ = [
-    "CAUSES",
-    "CENTRED_DISK",
-    "CONDITIONS",
-    "CONSTRAINTS",
-    "COORDINATES",
-    "DISKS",
-    "FORMS",
-    "GRAVITY",
-    "LAWS",
-    "LEVELS",
-    "LOADS",
-    "METHODS",
-    "MODELS",
-    "MOTIONS",
-    "MULTIPLIERS",
-    "POSSIBLE_SETS",
-    "REST_METHODS",
-    "ROUNDED_STEEL_DISK",
-    "STEEL_DISK",
-    "Condition",
-    "Constraint",
-    "ConstraintSet",
-    "Disk",
-    "Dissipation",
-    "Ending",
-    "Ensemble",
-    "FlatError",
-    "Form",
-    "FrictionLaw",
-    "Inversion",
-    "Inversions",
-    "Level",
-    "Load",
-    "Method",
-    "Motion",
-    "Outcome",
-    "OutcomeTable",
-    "PenaltyContact",
-    "Phases",
-    "Progress",
-    "RestCriterion",
-    "RestMethod",
-    "Scenario",
-    "SmoothCoulomb",
-    "SpatialMotion",
-    "Start",
-    "State",
-    "StopWhen",
-    "StoredRun",
-    "Stribeck",
-    "Table",
-    "TanhCoulomb",
-    "TimeLimitError",
-    "ToleranceError",
-    "Trajectories",
-    "Trajectory",
-    "ViscousFriction",
-    "constraint_drift",
-    "contact_forces",
-    "energies",
-    "energy_residual",
-    "load_run",
-    "load_scenario",
-    "multiplier_names",
-    "outcomes",
-    "power",
-    "scenario_text",
-    "simulate",
-    "simulate_many",
-    "simulate_to_rest",
-]
+if TYPE_CHECKING:
+    from analysis.api import *  # noqa: F403
+
+
+def __getattr__(name: str) -> Any:
+    if name.startswith("__") and name != "__all__":
+        raise AttributeError(name)
+    api = import_module("analysis.api")
+    globals().update({each: getattr(api, each) for each in api.__all__}, __all__=api.__all__)
+    try:
+        return globals()[name]
+    except KeyError:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}") from None

@@ -9,8 +9,8 @@ import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import Constraint
 from analysis.data.frames import turn_about_vertical
+from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
 from mbs_models.loads import normal_forces
 

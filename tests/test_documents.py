@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from analysis import Scenario, Start, simulate_to_rest
-from validation.parser.top import parser
+from validation.parser.top import parsed
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")])
@@ -115,7 +115,7 @@ def test_commands_are_understood(
         for word in words:
             if word.endswith((".npz", ".toml")):
                 Path(word).touch()
-        parser().parse_args(words[1 : words.index(">") if ">" in words else None])
+        parsed(words[1 : words.index(">") if ">" in words else None])
 
 
 @pytest.mark.slow

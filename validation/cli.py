@@ -7,10 +7,9 @@ and wrong calls answer at once; each subcommand imports what it needs when it ru
 import argparse
 import logging
 import os
-import re
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from importlib import import_module
 from io import StringIO
@@ -18,24 +17,14 @@ from pathlib import Path
 from traceback import format_exc
 from typing import Any, TextIO
 
-from validation.parser.top import parser
-
-_OPTIONS_OF = {
-    "coefficient": ("mu", "law"),
-    "smoothing": ("eps", "law"),
-    "friction": ("eps", "mu", "law"),
-    "rolling_dry": ("rolling",),
-    "interval": ("spins",),
-    "spin": ("spin", "spins"),
-}
-"""Options that an argument may come from, where it is not the one of its name."""
-
-_NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
-_PLAIN = re.compile(r"-\d+|-\d*\.\d+")
-"""Negative values, and those of them that the parser tells from options by itself."""
+from validation.parser.options import flag_of
+from validation.parser.top import parsed
 
 _OUTPUT_LOST = 3
 """Exit code of a command that did its work and could not say so."""
+
+_FAILED, _REFUSED, _FAULT, _INTERRUPTED = 1, 2, 70, 130
+"""Exit codes of a run that failed, of a call that was refused, of this program's own faults."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -70,43 +59,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        options = _parsed(sys.argv[1:] if arguments is None else arguments)
+        options = parsed(sys.argv[1:] if arguments is None else arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
-    name = f"tippedisk {options.command.replace('_', '-')}"
+    name = f"tippedisk {options.command}"
     path = sys.path.copy()
     try:
         # Imported late: the commands bring NumPy, SciPy and the engine along.
         logging.getLogger("matplotlib").addFilter(_is_of_no_folder)
         commands = import_module(f"validation.commands.{options.module}")
         with _warnings_in_a_line(name), _text_beside(options):
-            return int(getattr(commands, options.command)(options))
+            found = getattr(commands, options.command.replace("-", "_"))(options)
+            return found if isinstance(found, int) else int(found.deliver(options))
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         message = " ".join(str(error).split()) or "not enough memory"
-        _complain(f"{name}: error: {_blamed_option(options, message)}{message}")
-        return 2
+        flag = flag_of(getattr(error, "argument", ""), vars(options).items())
+        _complain(f"{name}: error: {flag and f'{flag}: '}{message}")
+        return _REFUSED if isinstance(error, ValueError | OSError) else _FAILED
     except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, it is no result
-        # A law of one's own, or this program, is at fault: where, the traceback says. An exit code
-        # of 0 or 1 would say that the work was done.
+        # A law of one's own, or this program, is at fault: where, the traceback says.
         _complain(format_exc().rstrip())
-        return 2
+        return _FAULT
     except KeyboardInterrupt:
         _complain(f"{name}: interrupted")
-        return 130
+        return _INTERRUPTED
     finally:
         # A law of one's own lets the working directory be searched.
         sys.path[:] = path
-
-
-def _parsed(words: Sequence[str]) -> argparse.Namespace:
-    """Options of a call; `SystemExit` if it is a wrong one or asks for help."""
-    top = parser()
-    for word in words:
-        option, _, value = word.partition("=")
-        if option.startswith("--") and value == "--":
-            # Taken for the end of the options, it would leave a list without a value.
-            top.error(f"argument {option}: expected a value behind =, got '--'")
-    return top.parse_args(_joined(words))
 
 
 @contextmanager
@@ -142,31 +121,6 @@ def _text_beside(options: argparse.Namespace) -> Iterator[None]:
 def _is_of_no_folder(record: logging.LogRecord) -> bool:
     """Let Matplotlib take a temporary folder, where it can make no other, without a word."""
     return record.funcName != "_get_config_or_cache_dir"
-
-
-def _joined(words: Iterable[str]) -> list[str]:
-    """Words of which a value such as -pi/2 or -1e-3, which may look like an option, is joined.
-
-    It then stands behind its option and =.
-    """
-    result: list[str] = []
-    for word in words:
-        is_value = _NEGATIVE.match(word) and not _PLAIN.fullmatch(word)
-        if is_value and result and result[-1].startswith("--") and "=" not in result[-1]:
-            result[-1] += f"={word}"
-        else:
-            result.append(word)
-    return result
-
-
-def _blamed_option(options: argparse.Namespace, message: str) -> str:
-    """The given option whose argument a message begins with, if there is one."""
-    argument = message.partition(" ")[0]
-    for option in _OPTIONS_OF.get(argument, (argument,)):
-        if getattr(options, option, None) is not None:
-            name = "spin" if option == "spins" else option.replace("_", "-")
-            return f"--{name}: "
-    return ""
 
 
 def _deliver(text: str) -> bool:

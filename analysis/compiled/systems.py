@@ -18,8 +18,9 @@ from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
-from analysis.data.friction import FrictionLaw, Load
+from analysis.data.friction import FrictionLaw
 from analysis.data.members import Members
+from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.states import paper_of

@@ -5,6 +5,7 @@ from math import pi
 from typing import Any
 
 from analysis.data.checks import number
+from analysis.data.names import ArgumentError
 
 _WORD = re.compile(
     r"(?P<n>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<p>pi)|(?P<d>deg)|[-+*/]", re.ASCII
@@ -36,14 +37,14 @@ def angle(name: str, value: Any) -> float:
     words = list(_WORD.finditer(value))
     shape = "".join(word.lastgroup or word[0] for word in words)
     if _WORD.sub("", value).strip() or not _SUM.fullmatch(shape):
-        raise ValueError(
-            f"{name} must be an angle: a number in rad, or text such as pi/2 or 90deg, "
-            f"got {value!r}"
+        raise ArgumentError(
+            name,
+            f"must be an angle: a number in rad, or text such as pi/2 or 90deg, got {value!r}",
         )
     try:
         result = _evaluated([word[0] for word in words])
     except ZeroDivisionError:
-        raise ValueError(f"{name} must be finite, got {value!r}") from None
+        raise ArgumentError(name, f"must be finite, got {value!r}") from None
     return number(name, result)
 
 

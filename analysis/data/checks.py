@@ -9,9 +9,9 @@ from typing import Any, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.limits import LARGEST_VALUE
 from analysis.data.members import Members
-from analysis.data.names import nearest
+from analysis.data.names import ArgumentError, nearest
+from analysis.data.quantities import LARGEST_VALUE
 
 Array = npt.NDArray[np.float64]
 T = TypeVar("T")
@@ -39,13 +39,13 @@ def number(name: str, value: Any) -> float:
     if not isinstance(value, Real) or isinstance(value, bool):
         if isinstance(value, Members):
             return _finite(name, value)
-        raise ValueError(f"{name} must be a finite number, got {value!r}{_in_numbers(value)}")
+        raise ArgumentError(name, f"must be a finite number, got {value!r}{_in_numbers(value)}")
     try:
         result = float(value)
     except OverflowError:
-        raise ValueError(f"{name} must be a finite number, got one too large") from None
+        raise ArgumentError(name, "must be a finite number, got one too large") from None
     if not isfinite(result):
-        raise ValueError(f"{name} must be a finite number, got {result}")
+        raise ArgumentError(name, f"must be a finite number, got {result}")
     return result
 
 
@@ -57,7 +57,7 @@ def _in_numbers(value: Any) -> str:
 
 def _finite(name: str, members: Members) -> float:
     if not np.isfinite(members):
-        raise ValueError(f"{name} must be a finite number, got {members:g}")
+        raise ArgumentError(name, f"must be a finite number, got {members:g}")
     return cast("float", members)
 
 
@@ -65,7 +65,7 @@ def positive(name: str, value: Any) -> float:
     """Return `value` as a float above zero; `ValueError` otherwise."""
     result = number(name, value)
     if result <= 0.0:
-        raise ValueError(f"{name} must be positive, got {result:g}")
+        raise ArgumentError(name, f"must be positive, got {result:g}")
     return result
 
 
@@ -73,7 +73,7 @@ def not_negative(name: str, value: Any) -> float:
     """Return `value` as a float not below zero; `ValueError` otherwise."""
     result = number(name, value)
     if result < 0.0:
-        raise ValueError(f"{name} must not be negative, got {result:g}")
+        raise ArgumentError(name, f"must not be negative, got {result:g}")
     return result
 
 
@@ -81,23 +81,23 @@ def within(name: str, value: Any, least: float, most: float) -> float:
     """Return `value` as a float from `least` to `most`; `ValueError` otherwise."""
     result = number(name, value)
     if not least <= result <= most:
-        raise ValueError(f"{name} must lie from {least:g} to {most:g}, got {result:g}")
+        raise ArgumentError(name, f"must lie from {least:g} to {most:g}, got {result:g}")
     return result
 
 
 def whole(name: str, value: Any, least: int = 1) -> int:
     """Return `value` as an int of at least `least`; `ValueError` otherwise."""
     if not isinstance(value, Integral) or isinstance(value, bool):
-        raise ValueError(f"{name} must be a whole number, got {value!r}")
+        raise ArgumentError(name, f"must be a whole number, got {value!r}")
     if value < least:
-        raise ValueError(f"{name} must be at least {least}, got {value}")
+        raise ArgumentError(name, f"must be at least {least}, got {value}")
     return int(value)
 
 
 def switch(name: str, value: Any) -> bool:
     """Return `value` if it is True or False; `ValueError` otherwise."""
     if not isinstance(value, bool | np.bool_):
-        raise ValueError(f"{name} must be True or False, got {value!r}")
+        raise ArgumentError(name, f"must be True or False, got {value!r}")
     return bool(value)
 
 
@@ -105,7 +105,7 @@ def local_tolerance(name: str, value: Any, least: float) -> float:
     """Return the error of a step, from `least` to less than 1; `ValueError` otherwise."""
     result = positive(name, value)
     if not least <= result < 1.0:
-        raise ValueError(f"{name} must lie in [{least:g}, 1), got {result:g}")
+        raise ArgumentError(name, f"must lie in [{least:g}, 1), got {result:g}")
     return result
 
 
@@ -114,16 +114,16 @@ def instance(name: str, value: Any, kind: type[T]) -> T:
     if isinstance(value, kind):
         return value
     if value is kind:
-        raise ValueError(
-            f"{name} must be a {kind.__name__}, got the class: write {kind.__name__}()"
+        raise ArgumentError(
+            name, f"must be a {kind.__name__}, got the class: write {kind.__name__}()"
         )
-    raise ValueError(f"{name} must be a {kind.__name__}, got {value!r}")
+    raise ArgumentError(name, f"must be a {kind.__name__}, got {value!r}")
 
 
 def function(name: str, value: T) -> T:
     """Return `value` if it can be called; `ValueError` otherwise."""
     if not callable(value):
-        raise ValueError(f"{name} must be a function, got {value!r}")
+        raise ArgumentError(name, f"must be a function, got {value!r}")
     return value
 
 
@@ -133,7 +133,9 @@ def choice(name: str, value: T, allowed: Iterable[T]) -> T:
     # An array answers with one for each of its entries.
     if isinstance(value, np.ndarray) or value not in options:
         listed = ", ".join(str(option) for option in options)
-        raise ValueError(f"{name} must be one of {listed}, got {value!r}{nearest(value, options)}")
+        raise ArgumentError(
+            name, f"must be one of {listed}, got {value!r}{nearest(value, options)}"
+        )
     return value
 
 
@@ -150,9 +152,9 @@ def float_array(name: str, values: npt.ArrayLike) -> Array:
     try:
         given = np.asarray(values)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} must be an array of real numbers, got {values!r}") from None
+        raise ArgumentError(name, f"must be an array of real numbers, got {values!r}") from None
     if given.dtype.kind not in "fiu":
-        raise ValueError(f"{name} must be an array of real numbers, got {given.dtype} values")
+        raise ArgumentError(name, f"must be an array of real numbers, got {given.dtype} values")
     return np.array(given, dtype=float)
 
 
@@ -168,16 +170,16 @@ def real_array(name: str, values: npt.ArrayLike) -> Array:
     # Its size is not finite if one of its numbers is not: one pass, for the shortest runs.
     largest = np.abs(result).max(initial=0.0)
     if not isfinite(largest):
-        raise ValueError(f"{name} must be finite")
+        raise ArgumentError(name, "must be finite")
     if largest > LARGEST_VALUE:
-        raise ValueError(f"{name} must not exceed {LARGEST_VALUE:g} in size")
+        raise ArgumentError(name, f"must not exceed {LARGEST_VALUE:g} in size")
     return result
 
 
 def unmasked(name: str, values: Any) -> None:
     """Raise `ValueError` if any value is masked."""
     if np.ma.is_masked(values):
-        raise ValueError(f"{name} must hold no masked values, got {values!r}")
+        raise ArgumentError(name, f"must hold no masked values, got {values!r}")
 
 
 _PLAIN = (str, float, int, Real)
@@ -192,14 +194,16 @@ def settings(name: str, values: Any) -> dict[str, str | float | int | None]:
         If it is no such mapping, or a number is not one (nan).
     """
     if not isinstance(values, Mapping):
-        raise ValueError(f"{name} must be a mapping, got {type(values).__name__}")
+        raise ArgumentError(name, f"must be a mapping, got {type(values).__name__}")
     for key, value in values.items():
         if not isinstance(key, str):
-            raise ValueError(f"{name} must have names as its keys, got {key!r}")
+            raise ArgumentError(name, f"must have names as its keys, got {key!r}")
         if not (value is None or isinstance(value, _PLAIN)):
-            raise ValueError(f"{name}[{key!r}] must be text, a number or None, got {value!r}")
+            raise ArgumentError(
+                f"{name}[{key!r}]", f"must be text, a number or None, got {value!r}"
+            )
         if isinstance(value, float) and isnan(value):
-            raise ValueError(f"{name}[{key!r}] must be text, a number or None, got nan")
+            raise ArgumentError(f"{name}[{key!r}]", "must be text, a number or None, got nan")
     return dict(values)
 
 
@@ -213,13 +217,13 @@ def increasing_times(times: npt.ArrayLike) -> Array:
     """
     result = real_array("times", times)
     if result.ndim != 1 or result.size < 2:
-        raise ValueError(
-            f"times must be one-dimensional with at least 2 entries, got shape {result.shape}"
+        raise ArgumentError(
+            "times", f"must be one-dimensional with at least 2 entries, got shape {result.shape}"
         )
     steps = result[1:] - result[:-1]
     if not (steps > 0.0).all():
         worst = int(np.argmax(steps <= 0.0))
-        raise ValueError(
-            f"times must increase strictly, got {result[worst]:g} before {result[worst + 1]:g}"
+        raise ArgumentError(
+            "times", f"must increase strictly, got {result[worst]:g} before {result[worst + 1]:g}"
         )
     return result

@@ -2,24 +2,13 @@
 
 from collections.abc import Iterable
 from itertools import combinations
-from typing import Literal, get_args
 
 from analysis.data.checks import choice
-from analysis.data.names import Named
-
-Constraint = Literal["contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin"]
-CONSTRAINTS: tuple[Constraint, ...] = get_args(Constraint)
-"""In the order of their rows and multipliers.
-
-The disk touches the table; its centre of gravity stays above one point; its contact point does
-not slip along the edge (the direction e_x of the R-frame), or across it; its spin is constant.
-"""
+from analysis.data.names import ArgumentError, Named
+from analysis.data.quantities import CONSTRAINTS, Constraint, Level
 
 ConstraintSet = tuple[Constraint, ...]
 """Distinct constraints in the order of `CONSTRAINTS`, as `constraint_set` makes them."""
-
-Level = Literal[1, 2, 3, 4]
-LEVELS: tuple[Level, ...] = get_args(Level)
 
 MODELS: dict[Level, ConstraintSet] = Named(
     "MODELS",
@@ -62,21 +51,24 @@ def constraint_set(constraints: Iterable[Constraint]) -> ConstraintSet:
         If one is unknown or named twice, if the contact is missing, or if no freedom is left.
     """
     if isinstance(constraints, str) or not isinstance(constraints, Iterable):
-        raise ValueError(f"constraints must be a list of names, got {constraints!r}")
+        raise ArgumentError("constraints", f"must be a list of names, got {constraints!r}")
     given = list(constraints)
     for each in given:
         choice("constraints", each, CONSTRAINTS)
         if given.count(each) > 1:
-            raise ValueError(f"constraints must name each constraint once, got {each!r} twice")
+            fault = f"must name each constraint once, got {each!r} twice"
+            raise ArgumentError("constraints", fault)
     if "contact" not in given:
-        raise ValueError(
-            "constraints must hold 'contact': without it the disk falls freely and has no contact "
-            f"point to slip or to rub, got {', '.join(given) or 'none'}"
+        raise ArgumentError(
+            "constraints",
+            "must hold 'contact': without it the disk falls freely and has no contact point to "
+            f"slip or to rub, got {', '.join(given) or 'none'}",
         )
     if len(given) == len(CONSTRAINTS):
-        raise ValueError(
-            "constraints must leave the disk a freedom: all of them are six conditions on its six "
-            "velocities, so that forces no longer matter; leave one out"
+        raise ArgumentError(
+            "constraints",
+            "must leave the disk a freedom: all of them are six conditions on its six velocities, "
+            "so that forces no longer matter; leave one out",
         )
     return tuple(each for each in CONSTRAINTS if each in given)
 

@@ -3,18 +3,18 @@
 from dataclasses import dataclass
 from math import sqrt
 
-from analysis.data.checks import not_negative, positive, switch, within
+from analysis.data.checks import not_negative, positive
+from analysis.data.described import Described
 from analysis.data.disk import Disk
-from analysis.data.limits import LARGEST_DAMPING, STIFFEST_CONTACT, THINNEST_RIM
-from analysis.data.names import suggesting_fields
+from analysis.data.names import ArgumentError
+from analysis.data.quantities import THINNEST_RIM, default
 
 LARGEST_PART = 0.01
 """Largest resting penetration as a part of the radius; beyond, it is another disk's motion."""
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PenaltyContact:
+class PenaltyContact(Described):
     """Contact through a spring and a damper: stiffness * penetration + damping * its rate.
 
     The penetration is that of the disk's lowest point. A unilateral contact never pulls, and
@@ -39,24 +39,19 @@ class PenaltyContact:
         If a value is out of range.
     """
 
+    TABLE = "contact"
+
     stiffness: float
-    damping: float = 0.0
-    half_thickness: float = 0.0
-    bilateral: bool = False
+    damping: float = default("contact.damping")
+    half_thickness: float = default("contact.half_thickness")
+    bilateral: bool = default("contact.bilateral")
 
     def __post_init__(self) -> None:
-        stiffness = positive("stiffness", self.stiffness)
-        within("stiffness", stiffness, 0.0, STIFFEST_CONTACT)
-        object.__setattr__(self, "stiffness", stiffness)
-        damping = not_negative("damping", self.damping)
-        object.__setattr__(self, "damping", within("damping", damping, 0.0, LARGEST_DAMPING))
-        thickness = not_negative("half_thickness", self.half_thickness)
-        if 0.0 < thickness < THINNEST_RIM:
-            raise ValueError(
-                f"half_thickness must be 0 or at least {THINNEST_RIM:g} m, got {thickness:g}"
+        if 0.0 < self.half_thickness < THINNEST_RIM:
+            raise ArgumentError(
+                "half_thickness",
+                f"must be 0 or at least {THINNEST_RIM:g} m, got {self.half_thickness:g}",
             )
-        object.__setattr__(self, "half_thickness", thickness)
-        object.__setattr__(self, "bilateral", switch("bilateral", self.bilateral))
 
     @classmethod
     def damped(
@@ -146,12 +141,14 @@ class PenaltyContact:
         """
         least = weight / (LARGEST_PART * disk.radius)
         if self.stiffness < least:
-            raise ValueError(
-                f"stiffness must be at least weight / ({LARGEST_PART:g} radius) = {least:.4g} N/m "
-                f"so that the disk does not sink into the table, got {self.stiffness:g}"
+            raise ArgumentError(
+                "stiffness",
+                f"must be at least weight / ({LARGEST_PART:g} radius) = {least:.4g} N/m so that "
+                f"the disk does not sink into the table, got {self.stiffness:g}",
             )
         if self.half_thickness > disk.radius:
-            raise ValueError(
-                f"half_thickness must not exceed the radius of the disk = {disk.radius:g}, "
-                f"got {self.half_thickness:g}"
+            raise ArgumentError(
+                "half_thickness",
+                f"must not exceed the radius of the disk = {disk.radius:g}, "
+                f"got {self.half_thickness:g}",
             )

@@ -3,14 +3,13 @@
 from dataclasses import dataclass
 from math import pi, sqrt
 
-from analysis.data.checks import not_negative, number, positive, within
-from analysis.data.limits import LARGEST_VALUE
-from analysis.data.names import Named, suggesting, suggesting_fields
+from analysis.data.described import Described, checked
+from analysis.data.names import ArgumentError, Named, check_names
+from analysis.data.quantities import QUANTITIES, RING, default
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Disk:
+class Disk(Described):
     """An eccentric rigid disk (paper, Sect. 2).
 
     The body frame sits at the geometric centre G: x points to the centre of gravity S, z is
@@ -43,6 +42,8 @@ class Disk:
     True
     """
 
+    TABLE = "disk"
+
     radius: float
     mass: float
     eccentricity: float
@@ -51,32 +52,27 @@ class Disk:
     inertia_z: float
 
     def __post_init__(self) -> None:
-        for name in ("radius", "mass", "inertia_x", "inertia_y", "inertia_z"):
-            object.__setattr__(self, name, _size(name, getattr(self, name)))
-        eccentricity = number("eccentricity", self.eccentricity)
-        if not 0.0 <= eccentricity < self.radius:
-            raise ValueError(
-                f"eccentricity must lie in [0, radius) = [0, {self.radius:g}), "
-                f"got {eccentricity:g}"
+        if not self.eccentricity < self.radius:
+            raise ArgumentError(
+                "eccentricity",
+                f"must lie in [0, radius) = [0, {self.radius:g}), got {self.eccentricity:g}",
             )
-        object.__setattr__(self, "eccentricity", eccentricity)
-        self._check_inertia()
-
-    def _check_inertia(self) -> None:
         names, moments = ("inertia_x", "inertia_y", "inertia_z"), self.inertia_about_cog
         for name, moment in zip(names, moments, strict=True):
             if moment <= 0.0:
-                raise ValueError(
-                    f"{name} must exceed mass * eccentricity² (the moment about the COG must be "
-                    f"positive), got {getattr(self, name):g}, which leaves {moment:g}"
+                raise ArgumentError(
+                    name,
+                    "must exceed mass * eccentricity² (the moment about the COG must be "
+                    f"positive), got {getattr(self, name):g}, which leaves {moment:g}",
                 )
         for name, moment, axis in zip(names, moments, "xyz", strict=True):
             others = sum(moments) - moment
             # A lamina meets the bound exactly, so rounding must not refuse it.
             if moment > others * (1.0 + 1e-12):
-                raise ValueError(
-                    f"{name} must not exceed the sum of the two other moments about the COG, "
-                    f"got {moment:g} > {others:g} about the {axis} axis"
+                raise ArgumentError(
+                    name,
+                    "must not exceed the sum of the two other moments about the COG, "
+                    f"got {moment:g} > {others:g} about the {axis} axis",
                 )
 
     @property
@@ -107,15 +103,15 @@ class Disk:
         return (radius, distance) if radius + distance < r else None
 
     @classmethod
-    @suggesting
     def ring(
         cls,
         *,
-        radius: float,
-        hole_radius: float,
-        hole_distance: float,
-        thickness: float,
-        density: float,
+        radius: float = default("disk.radius"),
+        hole_radius: float = default("disk.hole_radius"),
+        hole_distance: float = default("disk.hole_distance"),
+        thickness: float = default("disk.thickness"),
+        density: float = default("disk.density"),
+        **others: float,
     ) -> "Disk":
         """Disk of uniform density with an off-centre circular hole (paper, Fig. 4).
 
@@ -124,22 +120,28 @@ class Disk:
         radius, hole_radius, hole_distance, thickness : float
             Lengths in m (paper: r, a, b, h); the hole must lie inside the disk.
         density : float
-            Density in kg/m³.
+            Density in kg/m³. What is not given is that of the paper's disk.
+        **others
+            None; an unknown name is told what it may stand for.
 
         Raises
         ------
+        TypeError
+            If a name is unknown.
         ValueError
             If a length or the density is out of range, or the hole cuts the edge.
         """
-        radius = _size("radius", radius)
-        hole_radius = not_negative("hole_radius", hole_radius)
-        hole_distance = not_negative("hole_distance", hole_distance)
-        thickness = _size("thickness", thickness)
-        density = _size("density", density)
+        check_names("Disk.ring", others, RING)
+        given = (radius, hole_radius, hole_distance, thickness, density)
+        radius, hole_radius, hole_distance, thickness, density = (
+            checked(QUANTITIES[f"disk.{name}"], value)
+            for name, value in zip(RING, given, strict=True)
+        )
         if hole_distance + hole_radius >= radius:
-            raise ValueError(
-                f"hole_distance + hole_radius must be less than radius = {radius:g}, "
-                f"got {hole_distance + hole_radius:g}"
+            raise ArgumentError(
+                "hole_distance",
+                f"+ hole_radius must be less than radius = {radius:g}, "
+                f"got {hole_distance + hole_radius:g}",
             )
         full = density * thickness * pi * radius**2
         hole = density * thickness * pi * hole_radius**2
@@ -155,24 +157,13 @@ class Disk:
         )
 
 
-def _size(name: str, value: float) -> float:
-    """Positive number of which the square does not overflow; `ValueError` otherwise."""
-    return within(name, positive(name, value), 0.0, LARGEST_VALUE)
-
-
-STEEL_RING = {
-    "radius": 0.045,
-    "hole_radius": 0.015,
-    "hole_distance": 0.02,
-    "thickness": 0.01,
-    "density": 7700.0,
-}
+STEEL_RING: dict[str, float] = {name: default(f"disk.{name}") for name in RING}
 """Arguments of `Disk.ring` for the paper's disk."""
 
-STEEL_DISK = Disk.ring(**STEEL_RING)
+STEEL_DISK = Disk.ring()
 """The paper's disk, unrounded: the printed eigenvalues and critical speed come from it."""
 
-CENTRED_DISK = Disk.ring(**(STEEL_RING | {"hole_distance": 0.0}))
+CENTRED_DISK = Disk.ring(hole_distance=0.0)
 """The same with its hole in the middle, for which textbooks have closed forms."""
 
 ROUNDED_STEEL_DISK = Disk(
@@ -185,5 +176,8 @@ ROUNDED_STEEL_DISK = Disk(
 )
 """The paper's disk as Table 1 prints it, rounded to three digits."""
 
-DISKS = Named("DISKS", {"steel": STEEL_DISK, "steel-rounded": ROUNDED_STEEL_DISK})
+DISKS = Named(
+    "DISKS",
+    dict(zip(QUANTITIES["disk.name"].choices, (STEEL_DISK, ROUNDED_STEEL_DISK), strict=True)),
+)
 """Named disks, as the command line takes them."""

@@ -4,17 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.data.checks import Array, not_negative, positive, within
-from analysis.data.limits import LARGEST_RESISTANCE
-from analysis.data.names import suggesting_fields
+from analysis.data.checks import Array, positive
+from analysis.data.described import Described
+from analysis.data.quantities import default
 
 CAUSES = ("damping", "sliding", "rolling_dry", "rolling_viscous", "pivoting", "air_drag")
 """What takes energy from the disk: the contact's damper, sliding friction, and the options."""
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Dissipation:
+class Dissipation(Described):
     """What may take energy besides sliding friction and the contact's damper; all off at first.
 
     All but the drag act at the contact in proportion to its force, so that they vanish when the
@@ -45,19 +44,14 @@ class Dissipation:
         If a value is out of range.
     """
 
-    rolling_dry: float = 0.0
-    rolling_viscous: float = 0.0
-    pivoting: float = 0.0
-    air_drag: float = 0.0
-    rolling_smoothing: float = 0.01
-    pivoting_smoothing: float = 0.1
+    TABLE = "dissipation"
 
-    def __post_init__(self) -> None:
-        for name, most in LARGEST_RESISTANCE.items():
-            value = not_negative(name, getattr(self, name))
-            object.__setattr__(self, name, within(name, value, 0.0, most))
-        for name in ("rolling_smoothing", "pivoting_smoothing"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
+    rolling_dry: float = default("dissipation.rolling_dry")
+    rolling_viscous: float = default("dissipation.rolling_viscous")
+    pivoting: float = default("dissipation.pivoting")
+    air_drag: float = default("dissipation.air_drag")
+    rolling_smoothing: float = default("dissipation.rolling_smoothing")
+    pivoting_smoothing: float = default("dissipation.pivoting_smoothing")
 
     @property
     def is_on(self) -> bool:
@@ -65,9 +59,8 @@ class Dissipation:
         return any(getattr(self, name) > 0.0 for name in CAUSES[2:])
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RestCriterion:
+class RestCriterion(Described):
     """When a disk counts as at rest: still, and in a stable place, for some time.
 
     Stable is where the potential energy is least. A disk balanced on its rim is still, too.
@@ -93,7 +86,7 @@ class RestCriterion:
 
     def __post_init__(self) -> None:
         for name in ("energy", "height", "duration"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
+            positive(name, getattr(self, name))
 
     def samples(self, spacing: float) -> int:
         """Number of samples this far apart (in s) that span the duration."""

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from analysis.data import frames
 from analysis.data.checks import Array, choice, number
 from analysis.data.elementary import sin
+from analysis.data.names import ArgumentError
 from analysis.data.own import is_own, own_object
 from analysis.data.state import State
 
@@ -133,10 +134,12 @@ def _try(name: str, condition: Condition, state: State) -> None:
     try:
         value = condition(state)
     except (Exception, SystemExit) as error:
-        raise ValueError(
-            f"stop_when {name} must say a number of a State: {type(error).__name__}: {error}"
-        ) from error
-    number(f"stop_when {name}", value)
+        fault = f"must say a number of a State: {type(error).__name__}: {error}"
+        raise ArgumentError("stop_when", fault, f"stop_when {name}") from error
+    try:
+        number("stop_when", value)
+    except ArgumentError as error:
+        raise ArgumentError("stop_when", error.args[1], f"stop_when {name}") from None
 
 
 def check_condition_name(name: str) -> str:

@@ -8,10 +8,12 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from analysis.data.changes import changed, check_field
 from analysis.data.checks import Array, unmasked
-from analysis.data.fields import Value, changed, check_field, full_name, is_word, read_value
 from analysis.data.members import Members, Rows, alike
+from analysis.data.names import full_name
 from analysis.data.scenario import Scenario
+from analysis.data.written import Value, is_word, read_value
 
 T = TypeVar("T")
 Values = npt.NDArray[Any]

@@ -1,21 +1,19 @@
 """Friction laws of the contact."""
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import asdict, dataclass, fields
-from typing import Any, Literal, get_args
+from typing import Any
 
 from analysis.data.checks import choice, not_negative, positive, within
+from analysis.data.described import Described
 from analysis.data.elementary import exp, tanh
-from analysis.data.limits import LARGEST_FRICTION, SMOOTHING_RANGE, STEEPEST_FRICTION
-from analysis.data.names import Named, nearest, suggesting_fields
+from analysis.data.names import ArgumentError, Named, nearest
 from analysis.data.own import is_own, own_object
-
-Load = Literal["weight", "contact"]
-LOADS: tuple[Load, ...] = get_args(Load)
+from analysis.data.quantities import LOADS, QUANTITIES, STEEPEST_FRICTION, Load, default
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FrictionLaw(ABC):
+class FrictionLaw(Described):
     """Isotropic friction: force = -load * per_speed(|slip|) * slip.
 
     A law of one's own derives from this class, as a frozen dataclass, and says `per_speed` and
@@ -35,7 +33,7 @@ class FrictionLaw(ABC):
         If the load is unknown.
     """
 
-    load: Load = "weight"
+    load: Load = default("friction.load")
 
     def __post_init__(self) -> None:
         choice("load", self.load, LOADS)
@@ -89,13 +87,13 @@ class FrictionLaw(ABC):
 class _Regularised(FrictionLaw):
     """Coulomb friction of one coefficient, smoothed over a slip speed."""
 
-    coefficient: float = 0.3
-    smoothing: float = 0.1
+    TABLE = "friction"
+
+    coefficient: float = default("friction.coefficient")
+    smoothing: float = default("friction.smoothing")
 
     def __post_init__(self) -> None:
-        FrictionLaw.__post_init__(self)
-        check_coefficient(self, "coefficient")
-        check_smoothing(self)
+        check_steepness(self, self.smoothing)
 
     @property
     def finest_speed(self) -> float:
@@ -103,7 +101,6 @@ class _Regularised(FrictionLaw):
         return self.smoothing
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SmoothCoulomb(_Regularised):
     """Smooth Coulomb friction, Eq. (3): force = -coefficient * load * slip / (|slip| + smoothing).
@@ -132,7 +129,6 @@ class SmoothCoulomb(_Regularised):
         return -self.coefficient / (speed + self.smoothing) ** 2
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stribeck(FrictionLaw):
     """Smooth Coulomb friction whose coefficient falls from a static to a kinetic value.
@@ -158,24 +154,19 @@ class Stribeck(FrictionLaw):
         If a value is out of range.
     """
 
-    static: float = 0.45
-    kinetic: float = 0.3
-    stribeck_speed: float = 0.2
-    smoothing: float = 0.1
+    TABLE = "friction"
+
+    static: float = default("friction.static")
+    kinetic: float = default("friction.kinetic")
+    stribeck_speed: float = default("friction.stribeck_speed")
+    smoothing: float = default("friction.smoothing")
 
     def __post_init__(self) -> None:
-        FrictionLaw.__post_init__(self)
-        check_coefficient(self, "static")
-        check_coefficient(self, "kinetic")
         if self.kinetic > self.static:
-            raise ValueError(
-                f"kinetic must not exceed static = {self.static:g}, got {self.kinetic:g}"
+            raise ArgumentError(
+                "kinetic", f"must not exceed static = {self.static:g}, got {self.kinetic:g}"
             )
-        speed = within(
-            "stribeck_speed", positive("stribeck_speed", self.stribeck_speed), *SMOOTHING_RANGE
-        )
-        object.__setattr__(self, "stribeck_speed", speed)
-        check_smoothing(self)
+        check_steepness(self, self.smoothing)
 
     def per_speed(self, speed: float) -> float:
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
@@ -196,7 +187,6 @@ class Stribeck(FrictionLaw):
         return min(self.smoothing, self.stribeck_speed)
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TanhCoulomb(_Regularised):
     """Coulomb friction regularised by force = -coefficient * load * tanh(|slip| / smoothing).
@@ -238,7 +228,6 @@ class TanhCoulomb(_Regularised):
         return unit * ((1.0 - high * high) - high / relative) / relative
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ViscousFriction(FrictionLaw):
     """Friction in proportion to slip: force = -viscosity * load * slip.
@@ -256,13 +245,9 @@ class ViscousFriction(FrictionLaw):
         If a value is out of range.
     """
 
-    viscosity: float = 3.0
+    TABLE = "friction"
 
-    def __post_init__(self) -> None:
-        FrictionLaw.__post_init__(self)
-        viscosity = not_negative("viscosity", self.viscosity)
-        within("viscosity", viscosity, 0.0, STEEPEST_FRICTION)
-        object.__setattr__(self, "viscosity", viscosity)
+    viscosity: float = default("friction.viscosity")
 
     def per_speed(self, speed: float) -> float:  # noqa: ARG002 - the same at every speed
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
@@ -281,12 +266,13 @@ class ViscousFriction(FrictionLaw):
 
 LAWS: dict[str, type[FrictionLaw]] = Named(
     "LAWS",
-    {
-        "smooth-coulomb": SmoothCoulomb,
-        "stribeck": Stribeck,
-        "tanh": TanhCoulomb,
-        "viscous": ViscousFriction,
-    },
+    dict(
+        zip(
+            QUANTITIES["friction.law"].choices,
+            (SmoothCoulomb, Stribeck, TanhCoulomb, ViscousFriction),
+            strict=True,
+        )
+    ),
 )
 """Laws by name, as files and the command line know them; others are `module:class`."""
 
@@ -313,18 +299,24 @@ def law_from(values: dict[str, Any]) -> FrictionLaw:
         If the law is unknown or a parameter is not one of its own, or out of range.
     """
     parameters = dict(values)
-    name = parameters.pop("law", "smooth-coulomb")
+    name = parameters.pop("law", default("friction.law"))
     kind = law_class(name)
     known = [field.name for field in fields(kind)]
     for parameter in parameters:
-        choice(f"parameter of the friction law {name}", parameter, known)
+        if parameter not in known:
+            raise ArgumentError(
+                parameter,
+                f"is no parameter of the friction law {name}, which takes {', '.join(known)}"
+                f"{nearest(parameter, known)}",
+            )
     try:
         return kind(**parameters)
     except ValueError:
         raise
     except (Exception, SystemExit) as error:
         said = error if isinstance(error, TypeError) else f"{type(error).__name__}: {error}"
-        raise ValueError(f"friction law {name!r} cannot be made: {said}") from error
+        fault = f"cannot be made: {said}"
+        raise ArgumentError("law", fault, f"friction law {name!r}") from error
 
 
 def law_class(name: Any) -> type[FrictionLaw]:
@@ -333,13 +325,15 @@ def law_class(name: Any) -> type[FrictionLaw]:
         return LAWS[name]
     if not is_own(name):
         listed = ", ".join(LAWS)
-        raise ValueError(
-            f"friction law must be one of {listed} or module:class, got {name!r}"
-            f"{nearest(name, LAWS)}"
+        raise ArgumentError(
+            "law",
+            f"must be one of {listed} or module:class, got {name!r}{nearest(name, LAWS)}",
+            "friction law",
         )
-    kind = own_object("friction law", name)
+    kind = own_object("friction law", name, "law")
     if not isinstance(kind, type) or not issubclass(kind, FrictionLaw):
-        raise ValueError(f"friction law {name!r} must be a class derived from FrictionLaw")
+        fault = "must be a class derived from FrictionLaw"
+        raise ArgumentError("law", fault, f"friction law {name!r}")
     return kind
 
 
@@ -353,8 +347,8 @@ def check_answers(law: FrictionLaw) -> None:
         gradient = not_negative("per_speed(0)", law.per_speed(0.0))
         within("per_speed(0)", gradient, 0.0, STEEPEST_FRICTION)
     except (Exception, SystemExit) as error:
-        said = error if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
-        raise ValueError(f"friction law {name!r}: {said}") from error
+        said = str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
+        raise ArgumentError("law", said, f"friction law {name!r}:") from error
 
 
 _SPEEDS = tuple(10.0**power for power in range(-6, 2))
@@ -373,19 +367,12 @@ def check_slipping(law: FrictionLaw) -> None:
         not_negative(f"per_speed({speed:g}) of friction law {name!r}", law.per_speed(speed))
 
 
-def check_coefficient(law: FrictionLaw, name: str) -> None:
-    """Raise if a coefficient of a law is out of range; keep it as a float."""
-    value = not_negative(name, getattr(law, name))
-    object.__setattr__(law, name, within(name, value, 0.0, LARGEST_FRICTION))
-
-
-def check_smoothing(law: Any) -> None:
-    """Raise if the smoothing of a law is out of range or too steep; keep it as a float."""
-    smoothing = within("smoothing", positive("smoothing", law.smoothing), *SMOOTHING_RANGE)
-    object.__setattr__(law, "smoothing", smoothing)
+def check_steepness(law: FrictionLaw, smoothing: float) -> None:
+    """Raise if friction sets in too steeply over the smoothing of a law in m/s."""
     largest = law.gradient * smoothing
     if largest > STEEPEST_FRICTION * smoothing:
-        raise ValueError(
-            f"smoothing must be at least coefficient / {STEEPEST_FRICTION:g} = "
-            f"{largest / STEEPEST_FRICTION:g}, got {smoothing:g}"
+        raise ArgumentError(
+            "smoothing",
+            f"must be at least coefficient / {STEEPEST_FRICTION:g} = "
+            f"{largest / STEEPEST_FRICTION:g}, got {smoothing:g}",
         )

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from analysis.data.names import ArgumentError
+
 MOST_STEPS = 100_000_000
 """Steps of a run, of all its repetitions together; each takes 30 µs or more."""
 
@@ -38,46 +40,8 @@ WIDEST_PICTURE = 2000
 MOST_KEYFRAMES = 1_000_000
 """Poses of an animation."""
 
-LARGEST_VALUE = 1e100
-"""Size of any sampled number; the squares of larger ones overflow."""
-
-LARGEST_FRICTION = 1e9
-"""Friction coefficient; so large only for a viscous law, with a smoothing as large."""
-
-SMOOTHING_RANGE = (1e-12, 1e9)
-"""Smoothing of the friction law in m/s; slower slip passes less than an atom in a minute."""
-
-STEEPEST_FRICTION = 1e12
-"""Coefficient over smoothing in s/m; beyond, the decay of slip hides all else behind rounding."""
-
-FASTEST_TURN = 1e5
-"""Rate of an angle at the start in rad/s; long before, the rim of a steel disk bursts."""
-
-LARGEST_ANGLE = 1e6
-"""Angle at the start in rad; the last digits of larger ones are too coarse for a motion."""
-
 LEAST_TILT = 1e-6
 """Angle in rad by which a start must differ from flat, where the Euler angles are singular."""
-
-STRONGEST_GRAVITY = 1e6
-"""Gravitational acceleration in m/s²; a centrifuge has as much."""
-
-STIFFEST_CONTACT = 1e12
-"""Contact stiffness in N/m; solid steel of the disk's size has some 1e10."""
-
-LARGEST_DAMPING = 1e9
-"""Contact damping in N s/m."""
-
-THINNEST_RIM = 1e-9
-"""Half thickness of a rounded rim in m: some atoms."""
-
-LARGEST_RESISTANCE = {
-    "rolling_dry": 1.0,
-    "rolling_viscous": 1e3,
-    "pivoting": 1.0,
-    "air_drag": 1e4,
-}
-"""Of `Dissipation`: a part of the contact force, in s/m, in m, and in kg/m³ (water: 1e3)."""
 
 
 def check_storage(name: str, samples: float, columns: int) -> None:
@@ -97,9 +61,10 @@ def check_storage(name: str, samples: float, columns: int) -> None:
     """
     if 8 * columns * samples > LARGEST_STORAGE:
         most = LARGEST_STORAGE // (8 * columns)
-        raise ValueError(
-            f"{name} asks for {float(samples):.3g} samples of {columns} numbers each; at most "
-            f"{most} are held"
+        raise ArgumentError(
+            name,
+            f"asks for {float(samples):.3g} samples of {columns} numbers each; at most {most} are "
+            "held",
         )
 
 
@@ -127,9 +92,11 @@ class Effort:
     def check(self) -> None:
         """Raise `ValueError` if the run takes more than `MOST_STEPS`."""
         if self.steps > MOST_STEPS:
-            raise ValueError(
-                f"{self.cause} would take about {self.steps:.1e} steps; at most {MOST_STEPS:.0e} "
-                "are made"
+            argument, _, value = self.cause.partition(" ")
+            raise ArgumentError(
+                argument,
+                f"{value} would take about {self.steps:.1e} steps; at most {MOST_STEPS:.0e} are "
+                "made",
             )
 
     @property

@@ -1,22 +1,44 @@
 """Names that are nearly right: what a user may have meant by one that nobody knows."""
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from difflib import get_close_matches
-from functools import wraps
-from inspect import signature
 from typing import Any, TypeVar
+
+from analysis.data.quantities import QUANTITIES
 
 K = TypeVar("K")
 V = TypeVar("V")
-F = TypeVar("F", bound=Callable[..., Any])
-C = TypeVar("C", bound=type)
 
 _MOST = 3
 """Names that are offered at once."""
 
-SHORT = {"mu": "coefficient", "eps": "smoothing"}
-"""Names of the paper's, by which the command line knows these parameters of friction."""
+OTHERWISE = {
+    each.option: each.key for each in QUANTITIES.values() if each.option and each.unit is not None
+}
+"""Numbers that the command line does not call as the key: from its option to that."""
+
+
+class ArgumentError(ValueError):
+    """An argument that is refused: the message is its name with what is wrong.
+
+    Parameters
+    ----------
+    argument : str
+        Its name, by which a file finds the line and the command line the option.
+    fault : str
+        What is wrong: "must be positive, got 0".
+    subject : str
+        What to call it in the message; by default its name.
+    """
+
+    def __init__(self, argument: str, fault: str, subject: str = "") -> None:
+        super().__init__(argument, fault, subject)
+        self.argument = argument
+
+    def __str__(self) -> str:
+        argument, fault, subject = self.args
+        return f"{subject or argument} {fault}"
 
 
 def nearest(name: Any, known: Iterable[Any]) -> str:
@@ -33,38 +55,53 @@ def nearest(name: Any, known: Iterable[Any]) -> str:
     word = str(name).lstrip("-")
     parts = [each for each in names if word in re.split(r"[-_]", each)]
     close = [*get_close_matches(word, names, 2, 0.7), *parts]
-    if SHORT.get(word) in names:
-        close = [SHORT[word]]
+    short = OTHERWISE.get(word, "").rpartition(".")[2]
+    if short in names:
+        close = [short]
     listed = " or ".join(names[each] for each in list(dict.fromkeys(close))[:_MOST])
     return f"; did you mean {listed}?" if listed else ""
 
 
-def suggesting(function: F) -> F:
-    """Let a function say which of its keywords an unknown one may stand for."""
-
-    @wraps(function)
-    def checked(*args: Any, **given: Any) -> Any:
-        try:
-            return function(*args, **given)
-        except TypeError:
-            known = [
-                name for name in signature(function).parameters if name not in {"self", "cls"}
-            ]
-            for name in given:
-                if name not in known:
-                    what = function.__qualname__.removesuffix(".__init__")
-                    raise TypeError(
-                        f"{what} takes {', '.join(known)}, and no {name}{nearest(name, known)}"
-                    ) from None
-            raise
-
-    return checked  # type: ignore[return-value]
+def check_names(what: str, given: Iterable[str], known: Iterable[str]) -> None:
+    """Raise `TypeError` that says what an unknown keyword of a call may stand for."""
+    names = list(known)
+    for name in given:
+        if name not in names:
+            raise TypeError(
+                f"{what} takes {', '.join(names)}, and no {name}{nearest(name, names)}"
+            )
 
 
-def suggesting_fields(kind: C) -> C:
-    """Let a class say which of its fields an unknown keyword may stand for."""
-    kind.__init__ = suggesting(kind.__init__)  # type: ignore[misc]
-    return kind
+def full_name(name: str, argument: str = "axis") -> str:
+    """Key of a quantity from that, or from its last part or its option alone.
+
+    Parameters
+    ----------
+    name : str
+    argument : str
+        What to call it if there is no such quantity.
+
+    Raises
+    ------
+    ArgumentError
+        If there is none.
+    """
+    name = name.strip().replace("-", "_")
+    table, _, key = name.rpartition(".")
+    # A friction law of one's own has parameters of its own.
+    if name in QUANTITIES or (table == "friction" and key):
+        return name
+    if name in OTHERWISE:
+        return OTHERWISE[name]
+    for quantity in QUANTITIES.values():
+        if quantity.name == name:
+            return quantity.key
+    known = [each.name for each in QUANTITIES.values()]
+    raise ArgumentError(
+        argument,
+        "must be a field of a scenario, as `tippedisk scenario` lists them, such as start.spin, "
+        f"got {name!r}{nearest(key, known)}",
+    )
 
 
 class Named(dict[K, V]):

@@ -11,8 +11,8 @@ import numpy.typing as npt
 from analysis.data.checks import TimeLimitError
 from analysis.data.constraint_set import PRESCRIBED
 from analysis.data.dissipation import CAUSES
-from analysis.data.fields import unit
 from analysis.data.sampled import optional
+from analysis.data.written import unit
 
 Column = npt.NDArray[Any]
 Cell = float | str | bytes | None

@@ -7,6 +7,8 @@ from contextvars import ContextVar
 from importlib import import_module
 from typing import Any
 
+from analysis.data.names import ArgumentError
+
 _FOREIGN = ContextVar("_FOREIGN", default=False)
 """Whether names come from a file, which may be anybody's."""
 
@@ -16,7 +18,7 @@ def is_own(name: Any) -> bool:
     return isinstance(name, str) and ":" in name
 
 
-def own_object(what: str, name: str) -> Any:
+def own_object(what: str, name: str, argument: str = "") -> Any:
     """Import what a name stands for, which runs its module.
 
     Parameters
@@ -25,6 +27,8 @@ def own_object(what: str, name: str) -> Any:
         What to call it in an error, such as "friction law".
     name : str
         `module:attribute`.
+    argument : str
+        That gives the name, where it is not called so.
 
     Raises
     ------
@@ -33,15 +37,15 @@ def own_object(what: str, name: str) -> Any:
     """
     module, _, attribute = name.partition(":")
     if _FOREIGN.get() and module not in sys.modules:
-        raise ValueError(
-            f"{what} {name!r} must be imported first; on the command line, --law does that"
-        )
+        fault = "must be imported first; on the command line, --law does that"
+        raise ArgumentError(argument or what, fault, f"{what} {name!r}")
     try:
         return getattr(import_module(module), attribute)
     except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
         kind = type(error).__name__
         said = error if isinstance(error, ImportError | AttributeError) else f"{kind}: {error}"
-        raise ValueError(f"{what} {name!r} cannot be loaded: {said}") from error
+        fault = f"cannot be loaded: {said}"
+        raise ArgumentError(argument or what, fault, f"{what} {name!r}") from error
 
 
 @contextmanager

@@ -1,24 +1,31 @@
 """The whole description of a problem, for both sides and for every analysis."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, asdict, dataclass
-from dataclasses import fields as dataclass_fields
+from dataclasses import MISSING, asdict, dataclass, fields
 from typing import Any
 
-from analysis.data.checks import choice
+from analysis.data.checks import choice, instance
 from analysis.data.constraint_set import (
     MODELS,
     ConstraintSet,
-    Level,
     constraint_set,
     model_of,
     set_name,
 )
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import STEEL_DISK, Disk
+from analysis.data.described import Described
+from analysis.data.disk import DISKS, STEEL_DISK, Disk
 from analysis.data.dissipation import Dissipation
-from analysis.data.friction import FrictionLaw, SmoothCoulomb, check_answers, law_from, law_values
-from analysis.data.names import suggesting_fields
+from analysis.data.friction import (
+    FrictionLaw,
+    SmoothCoulomb,
+    check_answers,
+    law_class,
+    law_from,
+    law_values,
+)
+from analysis.data.names import ArgumentError, nearest
+from analysis.data.quantities import RING, SIX, Level, default, of_table
 from analysis.data.start import Start
 from analysis.data.state import State
 from analysis.data.table import Table
@@ -36,9 +43,8 @@ class _Remembering:
     _initial_state: State
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Scenario(_Remembering):
+class Scenario(_Remembering, Described):
     """What is to be studied. Nothing in it says how, or with which side.
 
     Every field may be replaced alone (`dataclasses.replace`): what follows from the fields, such
@@ -77,7 +83,7 @@ class Scenario(_Remembering):
     0.037866
     """
 
-    constraints: ConstraintSet = MODELS[1]
+    constraints: ConstraintSet = MODELS[default("model")]
     disk: Disk = STEEL_DISK
     friction: FrictionLaw = PAPER_FRICTION
     table: Table = HORIZONTAL
@@ -87,32 +93,37 @@ class Scenario(_Remembering):
 
     def __post_init__(self) -> None:
         for name, kind in KINDS.items():
-            value = getattr(self, name)
-            if not isinstance(value, kind) and not (name == "contact" and value is None):
-                raise ValueError(f"{name} must be a {kind.__name__}, got {value!r}")
+            if name != "contact" or self.contact is not None:
+                instance(name, getattr(self, name), kind)
         if not isinstance(self.start, Start | State):
-            raise ValueError(f"start must be a Start or a State, got {self.start!r}")
+            raise ArgumentError("start", f"must be a Start or a State, got {self.start!r}")
         check_answers(self.friction)
-        object.__setattr__(self, "constraints", constraint_set(self.constraints))
-        if self.contact is not None:
-            if self.model != 1:
-                raise ValueError(
-                    "contact must be left out, or constraints be those of Model 1: a penalty "
-                    f"contact takes no further constraint, got {self.name}"
-                )
-            self.contact.check(self.disk, self.weight)
-        else:
-            if self.dissipation.is_on:
-                raise ValueError(
-                    "dissipation acts on a penalty contact alone, and contact is left out"
-                )
-            if isinstance(self.start, Start) and self.start.height:
-                raise ValueError(
-                    "height must be 0 or left out on an ideal contact, got "
-                    f"{self.start.height:g}; a penalty contact lets the disk fall"
-                )
+        ordered = constraint_set(self.constraints)
+        object.__setattr__(self, "constraints", ordered)
+        self._check_contact()
         # A start that breaks a constraint is refused here, and not when it is first used.
         _ = self.initial_state
+
+    def _check_contact(self) -> None:
+        if self.contact is not None:
+            if self.model != 1:
+                raise ArgumentError(
+                    "contact",
+                    "must be left out, or constraints be those of Model 1: a penalty contact "
+                    f"takes no further constraint, got {self.name}",
+                )
+            self.contact.check(self.disk, self.weight)
+            return
+        if self.dissipation.is_on:
+            raise ArgumentError(
+                "dissipation", "acts on a penalty contact alone, and contact is left out"
+            )
+        if isinstance(self.start, Start) and self.start.height:
+            raise ArgumentError(
+                "height",
+                "must be 0 or left out on an ideal contact, got "
+                f"{self.start.height:g}; a penalty contact lets the disk fall",
+            )
 
     @classmethod
     def rest(cls, **fields: Any) -> "Scenario":
@@ -229,39 +240,70 @@ class Scenario(_Remembering):
         ValueError
             If a key or a value is unknown, of the wrong kind or out of range.
         """
-        given = dict(values)
-        for name in given:
+        for name in values:
             choice("scenario", name, ("constraints", *KINDS, "start"))
-        for name in (*KINDS, "start"):
-            if not isinstance(given.get(name, {}), Mapping):
-                raise ValueError(f"{name} must be a table, got {given[name]!r}")
-        start = given.get("start", {})
-        makers: dict[str, Callable[..., Any]] = {
-            **KINDS,
-            "friction": lambda **law: law_from(law),
-            "start": State if "coordinates" in start or "rates" in start else Start,
-        }
-        fields: dict[str, Any] = {
-            name: _made(name, make, given[name]) for name, make in makers.items() if name in given
-        }
-        if "constraints" in given:
-            fields["constraints"] = given["constraints"]
-        return cls(**fields)
+        made = {name: made_part(name, each) for name, each in values.items()}
+        return cls(**made)
 
 
-def _made(name: str, make: Callable[..., Any], values: Mapping[str, Any]) -> Any:
-    if isinstance(make, type):
-        known = [field.name for field in dataclass_fields(make)]
-        for key in values:
-            choice(name, key, known)
-        missing = [
-            field.name
-            for field in dataclass_fields(make)
-            if field.default is MISSING and field.name not in values
-        ]
-        if missing:
-            raise ValueError(f"{name} must hold {', '.join(missing)}, which are missing")
+def made_part(table: str, values: Any) -> Any:
+    """What a table of a scenario describes.
+
+    Parameters
+    ----------
+    table : str
+        Its name, or "constraints", which are handed on.
+    values : mapping
+        Plain data by the names of the fields; a disk by its name or its geometry, too.
+
+    Raises
+    ------
+    ArgumentError
+        If a key is missing or unknown, or a value out of range.
+    """
+    if table == "constraints":
+        return values
+    if not isinstance(values, Mapping):
+        raise ArgumentError(table, f"must be a table, got {values!r}")
+    make, known, needed = _form(table, values)
+    for name in values:
+        if name not in known:
+            forms = _DISK_FORMS if table == "disk" else _listed(known)
+            close = nearest(name, of_table("disk") if table == "disk" else known)
+            fault = f"is unknown here; [{table}] takes {forms}{close}"
+            raise ArgumentError(f"{table}.{name}", fault, name)
+    if missing := [name for name in needed if name not in values]:
+        raise ArgumentError(table, f"lacks {_listed(missing)}", f"[{table}]")
     return make(**values)
+
+
+_DISK_FORMS = f"name; or {', '.join(SIX)}; or {', '.join(RING)}"
+
+Names = tuple[str, ...]
+
+
+def _form(table: str, values: Mapping[str, Any]) -> tuple[Callable[..., Any], Names, Names]:
+    """What makes the object of a table, the names that it takes, and those that it needs."""
+    if table == "disk" and "name" in values:
+        return lambda name: DISKS[choice("name", name, DISKS)], ("name",), ()
+    if table == "disk" and any(name in values for name in RING[1:]):
+        return Disk.ring, RING, RING
+    if table == "friction":
+        known = [
+            each.name for each in fields(law_class(values.get("law", default("friction.law"))))
+        ]
+        return lambda **law: law_from(law), ("law", *known), ()
+    kind: Any = KINDS.get(table, Start)
+    if table == "start" and ("coordinates" in values or "rates" in values):
+        kind = State
+    known = [each.name for each in fields(kind)]
+    needed = [each.name for each in fields(kind) if each.default is MISSING]
+    return kind, tuple(known), tuple(needed)
+
+
+def _listed(names: Any) -> str:
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else str(last)
 
 
 KINDS: dict[str, type] = {

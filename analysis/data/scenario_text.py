@@ -8,12 +8,12 @@ from numbers import Integral, Real
 from typing import Any
 
 from analysis.data.angles import spelled_angle
-from analysis.data.constraint_set import CONSTRAINTS, MODELS
+from analysis.data.constraint_set import MODELS
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import STEEL_DISK, STEEL_RING, Disk
 from analysis.data.friction import law_values
+from analysis.data.quantities import CONSTRAINTS, QUANTITIES, SIX
 from analysis.data.scenario import Scenario
-from analysis.data.scenario_keys import KEYS, RING, SIX
 from analysis.data.start import Start
 from analysis.data.state import COORDINATES
 
@@ -35,6 +35,11 @@ _START = """\
 # What is left out follows from the rest and from the constraints. A start may also be told by
 # all of its coordinates and rates: coordinates = [{}] and rates = [...].
 """
+
+_OF_STATE = {
+    "coordinates": f"{', '.join(COORDINATES)} in m and rad",
+    "rates": "their rates in m/s and rad/s",
+}
 
 
 def scenario_text(scenario: Scenario) -> str:
@@ -60,7 +65,7 @@ def scenario_text(scenario: Scenario) -> str:
     parts = (
         _HEAD + "\n" + _constraints(scenario),
         "[disk]\n" + "".join(_disk(scenario.disk)),
-        "[friction]\n" + "".join(_friction(law_values(scenario.friction))),
+        "[friction]\n" + _friction(law_values(scenario.friction)),
         "[table]\n" + _lines("table", asdict(scenario.table)),
         _contact(scenario),
         "# What else takes energy, on the contact of [contact].\n[dissipation]\n"
@@ -87,14 +92,15 @@ def _constraints(scenario: Scenario) -> str:
 def _disk(disk: Disk) -> Iterator[str]:
     is_ring = disk == STEEL_DISK
     yield "# A disk of uniform density with a round hole:\n"
-    yield _lines("disk", {key: STEEL_RING[key] for key in RING}, off=not is_ring)
+    yield _lines("disk", STEEL_RING, off=not is_ring)
     yield "# In place of it, any disk:\n"
     yield _lines("disk", {key: getattr(disk, key) for key in SIX}, off=is_ring)
-    yield f"# Or a disk by name: name = {KEYS['disk']['name'].meaning}\n"
+    names = " or ".join(f'"{name}"' for name in QUANTITIES["disk.name"].choices)
+    yield f"# Or a disk by name: name = {names}\n"
 
 
-def _friction(values: dict[str, Any]) -> Iterator[str]:
-    yield _lines("friction", {name: value for name, value in values.items() if value is not None})
+def _friction(values: dict[str, Any]) -> str:
+    return _lines("friction", {name: value for name, value in values.items() if value is not None})
 
 
 def _contact(scenario: Scenario) -> str:
@@ -126,10 +132,10 @@ def _lines(table: str, values: dict[str, Any], *, off: bool = False) -> str:
     mark = "# " if off else ""
     lines = []
     for name, value in values.items():
-        key = KEYS[table].get(name)
-        about = "of this law" if key is None else str(key)
-        spelled = spelled_angle(value) if key is not None and key.unit == "rad" else None
+        quantity = QUANTITIES.get(f"{table}.{name}")
+        spelled = spelled_angle(value) if quantity is not None and quantity.is_angle else None
         literal = _literal(name, value if spelled is None else spelled)
+        about = _OF_STATE.get(name, "of this law") if quantity is None else quantity.comment
         lines.append(f"{mark}{name} = {literal}  # {about}\n")
     return "".join(lines)
 

@@ -5,22 +5,23 @@ from math import pi
 from typing import Literal, get_args
 
 from analysis.data.admissible import FOLLOWING, demanded
-from analysis.data.checks import choice, not_negative, number, within
+from analysis.data.checks import choice
 from analysis.data.constraint_set import ConstraintSet, set_name
+from analysis.data.described import Described
 from analysis.data.disk import Disk
 from analysis.data.elementary import cos, hypot, sin
-from analysis.data.limits import FASTEST_TURN, LARGEST_ANGLE, LEAST_TILT
-from analysis.data.names import suggesting_fields
-from analysis.data.state import State, check_tilt
+from analysis.data.limits import LEAST_TILT
+from analysis.data.names import ArgumentError
+from analysis.data.quantities import default
+from analysis.data.state import State
 
 Motion = Literal["inverted", "noninverted"]
 MOTIONS: tuple[Motion, ...] = get_args(Motion)
 """The stationary motions, Eq. (5): the centre of gravity above or below the geometric centre."""
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Start:
+class Start(Described):
     """A start that meets every constraint; the defaults are those of Table 3.
 
     What is None follows from the others and from the constraints. A held centre of gravity lies
@@ -59,10 +60,12 @@ class Start:
     20.0
     """
 
-    beta: float = pi / 2
-    gamma: float = -pi / 2 + 0.1
-    spin: float = 40.0
-    alpha: float = 0.0
+    TABLE = "start"
+
+    beta: float = default("start.beta")
+    gamma: float = default("start.gamma")
+    spin: float = default("start.spin")
+    alpha: float = default("start.alpha")
     beta_rate: float | None = None
     gamma_rate: float | None = None
     x: float | None = None
@@ -72,25 +75,13 @@ class Start:
     height: float | None = None
 
     def __post_init__(self) -> None:
-        beta = check_tilt("beta", number("beta", self.beta))
-        if not LEAST_TILT <= beta <= pi - LEAST_TILT:
-            raise ValueError(
-                f"beta must keep {LEAST_TILT:g} rad from 0 and pi, where the disk lies flat and "
-                f"the Euler angles are singular, got {min(beta, pi - beta):g} rad of it"
+        if not LEAST_TILT <= self.beta <= pi - LEAST_TILT:
+            from_flat = min(self.beta, pi - self.beta)
+            raise ArgumentError(
+                "beta",
+                f"must keep {LEAST_TILT:g} rad from 0 and pi, where the disk lies flat and the "
+                f"Euler angles are singular, got {from_flat:g} rad of it",
             )
-        object.__setattr__(self, "beta", beta)
-        for name in ("alpha", "gamma"):
-            value = within(name, getattr(self, name), -LARGEST_ANGLE, LARGEST_ANGLE)
-            object.__setattr__(self, name, value)
-        for name in ("spin", "beta_rate", "gamma_rate"):
-            if (value := getattr(self, name)) is not None:
-                value = within(name, value, -FASTEST_TURN, FASTEST_TURN)
-                object.__setattr__(self, name, value)
-        for name in ("x", "y", "x_rate", "y_rate"):
-            if (value := getattr(self, name)) is not None:
-                object.__setattr__(self, name, number(name, value))
-        if self.height is not None:
-            object.__setattr__(self, "height", not_negative("height", self.height))
 
     @classmethod
     def stationary(cls, spin: float, motion: Motion = "inverted") -> "Start":
@@ -141,9 +132,10 @@ class Start:
         found = demanded(constraints, disk, (beta, gamma, self.spin), free)
         for field, wanted, value in zip(FOLLOWING, given, found, strict=True):
             if wanted is not None and not abs(wanted - value) <= 1e-12 * max(1.0, abs(value)):
-                raise ValueError(
-                    f"{field} must be {value:g} in {set_name(constraints)} "
-                    f"({_reason(field, constraints)}), got {wanted:g}"
+                reason = _reason(field, constraints)
+                raise ArgumentError(
+                    field,
+                    f"must be {value:g} in {set_name(constraints)} ({reason}), got {wanted:g}",
                 )
         x, y, x_rate, y_rate, beta_rate, gamma_rate = found
         lift = height if self.height is None else self.height

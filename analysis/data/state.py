@@ -8,6 +8,7 @@ from typing import NoReturn
 import numpy as np
 
 from analysis.data.checks import Array, number
+from analysis.data.names import ArgumentError
 
 COORDINATES = ("x", "y", "z", "alpha", "beta", "gamma")
 """The paper's co-rotating coordinates, Eq. (8), in order."""
@@ -40,10 +41,10 @@ class State:
         for field in ("coordinates", "rates"):
             given = getattr(self, field)
             if not isinstance(given, Iterable):
-                raise ValueError(f"{field} must hold 6 numbers, got {given!r}")
+                raise ArgumentError(field, f"must hold 6 numbers, got {given!r}")
             values = tuple(given)
             if len(values) != 6:
-                raise ValueError(f"{field} must hold 6 numbers, got {len(values)}")
+                raise ArgumentError(field, f"must hold 6 numbers, got {len(values)}")
             clean = tuple(
                 number(f"{field}[{name}]", value)
                 for name, value in zip(COORDINATES, values, strict=True)
@@ -60,9 +61,10 @@ class State:
 def check_tilt(name: str, beta: float) -> float:
     """Return `beta` if the Euler angles are regular there; `ValueError` otherwise."""
     if not 0.0 < beta < pi:
-        raise ValueError(
-            f"{name} must lie in the open interval (0, pi), where the Euler angles are regular, "
-            f"got {beta:g}"
+        raise ArgumentError(
+            name,
+            "must lie in the open interval (0, pi), where the Euler angles are regular, "
+            f"got {beta:g}",
         )
     return beta
 

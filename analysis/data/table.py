@@ -1,20 +1,17 @@
 """The table: how it leans, and how strongly gravity pulls."""
 
 from dataclasses import dataclass
-from math import pi
 
-from analysis.data.checks import not_negative, positive, within
+from analysis.data.described import Described
 from analysis.data.elementary import cos, sin
-from analysis.data.limits import LARGEST_ANGLE, STRONGEST_GRAVITY
-from analysis.data.names import suggesting_fields
+from analysis.data.quantities import default
 
-GRAVITY = 9.81
+GRAVITY: float = default("table.gravity")
 """Gravitational acceleration in m/s²; the value behind the paper's printed results."""
 
 
-@suggesting_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Table:
+class Table(Described):
     """A flat table. Its normal is the z axis of the inertial frame, however it leans.
 
     Parameters
@@ -32,19 +29,11 @@ class Table:
         If a value is out of range.
     """
 
-    gravity: float = GRAVITY
-    inclination: float = 0.0
-    downhill: float = 0.0
+    TABLE = "table"
 
-    def __post_init__(self) -> None:
-        gravity = within("gravity", positive("gravity", self.gravity), 0.0, STRONGEST_GRAVITY)
-        object.__setattr__(self, "gravity", gravity)
-        inclination = not_negative("inclination", self.inclination)
-        if inclination >= pi / 2:
-            raise ValueError(f"inclination must be less than pi / 2, got {inclination:g}")
-        object.__setattr__(self, "inclination", inclination)
-        downhill = within("downhill", self.downhill, -LARGEST_ANGLE, LARGEST_ANGLE)
-        object.__setattr__(self, "downhill", downhill)
+    gravity: float = GRAVITY
+    inclination: float = default("table.inclination")
+    downhill: float = default("table.downhill")
 
     @property
     def is_horizontal(self) -> bool:

@@ -1,22 +1,17 @@
-"""Numbers as people write them: a warning where the unit they stand in is in doubt."""
+"""Values as people write them, with a warning where the unit they stand in is in doubt."""
 
 import re
 import warnings
 from math import pi
 from typing import Any
 
-LARGEST_RADIUS = 1.0
-"""Of a disk in m, from which on millimetres may be meant."""
+from analysis.data.angles import angle
+from analysis.data.checks import choice
+from analysis.data.names import ArgumentError
+from analysis.data.quantities import LEVELS, QUANTITIES
 
-DOUBTED = (
-    "disk.radius",
-    "table.inclination",
-    "table.downhill",
-    "start.alpha",
-    "start.beta",
-    "start.gamma",
-)
-"""Fields that are easily given in another unit."""
+Value = float | str | bool
+"""What a quantity may be set to."""
 
 _WITH_UNIT = re.compile("pi|deg")
 
@@ -25,26 +20,80 @@ class UnitWarning(UserWarning):
     """A number is taken as it stands, but looks as if it were meant in another unit."""
 
 
-def warn_of_unit(field: str, told: Any, value: Any) -> None:
-    """Warn of a radius above `LARGEST_RADIUS`, and of an angle above a turn without a unit.
+def is_text(key: str) -> bool:
+    """Whether a quantity takes words instead of numbers."""
+    return key in QUANTITIES and QUANTITIES[key].is_text
+
+
+def is_word(key: str) -> bool:
+    """Whether a quantity takes one of a few words or marks, between which nothing lies."""
+    return unit(key) is None
+
+
+def unit(key: str) -> str | None:
+    """Unit of a quantity, empty for a plain number; None for what is no number."""
+    return QUANTITIES[key].unit if key in QUANTITIES else ""
+
+
+def read_value(key: str, value: Any, name: str = "") -> Value:
+    """Value of a quantity from text, as on the command line, or as TOML has it.
 
     Parameters
     ----------
-    field : str
-        Its dotted name; others than `DOUBTED` are passed over.
+    key : str
+        Of the quantity, or "friction." and a parameter of a law of one's own.
+    value : float, str or bool
+    name : str
+        What to call it in a message; by default the key.
+
+    Raises
+    ------
+    ArgumentError
+        If it is of the wrong kind.
+    """
+    name, about = name or key, QUANTITIES.get(key)
+    if key == "model":
+        return int(choice(name, str(value).strip(), map(str, LEVELS)))
+    if about is not None and about.is_switch:
+        return bool(choice(name, str(value).strip().lower(), ("true", "false")) == "true")
+    if about is not None and about.is_text:
+        if not isinstance(value, str):
+            raise ArgumentError(name, f"must be text, got {value!r}")
+        return value.strip()
+    result = value
+    if isinstance(value, str) and not (about and about.is_angle):
+        try:
+            result = float(value)
+        except ValueError:
+            what = f"number in {about.unit}" if about and about.unit else "number"
+            raise ArgumentError(name, f"must be a {what}, got {value!r}") from None
+    result = angle(name, result)
+    warn_of_unit(key, value, result)
+    return result
+
+
+def warn_of_unit(key: str, told: Any, value: Any) -> None:
+    """Warn of a size that is doubted, and of an angle above a turn without a unit.
+
+    Parameters
+    ----------
+    key : str
+        Of the quantity.
     told : float or str
         What was written.
     value : float
         What it stands for.
     """
-    if field not in DOUBTED:
+    about = QUANTITIES.get(key)
+    # What is out of range is refused, and not doubted.
+    if about is None or about.unit is None or not about.least <= value <= about.most:
         return
-    name = field.rpartition(".")[2]
-    if name == "radius":
-        doubt = f"is in m, and above {LARGEST_RADIUS:g} m" if value > LARGEST_RADIUS else ""
-    elif abs(value) <= 2.0 * pi or (isinstance(told, str) and _WITH_UNIT.search(told)):
-        doubt = ""
-    else:
-        doubt = "is in rad, and above a turn; degrees are written with their unit, as 90deg"
+    doubt = ""
+    if value > about.doubted:
+        doubt = f"is in {about.unit}, and above {about.doubted:g} {about.unit}"
+    if about.is_angle and abs(value) > 2.0 * pi:
+        with_unit = isinstance(told, str) and _WITH_UNIT.search(told)
+        told_so = "is in rad, and above a turn; degrees are written with their unit, as 90deg"
+        doubt = "" if with_unit else told_so
     if doubt:
-        warnings.warn(f"{name} {doubt}", UnitWarning, stacklevel=3)
+        warnings.warn(f"{about.name} {doubt}", UnitWarning, stacklevel=3)

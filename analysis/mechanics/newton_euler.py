@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from analysis.data.constraint_set import ConstraintSet
-from analysis.data.friction import Load
+from analysis.data.quantities import Load
 from analysis.mechanics.attitude import EulerAngles, Moving
 from analysis.mechanics.constraints import (
     SLIPS,

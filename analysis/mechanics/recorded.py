@@ -11,7 +11,7 @@ import numpy as np
 from analysis.data import elementary
 from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
-from analysis.data.friction import Load
+from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.mechanics.attitude import EulerAngles
@@ -137,13 +137,19 @@ def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
         From a state, shape (12,), to the derivatives, shape (12, 12). It raises `ArithmeticError`
         where `accelerations` does.
     """
+    solve = dual_solver(scenario)
+    return lambda state: derivatives(lambda moving: solve(*moving)[:12], state)
+
+
+def dual_solver(scenario: Scenario) -> Callable[..., tuple[Any, ...]]:
+    """The function of `solver` for dual numbers; the scenario is one with the ideal contact."""
     law = scenario.friction
 
     def per_speed(speed: Dual) -> Dual:
         slope = law.per_speed_slope(speed.value)
         return Dual(law.per_speed(speed.value), slope * speed.change)
 
-    solve = _bound(
+    return _bound(
         scenario,
         EulerAngles,
         sin=elementary.sin,
@@ -152,7 +158,6 @@ def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
         per_speed=per_speed,
         contact_load=_contact_load,
     )
-    return lambda state: derivatives(lambda moving: solve(*moving)[:12], state)
 
 
 def _bound(

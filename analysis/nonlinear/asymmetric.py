@@ -43,7 +43,7 @@ class AsymmetricCycle(WholePeriod):
     """
 
     ends = Ends(held=0, follows=1)
-    noun = "cycle without symmetry"
+    noun = "cycle without symmetry with an amplitude"
     amplitude: float
 
     @classmethod
@@ -124,16 +124,9 @@ def asymmetric_family(
     wanted = real_array("amplitudes", begin + BEYOND if amplitudes is None else amplitudes)
     if wanted.ndim != 1 or not wanted.size or np.any(np.diff(wanted, prepend=begin) <= 0.0):
         raise ValueError(f"amplitudes must rise strictly beyond {begin:.6g}, got {amplitudes!r}")
-    first, made = _first(bifurcation), 0
-
-    def done(_: AsymmetricCycle) -> None:
-        nonlocal made
-        made += 1
-        if progress is not None:
-            progress(float(made), float(wanted.size))
-
-    found, reason = gathered(followed(_solved, first, wanted.tolist()), done)
-    return AsymmetricFamily(bifurcation=bifurcation, cycles=tuple(found), reason=reason)
+    cycles = followed(_solved, _first(bifurcation), wanted.tolist())
+    found, reason = gathered(cycles, progress=progress, wanted=wanted.size)
+    return AsymmetricFamily(bifurcation=bifurcation, cycles=found, reason=reason)
 
 
 def first_asymmetric_family(

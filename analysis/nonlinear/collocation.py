@@ -118,7 +118,7 @@ def solve(
         if motion.flaw is None:
             return motion
         why = motion.flaw
-    raise NoCycleError(f"no {start.noun} found at {value:.9g} rad: {why}")
+    raise NoCycleError(f"no {start.noun} of {value:.9g} rad found: {why}")
 
 
 def _collocated(

@@ -147,7 +147,7 @@ class Cycle(PeriodicMotion):
     """
 
     ends = Ends(held=0, follows=1, mirrored=True)
-    noun = "periodic motion"
+    noun = "periodic motion with an amplitude"
     amplitude: float
     half_multiplier: float
     method: str = "collocation"

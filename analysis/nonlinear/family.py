@@ -103,15 +103,16 @@ def cycle_family(
     require_collocation(scenario)
     wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
 
-    def done(cycle: Cycle) -> None:
+    def amplitude(count: float, _: float) -> None:
         if progress is not None:
-            progress(cycle.amplitude, float(np.max(wanted)))
+            progress(float(np.ravel(wanted)[round(count) - 1]), float(np.max(wanted)))
 
-    cycles, reason = gathered(_from_hopf_point(scenario, wanted), done)
+    found = _from_hopf_point(scenario, wanted)
+    cycles, reason = gathered(found, progress=amplitude, wanted=np.size(wanted))
     if not cycles:
         raise NoCycleError(reason)
     hopf = critical_speed(scenario)
-    return CycleFamily(scenario=scenario, hopf=hopf, cycles=tuple(cycles), reason=reason)
+    return CycleFamily(scenario=scenario, hopf=hopf, cycles=cycles, reason=reason)
 
 
 def _amplitudes(scenario: Scenario) -> Array:

@@ -21,6 +21,7 @@ from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
 from analysis.nonlinear.cycle import Cycle
+from analysis.stability.continuation import nearest_change
 from analysis.stability.linear_reduced import critical_speed, reduced_matrices
 from analysis.stability.linearisation import ComplexArray
 
@@ -212,23 +213,30 @@ def heteroclinic_connection(scenario: Scenario, accuracy: float = 1e-11) -> Conn
     flow.require_cycles(scenario)
     if number("accuracy", accuracy) < 1e-11:
         raise ValueError(f"accuracy must be at least 1e-11 rad/s, got {accuracy:g}")
-    low, high = _bracket(scenario)
+    tried: dict[float, float] = {}
 
     def miss(spin: float) -> float:
-        value = fall(scenario, spin).miss
-        tried.append((spin, value))
-        return value
+        if spin not in tried:
+            tried[spin] = fall(scenario, spin).miss
+        return tried[spin]
 
-    tried: list[tuple[float, float]] = []
-    found = float(brentq(miss, low, high, xtol=accuracy, rtol=1e-14))
+    centre = critical_speed(scenario).spin
+    around = nearest_change(miss, centre, _STEP, _WIDEST)
+    if around is None:
+        side = "turns back" if tried[centre] < 0.0 else "goes over"
+        raise NoConnectionError(
+            f"no heteroclinic connection between {centre * (1 - _WIDEST):.6g} and "
+            f"{centre * (1 + _WIDEST):.6g} rad/s: the motion from noninverted spinning {side} at "
+            "all spins tried"
+        )
+    found = float(brentq(miss, *around, xtol=accuracy, rtol=1e-14))
     growing, slow, strong = saddle(scenario, found)[0].tolist()
-    signs = sorted(tried)
-    below = max((s for s, v in signs if s <= found and v * signs[0][1] > 0.0), default=found)
-    above = min((s for s, v in signs if s >= found and v * signs[-1][1] > 0.0), default=found)
+    # The nearest ones that are surely on either side.
+    low, high = (tried[end] for end in around)
     return Connection(
         spin=found,
-        below=below,
-        above=above,
+        below=max((s for s, v in tried.items() if s <= found and v * low > 0.0), default=found),
+        above=min((s for s, v in tried.items() if s >= found and v * high > 0.0), default=found),
         growing=growing.real,
         slow=slow.real,
         strong=strong.real,
@@ -252,25 +260,6 @@ def last_amplitude(scenario: Scenario) -> float:
     # The one that turns back is nearly the cycle's own way.
     overshoot = max(float(np.max(way.states[:, 1])) for way in sides if way.miss < 0.0)
     return max(float(np.pi), overshoot - np.pi / 2)
-
-
-def _bracket(scenario: Scenario) -> tuple[float, float]:
-    """Two spins, the nearest to the critical speed in steps, that fall to different sides."""
-    centre = critical_speed(scenario).spin
-    reached = {0: fall(scenario, centre).miss}
-    for count in range(1, round(_WIDEST / _STEP) + 1):
-        for way in (-count, count):
-            inner = way - (1 if way > 0 else -1)
-            reached[way] = fall(scenario, centre * (1.0 + way * _STEP)).miss
-            if reached[way] * reached[inner] <= 0.0:
-                ends = sorted((inner, way))
-                return centre * (1.0 + ends[0] * _STEP), centre * (1.0 + ends[1] * _STEP)
-    side = "turns back" if reached[0] < 0.0 else "goes over"
-    raise NoConnectionError(
-        f"no heteroclinic connection between {centre * (1 - _WIDEST):.6g} and "
-        f"{centre * (1 + _WIDEST):.6g} rad/s: the motion from noninverted spinning {side} at all "
-        "spins tried"
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,6 @@ noninverted spinning, from zero at the connection on; as a parameter it passes f
 """
 
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any, Self
 
 import numpy as np
@@ -132,24 +131,16 @@ def rotating_family(
         raise ValueError(f"tilts must rise strictly between 0 and pi/2, got {tilts!r}")
     require_collocation(scenario)
     connection = heteroclinic_connection(scenario)
-    first, made = _first(scenario, connection), 0
-
-    def done(_: Rotation) -> None:
-        nonlocal made
-        made += 1
-        if progress is not None:
-            progress(float(made), float(wanted.size))
-
+    first = _first(scenario, connection)
     split = int(np.searchsorted(wanted, first.tilt))
-    back, ahead = (
-        gathered(followed(_solved, first, values.tolist()), done)
-        for values in (wanted[:split][::-1], wanted[split:])
+    ways = (wanted[:split][::-1], wanted[split:])
+    found, reason = gathered(
+        *(followed(_solved, first, way.tolist()) for way in ways),
+        progress=progress,
+        wanted=wanted.size,
     )
-    return RotationFamily(
-        connection=connection,
-        rotations=tuple(chain(reversed(back[0]), ahead[0])),
-        reason=ahead[1] or back[1],
-    )
+    rotations = tuple(sorted(found, key=lambda each: each.tilt))
+    return RotationFamily(connection=connection, rotations=rotations, reason=reason)
 
 
 def folds(family: RotationFamily) -> tuple[Rotation, ...]:

@@ -9,7 +9,7 @@ Spins at which the height regains its value over an orbit are those of the cycle
 (Melnikov's integral, the slip over sin(beta) integrated over gamma).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,6 +22,7 @@ from analysis.data.checks import Array, positive, real_array
 from analysis.data.scenario import Scenario
 from analysis.mechanics.reduced import acceleration_from, right_hand_side
 from analysis.nonlinear import flow
+from analysis.stability.continuation import nearest_change
 from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices
 
 Order = Literal[0, 1]
@@ -31,7 +32,8 @@ _NODES = 200
 """Points of the quadratures; they change spins by less than 1e-12 beyond 80."""
 
 _LARGEST_SLIP = 1e6
-_WIDEST = 0.5
+_STEP, _WIDEST = 0.02, 0.48
+"""Steps and range of the search about the critical speed, in parts of it."""
 
 
 class NoManifoldError(ArithmeticError):
@@ -210,24 +212,17 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     def gain(spin: float) -> float:
         return float(steps @ (slip_on(scenario, spin, beta, gamma) * rho / height))
 
-    spin = _root(gain, critical_speed(scenario).spin, amplitude)
+    around = nearest_change(gain, critical_speed(scenario).spin, _STEP, _WIDEST)
+    if around is None:
+        raise NoManifoldError(
+            f"no spin within half the critical one keeps the orbit of {amplitude:.6g} rad on the "
+            "slow manifold"
+        )
+    spin = float(brentq(gain, *around, xtol=1e-12, rtol=1e-14))
     needed = needed_friction(scenario, spin, beta, gamma)
     period = 2.0 / spin * float(steps @ (1.0 / cos_beta)) if amplitude < np.pi else np.inf
     return SlowOrbit(
         amplitude=amplitude, spin=spin, period=period, friction=float(np.max(np.abs(needed)))
-    )
-
-
-def _root(gain: Callable[[float], float], centre: float, amplitude: float) -> float:
-    """The nearest spin to `centre` at which the height regains its value."""
-    inner = centre
-    for part in np.arange(0.02, _WIDEST, 0.02).tolist():
-        for outer in (centre * (1.0 - part), centre * (1.0 + part)):
-            if gain(outer) * gain(inner) <= 0.0:
-                return float(brentq(gain, outer, inner, xtol=1e-12, rtol=1e-14))
-    raise NoManifoldError(
-        f"no spin within half the critical one keeps the orbit of {amplitude:.6g} rad on the "
-        "slow manifold"
     )
 
 

@@ -21,7 +21,8 @@ from analysis.data.elementary import sin
 from analysis.data.scenario import Scenario
 from analysis.mechanics import recorded
 from analysis.mechanics.constraints import SLIPS, places, velocities
-from analysis.mechanics.dual import derivatives
+from analysis.mechanics.dual import Dual, dual
+from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import state_of
 from analysis.stability.continuation import Bound, Curve
 from analysis.stability.linearisation import (
@@ -164,14 +165,14 @@ def stationary_motions(
     if number("spin", spin) == 0.0:
         raise ValueError("spin must not be 0")
     starts = whole("starts", starts)
-    random, balance = np.random.default_rng(0), _Balance(scenario, spin)
+    random = np.random.default_rng(0)
     begins = [np.array((0.0, 0.0, np.pi / 2, gamma)) for gamma in (np.pi / 2, -np.pi / 2)]
     begins.extend(random.uniform(*_ANYWHERE, (starts - starts // 2, 4)))
     # Those that bifurcate from upright spinning are nearly upright, and draw few starts in.
     begins.extend(random.uniform(*_NEARLY_UPRIGHT, (starts // 2, 4)))
     found: list[Array] = []
     for begin in begins:
-        place = _solved(balance, begin)
+        place = _solved(scenario, spin, begin)
         if place is not None:
             found.extend(each for each in (place, _turned(_MIRROR - place)) if _new(each, found))
     found.sort(key=lambda place: -float(place[3]))
@@ -188,12 +189,12 @@ def _turned(place: Array) -> Array:
     return result
 
 
-def _solved(balance: "_Balance", begin: Array) -> Array | None:
+def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     """A root as x / r, y / r, beta, gamma; None if the iteration ends elsewhere."""
     found = least_squares(
-        lambda place: balance.residual(np.append(place, balance.spin)),
+        lambda place: _residual(scenario, spin, np.append(place, spin)),
         begin,
-        jac=lambda place: balance.slopes(np.append(place, balance.spin))[:, :4],
+        jac=lambda place: _slopes(scenario, spin, np.append(place, spin))[1][:, :4],
         bounds=((-3.0, -3.0, _FLAT, -10.0), (3.0, 3.0, np.pi - _FLAT, 10.0)),
         xtol=1e-15,
         ftol=1e-15,
@@ -204,52 +205,51 @@ def _solved(balance: "_Balance", begin: Array) -> Array | None:
     return _turned(found.x)
 
 
-class _Balance:
-    """What is zero in a stationary motion, at a point: x / r, y / r, beta, gamma and the spin.
+def _balance(scenario: Scenario, about: float, solve: Solver, *point: Any) -> list[Any]:
+    """What is zero in a stationary motion, without units, for numbers of any kind.
+
+    All but the vertical acceleration, which the contact holds; what else is held, too.
 
     Parameters
     ----------
     scenario : Scenario
-    spin : float
-        In rad/s, about which the spins are.
+    about : float
+        A spin in rad/s, about which the spins are.
+    solve : callable
+        That of `recorded.solver`, or `recorded.dual_solver`.
+    *point : 5 numbers
+        x / r, y / r, beta, gamma and the spin in rad/s.
     """
+    x, y, beta, gamma, spin = point
+    disk, held = scenario.disk, scenario.constraints
+    r, unit = disk.radius, about**2 + spin_scale(scenario) ** 2
+    coordinates = r * x, r * y, r * sin(beta), 0.0, beta, gamma
+    state = state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
+    ahead, across, _, *turning = solve(*state)[6:12]
+    no_slips = tuple(each for each in SLIPS if each in held)
+    slips = velocities(no_slips, disk, state) if no_slips else []
+    away = places(held, disk, state)[1:] if "fixed-cog" in held else []
+    return [
+        *(each / (r * unit) for each in (ahead, across)),
+        *(each / unit for each in turning),
+        *(each / (about * r) for each in slips),
+        *(each / r for each in away),
+    ]
 
-    def __init__(self, scenario: Scenario, spin: float) -> None:
-        self.scenario, self.spin = scenario, spin
-        held = scenario.constraints
-        self._slips = tuple(each for each in SLIPS if each in held)
-        self._holds = self._slips or "fixed-cog" in held
-        r, unit = scenario.disk.radius, spin**2 + spin_scale(scenario) ** 2
-        self._units = np.array((r * unit, r * unit, unit, unit, unit))
-        self._solve, self._jacobian = recorded.solver(scenario), recorded.jacobian(scenario)
 
-    def _state(self, point: Any) -> tuple[Any, ...]:
-        x, y, beta, gamma, spin = point
-        r = self.scenario.disk.radius
-        coordinates = r * x, r * y, r * sin(beta), 0.0, beta, gamma
-        return state_of(self.scenario.disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
+def _residual(scenario: Scenario, about: float, point: Array) -> Array:
+    """What is zero in a stationary motion at a point, shape (k,)."""
+    return np.array(_balance(scenario, about, recorded.solver(scenario), *point.tolist()))
 
-    def _held(self, state: Any) -> list[Any]:
-        """Slips over the spin times the radius, and places over it."""
-        if not self._holds:
-            return []
-        held, disk, r = self.scenario.constraints, self.scenario.disk, self.scenario.disk.radius
-        slips = [each / (self.spin * r) for each in velocities(self._slips, disk, state)]
-        return [*slips, *(each / r for each in places(held, disk, state)[1:])]
 
-    def residual(self, point: Array) -> Array:
-        """All but the vertical acceleration, which the contact holds, without units."""
-        state = self._state(point.tolist())
-        rates = np.array(self._solve(*state)[6:12])[[0, 1, 3, 4, 5]]
-        return np.append(rates / self._units, self._held(state))
-
-    def slopes(self, point: Array) -> Array:
-        """Jacobian of the residual, shape (k, 5)."""
-        state = np.array(self._state(point.tolist()))
-        by_point = derivatives(self._state, point)
-        flow = self._jacobian(state)[[6, 7, 9, 10, 11]] / self._units[:, None]
-        held = derivatives(self._held, state).reshape(-1, state.size)
-        return np.vstack((flow, held)) @ by_point
+def _slopes(scenario: Scenario, about: float, point: Array) -> tuple[Array, Array]:
+    """What is zero in a stationary motion at a point, shape (k,), and its Jacobian, (k, 5)."""
+    moving = [Dual(*each) for each in zip(point.tolist(), np.eye(5), strict=True)]
+    found = [
+        dual(each) for each in _balance(scenario, about, recorded.dual_solver(scenario), *moving)
+    ]
+    changes = [np.broadcast_to(each.change, 5) for each in found]
+    return np.array([each.value for each in found]), np.array(changes)
 
 
 def stationary_branch(
@@ -329,16 +329,16 @@ class _Line:
     def equations(self, point: Array) -> tuple[Array, Array]:
         """What is zero in a stationary motion, and its Jacobian, (k,) and (k, 5)."""
         scenario, spin = self._at(point)
-        balance, place = _Balance(scenario, self.spin), np.append(point[:4], spin)
-        slopes = balance.slopes(place)
-        slopes[:, 4] *= self.unit
+        place = np.append(point[:4], spin)
+        residual, slopes = _slopes(scenario, self.spin, place)
+        slopes = slopes * (1.0, 1.0, 1.0, 1.0, self.unit)
         if self.parameter is not None:
             ahead, behind = (
-                _Balance(self._at(point + step)[0], self.spin).residual(place)
-                for step in _PARAMETER_STEP * np.outer((1.0, -1.0), np.eye(5)[4])
+                _residual(self._at(point + side)[0], self.spin, place)
+                for side in _PARAMETER_STEP * np.outer((1.0, -1.0), np.eye(5)[4])
             )
             slopes[:, 4] = (ahead - behind) / (2.0 * _PARAMETER_STEP)
-        return balance.residual(place), slopes
+        return residual, slopes
 
 
 def _followed(

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from analysis.data.checks import Array
+from analysis.data.watch import Progress
 
 _HALVINGS = 5
 """How often a step in the parameter that fails is halved before the family ends there."""
@@ -90,16 +91,45 @@ def followed(solve: Solve[S], start: S, values: Iterable[float]) -> Iterator[S]:
         last = found
 
 
-def gathered(solutions: Iterable[S], done: Callable[[S], None]) -> tuple[list[S], str | None]:
-    """All solutions up to where they end, and why, if it is too early; each is told to `done`."""
+def gathered(
+    *ways: Iterable[S], progress: Progress | None, wanted: int
+) -> tuple[tuple[S, ...], str | None]:
+    """All solutions, one way after the other, and why one of them ends, if it is too early.
+
+    After each of them `progress` is called with how many there are and how many are wanted.
+    """
     found: list[S] = []
-    try:
-        for each in solutions:
-            found.append(each)
-            done(each)
-    except ArithmeticError as error:
-        return found, str(error)
-    return found, None
+    reason = None
+    for way in ways:
+        try:
+            for each in way:
+                found.append(each)
+                if progress is not None:
+                    progress(float(len(found)), float(wanted))
+        except ArithmeticError as error:
+            reason = str(error)
+    return tuple(found), reason
+
+
+def nearest_change(
+    function: Callable[[float], float], centre: float, part: float, widest: float
+) -> tuple[float, float] | None:
+    """Interval next to a centre in which a function changes sign, if there is one.
+
+    Parameters
+    ----------
+    function : callable
+    centre : float
+    part, widest : float
+        Steps and range to both sides, in parts of the centre.
+    """
+    middle = function(centre)
+    for count in range(1, round(widest / part) + 1):
+        for way in (-part, part):
+            outer, inner = (centre * (1.0 + way * each) for each in (count, count - 1))
+            if function(outer) * middle <= 0.0:
+                return min(inner, outer), max(inner, outer)
+    return None
 
 
 def sign_changes(
@@ -151,10 +181,11 @@ class Curve:
     def __init__(self, equations: Callable[[Array], tuple[Array, Array]]) -> None:
         self._equations = equations
 
-    def correct(self, guess: Array, row: Array) -> tuple[Array, int] | None:
-        """Point of the curve in the plane through a guess with this normal, and the iterations.
+    def correct(self, guess: Array, row: Array) -> tuple[Array, Array, int] | None:
+        """Point of the curve in the plane through a guess with this normal.
 
-        None if Newton's method does not converge.
+        Also the unit tangent there, to either side, and the iterations; None if Newton's method
+        does not converge.
         """
         point = guess
         for iteration in range(1, _NEWTON + 1):
@@ -170,14 +201,8 @@ class Curve:
             if not size < _FURTHEST:
                 return None
             if size < _CONVERGED:
-                return point, iteration
+                return point, np.linalg.svd(jacobian)[2][-1], iteration
         return None
-
-    def tangent(self, point: Array, along: Array) -> Array:
-        """Unit tangent at a point, to the side of a direction."""
-        found = np.linalg.svd(self._equations(point)[1])[2][-1]
-        result: Array = found if found @ along >= 0.0 else -found
-        return result
 
     def points(
         self,
@@ -212,30 +237,36 @@ class Curve:
             If no further point is found, however short the step, or more than `most` are.
         """
         point, smallest, made = start, step * _SMALLEST, 0
-        tangent = self.tangent(point, along)
+        tangent = np.linalg.svd(self._equations(start)[1])[2][-1]
+        tangent = np.copysign(1.0, tangent @ along) * tangent
         while step > smallest:
-            guess = point + step * tangent
+            guess, row = point + step * tangent, tangent
             bound = _crossed(bounds, guess)
-            row = tangent
             if bound is not None:
                 part = (bound.value - point[bound.axis]) / (guess - point)[bound.axis]
                 guess, row = point + part * (guess - point), np.eye(start.size)[bound.axis]
             found = self.correct(guess, row)
-            if found is not None and np.linalg.norm(found[0] - point - step * tangent) < step:
-                ahead = self.tangent(found[0], tangent)
-                if ahead @ tangent > _STRAIGHT:
-                    if made == most:
-                        raise ArithmeticError(f"has more than {most} points one way, and goes on")
-                    made += 1
-                    yield found[0], None if bound is None else bound.name
-                    if bound is not None:
-                        return
-                    point, tangent = found[0], ahead
-                    if found[1] <= _NEWTON // 2:
-                        step = min(_GROWTH * step, largest(point))
-                    continue
-            step /= 2.0
+            if found is None or not self._is_near(point + step * tangent, step, tangent, found):
+                step /= 2.0
+                continue
+            if made == most:
+                raise ArithmeticError(f"has more than {most} points one way, and goes on")
+            made += 1
+            yield found[0], None if bound is None else bound.name
+            if bound is not None:
+                return
+            point, tangent = found[0], np.copysign(1.0, found[1] @ tangent) * found[1]
+            if found[2] <= _NEWTON // 2:
+                step = min(_GROWTH * step, largest(point))
         raise ArithmeticError("fails, however short the step,")
+
+    @staticmethod
+    def _is_near(
+        guess: Array, step: float, tangent: Array, found: tuple[Array, Array, int]
+    ) -> bool:
+        """Whether a point lies near where it was looked for, the curve in the same direction."""
+        off = float(np.linalg.norm(found[0] - guess))
+        return off < step and abs(float(found[1] @ tangent)) > _STRAIGHT
 
 
 def _crossed(bounds: Iterable[Bound], point: Array) -> Bound | None:

@@ -11,8 +11,7 @@ from scipy.optimize import root
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.stability.chart import static_gradient
-from analysis.stability.hopf_curves import LEAST_FREQUENCY, HopfCurve
-from analysis.stability.hopf_points import ExtendedSystem
+from analysis.stability.hopf_curves import LEAST_FREQUENCY, ExtendedSystem, HopfCurve
 from analysis.stability.linearisation import spin_scale
 
 Kind = Literal["double hopf", "zero hopf", "double zero"]

@@ -13,10 +13,10 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis.data.checks import Array, number
+from analysis.data.checks import number
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.linearisation import ROUND_OFF, ComplexArray, spin_scale
+from analysis.stability.linearisation import ROUND_OFF, ZERO, ComplexArray, spin_scale
 from analysis.stability.spectra import (
     Branches,
     System,
@@ -28,16 +28,6 @@ from analysis.stability.spectra import (
 
 Side = Literal["below", "above"]
 Spectrum = Callable[[float], ComplexArray]
-
-_ZERO = 1e-6
-"""Eigenvalues and differences below this part of the largest eigenvalue count as zero.
-
-Round-off in the numeric systems, some 1e-12, splits a double zero into two of its square root.
-"""
-
-
-_MIRRORED = 1e-4
-"""Two eigenvalues of opposite sign are mirror images if their sizes differ by no more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,13 +143,13 @@ def critical_speeds(
     values = np.delete(followed.values, followed.drift, axis=1)
     # Where all eigenvalues are zero, as those of a round disk that is held in all but its tilt,
     # what rounding makes of them is not to be judged against itself.
-    values[np.abs(values) < _ZERO * spin_scale(scenario)] = 0.0
+    values[np.abs(values) < ZERO * spin_scale(scenario)] = 0.0
     relevant = Branches(spins=followed.spins, values=values)
 
     crossings: list[Crossing] = []
     reason: str | None = "no friction: undamped, the eigenvalues lie mirrored at both axes"
     if scenario.rubs:
-        crossings = hopf_crossings(relevant, spectrum) + _static_crossings(relevant, spectrum)
+        crossings = all_crossings(relevant, spectrum)
         nothing = f"no eigenvalue crosses the imaginary axis from {low:g} to {high:g} rad/s"
         reason = None if crossings else nothing
     return CriticalSpeeds(
@@ -194,8 +184,8 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
     return float(brentq(function, low, high, xtol=1e-13, rtol=1e-14, maxiter=200))
 
 
-def hopf_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
-    """Crossings of complex pairs: changes of sign of the real part along a branch.
+def all_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
+    """Crossings of the imaginary axis: changes of sign of the real part along a branch.
 
     Parameters
     ----------
@@ -210,10 +200,16 @@ def hopf_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
     for branch in followed.values.T:
         clear = np.nonzero(np.abs(branch.real) > ROUND_OFF * largest)[0].tolist()
         for start, end in pairwise(clear):
-            changes = branch[start].real * branch[end].real < 0.0
-            if changes and np.all(branch.imag[start : end + 1] > _ZERO * largest):
-                around = (complex(branch[start]), complex(branch[end]))
-                result.append(_hopf_crossing((spins[start], spins[end]), around, spectrum))
+            ends, around = (
+                (spins[start], spins[end]),
+                (complex(branch[start]), complex(branch[end])),
+            )
+            if around[0].real * around[1].real < 0.0:
+                frequencies = branch.imag[start : end + 1]
+                if np.all(frequencies > ZERO * largest):
+                    result.append(_hopf_crossing(ends, around, spectrum))
+                elif np.all(frequencies == 0.0):
+                    result.append(_static_crossing(ends, around, spectrum, _neutral(followed)))
     return result
 
 
@@ -228,11 +224,32 @@ def _hopf_crossing(
 
     spin = _root(lambda spin: eigenvalue(spin).real, *ends)
     return Crossing(
-        spin=spin,
-        frequency=eigenvalue(spin).imag,
-        kind="hopf",
-        stable_side="above" if around[1].real < 0.0 else "below",
+        spin=spin, frequency=eigenvalue(spin).imag, kind="hopf", stable_side=_stable_side(around)
     )
+
+
+def _static_crossing(
+    ends: tuple[float, float],
+    around: tuple[complex, complex],
+    spectrum: Spectrum,
+    neutral: int,
+) -> Crossing:
+    """Refine the crossing of a real eigenvalue, beside `neutral` ones that are always zero.
+
+    The lowest coefficient of the characteristic polynomial that does not vanish, the product of
+    the other eigenvalues, changes sign with it.
+    """
+
+    def coefficient(spin: float) -> float:
+        found = spectrum(spin)
+        return float(np.poly(found)[found.size - neutral].real)
+
+    spin = _root(coefficient, *ends)
+    return Crossing(spin=spin, frequency=0.0, kind="static", stable_side=_stable_side(around))
+
+
+def _stable_side(around: tuple[complex, complex]) -> Side:
+    return "above" if around[1].real < 0.0 else "below"
 
 
 def _between(ends: tuple[float, float], values: tuple[complex, complex], spin: float) -> complex:
@@ -240,51 +257,10 @@ def _between(ends: tuple[float, float], values: tuple[complex, complex], spin: f
     return (1.0 - part) * values[0] + part * values[1]
 
 
-def _static_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
-    """Crossings of real eigenvalues through zero: changes of sign of the product of eigenvalues.
-
-    Eigenvalues that are zero at every spin do not count: the product of the others is the lowest
-    coefficient of the characteristic polynomial that does not vanish. Nor do two that meet at
-    zero and part as an undamped pair: that is a change of a pair.
-    """
-    size = np.abs(followed.values)
-    spins = followed.spins.tolist()
-    neutral = _neutral(followed)
-    others = np.argsort(size, axis=1)[:, neutral:]
-    unstable = np.sum(np.take_along_axis(followed.values, others, axis=1).real > 0.0, axis=1)
-    samples = _low_coefficient(followed.values, neutral)
-    smallest = np.sort(size, axis=1)[:, neutral : neutral + 2]
-    clear = smallest[:, 0] > _ZERO * np.max(size)
-    mirrored = smallest[:, 0] > (1.0 - _MIRRORED) * smallest[:, -1]
-    if smallest.shape[1] == 1:
-        mirrored[:] = False
-    result = []
-    for start, end in pairwise(np.nonzero(clear)[0].tolist()):
-        if samples[start] * samples[end] < 0.0 and not (mirrored[start] and mirrored[end]):
-            spin = _root(
-                lambda spin: float(_low_coefficient(spectrum(spin)[None, :], neutral)[0]),
-                spins[start],
-                spins[end],
-            )
-            side: Side = "above" if unstable[end] < unstable[start] else "below"
-            result.append(Crossing(spin=spin, frequency=0.0, kind="static", stable_side=side))
-    return result
-
-
 def _neutral(followed: Branches) -> int:
     """Number of eigenvalues that are zero at every spin."""
     size = np.abs(followed.values)
-    return int(np.min(np.sum(size < _ZERO * np.max(size), axis=1)))
-
-
-def _low_coefficient(spectra: ComplexArray, power: int) -> Array:
-    """Coefficient of lambda^power of the polynomials with these roots, shape (n,) for (n, k)."""
-    coefficients = np.zeros((len(spectra), spectra.shape[1] + 1), dtype=complex)
-    coefficients[:, 0] = 1.0
-    for root in spectra.T:
-        coefficients[:, 1:] -= root[:, None] * coefficients[:, :-1]
-    result: Array = coefficients[:, spectra.shape[1] - power].real
-    return result
+    return int(np.min(np.sum(size < ZERO * np.max(size), axis=1)))
 
 
 def _pair_changes(followed: Branches, spectrum: Spectrum) -> list[PairChange]:
@@ -305,7 +281,7 @@ def _pair_changes(followed: Branches, spectrum: Spectrum) -> list[PairChange]:
             partner = int(np.argmin(np.abs(values[inside] - np.conj(branch[inside]))))
             pairs = values[start : start + 2, [column, partner]]
             # A double zero that round-off splits into a pair is none.
-            if np.max(np.abs(pairs[:, 0] - pairs[:, 1])) > _ZERO * largest:
+            if np.max(np.abs(pairs[:, 0] - pairs[:, 1])) > ZERO * largest:
                 centres = pairs.mean(axis=1).real.tolist()
                 ends = (spins[start], spins[start + 1])
                 side: Side = "below" if is_complex[start] else "above"

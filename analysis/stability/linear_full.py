@@ -7,8 +7,9 @@ Turning the body frame by pi about its z axis swaps the two motions and the sign
 eccentricity and changes nothing else, so noninverted spinning has the same matrices with -e.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -19,18 +20,21 @@ from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.linearisation import require_spinning, spin_array
 
+Matrix = tuple[tuple[Any, ...], ...]
+
 
 def printed_matrices(
-    *, m: Any, r: Any, e: Any, A: Any, B: Any, C: Any, mg: Any
-) -> dict[str, tuple[tuple[Any, ...], ...]]:
+    *, m: Any, r: Any, e: Any, A: Any, B: Any, C: Any, mg: Any, D: Any = None
+) -> dict[str, Matrix]:
     """Entries of Eqs. (48)-(54), of numbers of any kind, by the paper's names.
 
     With the signs of Eq. (48), friction enters as + d D_C and + d Omega B_C with the force d =
     mu m g / epsilon: the paper prints (53) and (54) with a minus, which would feed energy in. The
     powers of Omega are left out: D + G = d D_C + Omega G_h and K + N = Omega² K_h + K_f + d Omega
-    B_C.
+    B_C. M is Eq. (49), G_h (50), K_h (51), K_f (52), D_C (53) and B_C (54); D abbreviates A - B -
+    C, unless another number is given.
     """
-    me, D = m * e, A - B - C
+    me, D = m * e, A - B - C if D is None else D
     return {
         "M": ((m, 0, 0, -me), (0, m, -me, 0), (0, -me, B, 0), (-me, 0, 0, C)),
         "G_h": (
@@ -48,40 +52,38 @@ def printed_matrices(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FullLinearSystem:
-    """Matrices of Eq. (55) for a stack of spins.
+    """Eq. (55) for a stack of spins.
 
     Parameters
     ----------
-    motion : {"inverted", "noninverted"}
     spins : ndarray, shape (n,)
         Spinning speeds in rad/s (paper: Omega).
-    mass : ndarray, shape (n, 4, 4)
-        Symmetric mass matrix M, Eq. (49).
-    damping : ndarray, shape (n, 4, 4)
-        Symmetric damping matrix D, Eq. (53).
-    gyroscopic : ndarray, shape (n, 4, 4)
-        Skew-symmetric gyroscopic matrix G, Eq. (50).
-    stiffness : ndarray, shape (n, 4, 4)
-        Symmetric stiffness matrix K: Eqs. (51), (52) and the symmetric part of (54).
-    circulatory : ndarray, shape (n, 4, 4)
-        Skew-symmetric circulatory matrix N, the skew part of Eq. (54).
+    mass : ndarray, shape (4, 4)
+        M.
+    by_rate, by_place : ndarray, shape (n, 4, 4)
+        D + G and K + N.
     """
 
-    motion: Motion
     spins: Array
     mass: Array
-    damping: Array
-    gyroscopic: Array
-    stiffness: Array
-    circulatory: Array
+    by_rate: Array
+    by_place: Array
+
+    @classmethod
+    def of(cls, printed: Mapping[str, npt.ArrayLike], spins: Array, d: float) -> Self:
+        """System of `printed_matrices` with a friction force d in N s/m."""
+        M, G_h, K_h, K_f, D_C, B_C = (np.array(each, dtype=float) for each in printed.values())
+        Omega = spins[:, None, None]
+        by_place = Omega**2 * K_h + K_f + d * Omega * B_C
+        return cls(spins=spins, mass=M, by_rate=d * D_C + Omega * G_h, by_place=by_place)
 
     @property
     def state_matrices(self) -> Array:
         """Matrices of the first-order form in (z, z'), shape (n, 8, 8)."""
         result = np.zeros((self.spins.size, 8, 8))
         result[:, :4, 4:] = np.eye(4)
-        result[:, 4:, :4] = -np.linalg.solve(self.mass, self.stiffness + self.circulatory)
-        result[:, 4:, 4:] = -np.linalg.solve(self.mass, self.damping + self.gyroscopic)
+        result[:, 4:, :4] = -np.linalg.solve(self.mass, self.by_place)
+        result[:, 4:, 4:] = -np.linalg.solve(self.mass, self.by_rate)
         return result
 
     @property
@@ -140,25 +142,20 @@ def full_system(
         If a spin is not finite, there is none, the motion is unknown or the scenario another one.
     """
     require_spinning(scenario, "the full system", 1)
-    disk, Omega = scenario.disk, spin_array(spins)
-    printed = printed_matrices(
-        m=disk.mass,
-        r=disk.radius,
-        e=signed_eccentricity(disk, motion),
-        A=disk.inertia_x,
-        B=disk.inertia_y,
-        C=disk.inertia_z,
-        mg=scenario.weight,
-    )
-    M, G_h, K_h, K_f, D_C, B_C = (np.array(each, dtype=float) for each in printed.values())
+    spins = spin_array(spins)
     d = (scenario.friction.gradient if gradient is None else gradient) * scenario.weight
-    first, ones = Omega[:, None, None], np.ones((Omega.size, 1, 1))
-    return FullLinearSystem(
-        motion=motion,
-        spins=Omega,
-        mass=ones * M,
-        damping=ones * (d * D_C),
-        gyroscopic=first * G_h,
-        stiffness=first**2 * K_h + K_f + first * (d * (B_C + B_C.T) / 2),
-        circulatory=first * (d * (B_C - B_C.T) / 2),
-    )
+    return FullLinearSystem.of(printed_matrices(**paper_numbers(scenario, motion)), spins, d)
+
+
+def paper_numbers(scenario: Scenario, motion: Motion = "inverted") -> dict[str, float]:
+    """Numbers of `printed_matrices` by the paper's names."""
+    disk = scenario.disk
+    return {
+        "m": disk.mass,
+        "r": disk.radius,
+        "e": signed_eccentricity(disk, motion),
+        "A": disk.inertia_x,
+        "B": disk.inertia_y,
+        "C": disk.inertia_z,
+        "mg": scenario.weight,
+    }

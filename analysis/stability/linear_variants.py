@@ -8,6 +8,7 @@ otherwise or slipped in by mistake. None of them gives both printed numbers.
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +17,8 @@ from analysis.data.disk import ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.data.scenario import Scenario
 from analysis.data.table import Table
 from analysis.stability.chart import with_gradient
-from analysis.stability.critical import Crossing, hopf_crossings
-from analysis.stability.linear_full import FullLinearSystem, full_system
+from analysis.stability.critical import Crossing, all_crossings
+from analysis.stability.linear_full import FullLinearSystem, paper_numbers, printed_matrices
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import Branches, follow
 
@@ -27,32 +28,34 @@ PRINTED = (27.1, 30.2)
 _SPINS = np.linspace(20.0, 36.0, 641)
 _PAPER = Scenario()
 
-Change = Callable[[FullLinearSystem, Array], FullLinearSystem]
+Change = Callable[[dict[str, Any]], dict[str, Any]]
+"""From `printed_matrices` to what to use."""
 
 
-def hopf_speeds(scenario: Scenario = _PAPER, change: Change | None = None) -> tuple[Crossing, ...]:
+def hopf_speeds(scenario: Scenario = _PAPER, change: Change = dict) -> tuple[Crossing, ...]:
     """Hopf crossings from 20 to 36 rad/s of the full system with changed matrices.
 
     Parameters
     ----------
     scenario : Scenario
         Of Model 1, on a horizontal table.
-    change : callable, optional
-        Takes the linear system and its B_C, Eq. (54), shape (n, 4, 4); returns what to use.
+    change : callable
+        See `Change`; none by default.
     """
+    printed = printed_matrices(**paper_numbers(scenario))
+    changed = change({name: np.array(each) for name, each in printed.items()})
+    d = scenario.friction.gradient * scenario.weight
 
     def matrices(spins: Array) -> Array:
-        system = full_system(scenario, spins)
-        frictionless = full_system(scenario, spins, gradient=0.0)
-        B_C = system.stiffness - frictionless.stiffness + system.circulatory
-        return (system if change is None else change(system, B_C)).state_matrices
+        return FullLinearSystem.of(changed, spins, d).state_matrices
 
     def spectrum(spin: float) -> ComplexArray:
         return np.linalg.eigvals(matrices(np.array([spin]))[0]).astype(complex)
 
     followed = Branches(spins=_SPINS, values=follow(matrices(_SPINS)))
-    found = hopf_crossings(followed, spectrum)
-    return tuple(sorted(found, key=lambda crossing: crossing.spin))
+    found = all_crossings(followed, spectrum)
+    hopf = (crossing for crossing in found if crossing.kind == "hopf")
+    return tuple(sorted(hopf, key=lambda crossing: crossing.spin))
 
 
 def variants() -> dict[str, tuple[Crossing, ...]]:
@@ -112,49 +115,33 @@ def _disks() -> dict[str, Disk]:
     }
 
 
-def _add(system: FullLinearSystem, change: Array) -> FullLinearSystem:
-    """System with `change` added to K + N."""
-    turned = np.swapaxes(change, 1, 2)
-    return replace(
-        system,
-        stiffness=system.stiffness + (change + turned) / 2,
-        circulatory=system.circulatory + (change - turned) / 2,
-    )
-
-
-def _undamp(system: FullLinearSystem) -> FullLinearSystem:
-    return replace(system, damping=-system.damping)
-
-
-def _abbreviation(system: FullLinearSystem, difference: float) -> FullLinearSystem:
-    """System with `difference` added to the abbreviation D = A - B - C of Eq. (50)."""
-    gyroscopic = system.gyroscopic.copy()
-    gyroscopic[:, 2, 3] -= difference * system.spins
-    gyroscopic[:, 3, 2] += difference * system.spins
-    return replace(system, gyroscopic=gyroscopic)
+def _abbreviation(D: float) -> Change:
+    """With another number for the abbreviation D = A - B - C of Eq. (50)."""
+    other = printed_matrices(**paper_numbers(_PAPER), D=D)["G_h"]
+    return lambda printed: printed | {"G_h": other}
 
 
 _A, _B, _C = STEEL_DISK.inertia_x, STEEL_DISK.inertia_y, STEEL_DISK.inertia_z
 
 MATRIX_CHANGES: Mapping[str, Change] = MappingProxyType(
     {
-        "(53) and (54) with the printed signs": lambda system, B_C: _add(
-            _undamp(system), -2 * B_C
+        "(53) and (54) with the printed signs": lambda printed: (
+            printed | {"D_C": -printed["D_C"], "B_C": -printed["B_C"]}
         ),
-        "(53) with the printed sign": lambda system, _: _undamp(system),
-        "(54) with the printed sign": lambda system, B_C: _add(system, -2 * B_C),
-        "without B_C": lambda system, B_C: _add(system, -B_C),
-        "without the symmetric part of B_C": lambda system, B_C: _add(
-            system, -(B_C + np.swapaxes(B_C, 1, 2)) / 2
+        "(53) with the printed sign": lambda printed: printed | {"D_C": -printed["D_C"]},
+        "(54) with the printed sign": lambda printed: printed | {"B_C": -printed["B_C"]},
+        "without B_C": lambda printed: printed | {"B_C": 0.0 * printed["B_C"]},
+        "without the symmetric part of B_C": lambda printed: (
+            printed | {"B_C": (printed["B_C"] - printed["B_C"].T) / 2}
         ),
-        "without the skew part of B_C": lambda system, B_C: _add(
-            system, -(B_C - np.swapaxes(B_C, 1, 2)) / 2
+        "without the skew part of B_C": lambda printed: (
+            printed | {"B_C": (printed["B_C"] + printed["B_C"].T) / 2}
         ),
-        "D = -(A - B - C)": lambda system, _: _abbreviation(system, -2 * (_A - _B - _C)),
-        "D = A - B + C": lambda system, _: _abbreviation(system, 2 * _C),
-        "D = A + B - C": lambda system, _: _abbreviation(system, 2 * _B),
-        "D = B - A - C": lambda system, _: _abbreviation(system, 2 * (_B - _A)),
-        "D = -C": lambda system, _: _abbreviation(system, _B - _A),
+        "D = -(A - B - C)": _abbreviation(_B + _C - _A),
+        "D = A - B + C": _abbreviation(_A - _B + _C),
+        "D = A + B - C": _abbreviation(_A + _B - _C),
+        "D = B - A - C": _abbreviation(_B - _A - _C),
+        "D = -C": _abbreviation(-_C),
     }
 )
 """Changes of the matrices by misprints or slips, by their names."""

@@ -29,8 +29,8 @@ import numpy.typing as npt
 from scipy.linalg import qr
 
 from analysis.data.checks import Array, choice, float_array, within
-from analysis.data.constraint_set import ConstraintSet, Level
-from analysis.data.limits import FASTEST_TURN
+from analysis.data.constraint_set import ConstraintSet
+from analysis.data.quantities import FASTEST_TURN, Level
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.mechanics import recorded
@@ -51,6 +51,12 @@ _NEUTRAL = 1e-6
 
 ROUND_OFF = 1e-10
 """Real parts of less than this part of the largest eigenvalue are none."""
+
+ZERO = 1e-6
+"""Eigenvalues, and differences, below this part of sqrt(g / r) or of the largest one are none.
+
+Rounding, some 1e-12, splits a double zero into two of its square root.
+"""
 
 
 def spin_scale(scenario: Scenario) -> float:
@@ -143,17 +149,16 @@ class Linearisation:
         """Unit sqrt(g / r) of the spin in rad/s."""
         radius, unit = scenario.disk.radius, self.frequency
         self._units = np.repeat((radius, 1.0, radius * unit, unit), 3)
-        self._solve, self._jacobian = recorded.solver(scenario), recorded.jacobian(scenario)
+        self._jacobian = recorded.jacobian(scenario)
         step = _SPIN_STEP * unit
         if spin is not None:
-            self._powers: list[Array] = [self._derivatives(spin)]
+            self._powers = np.vstack((self._by_state(spin), self._held(spin)))[None]
         else:
-            less, rest, more = (self._derivatives(each) for each in (-step, 0.0, step))
-            self._powers = [
-                rest,
-                (more - less) / (2 * _SPIN_STEP),
-                (more - 2 * rest + less) / (2 * _SPIN_STEP**2),
-            ]
+            less, rest, more = (self._by_state(each) for each in (-step, 0.0, step))
+            still, moving = self._held(0.0), self._held(step)
+            linear = np.vstack((more - less, 2 * (moving - still))) / (2 * _SPIN_STEP)
+            square = np.vstack((more - 2 * rest + less, 0.0 * still)) / (2 * _SPIN_STEP**2)
+            self._powers = np.array((np.vstack((rest, still)), linear, square))
 
     def state(self, spin: float) -> Array:
         """State of the stationary motion at a spin in rad/s, shape (12,)."""
@@ -164,18 +169,24 @@ class Linearisation:
 
     def accelerations(self, spin: float) -> Array:
         """Changes of the velocities there without units, shape (6,): zero if it is stationary."""
-        found = np.array(self._solve(*self.state(spin).tolist())[6:12])
+        found = np.array(recorded.solver(self._scenario)(*self.state(spin).tolist())[6:12])
         result: Array = found / (self._units[6:] * self.frequency)
         return result
 
-    def _derivatives(self, spin: float) -> Array:
-        """Jacobian of the flow and derivatives of what is held, no units, shape (12 + m, 12)."""
-        state, held, disk = self.state(spin), self._scenario.constraints, self._scenario.disk
-        flow = self._jacobian(state) / self._units[:, None] / self.frequency
+    def _by_state(self, spin: float) -> Array:
+        """Jacobian of the flow without units, shape (12, 12)."""
+        found = self._jacobian(self.state(spin)) * self._units / self._units[:, None]
+        result: Array = found / self.frequency
+        return result
+
+    def _held(self, spin: float) -> Array:
+        """Derivatives of what the constraints hold, without units, shape (m, 12)."""
+        held, disk = self._scenario.constraints, self._scenario.disk
         rows = derivatives(
-            lambda moving: [*places(held, disk, moving), *velocities(held, disk, moving)], state
+            lambda moving: [*places(held, disk, moving), *velocities(held, disk, moving)],
+            self.state(spin),
         )
-        result: Array = np.vstack((flow, rows / disk.radius)) * self._units
+        result: Array = rows * self._units / disk.radius
         return result
 
     def matrices(self, spins: Array, *, drift: bool = True) -> Array:
@@ -192,8 +203,9 @@ class Linearisation:
         ArithmeticError
             If a direction is not neutral that should be.
         """
-        free, neutral, bases = self._tangents(spins, drift=drift)
-        jacobians = self._at(spins)[:, :12]
+        every = self._at(spins)
+        jacobians = every[:, :12]
+        free, neutral, bases = self._tangents(every[:, 12:], drift=drift)
         rows = jacobians[:, free]
         coupling = np.max(np.abs(rows[:, :, neutral]), axis=(1, 2))
         worst = float(np.max(coupling / np.max(np.abs(jacobians), axis=(1, 2))))
@@ -207,29 +219,24 @@ class Linearisation:
 
     def bases(self, spins: Array, *, drift: bool = True) -> Array:
         """Deviations of a state without units by each free number, shape (n, 12, k)."""
-        return self._tangents(spins, drift=drift)[2]
+        return self._tangents(self._at(spins)[:, 12:], drift=drift)[2]
 
     def _at(self, spins: Array) -> Array:
-        """Those of `_derivatives` at spins in rad/s, shape (n, 12 + m, 12)."""
-        spin = (spins / self.frequency)[:, None, None]
-        constant, *others = self._powers
-        result = np.broadcast_to(constant, (spins.size, *constant.shape))
-        for power, each in enumerate(others, 1):
-            result = result + spin**power * each
-        return result
+        """Those of `_by_state` and `_held` at spins in rad/s, shape (n, 12 + m, 12)."""
+        spin = np.vander(spins / self.frequency, len(self._powers), increasing=True)
+        return np.tensordot(spin, self._powers, axes=1)
 
-    def _tangents(self, spins: Array, *, drift: bool) -> tuple[Array, list[int], Array]:
+    def _tangents(self, normals: Array, *, drift: bool) -> tuple[Array, list[int], Array]:
         """Free numbers and neutral ones, and how all deviate with each free one."""
         held = self._scenario.constraints
         # A free spin is that about the centre of gravity: no other motion is stationary.
         neutral = [3] if "constant-spin" in held else [3, 9]
         if not drift and has_drift(held):
             neutral += [0, 1]
-        normals, others = self._at(spins)[:, 12:], np.setdiff1d(np.arange(12), neutral)
-        count = normals.shape[1]
+        others, count = np.setdiff1d(np.arange(12), neutral), normals.shape[1]
         best = qr(self._powers[0][12:, others], mode="r", pivoting=True)[1]
         solved, free = others[best[:count]], others[np.sort(best[count:])]
-        bases = np.zeros((spins.size, 12, free.size))
+        bases = np.zeros((len(normals), 12, free.size))
         bases[:, free] = np.eye(free.size)
         bases[:, solved] = -np.linalg.solve(normals[:, :, solved], normals[:, :, free])
         return free, neutral, bases

@@ -23,6 +23,7 @@ from analysis.data.start import MOTIONS, Motion
 from analysis.stability.linear_full import full_system
 from analysis.stability.linear_reduced import reduced_matrices
 from analysis.stability.linearisation import (
+    ZERO,
     ComplexArray,
     falling,
     has_drift,
@@ -49,9 +50,6 @@ _BISECTIONS = 8
 
 _CLEAR = 0.3
 """A match is clear if it costs at most this part of the eigenvalue's next best match."""
-
-_ZERO = 1e-6
-"""Eigenvalues below this part of sqrt(g / r) are zeros that rounding has moved or split."""
 
 _TIE_BREAK = 1e-6
 """Weight of the convention for colliding eigenvalues against distance and angle."""
@@ -158,19 +156,6 @@ def state_matrices(
     return matrices_over_spin(scenario, system, motion, drift=True)(spin_array(spins))
 
 
-def relevant_matrices(
-    scenario: Scenario,
-    spins: npt.ArrayLike,
-    system: System | None = None,
-    motion: Motion = "inverted",
-) -> Array:
-    """State matrices without the drift pair, shape (n, k, k), k = 6, 4, 3, 3 for Models 1 to 4.
-
-    Arguments and errors are those of `state_matrices`.
-    """
-    return matrices_over_spin(scenario, system, motion)(spin_array(spins))
-
-
 def eigenvalues(
     scenario: Scenario,
     spins: npt.ArrayLike,
@@ -183,8 +168,7 @@ def eigenvalues(
     come in any order; arguments and errors are those of `state_matrices`.
     """
     spins = spin_array(spins)
-    matrices = relevant_matrices(scenario, spins, system, motion)
-    values = np.linalg.eigvals(matrices)
+    values = np.linalg.eigvals(matrices_over_spin(scenario, system, motion)(spins))
     if has_drift(scenario.constraints):
         values = np.column_stack((values, 1j * spins, -1j * spins))
     return falling(values)
@@ -221,7 +205,7 @@ def branches(
     low, high = min(0.0, wanted[0]), max(0.0, wanted[-1])
     every = np.union1d(np.append(helper_spins(low, high), 0.0), wanted)
     matrices = matrices_over_spin(scenario, system, motion)
-    every, values, vectors = _refine(matrices, every, _ZERO * spin_scale(scenario))
+    every, values, vectors = _refine(matrices, every, ZERO * spin_scale(scenario))
     start = int(np.searchsorted(every, 0.0))
     order = _chain(_matches(every, values, vectors), _numbering(values[start]), start)
     values = np.take_along_axis(values, order, axis=1)[np.searchsorted(every, wanted)]

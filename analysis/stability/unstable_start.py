@@ -7,7 +7,7 @@ import numpy as np
 
 from analysis.data.dissipation import Dissipation
 from analysis.data.friction import ViscousFriction
-from analysis.data.limits import STEEPEST_FRICTION
+from analysis.data.quantities import STEEPEST_FRICTION
 from analysis.data.scenario import Scenario
 from analysis.data.start import Start
 from analysis.stability.linearisation import (

@@ -1,9 +1,6 @@
 """What is in a scene: this list holds it, item by item."""
 
-import argparse
-import subprocess
 from collections.abc import Callable
-from importlib.util import find_spec
 from typing import Any
 
 import pytest
@@ -21,8 +18,6 @@ from tests.calls import printed
 from tests.helpers import model
 from tests.scenes import rest_scene, scene_of
 from validation.commands.scene import scene_table
-from validation.parser.top import parser
-from validation.studies import lean
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
 READ = ["sensor Node"]
@@ -195,32 +190,3 @@ def test_ballast_does_not_change_the_motion(part: str) -> None:
 
 def test_joint_with_six_axes_holds_the_same_motion() -> None:
     assert change_of_the_end("euler-tree", six_axes) < 1e-9
-
-
-def test_cost_of_friction_that_does_nothing_is_measured() -> None:
-    frictionless = scene_of(2, "floating", friction=SMOOTH)
-
-    def carried() -> Model:
-        model = build(frictionless)
-        BALLAST["friction of coefficient zero"](model)
-        return model
-
-    found = lean.overhead("part", "scene", carried, lambda: build(frictionless), repeats=2)
-    assert found.carried > 0.0
-    assert found.left_out > 0.0
-    assert found.spread >= 1.0
-    assert len(lean.overhead_table([found]).rows) == 1
-
-
-def test_start_up_is_measured_for_every_subcommand() -> None:
-    actions = parser()._actions
-    (commands,) = (each for each in actions if isinstance(each, argparse._SubParsersAction))
-    assert {call.split()[0] for call in lean.START_UPS} == set(commands.choices)
-    for modules in lean.START_UPS.values():
-        assert all(find_spec(module) for module in modules.split(", "))
-
-
-def test_subcommand_whose_start_up_is_measured_answers() -> None:
-    done = subprocess.run(lean.help_call("scene"), capture_output=True, text=True, check=True)
-    assert done.stdout.startswith("usage:")
-    assert "--formulation" in done.stdout

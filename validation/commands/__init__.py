@@ -1,1 +1,1 @@
-"""What the subcommands of the command line do."""
+"""What the commands of the command line do."""

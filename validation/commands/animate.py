@@ -7,6 +7,7 @@ from analysis import load_run
 from analysis.data.checks import number, positive, within
 from analysis.data.files import whole_file
 from analysis.data.limits import PLAYBACK_SPEEDS
+from analysis.data.names import ArgumentError
 from validation.commands.output import name_of
 from validation.commands.scenarios import find_own
 from validation.kit.animation.keyframes import Keyframes, keyframes
@@ -29,20 +30,18 @@ def _is_gif(out: Path) -> bool:
 
 
 def _check_numbers(options: argparse.Namespace, out: Path) -> None:
-    for name in ("begin", "end"):
-        if getattr(options, name) is not None:
-            number(f"--{name}", getattr(options, name))
-    for name in ("speed", "fps", "width"):
-        if getattr(options, name) is not None:
-            positive(f"--{name}", getattr(options, name))
-    if options.speed is not None:
-        within("--speed", options.speed, *PLAYBACK_SPEEDS)
-    if None not in (options.begin, options.end) and options.begin >= options.end:
-        raise ValueError(
-            f"--begin must lie before --end, got {options.begin:g} and {options.end:g}"
-        )
-    if not _is_gif(out) and (options.fps, options.width) != (None, None):
-        raise ValueError("--fps and --width need --out FILE.gif; a page has neither")
+    told = {name: value for name, value in vars(options).items() if value is not None}
+    for name in {"begin", "end"} & told.keys():
+        number(name, told[name])
+    for name in {"speed", "fps", "width"} & told.keys():
+        positive(name, told[name])
+    if "speed" in told:
+        within("speed", options.speed, *PLAYBACK_SPEEDS)
+    if {"begin", "end"} <= told.keys() and options.begin >= options.end:
+        raise ArgumentError("begin", f"must lie before {options.end:g}, got {options.begin:g}")
+    for name in {"fps", "width"} & told.keys():
+        if not _is_gif(out):
+            raise ArgumentError(name, "needs --out FILE.gif; a page has none")
 
 
 def _write_page(poses: Keyframes, out: Path, options: argparse.Namespace) -> str:

@@ -1,24 +1,22 @@
 """The subcommand `map`: what becomes of the disk over two parameters."""
 
 import argparse
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from analysis.compiled.library import require_heyoka
 from analysis.data.checks import positive
+from analysis.data.names import ArgumentError
 from validation.commands.options import chosen_end, output_folder
 from validation.commands.output import save
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.sweep import chosen_pool, workers
 from validation.kit.progress import bar, duration, say
-from validation.maps.problems import PROBLEMS
+from validation.maps.panel import Panel, run_panel
+from validation.maps.problems import PROBLEMS, panels
 from validation.maps.refinement import expected_cases
-from validation.maps.run import Panel, panels, run_pairs, run_panel
-from validation.maps.uncertainty import Uncertainty, shifted_sweeps
+from validation.maps.uncertainty import DISTANCES, Uncertainty, run_pairs, shifted_sweeps
 from validation.parser.paths import PICTURES
 from validation.sweeps.sweep import Sweep, look_ahead
 
@@ -30,25 +28,25 @@ def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's na
     """Run a map and draw it."""
     problem = PROBLEMS[options.name]
     workers(options)
-    positive("--time-limit", options.time_limit)
+    positive("time_limit", options.time_limit)
     if options.end is None:
         options.end = problem.end
     if options.pairs < 0:
-        raise ValueError(f"--pairs must be a number of starts, got {options.pairs}")
+        raise ArgumentError("pairs", f"must be a number of starts, got {options.pairs}")
     scenario, end = chosen_scenario(options), chosen_end(options, _SHORTEST)
     size = {"cells": options.cells, "levels": options.levels, "witnesses": options.witnesses}
     if options.compiled:
         require_heyoka()
-    how = {"end": end, "compiled": options.compiled}
+    how: dict[str, Any] = {"end": end, "compiled": options.compiled}
     wanted = panels(problem, scenario, **size, **how)
     pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)
-    folder = output_folder("--out", options.out)
+    folder = output_folder("out", options.out)
     _announce(options, wanted, pairs)
     done, fineness = _run(options, wanted, pairs, folder)
     for panel in done:
-        _tell(panel)
+        print(panel.text())
     if fineness is not None:
-        _tell_fineness(fineness)
+        print(_fineness(fineness))
     print(_draw(options, done))
     return 0
 
@@ -75,15 +73,14 @@ def _run(
     problem = PROBLEMS[options.name]
     with chosen_pool(options) as pool, bar(options.name, unit="cases") as shown:
         how: dict[str, Any] = {
-            "pool": pool,
             "time_limit": options.time_limit,
             "told": lambda new, _: shown.update(new),
         }
         done = []
         for index, sweep in enumerate(wanted, 1):
             path = folder / f"{options.name}{f'-{index}' if len(wanted) > 1 else ''}.db"
-            done.append(run_panel(problem, sweep, path, levels=options.levels, **how))
-        return done, run_pairs(problem, pairs, folder, **how) if pairs else None
+            done.append(run_panel(problem, sweep, path, pool, levels=options.levels, **how))
+        return done, run_pairs(problem, pairs, folder, pool, **how) if pairs else None
 
 
 def _draw(options: argparse.Namespace, done: Sequence[Panel]) -> Path:
@@ -97,28 +94,9 @@ def _draw(options: argparse.Namespace, done: Sequence[Panel]) -> Path:
     return path.with_suffix(".png")
 
 
-def _tell_fineness(found: Uncertainty) -> None:
+def _fineness(found: Uncertainty) -> str:
     parts = ", ".join(f"{100 * part:.0f} %" for part in found.parts)
-    print(
+    return (
         f"uncertainty exponent {found.exponent:.2f} ± {found.error:.2f}: of pairs of starts "
-        f"{', '.join(f'{each:.1e}' for each in found.distances)} widths apart, {parts} end "
-        "differently"
+        f"{', '.join(f'{each:.1e}' for each in DISTANCES)} widths apart, {parts} end differently"
     )
-
-
-def _tell(panel: Panel) -> None:
-    """Print what a panel holds."""
-    whole = panel.filled
-    parts = Counter(whole.ravel().tolist())
-    shares = ", ".join(f"{name} {100 * n / whole.size:.0f} %" for name, n in parts.most_common())
-    print(
-        f"{panel.sweep.scenario.name}: {shares}; {len(panel.classes)} runs in place of "
-        f"{whole.size}, {panel.seconds:.0f} s"
-    )
-    if panel.witnesses:
-        apart = [each.difference for each in panel.witnesses.values()]
-        alike = sum(each.alike for each in panel.witnesses.values())
-        print(
-            f"  other side: {alike} of {len(apart)} alike, difference "
-            f"{np.median(apart):.1e} rad in the median, {np.max(apart):.1e} at most"
-        )

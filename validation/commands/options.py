@@ -1,15 +1,27 @@
-"""From options of the command line, which several subcommands share, to what they mean."""
+"""From options of the command line, which several commands share, to what they mean."""
 
 import argparse
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import Any
 
-from analysis.data.checks import number, positive, within
-from analysis.data.limits import LONGEST_MOTION, SHORTEST_STEP, Effort
+import numpy as np
+
+from analysis.data.checks import Array, positive, within
+from analysis.data.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort
+from analysis.data.names import ArgumentError
+from analysis.data.written import read_value
 from validation.kit.progress import say
+from validation.parser.runs import OPTIONS
 
 PATIENCE = 60.0
 """Processor time in s from which on a run is announced before it starts."""
+
+
+def run_options(options: argparse.Namespace) -> dict[str, Any]:
+    """What is told of how a run is made, as `validation.run` takes it."""
+    told = {name: getattr(options, name, None) for name in OPTIONS}
+    return {name: value for name, value in told.items() if value is not None}
 
 
 def announce(command: str, effort: Effort, time_limit: float | None = None) -> None:
@@ -18,7 +30,7 @@ def announce(command: str, effort: Effort, time_limit: float | None = None) -> N
     Parameters
     ----------
     command : str
-        Name of the subcommand.
+        Name of the command.
     effort : Effort
     time_limit : float, optional
         Processor time in s that the run may take.
@@ -47,7 +59,7 @@ def output_folder(name: str, value: str) -> Path:
 
     Raises
     ------
-    ValueError
+    ArgumentError
         If it cannot be made or written to.
     """
     path = Path(value)
@@ -56,25 +68,44 @@ def output_folder(name: str, value: str) -> Path:
         with TemporaryFile(dir=path):
             pass
     except OSError as error:
-        raise ValueError(
-            f"{name} must be a folder that can be written to, got {value!r} ({error.strerror})"
-        ) from error
+        fault = f"must be a folder that can be written to, got {value!r} ({error.strerror})"
+        raise ArgumentError(name, fault) from error
     return path
 
 
-def written_number(name: str, text: str) -> float:
-    """Finite number from the text of an option.
+def parse_spins(texts: list[str]) -> Array:
+    """Spins in rad/s from values, lists and ranges in any order: each once, shape (n,).
+
+    Parameters
+    ----------
+    texts : list of str
+        Each a value, values with commas between, or `first:last:number`; without a number the
+        ends alone.
 
     Raises
     ------
-    ValueError
-        If it is none.
+    ArgumentError
+        If a text is none of these, or a range is empty or longer than `MOST_SPINS`.
     """
-    try:
-        value = float(text)
-    except ValueError:
-        raise ValueError(f"{name} must be a finite number, got {text!r}") from None
-    return number(name, value)
+    spins: list[float] = []
+    for text in ",".join(texts).split(","):
+        *ends, last = text.split(":")
+        count = 1 if not ends else 2
+        if len(ends) == 2:
+            count, last = int(last) if last.isdigit() else 0, ends.pop()
+        values = [float(read_value("start.spin", each, "spin")) for each in (*ends, last)]
+        if (
+            len(ends) > 1
+            or not len(values) <= count <= MOST_SPINS
+            or len({*values}) != len(values)
+        ):
+            raise ArgumentError(
+                "spin",
+                "must be a value or first:last:number, of different ends and at least 2 and at "
+                f"most {MOST_SPINS} spins, got {text!r}",
+            )
+        spins += np.linspace(values[0], values[-1], count).tolist()
+    return np.unique(spins)
 
 
 def chosen_end(options: argparse.Namespace, least: float = SHORTEST_STEP) -> float:
@@ -88,7 +119,7 @@ def chosen_end(options: argparse.Namespace, least: float = SHORTEST_STEP) -> flo
 
     Raises
     ------
-    ValueError
+    ArgumentError
         If it is not positive, below `least` or beyond `LONGEST_MOTION`.
     """
-    return within("--end", positive("--end", options.end), least, LONGEST_MOTION)
+    return within("end", positive("end", options.end), least, LONGEST_MOTION)

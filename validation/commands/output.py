@@ -1,9 +1,10 @@
-"""Where the numbers and the picture of a subcommand go."""
+"""Where the numbers and the picture of a command go."""
 
 import argparse
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,34 +13,64 @@ from validation.kit.tables import Table
 from validation.parser.paths import PICTURES
 
 
-def as_text(options: argparse.Namespace) -> bool:
-    """Whether the numbers are printed as tables: nothing else is asked for."""
-    return not options.json and options.csv is None and options.plot is None
-
-
-def deliver(
-    options: argparse.Namespace, shown: Sequence[Table], values: Any, *, stored: int = 0
-) -> None:
-    """Store a table and print the values, or all tables if nothing else is asked for.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Result:
+    """What a command has found.
 
     Parameters
     ----------
-    options : argparse.Namespace
-        `csv`, `json` and `plot`.
-    shown : sequence of Table
+    tables : sequence of Table
+        Printed, unless the numbers go elsewhere.
     values
-        What JSON knows.
-    stored : int
-        Index of the table for the file.
+        What JSON knows; by default the rows of the first table.
+    csv : callable, optional
+        Writes the table of the file to a path; by default that is the first table.
+    draw : callable, optional
+        Makes the figure.
+    before, after : sequence of str
+        Lines that are printed with the tables.
+    notes : sequence of str
+        Lines that are printed in any case, beside a file that takes standard output.
+    code : int
+        Exit code: 1 if a check fails.
     """
-    if options.csv is not None:
-        write(shown[stored], options.csv)
-    if options.json:
-        print(json.dumps(values))
-    if as_text(options):
-        for table in shown:
-            parts = (table.title, table.to_text() if table.rows else "none", table.note)
-            print("\n".join(part for part in parts if part), end="\n\n")
+
+    tables: Sequence[Table] = ()
+    values: Any = None
+    csv: Callable[[Path], object] | None = None
+    draw: Callable[[], Any] | None = None
+    before: Sequence[str] = ()
+    after: Sequence[str] = ()
+    notes: Sequence[str] = ()
+    code: int = 0
+
+    def deliver(self, options: argparse.Namespace) -> int:
+        """Store, draw and print what is asked for; returns the exit code."""
+        given = vars(options)
+        if (path := given.get("csv")) is not None:
+            (self.csv or self._write)(path)
+        if (path := given.get("plot")) is not None and self.draw is not None:
+            save(self.draw(), path)
+        if given.get("json"):
+            print(json.dumps(self._values()))
+            return self.code
+        lines = [*self.notes]
+        if given.get("csv") is None:
+            lines = [*self.before, *map(_text, self.tables), *self.after, *lines]
+        for line in lines:
+            print(line)
+        return self.code
+
+    def _write(self, path: Path) -> None:
+        write(self.tables[0], path)
+
+    def _values(self) -> Any:
+        return self.tables[0].records() if self.values is None else self.values
+
+
+def _text(table: Table) -> str:
+    parts = (table.title, table.to_text() if table.rows else "none", table.note)
+    return "\n".join(part for part in parts if part) + "\n"
 
 
 def name_of(path: Path) -> str:

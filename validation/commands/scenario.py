@@ -1,9 +1,12 @@
-"""The subcommands `scenario` and `check`: a problem as a file, and the two sides on it."""
+"""The commands `scenario` and `check`: a problem as a file, and the two sides on it."""
 
 import argparse
+from typing import Any
 
-from analysis.data.scenario_file import scenario_text
+from analysis import scenario_text
+from analysis.data.checks import whole
 from validation.commands.options import chosen_end
+from validation.commands.output import Result
 from validation.commands.scenarios import chosen_scenario
 
 
@@ -13,17 +16,31 @@ def scenario(options: argparse.Namespace) -> int:
     return 0
 
 
-def check(options: argparse.Namespace) -> int:
-    """Print how the engine and the in-house equations agree; 1 if they do not."""
+def check(options: argparse.Namespace) -> Result:
+    """Say how the engine and the in-house equations agree; 1 if they do not."""
     chosen, end = chosen_scenario(options), chosen_end(options)
-    if options.states < 1:
-        raise ValueError(f"--states must be at least 1, got {options.states}")
+    whole("states", options.states)
     from validation.studies import crosscheck
 
     checks = crosscheck.check_scenario(chosen, states=options.states, end=end)
-    table = crosscheck.table(checks)
-    print(f"{table.title}\n{table.to_text()}")
     failed = sum(each.verdict is False for each in checks)
     held = sum(each.verdict is True for each in checks)
-    print(f"{failed} checks FAIL." if failed else f"All {held} checks hold.")
-    return 1 if failed else 0
+    return Result(
+        tables=[crosscheck.table(checks)],
+        notes=[f"{failed} checks FAIL." if failed else f"All {held} checks hold."],
+        draw=lambda: _picture(checks),
+        code=1 if failed else 0,
+    )
+
+
+def _picture(checks: Any) -> Any:
+    """Figure of the differences as parts of what is allowed."""
+    from validation.kit import figures
+
+    shown = [each for each in checks if each.difference is not None]
+    figure, axes = figures.new_figure(height=1.0 + 0.3 * len(shown))
+    names = [f"{each.quantity}, {each.formulation}" for each in shown]
+    axes.plot([each.difference / each.criterion for each in shown], names, "o", color="black")
+    axes.axvline(1.0, color=figures.COLOURS[2])
+    axes.set(xscale="log", xlabel="largest difference over what is allowed")
+    return figure

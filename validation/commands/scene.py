@@ -1,19 +1,18 @@
-"""The subcommand `scene`: what is in a scene, and why."""
+"""The command `scene`: what is in a scene, and why."""
 
 import argparse
 
 from mbs_models.inventory import Inventory, inventory
 from mbs_models.scene import Scene
+from validation.commands.output import Result
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.tables import Table
 
 
-def scene(options: argparse.Namespace) -> int:
-    """Print the items of a scene; the options are those of `tippedisk scene`."""
+def scene(options: argparse.Namespace) -> Result:
+    """List the items of a scene."""
     described = Scene(scenario=chosen_scenario(options), formulation=options.formulation)
-    table = scene_table(inventory(described))
-    print(f"{table.title}\n{table.to_text()}\n{table.note}")
-    return 0
+    return Result(tables=[scene_table(inventory(described))])
 
 
 def scene_table(listed: Inventory) -> Table:

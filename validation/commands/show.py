@@ -2,63 +2,62 @@
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
+from functools import partial
+from typing import Any
 
 from analysis import StoredRun, load_run
-from validation.commands.output import name_of, save, write
+from validation.commands.output import Result, name_of, write
 from validation.commands.scenarios import find_own
 from validation.kit.differences import difference_table, fields_table
 
 Runs = Sequence[tuple[str, StoredRun]]
 
 
-def show(options: argparse.Namespace) -> int:
-    """Print what stored motions are and how far apart, and plot them over each other."""
+def show(options: argparse.Namespace) -> Result:
+    """Say what stored motions are and how far apart, and plot them over each other."""
     find_own(options)
     runs = [(name_of(file), load_run(file)) for file in options.files]
-    _tell(runs, options.csv)
-    if options.out is not None or options.csv is None:
-        _draw(runs, options.out)
-    return 0
+    apart, alone = fields_table(runs), len(runs) == 1
+    wanted = (options.csv, options.plot, options.json or None)
+    notes = () if any(each is not None for each in wanted) else _window(runs)
+    differences = difference_table(runs)
+    return Result(
+        tables=([apart] if apart.rows else []) + ([] if alone else [differences]),
+        after=[f"{name}: {run!r}" for name, run in runs],
+        values={
+            "runs": {name: repr(run) for name, run in runs},
+            "fields": apart.records(),
+            "differences": differences.records(),
+        },
+        csv=runs[0][1].to_csv if alone else partial(write, differences),
+        draw=lambda: picture(runs),
+        notes=notes,
+    )
 
 
-def _tell(runs: Runs, out: Path | None) -> None:
-    """Print what tells motions apart and by how much; store that, or the samples of one alone."""
-    apart = fields_table(runs)
-    if apart.rows:
-        print(f"{apart.title}\n{apart.to_text()}\n")
-    for name, run in runs:
-        print(f"{name}: {run!r}")
-    if len(runs) == 1:
-        if out is not None:
-            runs[0][1].to_csv(out)
-        return
-    table = difference_table(runs)
-    print(f"\n{table.title}")
-    if table.rows:
-        print(table.to_text())
-    if table.note:
-        print(table.note)
-    if out is not None:
-        write(table, out)
-
-
-def _draw(runs: Runs, out: Path | None) -> None:
-    """Plot motions over each other into a file or a window."""
+def picture(runs: Runs) -> Any:
+    """Figure of motions over each other."""
     from validation.kit import figures
 
-    # Between two dollars there would be a formula.
-    labelled = [(name.replace("$", r"\$"), run) for name, run in runs]
-    if out is not None:
-        figure, axes = figures.new_figure(4, height=8.5)
-        figures.comparison(labelled, axes)
-        save(figure, out)
-        return
+    figure, axes = figures.new_figure(4, height=8.5)
+    figures.comparison(_labelled(runs), axes)
+    return figure
+
+
+def _window(runs: Runs) -> list[str]:
+    """Show motions over each other in a window, or say that there is no screen for it."""
     import matplotlib.pyplot as plt
 
+    from validation.kit import figures
+
     if plt.get_backend().lower() == "agg":
-        print("\nno screen to open a window on; --out PICTURE draws the motions")
-        return
+        return ["no screen to open a window on; --plot PICTURE draws the motions"]
     _, axes = plt.subplots(4, 1, sharex=True, figsize=(7.5, 8.5), layout="constrained")
-    figures.comparison(labelled, axes)
+    figures.comparison(_labelled(runs), axes)
     plt.show()
+    return []
+
+
+def _labelled(runs: Runs) -> list[tuple[str, StoredRun]]:
+    # Between two dollars there would be a formula.
+    return [(name.replace("$", r"\$"), run) for name, run in runs]

@@ -1,76 +1,78 @@
-"""What the subcommands on linear stability do; each returns the exit code."""
+"""What the commands on linear stability do."""
 
 import argparse
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from analysis import Scenario
 from analysis.data.checks import Array
-from analysis.data.limits import MOST_SPINS
+from analysis.data.names import ArgumentError
 from analysis.stability import linear_reduced, spectra
 from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.spectra import Branches
 from analysis.stability.stable_spins import stable_spins
-from validation.commands.options import written_number
-from validation.commands.output import as_text, deliver, save
+from validation.commands.options import parse_spins
+from validation.commands.output import Result, write
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import counted
 from validation.kit.tables import Table
 
 
-def eigenvalues(options: argparse.Namespace) -> int:
-    """Print, store or plot eigenvalues over the spin."""
-    spins = parse_spins(options.spins)
-    if options.formulation is not None and options.source != "engine":
-        raise ValueError("--formulation needs --source engine")
+def eigenvalues(options: argparse.Namespace) -> Result:
+    """Tell eigenvalues over the spin."""
+    spins = parse_spins(options.spin)
+    if options.source != "engine" and options.formulation is not None:
+        raise ArgumentError("formulation", "needs --source engine")
     scenario = _scenario(options)
     found = _branches(options, scenario, spins)
-    table = _table(scenario.name, found)
     rows = [
         {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
         for spin, values in zip(found.spins.tolist(), found.values, strict=True)
     ]
-    deliver(options, [table], rows)
-    if options.plot is not None:
-        save(_draw(found, f"{options.motion} spinning, {scenario.name},"), options.plot)
-    return 0
+    return Result(
+        tables=[_table(scenario.name, found)],
+        values=rows,
+        draw=lambda: _draw(found, f"{options.motion} spinning, {scenario.name},"),
+    )
 
 
-def critical(options: argparse.Namespace) -> int:
-    """Print, store or plot where spinning is stable, and critical spins beside the closed form."""
+def critical(options: argparse.Namespace) -> Result:
+    """Tell where spinning is stable, and critical spins beside the closed form."""
     from validation.studies.stability.tables import critical_table, in_words, stable_table
 
     scenario = _scenario(options)
-    ends = options.spins.split(":")
-    if len(ends) != 2:
-        raise ValueError(f"--spin must be FIRST:LAST, got {options.spins!r}")
-    low, high = sorted(written_number("--spin", end) for end in ends)
-    found = critical_speeds(scenario, (low, high), options.system, options.motion)
-    where = stable_spins(scenario, (low, high), motion=options.motion)
+    spins = parse_spins(options.spin)
+    ends = (float(spins[0]), float(spins[-1]))
+    found = critical_speeds(scenario, ends, options.system, options.motion)
+    where = stable_spins(scenario, ends, motion=options.motion)
     closed = linear_reduced.critical_speed(scenario, options.motion)
-    if as_text(options):
-        print(f"{scenario.name}: {options.motion} spinning is stable {in_words(where)}.\n")
-    tables = [stable_table(scenario, (low, high), options.motion), critical_table(found)]
-    values = {
-        "stable": where,
-        "crossings": [asdict(each) for each in found.crossings],
-        "pair_changes": [asdict(each) for each in found.pair_changes],
-        "reason": found.reason,
-        "closed_form": asdict(closed),
-    }
-    deliver(options, tables, values, stored=1)
-    if options.plot is not None:
-        branches = spectra.branches(
-            scenario, spectra.helper_spins(low, high), options.system, options.motion
+    crossings = critical_table(found)
+
+    def picture() -> Any:
+        helpers = spectra.helper_spins(*ends)
+        branches = spectra.branches(scenario, helpers, options.system, options.motion)
+        return _draw(
+            branches, f"{options.motion} spinning, {scenario.name},", where, found.crossings
         )
-        what = f"{options.motion} spinning, {scenario.name},"
-        save(_draw(branches, what, where, found.crossings), options.plot)
-    if as_text(options):
-        print(_closed_form(closed))
-    return 0
+
+    return Result(
+        before=[f"{scenario.name}: {options.motion} spinning is stable {in_words(where)}.\n"],
+        tables=[stable_table(scenario, ends, options.motion), crossings],
+        after=[_closed_form(closed)],
+        values={
+            "stable": where,
+            "crossings": [asdict(each) for each in found.crossings],
+            "pair_changes": [asdict(each) for each in found.pair_changes],
+            "reason": found.reason,
+            "closed_form": asdict(closed),
+        },
+        csv=partial(write, crossings),
+        draw=picture,
+    )
 
 
 def _closed_form(closed: linear_reduced.CriticalSpeed) -> str:
@@ -83,33 +85,6 @@ def _closed_form(closed: linear_reduced.CriticalSpeed) -> str:
         f"Closed form of the reduced system with any friction, Eq. (126): {closed.spin:.6g} "
         f"rad/s; {meaning}."
     )
-
-
-def parse_spins(texts: list[str]) -> Array:
-    """Spins in rad/s from values and ranges `first:last:number` in any order: each once, (n,).
-
-    Raises
-    ------
-    ValueError
-        If a text is neither, or a range is empty or longer than `MOST_SPINS`.
-    """
-    spins: list[float] = []
-    for text in texts:
-        parts = text.split(":")
-        if len(parts) == 1:
-            spins.append(written_number("--spin", text))
-            continue
-        if len(parts) != 3 or not parts[2].isdigit() or int(parts[2]) < 2:
-            raise ValueError(
-                f"--spin must be a value or FIRST:LAST:NUMBER with at least 2, got {text!r}"
-            )
-        first, last = sorted(written_number("--spin", end) for end in parts[:2])
-        if first == last:
-            raise ValueError(f"--spin must have a FIRST other than LAST, got {text!r}")
-        if int(parts[2]) > MOST_SPINS:
-            raise ValueError(f"--spin must name at most {MOST_SPINS} spins, got {text!r}")
-        spins += np.linspace(first, last, int(parts[2])).tolist()
-    return np.unique(spins)
 
 
 def _scenario(options: argparse.Namespace) -> Scenario:

@@ -14,7 +14,7 @@ def report(options: argparse.Namespace) -> int:
     from analysis.data.files import whole_file
     from validation.report import as_text, make
 
-    made = make(output_folder("--out", options.out), only=options.only, fresh=options.fresh)
+    made = make(output_folder("out", options.out), only=options.only or (), fresh=options.fresh)
     for section in made.sections:
         held = sum(check.holds for check in section.checks)
         print(f"{section.title}: {held} of {len(section.checks)} checks hold")
@@ -46,8 +46,8 @@ def study(options: argparse.Namespace) -> int:
     """Measure the stored tables of a study anew, all cases of them."""
     from validation.report import find, measure
 
-    folder = output_folder("--out", options.out)
-    results = output_folder("--results", options.results or options.out)
+    folder = output_folder("out", options.out)
+    results = output_folder("results", options.results or options.out)
     stored = [each for each in find(options.name).STUDIES if each.is_stored]
     if not stored:
         raise ValueError(

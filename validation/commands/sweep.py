@@ -6,13 +6,15 @@ import shutil
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from analysis.data.checks import choice, positive
+from analysis.data.checks import choice, positive, whole
+from analysis.data.names import ArgumentError
 from analysis.data.outcomes import DONE
 from validation.commands.options import PATIENCE, chosen_end
-from validation.commands.output import save
+from validation.commands.output import Result
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import bar, duration, say
 from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
@@ -26,17 +28,16 @@ from validation.sweeps.sweep import LookAhead, Sweep, look_ahead
 _FILE = ("axes", "layout", "number", "seed")
 
 
-def sweep(options: argparse.Namespace) -> int:
+def sweep(options: argparse.Namespace) -> Result:
     """Run what the store does not hold yet, and say what it holds then."""
     out = options.out
-    table = options.csv
     wanted = Sweep(
         scenario=chosen_scenario(options, rest=options.rest),
         design=chosen_design(options),
         plan=_plan(options),
     )
     processes = workers(options)
-    time_limit = positive("--time-limit", options.time_limit)
+    time_limit = positive("time_limit", options.time_limit)
     _check_size(wanted, out, options.most)
     if options.plot is not None:
         _check_plot(wanted)
@@ -54,12 +55,13 @@ def sweep(options: argparse.Namespace) -> int:
                 how = {"time_limit": time_limit, "retry": options.retry, "told": told}
                 run_cases(wanted, store, pool, **how)
         failed = store.count() - store.count(DONE)
-        print(f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else ""))
-    if table is not None:
-        print(f"{table}: {write_csv(out, table)} rows")
-    if options.plot is not None:
-        _plot(out, options.plot)
-    return 0
+        found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
+    return Result(
+        values=_rows(out) if options.json else (),
+        csv=partial(write_csv, out),
+        draw=lambda: _picture(out),
+        notes=[found],
+    )
 
 
 def _check_plot(wanted: Sweep) -> None:
@@ -68,25 +70,32 @@ def _check_plot(wanted: Sweep) -> None:
     try:
         check_drawable(wanted)
     except ValueError as error:
-        raise ValueError(f"--plot: {error}") from None
+        raise ArgumentError("plot", f"cannot be made: {error}") from None
 
 
-def _plot(store: Path, path: Path) -> None:
-    """Draw a store."""
+def _rows(store: Path) -> list[dict[str, Any]]:
+    """All rows of a store, with null for what is no number."""
+    columns = Results.load(store).columns
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    return [
+        {name: None if value != value else value for name, value in zip(columns, row, strict=True)}  # noqa: PLR0124
+        for row in rows
+    ]
+
+
+def _picture(store: Path) -> Any:
     from validation.maps.sweeps import draw
 
-    figure = draw(Results.load(store))
-    save(figure, path)
-    print(path)
+    return draw(Results.load(store))
 
 
 def workers(options: argparse.Namespace) -> int:
     """Number of processes; `ValueError` if it is none."""
-    if options.workers is not None and options.workers < 1:
-        raise ValueError(f"--workers must be at least 1, got {options.workers}")
+    if options.workers is not None:
+        whole("workers", options.workers)
     check_executor(options.executor)
     if options.scheduler is not None and options.executor != "dask":
-        raise ValueError(f"--scheduler needs --executor dask, got {options.executor}")
+        raise ArgumentError("scheduler", f"needs --executor dask, got {options.executor}")
     return options.workers or os.cpu_count() or 1
 
 
@@ -158,7 +167,7 @@ def _check_size(wanted: Sweep, out: Path, most: int) -> None:
     """Raise before anything runs if there are more cases than wanted, or than the disk holds."""
     size = wanted.design.size
     if size > most:
-        raise ValueError(f"{size} cases are asked for, and --most allows {most}")
+        raise ArgumentError("most", f"allows {most} cases, and {size} are asked for")
     needed, free = expected_size(wanted), shutil.disk_usage(out.parent).free
     if needed > free:
         raise ValueError(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -71,7 +72,7 @@ def fields_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
     runs : sequence of (str, StoredRun)
         Labels and motions.
     """
-    told = [_fields(run) for _, run in runs]
+    told = [flat(run.scenario.values()) for _, run in runs]
     sources = {run.source for _, run in runs}
     if len(sources) == 1:
         told = [
@@ -95,14 +96,17 @@ def fields_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
     )
 
 
-def _fields(run: StoredRun) -> dict[str, Cell]:
-    """What a scenario says, by the dotted names of its file."""
+def flat(values: Any, name: str = "") -> dict[str, Cell]:
+    """Nested plain data as one level, with dotted names; lists of words and numbers as text."""
+    if isinstance(values, list | tuple):
+        if not any(isinstance(each, Mapping | list | tuple) for each in values):
+            return {name: ", ".join(map(str, values)) or None}
+        values = dict(enumerate(values))
+    if not isinstance(values, Mapping):
+        return {name: values}
     found: dict[str, Cell] = {}
-    for table, values in run.scenario.values().items():
-        parts = values if isinstance(values, Mapping) else {"": values}
-        for key, value in parts.items():
-            name = f"{table}.{key}" if key else table
-            found[name] = ", ".join(map(str, value)) if isinstance(value, list | tuple) else value
+    for key, value in values.items():
+        found |= flat(value, ".".join(filter(None, (name, str(key)))))
     return found
 
 

@@ -5,7 +5,7 @@ import html
 import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, floor, log10
+from math import ceil, floor, inf, log10
 from typing import Any, Protocol, TypeVar
 
 Cell = str | float | int | bool | None
@@ -94,6 +94,10 @@ class Table:
         """
         rows = [[cell(each) for cell in columns.values()] for each in items]
         return cls(columns=tuple(columns), rows=rows, **told)
+
+    def records(self) -> list[dict[str, Cell]]:
+        """Rows by their headings."""
+        return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
 
     def to_csv(self) -> str:
         """Comma-separated text with full precision."""
@@ -262,7 +266,7 @@ class Tables:
 
 def at_most(value: float) -> str:
     """One digit, rounded up, for what is no larger: "8e-10"."""
-    if not value > 0.0:
+    if not 0.0 < value < inf:
         return f"{value:g}"
     exponent = floor(log10(value))
     # Rounding to some digits first keeps 2e-7 what it is.

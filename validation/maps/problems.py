@@ -1,6 +1,6 @@
 """The maps: what each shows, over which axes, and how its cases are run."""
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from math import pi
@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from analysis import MODELS, Scenario
+from analysis.data.changes import changed
 from analysis.data.checks import Array
-from analysis.data.fields import changed
-from analysis.data.outcomes import DONE, Row
+from analysis.data.outcomes import DONE
+from analysis.data.written import unit
 from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
@@ -23,8 +24,6 @@ THEORY_SAMPLES = 31
 ENGINE_STEP = 5e-3
 """Step in s of the engine in maps of Model 1."""
 
-Classify = Callable[[Scenario, Row], str]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
@@ -33,10 +32,8 @@ class Problem:
     Parameters
     ----------
     title : str
-    axes : tuple of 2 pairs
-        Horizontal and vertical one: field, first and last value.
-    labels : tuple of 2 str
-        With units.
+    right, up : tuple of (str, float, float)
+        Horizontal and vertical axis: field, first and last value.
     end : float
         Of each motion in s, unless another is asked for.
     basins : bool
@@ -46,8 +43,8 @@ class Problem:
     """
 
     title: str
-    axes: tuple[tuple[str, Any, Any], tuple[str, Any, Any]]
-    labels: tuple[str, str]
+    right: tuple[str, float, float]
+    up: tuple[str, float, float]
     end: float = 4.0
     basins: bool = False
     to_rest: bool = False
@@ -55,62 +52,109 @@ class Problem:
 
 _TILT = ("start.beta", pi / 2 - 0.7, pi / 2 + 0.7)
 _TURN = ("start.gamma", -pi / 2, pi / 2)
-_SPIN = "spinning speed at the start in rad/s"
+_SPIN = ("start.spin", 20.0, 60.0)
 
 PROBLEMS = {
     "spin-friction": Problem(
         title="Inversion over spin and friction",
-        axes=(("start.spin", 20.0, 60.0), ("friction.coefficient", 0.02, 0.6)),
-        labels=(_SPIN, "friction coefficient μ"),
+        right=_SPIN,
+        up=("friction.coefficient", 0.02, 0.6),
     ),
     "spin-eccentricity": Problem(
         title="Inversion over spin and eccentricity",
-        axes=(("start.spin", 20.0, 60.0), ("disk.eccentricity", 2.5e-4, 6e-3)),
-        labels=(_SPIN, "eccentricity in m"),
+        right=_SPIN,
+        up=("disk.eccentricity", 2.5e-4, 6e-3),
     ),
-    "attitude": Problem(
-        title="Inversion over the attitude at the start",
-        axes=(_TURN, _TILT),
-        labels=("γ at the start in rad", "β at the start in rad"),
-    ),
+    "attitude": Problem(title="Inversion over the attitude at the start", right=_TURN, up=_TILT),
     "tilting": Problem(
         title="Inversion over tilt and tilting rate at the start",
-        axes=(("start.beta_rate", -15.0, 15.0), _TILT),
-        labels=("rate of β at the start in rad/s", "β at the start in rad"),
+        right=("start.beta_rate", -15.0, 15.0),
+        up=_TILT,
     ),
     "basins": Problem(
         title="Starts that end in inverted spinning, by model",
-        axes=(_TURN, _TILT),
-        labels=("γ at the start in rad", "β at the start in rad"),
+        right=_TURN,
+        up=_TILT,
         basins=True,
     ),
     "rest": Problem(
         title="Which face is up at rest",
-        axes=(("start.spin", 24.0, 36.0), ("start.beta", pi / 2 - 0.4, pi / 2 + 0.4)),
-        labels=(_SPIN, "β at the start in rad"),
+        right=("start.spin", 24.0, 36.0),
+        up=("start.beta", pi / 2 - 0.4, pi / 2 + 0.4),
         end=20.0,
         to_rest=True,
     ),
 }
 """By the names of the command."""
 
+_LABELS = {
+    "start.spin": "spinning speed at the start in rad/s",
+    "start.beta": "β at the start in rad",
+    "start.gamma": "γ at the start in rad",
+    "start.beta_rate": "rate of β at the start in rad/s",
+    "friction.coefficient": "friction coefficient μ",
+    "disk.eccentricity": "eccentricity in m",
+}
 
-def sweep_of(problem: Problem, scenario: Scenario, *, count: int, plan: Plan) -> Sweep:
-    """Sweep over the axes of a map, the vertical one first.
+
+def label(field: str) -> str:
+    """What stands at the axis of a field, with its unit."""
+    name, measure = field.replace("_", " ").replace(".", ": "), unit(field)
+    return _LABELS.get(field, f"{name} in {measure}" if measure else name)
+
+
+def panels(
+    problem: Problem,
+    scenario: Scenario,
+    *,
+    cells: int,
+    levels: int,
+    end: float,
+    witnesses: int,
+    compiled: bool = False,
+) -> list[Sweep]:
+    """Sweeps over the finest grids of a map, its vertical axis first.
 
     Parameters
     ----------
     problem : Problem
     scenario : Scenario
-    count : int
-        Of values along each axis.
-    plan : Plan
+    cells : int
+        Of the coarse grid along each axis.
+    levels : int
+        How often cells are halved where outcomes change.
+    end : float
+        Of each motion in s.
+    witnesses : int
+        Cases of the coarse grid that the other side runs as well, evenly spread, and as large a
+        part of the others.
+    compiled : bool
+        Whether runs are compiled; see `quickest_plan`.
+
+    Raises
+    ------
+    ValueError
+        If a number is out of range.
     """
+    for name, least, value, most in (("cells", 1, cells, 10_000), ("levels", 0, levels, 12)):
+        if not least <= value <= most:
+            raise ValueError(f"{name} must lie from {least} to {most}, got {value}")
+    count = cells * 2**levels + 1
+    witnesses = min(round(witnesses * count**2 / (cells + 1) ** 2), count**2)
     axes = tuple(
         Axis(field=field, first=first, last=last, count=count)
-        for field, first, last in reversed(problem.axes)
+        for field, first, last in (problem.up, problem.right)
     )
-    return Sweep(scenario=scenario, design=Design(axes=axes), plan=plan)
+    models = MODELS.values() if problem.basins else [scenario.constraints]
+    scenarios = [replace(scenario, constraints=constraints) for constraints in models]
+    return [
+        Sweep(
+            scenario=each,
+            design=Design(axes=axes),
+            plan=quickest_plan(each, end, witnesses, compiled=compiled),
+        )
+        for each in scenarios
+    ]
 
 
 def quickest_plan(
@@ -139,57 +183,43 @@ def quickest_plan(
     return Plan(formulation=form, local_tolerance=1e-6, **how)
 
 
-def models_beside(scenario: Scenario) -> list[Scenario]:
-    """The scenario with the constraints of Models 1 to 4."""
-    return [replace(scenario, constraints=constraints) for constraints in MODELS.values()]
-
-
-def inversion_class(_: Scenario, row: Row) -> str:
-    """What became of the inversion in a case."""
-    if row["status"] == "refused":
-        return "refused"
+def judged(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
+    """What became of the disk in a case: of its inversion, or which of its faces is up."""
     if row["status"] != DONE:
-        return "failed"
+        return "refused" if row["status"] == "refused" and not to_rest else "failed"
+    if to_rest:
+        return _face(scenario, row)
     if row["inversion"] in ("inverted", "lost", "not decided"):
         return str(row["inversion"])
     return {"contact would pull": "pulls", "flat": "flat"}.get(str(row["ending"]), "not inverted")
 
 
-def face_class(scenario: Scenario, row: Row) -> str:
+def _face(scenario: Scenario, row: Mapping[str, Any]) -> str:
     """Which face of a case is up at rest, as soon as that cannot change any more.
 
     The disk passes from one face to the other through standing on its rim, where its potential
     energy is m g (r - e) at least. With less energy than that it stays on its side, however long
     it takes to come to rest there.
     """
-    if row["status"] != DONE:
-        return "failed"
-    disk = scenario.disk
-    barrier = scenario.weight * (disk.radius - disk.eccentricity)
+    barrier = scenario.weight * (scenario.disk.radius - scenario.disk.eccentricity)
     is_decided = float(row["energy_end"] or np.inf) < barrier or row["ending"] == "flat"
     if not is_decided:
         return "not decided"
     return "upper face" if float(row["face_end"] or 0.0) > 0.0 else "lower face"
 
 
-def classify(problem: Problem) -> Classify:
-    """How the cases of a map are told apart."""
-    return face_class if problem.to_rest else inversion_class
-
-
 @cache
-def critical_points(problem: Problem, scenario: Scenario) -> Array:
+def critical_points(sweep: Sweep) -> Array:
     """Critical spins of inverted spinning along the vertical axis, shape (n, 2).
 
     Empty for a map that has no spin along its horizontal axis.
     """
-    (field, first, last), (other, low, high) = problem.axes
-    if field != "start.spin" or problem.to_rest or not scenario.table.is_horizontal:
+    up, right = sweep.design.axes
+    if right.field != "start.spin" or not sweep.scenario.table.is_horizontal:
         return np.empty((0, 2))
+    ends = (right.between(0.0), right.between(1.0))
     points = []
-    for value in np.linspace(low, high, THEORY_SAMPLES).tolist():
-        at = changed(scenario, {other: value})
-        points += [
-            (crossing.spin, value) for crossing in critical_speeds(at, (first, last)).crossings
-        ]
+    for value in np.linspace(up.between(0.0), up.between(1.0), THEORY_SAMPLES).tolist():
+        at = changed(sweep.scenario, {up.field: value})
+        points += [(crossing.spin, value) for crossing in critical_speeds(at, ends).crossings]
     return np.array(points).reshape(-1, 2)

@@ -4,15 +4,21 @@ Source: C. Grebogi, S. W. McDonald, E. Ott and J. A. Yorke, Final state sensitiv
 to predictability, Physics Letters A 99 (1983).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis import Scenario
 from analysis.data.checks import Array
-from validation.maps.problems import Problem, quickest_plan
+from validation.maps.problems import Problem, judged, quickest_plan
 from validation.sweeps.axes import Axis, Design
+from validation.sweeps.pools import Pool
+from validation.sweeps.runner import run_cases
+from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
 
 DISTANCES = (0.04, 0.04 / 4, 0.04 / 16, 0.04 / 64)
@@ -31,7 +37,6 @@ class Uncertainty:
 
     Parameters
     ----------
-    distances : ndarray, shape (n,)
     parts : ndarray, shape (n,)
         Of pairs of starts so far apart, those of different class.
     exponent : float
@@ -41,7 +46,6 @@ class Uncertainty:
         Standard deviation of the exponent over resampled pairs.
     """
 
-    distances: Array
     parts: Array
     exponent: float
     error: float
@@ -63,7 +67,7 @@ def shifted_sweeps(
     compiled : bool
         See `quickest_plan`.
     """
-    (field, first, last), other = problem.axes
+    (field, first, last), (other, low, high) = problem.right, problem.up
     plan = quickest_plan(scenario, end, 0, compiled=compiled)
     sweeps = []
     for distance in (0.0, *DISTANCES) if number else ():
@@ -71,11 +75,43 @@ def shifted_sweeps(
         shift = distance * (last - first)
         axes = (
             Axis(field=field, first=first + shift, last=last + shift),
-            Axis(field=other[0], first=other[1], last=other[2]),
+            Axis(field=other, first=low, last=high),
         )
         design = Design(axes=axes, layout="random", number=number)
         sweeps.append(Sweep(scenario=scenario, design=design, plan=plan))
     return sweeps
+
+
+def run_pairs(
+    problem: Problem, sweeps: Sequence[Sweep], folder: Path, pool: Pool, **how: Any
+) -> Uncertainty | None:
+    """Uncertainty exponent of a map from `shifted_sweeps`, each with a store in a folder.
+
+    `how` goes to `run_cases`.
+    """
+    outcomes = []
+    for index, sweep in enumerate(sweeps):
+        with Store(folder / f"pairs-{index}.db", sweep) as store:
+            run_cases(sweep, store, pool, **how)
+            outcomes.append(
+                [judged(sweep.scenario, row, to_rest=problem.to_rest) for row in store.rows()]
+            )
+    return uncertainty(np.array(DISTANCES), pairs_that_differ(outcomes))
+
+
+def pairs_that_differ(outcomes: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    """Whether starts end differently at each distance, shape (n, m).
+
+    Parameters
+    ----------
+    outcomes : array_like of str, shape (1 + n, k)
+        Of k starts, and of those beside them at n distances. Starts of which one outcome is not
+        decided are left out.
+    """
+    found = np.asarray(outcomes)
+    decided = ~np.any(np.isin(found, ("not decided", "failed")), axis=0)
+    differs: npt.NDArray[np.bool_] = found[1:, decided] != found[0, decided]
+    return differs
 
 
 def uncertainty(distances: Array, differs: npt.NDArray[np.bool_]) -> Uncertainty | None:
@@ -102,7 +138,6 @@ def uncertainty(distances: Array, differs: npt.NDArray[np.bool_]) -> Uncertainty
     )
     slopes = [_slope(distances, each) for each in resampled if np.count_nonzero(each) > 1]
     return Uncertainty(
-        distances=distances,
         parts=counts / pairs,
         exponent=_slope(distances, counts),
         error=float(np.std(slopes)),

@@ -1,31 +1,35 @@
-"""The subcommands: what each is called, takes and does."""
+"""The commands: what each is called, takes and does."""
 
-import argparse
+from collections.abc import Callable
+from typing import Any
 
-from validation.parser.base import Commands
-from validation.parser.groups import (
-    FORMS,
-    FORMULATIONS,
-    INTEGRATORS,
-    METHODS,
-    MOTIONS,
-    SYSTEMS,
-    add_law_name,
-    add_output,
-    add_problem,
-    add_scenario,
-    add_source,
-    add_stop_when,
+from analysis.data.quantities import SECTIONS
+from validation.parser.options import (
+    LAW,
+    SCENARIO,
+    Command,
+    Options,
+    file,
+    of_run,
+    option,
 )
-from validation.parser.nonlinear import add_cycles, add_heteroclinic, add_passage
-from validation.parser.paths import PICTURES, existing, table, writable
-from validation.parser.sweeps import add_map, add_sweep
+from validation.parser.paths import existing, store, writable
+from validation.parser.runs import FORMULATIONS
 
-SECTIONS = (
-    "modelled", "inversion", "claims", "crosscheck", "stability", "nonlinear",
-    "rest", "maps", "work-precision", "robustness", "lean", "numbers",
-)  # fmt: skip
-"""Sections of the report."""
+SYSTEMS = ("full", "reduced", "numeric")
+MOTIONS = ("inverted", "noninverted")
+LAYOUTS = ("grid", "random", "latin-hypercube", "sobol")
+MAPS = ("spin-friction", "spin-eccentricity", "attitude", "tilting", "basins", "rest")
+MOST = 10_000_000
+"""Cases of a sweep."""
+
+SECTIONS_OF_REPORT = (
+    *("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps"),
+    *("crosscheck", "work-precision", "robustness", "lean", "numbers"),
+)
+
+STORED = ("claims", "maps", "work-precision", "robustness")
+"""Studies of which results come with the package."""
 
 INVERSION = (
     "The disk is inverted from the first time at which its centre of gravity has risen to 90% of "
@@ -33,328 +37,454 @@ INVERSION = (
     "1 s; if the motion ends before, it is not decided."
 )
 
+WHOLE = tuple(SECTIONS)
+PROBLEM = ("", "disk", "friction", "table")
+ALL = ("json", "csv", "plot")
 
-def _report(commands: Commands) -> None:
-    report = commands.add_parser(
-        "report",
-        help="run all checks and write them with the paper's figures to one HTML page",
-        description="Run engine and in-house equations, compare them, and write one page of HTML "
-        "with everything in it, the figures as PNG and SVG and the tables as CSV. What has been "
-        "computed is kept in the folder: another call takes it as it is while the code behind it, "
-        "the versions and the machine stay the same. " + INVERSION,
-    )
-    report.set_defaults(module="basic")
-    report.add_argument(
-        "--only",
-        action="append",
-        default=[],
-        choices=SECTIONS,
-        metavar="SECTION",
-        help=f"make this section alone; may be given several times ({', '.join(SECTIONS)})",
-    )
-    report.add_argument(
-        "--out", default="report", metavar="DIR", help="folder to write to (default: %(default)s)"
-    )
-    report.add_argument(
-        "--verbose",
-        action="store_true",
-        help="print the tables of the page below the verdicts, too",
-    )
+_TOLERANCES = ("tolerance", "step", "local_tolerance")
+_RUN = ("formulation", *_TOLERANCES)
+_IN_HOUSE = {"source": {"default": "in-house"}}
+_OUT = file("--out", "store the motion, .npz or -", writable(".npz"))
+_REST = option("--rest", "start from the defaults of `tippedisk rest`", default=False)
 
+_SPINS: dict[str, Any] = {"nargs": "+", "type": str, "metavar": "SPIN"}
+_SPIN_GRAMMAR = "in rad/s: values, with commas or not, or first:last:number"
 
-def _simulate(commands: Commands) -> None:
-    simulate = commands.add_parser(
-        "simulate",
-        help="simulate a scenario and store the motion",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        description="Simulate a scenario and store the motion.\n\n"
-        "The file holds t (N,), q and u (N, 6) in the order x, y, z, alpha, beta, gamma of the\n"
-        "co-rotating coordinates (m, rad, m/s, rad/s), normal_force (N,) in N, multipliers\n"
-        "(N, k), and meta, a JSON string with the scenario, versions and the error estimate.",
-    )
-    simulate.set_defaults(module="basic")
-    add = simulate.add_argument
-    add_source(simulate)
-    add(
-        "--formulation",
-        choices=(*FORMULATIONS, *FORMS),
-        help="engine: floating, floating-lie, euler-tree or contact-tree; in-house: index-1, "
-        "reduced (Model 4) or free-body (with --stiffness); by default the most accurate",
-    )
-    add("--end", type=float, default=2.0, help="end of the simulation in s (2)")
-    add("--samples", type=int, default=201, help="number of evenly spaced samples (201)")
-    accuracy = simulate.add_mutually_exclusive_group()
-    accuracy.add_argument(
-        "--tolerance", type=float, help="largest error of beta and gamma in rad (1e-8)"
-    )
-    accuracy.add_argument("--step", type=float, help="engine only: fixed step in s instead")
-    accuracy.add_argument(
-        "--local-tolerance",
-        type=float,
-        help="of a single run whose solver controls its steps, in place of several that agree; no "
-        "error is estimated; engine: DOPRI5, without constraints (Model 1)",
-    )
-    add(
-        "--integrator",
-        choices=INTEGRATORS,
-        help="engine only: RK67, RK44, DOPRI5 without constraints; by default the most accurate",
-    )
-    add("--method", choices=METHODS, help="in-house only: solver (DOP853); taylor runs compiled")
-    add_stop_when(simulate, "end the run there, at the exact time")
-    add(
-        "--allow-pulling",
-        action="store_true",
-        help="go on where the ideal contact would have to pull, instead of ending there; friction "
-        "with the load weight still rubs under it, and with the load contact not at all",
-    )
-    add("--time-limit", type=float, help="processor time in s after which the run ends")
-    add("--out", required=True, type=writable(".npz"), metavar="FILE", help="file to write, .npz")
-    add_scenario(simulate)
-
-
-def _show(commands: Commands) -> None:
-    show = commands.add_parser(
-        "show",
-        help="say how far stored motions differ, and plot them over each other",
-        description="Print in what stored motions differ besides their source, what each is and, "
-        "for each but the first, how far its quantities are from those of the first; and plot "
-        "inclination, rotation angle (with rest files: height of the centre of gravity), spin and "
-        "normal force.",
-    )
-    show.set_defaults(module="show")
-    show.add_argument(
-        "files",
-        nargs="+",
-        type=existing(".npz"),
-        metavar="FILE",
-        help="files written by simulate or rest",
-    )
-    show.add_argument(
-        "--out",
-        type=writable(*PICTURES),
-        metavar="PICTURE",
-        help="write a .png, .svg or .pdf instead of opening a window",
-    )
-    show.add_argument(
-        "--csv",
-        type=table,
-        metavar="FILE",
-        help="write the differences, or the samples of a single motion, .csv or -; no window",
-    )
-    add_law_name(show)
-
-
-def _scenario(commands: Commands) -> None:
-    scenario = commands.add_parser(
-        "scenario",
-        help="print a problem as a commented file, to be changed and run",
-        description="Print the whole problem as a TOML file, which says of every key what it is "
-        "and what is allowed: the paper's; or that of a file or a stored run; with what the "
-        "options change.",
-    )
-    scenario.set_defaults(module="scenario")
-    scenario.add_argument(
-        "--rest", action="store_true", help="start from the defaults of `tippedisk rest`"
-    )
-    add_scenario(scenario, file=True)
-
-
-def _check(commands: Commands) -> None:
-    check = commands.add_parser(
-        "check",
-        help="compare engine and in-house equations on a scenario of your own",
-        description="Compare accelerations, trajectories and, where they are defined, "
-        "eigenvalues of a scenario between the in-house equations and every formulation of the "
-        "engine that can build it. Exit code 1 if they disagree.",
-    )
-    check.set_defaults(module="scenario")
-    check.add_argument("--end", type=float, default=2.0, help="of the motions in s, at most (2)")
-    check.add_argument(
-        "--states", type=int, default=100, help="random states for accelerations (100)"
-    )
-    add_scenario(check)
-
-
-def _eigenvalues(commands: Commands) -> None:
-    eigenvalues = commands.add_parser(
-        "eigenvalues",
-        help="eigenvalues of inverted and noninverted spinning",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        description="Eigenvalues of the stationary spinning motions over the spin, in 1/s.\n\n"
-        "full: the eight of Eq. (55), Model 1; reduced: the three of Eq. (111), Model 4;\n"
-        "numeric: those of any constraints, linearised by dual numbers. With --source engine\n"
-        "they come from the engine. Columns follow the branches.",
-    )
-    eigenvalues.set_defaults(module="stability")
-    _add_system(eigenvalues)
-    add = eigenvalues.add_argument
-    add_source(eigenvalues, "in-house")
-    add("--formulation", choices=FORMULATIONS, help="with --source engine: how it is built")
-    add(
-        "--spin",
-        dest="spins",
-        nargs="+",
-        required=True,
-        metavar="SPIN",
-        help="spins in rad/s: values, or first:last:number",
-    )
-    add_output(eigenvalues)
-    add_problem(eigenvalues)
-
-
-def _critical(commands: Commands) -> None:
-    critical = commands.add_parser(
-        "critical",
-        help="spins at which the spinning is stable, and at which eigenvalues cross",
-        description="For each model the spins at which inverted spinning is stable, all of its "
-        "eigenvalues together; then the spins at which one of them, or a pair, becomes stable or "
-        "unstable, with its frequency, beside the closed form of the reduced system, Eq. (126).",
-    )
-    critical.set_defaults(module="stability")
-    _add_system(critical)
-    critical.add_argument(
-        "--spin",
-        dest="spins",
-        default="0:60",
-        metavar="FIRST:LAST",
-        help="range in rad/s (default: %(default)s)",
-    )
-    add_output(critical)
-    add_problem(critical)
-
-
-def _scene(commands: Commands) -> None:
-    scene = commands.add_parser(
-        "scene",
-        help="list what is in a scene of the engine, and why",
-        description="List the nodes, objects, markers and sensors of a scene with the reason for "
-        "each, and count its coordinates, constraints and user functions.",
-    )
-    scene.set_defaults(module="scene")
-    scene.add_argument("--formulation", choices=FORMULATIONS, help="how the disk is built")
-    add_scenario(scene)
-
-
-def _work_precision(commands: Commands) -> None:
-    study = commands.add_parser(
-        "work-precision",
-        help="measure error against run time of every formulation and integrator",
-        description="Run every formulation with every integrator on ladders of steps or "
-        f"tolerances and write diagrams, tables and the lesson to one page. {_KEPT}",
-    )
-    study.set_defaults(command="work_precision")
-    _add_study(study, "work-precision")
-
-
-def _robustness(commands: Commands) -> None:
-    study = commands.add_parser(
-        "robustness",
-        help="numerical stability on stiff and extreme cases",
-        description="Run a grid of hard cases in separate processes, classify each from its "
-        f"measured error, drift and energy, and write tables and figures to one page. {_KEPT}",
-    )
-    _add_study(study, "robustness")
-
-
-_KEPT = "An interrupted study goes on where it stopped."
-
-
-def _add_study(study: argparse.ArgumentParser, folder: str) -> None:
-    study.set_defaults(module="studies")
-    add = study.add_argument
-    add("--quick", action="store_true", help="a selection, about a minute")
-    add("--out", default=folder, metavar="DIR", help="folder (default: %(default)s)")
-    add("--fresh", action="store_true", help="run again what is kept")
-
-
-def _rest(commands: Commands) -> None:
-    rest = commands.add_parser(
-        "rest",
-        help="simulate the disk from the paper's start until it lies still",
-        description="Simulate the disk on a stiff unilateral contact until it lies still, and "
-        "print when each phase began and where the energy went. By default the rim is rounded, "
-        "friction knows the contact force, and nothing but sliding friction and the contact's "
-        "damper takes energy; then the disk does not lie flat. " + INVERSION,
-    )
-    rest.set_defaults(module="rest")
-    add = rest.add_argument
-    add_source(rest)
-    add("--tolerance", type=float, help="largest error in rad and parts of the energy (1e-3)")
-    add("--step", type=float, help="engine only: a single run of fixed steps in s instead")
-    add_stop_when(rest, "end the run there, located between samples")
-    add("--time-limit", type=float, help="processor time in s after which it ends as it is")
-    add("--end", type=float, default=80.0, help="longest time in s (80)")
-    add("--out", type=writable(".npz"), metavar="FILE", help="store the motion, .npz")
-    add(
-        "--plot",
-        type=writable(*PICTURES),
-        metavar="PICTURE",
-        help="draw the story, .png, .svg or .pdf",
-    )
-    add_scenario(rest)
-
-
-def _animate(commands: Commands) -> None:
-    animate = commands.add_parser(
-        "animate",
-        help="turn a stored motion into a page that plays it, or a GIF",
-        description="Write a page that plays a motion stored by simulate or rest, and needs no "
-        "network; or, with --out FILE.gif, an animated picture.",
-    )
-    animate.set_defaults(module="animate")
-    add = animate.add_argument
-    add(
-        "file",
-        type=existing(".npz"),
-        metavar="FILE",
-        help="motion written by simulate or rest, .npz",
-    )
-    add(
-        "--out",
-        type=writable(".html", ".gif"),
-        metavar="FILE",
-        help=".html or .gif to write (default: FILE with .html)",
-    )
-    add("--begin", type=float, help="in s (default: that of the motion)")
-    add("--end", type=float, help="in s (default: that of the motion)")
-    add("--speed", type=float, help="1 for real time (default: 0.1 until the disk is inverted)")
-    add("--fps", type=float, help="GIF only: frames per second (20)")
-    add("--width", type=int, help="GIF only: width and height in pixels (480)")
-    add_law_name(animate)
-
-
-def _add_system(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--system",
-        choices=SYSTEMS,
-        help="full and reduced stand for Models 1 and 4, unless constraints are given; by default "
-        "that of the constraints, numeric if there is none",
-    )
-    parser.add_argument(
-        "--motion",
-        choices=MOTIONS,
-        default="inverted",
-        help="centre of gravity above (default) or below the geometric centre",
-    )
-
-
-SUBCOMMANDS = (
-    _report,
-    _simulate,
-    _show,
-    _scenario,
-    _check,
-    add_sweep,
-    add_map,
-    _rest,
-    _eigenvalues,
-    _critical,
-    add_cycles,
-    add_heteroclinic,
-    add_passage,
-    _scene,
-    _animate,
-    _work_precision,
-    _robustness,
+_OVER = option(
+    "--over",
+    "go through a parameter, as in sweep: mu=0.1:1:10:log, eps=0.01,0.1, hole-radius=0.01:0.02:4",
+    type=str,
+    metavar="AXIS",
 )
+
+_OF_SYSTEM = (
+    option(
+        "--system",
+        "full and reduced stand for Models 1 and 4, unless constraints are given",
+        choices=SYSTEMS,
+        usual="that of the constraints, numeric if there is none",
+    ),
+    option(
+        "--motion",
+        "centre of gravity above or below the geometric centre",
+        default="inverted",
+        choices=MOTIONS,
+    ),
+)
+
+_WORKERS = (
+    option("--workers", "processes", type=int, usual="one for each core"),
+    option(
+        "--executor",
+        "processes, dask, mpi, or module:function of your own that returns a "
+        "concurrent.futures.Executor",
+        default="processes",
+    ),
+    option(
+        "--scheduler",
+        "of Dask",
+        type=str,
+        metavar="ADDRESS",
+        usual="a cluster of this machine",
+    ),
+    *of_run(
+        "time_limit",
+        time_limit={"about": "of each run, processor time in s", "default": 60.0, "usual": ""},
+    ),
+)
+
+
+COMMANDS: list[Command] = []
 """In the order of the help."""
+
+
+def _command(module: str, **how: Any) -> Callable[[Callable[[], Options]], None]:
+    """Let a function be a command: its name, what it does by its docstring, and its options.
+
+    Parameters
+    ----------
+    module : str
+        Of `validation.commands`, with the function that does it.
+    **how
+        Further parameters of `Command`.
+    """
+
+    def declare(options: Callable[[], Options]) -> None:
+        COMMANDS.append(Command(options=options, module=module, **how))
+
+    return declare
+
+
+@_command("studies")
+def _report() -> Options:
+    """Measure or confirm all studies and write two pages with what they found.
+
+    Run engine and in-house equations, compare them, and write a page on the disk and one on the
+    method, with the tables as CSV and the figures as PNG and SVG beside them. Printed are verdicts
+    and checks that fail; the exit code is 1 if one does. What has been measured is kept in the
+    folder: another call takes it as it is while the code behind it, the versions and the machine
+    stay the same.
+    """
+    return (
+        option(
+            "--only",
+            f"make this section alone; may be given several times: "
+            f"{', '.join(SECTIONS_OF_REPORT)}",
+            action="append",
+            choices=SECTIONS_OF_REPORT,
+            metavar="SECTION",
+        ),
+        option("--out", "folder to write to", default="report", metavar="DIR"),
+        _FRESH,
+        file("--text", "write verdicts and sections as Markdown, .md or -", writable(".md")),
+        option("--verbose", "print all checks", default=False),
+    )
+
+
+_FRESH = option("--fresh", "measure again what is kept", default=False)
+
+
+@_command("studies")
+def _study() -> Options:
+    """Measure the stored tables of a study anew, all of their cases.
+
+    A report shows these tables and measures a sample of their cases again. An interrupted call
+    goes on where it stopped. Run times mean something on an idle machine alone.
+    """
+    return (
+        option("name", ", ".join(STORED), choices=STORED, metavar="STUDY"),
+        option("--out", "folder for what is finished", default="study", metavar="DIR"),
+        option(
+            "--results", "folder for the tables", usual="that of --out", type=str, metavar="DIR"
+        ),
+        _FRESH,
+    )
+
+
+@_command("simulate", tables=WHOLE, outputs=ALL)
+def _simulate() -> Options:
+    """Simulate a scenario and store the motion.
+
+    The file holds t (N,), q and u (N, 6) in the order x, y, z, alpha, beta, gamma of the co-
+    rotating coordinates (m, rad, m/s, rad/s), normal_force (N,) in N, multipliers (N, k), and
+    meta, a JSON string with the scenario, versions and the error estimate. The table of --csv has
+    the samples.
+    """
+    return (
+        SCENARIO,
+        *of_run("source", *_RUN, "integrator", "method", "stop_when", "allow_pulling"),
+        option("--end", "end of the simulation in s", default=2.0),
+        option("--samples", "number of evenly spaced samples", default=201),
+        *of_run("time_limit"),
+        _OUT,
+    )
+
+
+@_command("show", outputs=ALL)
+def _show() -> Options:
+    """Say how far stored motions differ, and plot them over each other.
+
+    Print in what stored motions differ besides their source, what each is and, for each but the
+    first, how far its quantities are from those of the first; and plot inclination, rotation angle
+    (with rest files: height of the centre of gravity), spin and normal force, in a window unless
+    an output is asked for. The table of --csv holds the differences, or the samples of a single
+    motion.
+    """
+    return (
+        file("files", "written by simulate or rest", existing(".npz"), nargs="+"),
+        LAW,
+    )
+
+
+@_command("scenario", tables=WHOLE)
+def _scenario() -> Options:
+    """Print a problem as a commented file, to be changed and run.
+
+    Print the whole problem as a TOML file, which says of every key what it is and what is allowed:
+    the paper's; or that of a file or a stored run; with what the options change.
+    """
+    return (
+        file("scenario", "scenario, .toml, or stored run, .npz", existing(), nargs="?"),
+        _REST,
+    )
+
+
+@_command("scenario", tables=WHOLE, outputs=ALL)
+def _check() -> Options:
+    """Compare engine and in-house equations on a scenario of your own.
+
+    Compare accelerations, trajectories and, where they are defined, eigenvalues of a scenario
+    between the in-house equations and every formulation of the engine that can build it. Exit code
+    1 if they disagree.
+    """
+    return (
+        SCENARIO,
+        option("--end", "of the motions in s, at most", default=2.0),
+        option("--states", "random states for accelerations", default=100),
+    )
+
+
+@_command("sweep", tables=WHOLE, outputs=ALL)
+def _sweep() -> Options:
+    """Run a scenario many times with some of its fields varied.
+
+    Run a scenario many times and keep the outcomes in one SQLite file.
+
+    An axis is a field of the scenario's file and what it goes through:
+      spin=0:60:61            61 values from 0 to 60, both included
+      mu=0.01:1:20:log        even steps of the logarithm
+      model=1,2,4             a list; friction.load=weight,contact likewise
+      gamma=-pi/2:pi/2        drawn between, with --layout random, latin-hypercube or sobol
+    A grid holds all combinations, the last axis fastest. Each case is a row: inverted or not,
+    when, spin after it, extremes of the normal force, energy taken, why it ended, estimated error
+    and processor time; a run that fails, hangs or crashes is a row with its reason.
+
+    The same command goes on where an interrupted one stopped, also after kill -9. A file of
+    another sweep, or of sources that compute something else, is refused.
+    """
+    return (
+        option("axes", "what varies, as above", type=str, nargs="*", metavar="AXIS"),
+        file("--axes", "TOML with the table [axes] instead", existing(), dest="axes_file"),
+        option("--layout", "how cases are laid out", choices=LAYOUTS, usual="grid"),
+        option("--number", "of drawn cases", type=int),
+        option("--seed", "of the drawing", type=int, usual="0"),
+        file("--out", "store, .db; made if there is none", store, required=True),
+        option("--retry", "run cases again that failed", default=False),
+        option(
+            "--accept-other-code",
+            "add to a store of other sources; each row says which it comes from",
+            default=False,
+        ),
+        option("--most", "cases to allow", default=MOST),
+        SCENARIO,
+        *of_run(
+            "source",
+            *_RUN,
+            "method",
+            "stop_when",
+            **_IN_HOUSE,
+            tolerance={"usual": "1e-6; to rest 1e-3"},
+            method={"usual": "DOP853; to rest LSODA"},
+        ),
+        option("--end", "end of each motion in s", default=4.0),
+        option("--spacing", "between samples in s", default=5e-3),
+        option(
+            "--witnesses",
+            "cases, evenly spread, that the other side runs as well, with the difference",
+            default=0,
+        ),
+        option(
+            "--keep",
+            "series to keep of each run at its samples, such as beta,gamma,normal_force",
+            default="",
+            metavar="NAMES",
+        ),
+        option("--rest", "run until the disk lies still, as `tippedisk rest`", default=False),
+        *_WORKERS,
+    )
+
+
+@_command("maps", tables=WHOLE)
+def _map() -> Options:
+    """Draw what becomes of the disk over two parameters.
+
+    Run a map of what becomes of the disk over two parameters, and draw it:
+      spin-friction      inversion over spin and friction coefficient
+      spin-eccentricity  inversion over spin and eccentricity
+      attitude           inversion over gamma and beta at the start
+      tilting            inversion over the rate of beta and beta at the start
+      basins             the same as attitude, in Models 1 to 4 beside each other
+      rest               which face is up at rest, over spin and beta at the start
+    A coarse grid is run whole; cells that hold different outcomes are halved again and again.
+    Model 1 runs in the engine, everything else in the in-house equations; the other side runs some
+    of the cases, too. Each panel has a store as `tippedisk sweep` writes it; the same command goes
+    on.
+    """
+    return (
+        option("name", ", ".join(MAPS), choices=MAPS, metavar="MAP"),
+        option("--out", "folder", default="maps", metavar="DIR"),
+        option("--cells", "of the coarse grid along an axis", default=8),
+        option("--levels", "how often cells are halved", default=2),
+        option("--end", "end of each motion in s", usual="4; rest: 20"),
+        option(
+            "--witnesses",
+            "on the coarse grid, and as large a part of the other cases",
+            default=8,
+        ),
+        option(
+            "--compiled",
+            "run compiled, in batches, to 1e-6 rad; needs tippedisk[fast]",
+            default=False,
+        ),
+        option(
+            "--pairs",
+            "random starts, each run at 4 small distances as well: how fine the map is",
+            default=0,
+        ),
+        SCENARIO,
+        *_WORKERS,
+    )
+
+
+@_command("rest", tables=WHOLE, outputs=ALL, more=INVERSION)
+def _rest() -> Options:
+    """Simulate the disk from the paper's start until it lies still.
+
+    Simulate the disk on a stiff unilateral contact until it lies still, and print when each phase
+    began and where the energy went. By default the rim is rounded, friction knows the contact
+    force, and nothing but sliding friction and the contact's damper takes energy; then the disk
+    does not lie flat.
+    """
+    return (
+        SCENARIO,
+        *of_run(
+            "source",
+            *_TOLERANCES[:2],
+            "stop_when",
+            "time_limit",
+            tolerance={
+                "about": "largest error in rad and parts of the energy",
+                "usual": "1e-3",
+            },
+            step={"about": "engine only: a single run of fixed steps in s instead"},
+        ),
+        option("--end", "longest time in s", default=80.0),
+        _OUT,
+    )
+
+
+@_command("stability", tables=PROBLEM, outputs=ALL)
+def _eigenvalues() -> Options:
+    """Eigenvalues of inverted and noninverted spinning.
+
+    Eigenvalues of the stationary spinning motions over the spin, in 1/s.
+
+    full: the eight of Eq. (55), Model 1; reduced: the three of Eq. (111), Model 4; numeric: those
+    of any constraints, linearised by dual numbers. With --source engine they come from the engine.
+    Columns follow the branches.
+    """
+    return (
+        SCENARIO,
+        *_OF_SYSTEM,
+        *of_run(
+            "source",
+            "formulation",
+            **_IN_HOUSE,
+            formulation={"about": "engine only: how it is built", "choices": FORMULATIONS},
+        ),
+        option("--spin", f"spins {_SPIN_GRAMMAR}", required=True, **_SPINS),
+    )
+
+
+@_command("stability", tables=PROBLEM, outputs=ALL)
+def _critical() -> Options:
+    """Spins at which the spinning is stable, and at which eigenvalues cross.
+
+    For each model the spins at which inverted spinning is stable, all of its eigenvalues together;
+    then the spins at which one of them, or a pair, becomes stable or unstable, with its frequency,
+    beside the closed form of the reduced system, Eq. (126).
+    """
+    return (
+        SCENARIO,
+        *_OF_SYSTEM,
+        option(
+            "--spin",
+            f"from the least to the largest of spins {_SPIN_GRAMMAR}",
+            default=["0:60"],
+            usual="0:60",
+            **_SPINS,
+        ),
+    )
+
+
+@_command("nonlinear", tables=PROBLEM, outputs=ALL)
+def _cycles() -> Options:
+    """Periodic motions of the reduced system, with their multipliers.
+
+    Follow the periodic motions of the reduced system (Model 4) from the Hopf point of inverted
+    spinning to their end, with period, Floquet multipliers and bifurcations; or find those at
+    given spins; or follow others: one table of motions, and one of what happens along them.
+    """
+    return (
+        SCENARIO,
+        option("--spin", f"only the cycles at spins {_SPIN_GRAMMAR}", **_SPINS),
+        option(
+            "--rotating",
+            "instead, the motions beyond the heteroclinic end, in which gamma turns round",
+            default=False,
+        ),
+        option(
+            "--asymmetric",
+            "instead, the cycles without mirror symmetry, where symmetric ones lose it",
+            default=False,
+        ),
+        _OVER,
+        option("--amplitude", "of the cycle that --over follows, in rad"),
+    )
+
+
+@_command("nonlinear", tables=PROBLEM, outputs=ALL)
+def _heteroclinic() -> Options:
+    """The heteroclinic connection in which the cycles end.
+
+    Find the spin at which the motion that leaves noninverted spinning ends in it again, to 1e-9
+    rad/s, beside its prediction to first order on the slow manifold. The picture shows that motion
+    on either side of the connection.
+    """
+    return (SCENARIO, _OVER)
+
+
+@_command("nonlinear", tables=WHOLE, outputs=ALL)
+def _passage() -> Options:
+    """When an inverted disk is lost as its spin decays.
+
+    Run a scenario, by default Model 1 from the paper's start, and tell when its falling spin
+    passes the Hopf point of inverted spinning, when the inversion is lost, and when it should be
+    by the eigenvalues alone.
+    """
+    return (
+        SCENARIO,
+        *of_run("source", **_IN_HOUSE),
+        option("--end", "longest time in s", default=22.0),
+        _REST,
+    )
+
+
+@_command("scene", tables=WHOLE, outputs=ALL[:2])
+def _scene() -> Options:
+    """List what is in a scene of the engine, and why.
+
+    List the nodes, objects, markers and sensors of a scene with the reason for each, and count its
+    coordinates, constraints and user functions.
+    """
+    return (
+        SCENARIO,
+        *of_run(
+            "formulation",
+            formulation={"about": "how the disk is built", "choices": FORMULATIONS},
+        ),
+    )
+
+
+@_command("animate")
+def _animate() -> Options:
+    """Turn a stored motion into a page that plays it, or a GIF.
+
+    Write a page that plays a motion stored by simulate or rest, and needs no network; or, with
+    --out FILE.gif, an animated picture.
+    """
+    return (
+        file("file", "motion written by simulate or rest, .npz", existing(".npz")),
+        file(
+            "--out",
+            ".html or .gif to write",
+            writable(".html", ".gif"),
+            usual="FILE with .html",
+        ),
+        option("--begin", "in s", usual="that of the motion"),
+        option("--end", "in s", usual="that of the motion"),
+        option("--speed", "1 for real time", usual="0.1 until the disk is inverted"),
+        option("--fps", "GIF only: frames per second", usual="20"),
+        option("--width", "GIF only: width and height in pixels", type=int, usual="480"),
+        LAW,
+    )

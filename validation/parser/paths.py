@@ -24,11 +24,12 @@ def existing(*suffixes: str) -> Callable[[str], Path]:
 def writable(*suffixes: str) -> Callable[[str], Path]:
     """Type of an argument that names a file to write, with one of these suffixes.
 
-    A pipe, a device or standard output needs no suffix, and is taken for a file with the first.
+    A pipe, a device or standard output, `-`, needs no suffix, and is taken for a file with the
+    first.
     """
 
     def checked(value: str) -> Path:
-        path = Path(value)
+        path = Path("/dev/stdout" if value == "-" else value)
         if path.exists() and (not path.is_file() or path.is_relative_to("/dev")):
             target = path
         else:
@@ -42,11 +43,6 @@ def writable(*suffixes: str) -> Callable[[str], Path]:
         return path
 
     return checked
-
-
-def table(value: str) -> Path:
-    """Type of an argument that names a table to write; `-` is standard output."""
-    return Path("/dev/stdout") if value == "-" else writable(".csv")(value)
 
 
 def store(value: str) -> Path:

@@ -1,12 +1,14 @@
-"""The parser of the command `tippedisk` as a whole."""
+"""The command line as a whole: which command a call is for, and its options."""
 
-import argparse
-from importlib.metadata import version
+import re
+from argparse import Action, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Iterable, Sequence
+from typing import Any
 
-from validation.parser.base import Parser
-from validation.parser.commands import SUBCOMMANDS
+from validation.parser.commands import COMMANDS
+from validation.parser.options import Command, Parser
 
-_DESCRIPTION = """\
+_ABOUT = """\
 The tippedisk: a rigid disk whose centre of gravity lies off its centre. Spun fast about an
 in-plane axis on a table, it turns itself upside down through friction.
 
@@ -14,14 +16,17 @@ Models 1 to 4 each add a constraint: 1 the disk stays on the table, 2 its centre
 stays above one point, 3 it does not slip along its edge, 4 its spin is constant; other sets of
 constraints go as well. Each runs in the multibody engine Exudyn (--source engine) and in
 independent in-house equations (--source in-house).
+
+commands:
 """
 
-_EPILOG = """\
+_EXAMPLES = """\
+
 examples:
   tippedisk report                                   everything, as one page in ./report
   tippedisk simulate --model 1 --out engine.npz      the engine, from the paper's start
   tippedisk simulate --model 1 --source in-house --out equations.npz
-  tippedisk show engine.npz equations.npz --out compare.png
+  tippedisk show engine.npz equations.npz --plot compare.png
   tippedisk scenario > my.toml                       the whole problem as a file, to be changed
   tippedisk simulate --scenario my.toml --out mine.npz
   tippedisk check --scenario my.toml                 do engine and equations agree on it?
@@ -33,26 +38,75 @@ examples:
   tippedisk rest --rolling 1e-3 --pivoting 5e-5 --plot rest.png
   tippedisk animate engine.npz                       a page that plays the motion
 
+Each command has its own --help. Every switch has a --no-SWITCH, and `-` is standard output.
+
 exit codes:
-  0  done
-  1  done, and a check fails
-  2  wrong call or failed run; one line says what is allowed or what happened
-  3  done, all files are written, but standard output could not be written to
+   0  done
+   1  a check fails, or a run
+   2  refused: one line says what is allowed
+   3  done, all files are written, but standard output could not be written to
+  70  a fault of this program, or of a module of your own
 
 `python -m validation` is the same command.
 """
 
+_NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
+_PLAIN = re.compile(r"-\d+|-\d*\.\d+")
+"""Negative values, and those of them that the parser tells from options by itself."""
 
-def parser() -> Parser:
-    """Parser of the command `tippedisk`."""
+
+def parsed(words: Sequence[str]) -> Namespace:
+    """Options of a call; `SystemExit` if it is a wrong one or asks for help."""
+    by_name = {command.name: command for command in COMMANDS}
+    for word in words:
+        name, _, value = word.partition("=")
+        if name.startswith("--") and value == "--":
+            # Taken for the end of the options, it would leave a list without a value.
+            _top().error(f"argument {name}: expected a value behind =, got '--'")
+    if words and words[0] in by_name:
+        return by_name[words[0]].parser().parse_args(_joined(words[1:]))
+    _top().parse_args(list(words[:1]))
+    raise AssertionError("a call without a command is refused, or help")
+
+
+def _top() -> Parser:
+    """Parser of what stands before a command, or in its place."""
     top = Parser(
         prog="tippedisk",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        usage="tippedisk [-h] [--version] COMMAND ...",
+        description=_ABOUT + "".join(map(_line, COMMANDS)) + _EXAMPLES,
+        formatter_class=RawDescriptionHelpFormatter,
     )
-    top.add_argument("--version", action="version", version=f"tippedisk {version('tippedisk')}")
-    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for add in SUBCOMMANDS:
-        add(commands)
+    top.add_argument("--version", action=_Version, nargs=0, help="print the version")
+    top.add_argument("command", choices=[each.name for each in COMMANDS], metavar="COMMAND")
     return top
+
+
+class _Version(Action):
+    """Print the version, which takes as long to find out as all else."""
+
+    def __call__(self, parser: Any, *_: Any) -> None:
+        from importlib.metadata import version  # noqa: PLC0415
+
+        print(f"tippedisk {version('tippedisk')}")  # noqa: T201
+        parser.exit()
+
+
+def _line(command: Command) -> str:
+    first = command.about.partition("\n")[0].rstrip(".")
+    return f"  {command.name:16s}{first[0].lower()}{first[1:]}\n"
+
+
+def _joined(words: Iterable[str]) -> list[str]:
+    """Words of which a value such as -pi/2 or -1e-3, which may look like an option, is joined.
+
+    It then stands behind its option and =.
+    """
+    result: list[str] = []
+    for word in words:
+        is_value = _NEGATIVE.match(word) and not _PLAIN.fullmatch(word)
+        if is_value and result and result[-1].startswith("--") and "=" not in result[-1]:
+            result[-1] += f"={word}"
+        else:
+            result.append(word)
+    return result

@@ -1,4 +1,4 @@
-"""How motions, accelerations and eigenvalues of the engine and in-house are set side by side."""
+"""How accelerations, motions and eigenvalues of engine and in-house equations are compared."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +18,7 @@ from analysis import (
     Trajectory,
 )
 from analysis.data.checks import Array
-from analysis.data.endings import FLAT, TIME_LIMIT
+from analysis.data.endings import FLAT, TIME_LIMIT, Ending
 from analysis.data.trajectory import Source
 from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
@@ -46,6 +46,10 @@ LIMIT = 3.0 * PATIENCE
 SPINS = (15.0, 40.0)
 """Spins in rad/s at which eigenvalues are compared, below and above the critical ones."""
 
+Found = tuple[float | None, str]
+"""Largest difference and how it was found; infinite if the sides differ in more than numbers,
+None, with the reason, if there is nothing to compare."""
+
 
 def random_state(scenario: Scenario, rng: np.random.Generator) -> State:
     """State that meets the constraints of a scenario and is random in all else."""
@@ -71,9 +75,8 @@ def random_state(scenario: Scenario, rng: np.random.Generator) -> State:
         return state
     # In and out of contact, on the way up and down.
     coordinates, rates = list(state.coordinates), list(state.rates)
-    coordinates[2] += rng.uniform(-1.0, 2.0) * scenario.contact.resting_penetration(
-        scenario.weight
-    )
+    depth = scenario.contact.resting_penetration(scenario.weight)
+    coordinates[2] += rng.uniform(-1.0, 2.0) * depth
     rates[2] += rng.uniform(-0.01, 0.01)
     return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
@@ -106,8 +109,8 @@ def acceleration_differences(scene: Scene, states: int, seed: int = 1) -> tuple[
     return accelerations, forces, len(counted)
 
 
-def _differences(scene: Scene, state: State) -> tuple[float, float] | None:
-    """Relative differences of accelerations and multipliers; None where both are singular."""
+def solutions(scene: Scene, state: State) -> list[tuple[Array, Array] | None]:
+    """Accelerations and multipliers of engine and in-house equations; None where singular."""
     found: list[tuple[Array, Array] | None] = []
     sides: tuple[Callable[[], tuple[Array, Array]], ...] = (
         lambda: mbs_models.acceleration(scene, state),
@@ -118,20 +121,24 @@ def _differences(scene: Scene, state: State) -> tuple[float, float] | None:
             found.append(side())
         except ArithmeticError:
             found.append(None)
-    engine, inhouse = found
+    return found
+
+
+def _differences(scene: Scene, state: State) -> tuple[float, float] | None:
+    """Relative differences of accelerations and multipliers; None where both are singular."""
+    engine, inhouse = solutions(scene, state)
     if engine is None or inhouse is None:
         return None if engine is inhouse else (np.inf, np.inf)
     # A random normal force may vanish, so multipliers are measured by the weight as well.
-    least = max(scene.scenario.weight, float(np.max(np.abs(inhouse[1]))))
-    return _relative(engine[0], inhouse[0]), _relative(engine[1], inhouse[1], least)
+    least = (0.0, scene.scenario.weight)
+    one, other = (
+        float(np.max(np.abs(a - b)) / max(smallest, float(np.max(np.abs(b)))))
+        for a, b, smallest in zip(engine, inhouse, least, strict=True)
+    )
+    return one, other
 
 
-def _relative(found: Array, expected: Array, least: float = 0.0) -> float:
-    scale = max(least, float(np.max(np.abs(expected))))
-    return float(np.max(np.abs(found - expected)) / scale)
-
-
-def motion_difference(scene: Scene, end: float) -> tuple[float | None, str]:
+def motion_difference(scene: Scene, end: float) -> Found:
     """Largest difference of beta and gamma in rad, from the scenario's own start.
 
     The time is cut short of where the disk comes to lie flat, and where a run would take too long
@@ -143,13 +150,6 @@ def motion_difference(scene: Scene, end: float) -> tuple[float | None, str]:
     scene : Scene
     end : float
         Longest time in s.
-
-    Returns
-    -------
-    difference : float or None
-        Infinite if the two end otherwise; None if there is nothing to compare.
-    detail : str
-        Over which time, or why not.
     """
     why = ""
     for part in (1.0, 0.1, 0.01):
@@ -160,8 +160,7 @@ def motion_difference(scene: Scene, end: float) -> tuple[float | None, str]:
     return None, why
 
 
-def _motion_difference(scene: Scene, end: float) -> tuple[float, str]:
-    """Difference of both motions in rad, infinite if they end otherwise, and how it was found."""
+def _motion_difference(scene: Scene, end: float) -> Found:
     times, inhouse = _comparable(scene, end)
     try:
         engine = run(
@@ -176,14 +175,14 @@ def _motion_difference(scene: Scene, end: float) -> tuple[float, str]:
     except (mbs_models.EngineError, FlatError) as error:
         return np.inf, f"the engine fails: {error}"
     for each in (engine, inhouse):
-        if each.ending is not None and each.ending.reason == TIME_LIMIT:
+        if _reason(each.ending) == TIME_LIMIT:
             raise TimeLimitError(f"{each.source} {each.ending}")
-    endings = [None if each.ending is None else each.ending.reason for each in (engine, inhouse)]
-    if endings[0] != endings[1] or engine.times.size != inhouse.times.size:
+    reason = _reason(engine.ending)
+    if reason != _reason(inhouse.ending) or engine.times.size != inhouse.times.size:
         told = (str(each.ending or "runs through") for each in (engine, inhouse))
         return np.inf, "engine {}; in-house {}".format(*told)
-    detail = f"over {engine.times[-1]:.4g} s" + (f", where {endings[0]}" if endings[0] else "")
-    return deviation(engine, inhouse), detail
+    where = "" if reason is None else f", where {reason}"
+    return deviation(engine, inhouse), f"over {engine.times[-1]:.4g} s{where}"
 
 
 def own_integrator(scene: Scene) -> mbs_models.IntegratorName:
@@ -193,16 +192,16 @@ def own_integrator(scene: Scene) -> mbs_models.IntegratorName:
 
 def _comparable(scene: Scene, end: float) -> tuple[tuple[float, ...], Trajectory]:
     """Times in s as far as `end` if disk and patience allow, and the in-house motion there."""
-    scenario = scene.scenario
+    scenario, times = scene.scenario, _times(end)
     efforts = (
         run_effort(
             scenario,
-            _times(end),
+            times,
             formulation=scene.built_as,
             tolerance=ANGLE_LIMIT,
             integrator=own_integrator(scene),
         ),
-        run_effort(scenario, _times(end), source="in-house", tolerance=REFERENCE_TOLERANCE),
+        run_effort(scenario, times, source="in-house", tolerance=REFERENCE_TOLERANCE),
     )
     longest = max(efforts, key=lambda effort: effort.seconds)
     if longest.seconds > 100.0 * PATIENCE:
@@ -217,6 +216,10 @@ def _comparable(scene: Scene, end: float) -> tuple[tuple[float, ...], Trajectory
 
 def _times(end: float) -> tuple[float, ...]:
     return tuple(np.linspace(0.0, end, 101).tolist())
+
+
+def _reason(ending: Ending | None) -> str | None:
+    return None if ending is None else ending.reason
 
 
 @cache
@@ -235,7 +238,7 @@ def goes_to_rest(scene: Scene) -> bool:
 _REST_TOLERANCES: dict[Source, float] = {"engine": REST_LIMIT, "in-house": 0.1 * REST_LIMIT}
 
 
-def rest_difference(scene: Scene, end: float) -> tuple[float | None, str]:
+def rest_difference(scene: Scene, end: float) -> Found:
     """Largest `SpatialMotion.deviation` on the way to rest; else as `motion_difference`."""
     try:
         engine, inhouse = (
@@ -253,21 +256,14 @@ def rest_difference(scene: Scene, end: float) -> tuple[float | None, str]:
         return None, " ".join(str(error).split())
     except mbs_models.EngineError as error:
         return np.inf, f"the engine fails: {error}"
-    over = f"over {min(engine.times[-1], inhouse.times[-1]):.4g} s"
-    reasons = [None if each.ending is None else each.ending.reason for each in (engine, inhouse)]
-    rests = [
-        None if each.rest_time is None else f"{each.rest_time:g} s" for each in (engine, inhouse)
-    ]
-    if TIME_LIMIT not in reasons and (rests[0] is None) != (rests[1] is None):
-        return np.inf, f"at rest from: engine {rests[0]}, in-house {rests[1]}"
-    return engine.deviation(inhouse), over
+    late = TIME_LIMIT in (_reason(engine.ending), _reason(inhouse.ending))
+    if not late and (engine.rest_time is None) != (inhouse.rest_time is None):
+        return np.inf, f"at rest from: engine {engine.rest_time}, in-house {inhouse.rest_time} s"
+    return engine.deviation(inhouse), f"over {min(engine.times[-1], inhouse.times[-1]):.4g} s"
 
 
-def eigenvalue_difference(scene: Scene, motion: Motion) -> tuple[float | None, str]:
-    """Largest relative difference at some spins, and how it was found.
-
-    Infinite if one side has no eigenvalues, None if there is nothing to compare.
-    """
+def eigenvalue_difference(scene: Scene, motion: Motion) -> Found:
+    """Largest difference at `SPINS`, relative to the larger of the eigenvalue's size and 1."""
     scenario = scene.scenario
     if scenario.contact is not None:
         return None, "no linearisation of a compliant contact"

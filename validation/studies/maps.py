@@ -1,28 +1,59 @@
-"""The report's section on maps: drawn from the shipped ones, of which a sample is repeated."""
+"""Maps of what becomes of the disk over two parameters, refined where it changes."""
 
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from analysis import Scenario
 from analysis.data.checks import Array
-from analysis.data.files import AnyArray
-from validation.kit import figures as kit
-from validation.kit.figures import Picture
-from validation.kit.report import Job, Section
-from validation.kit.samples import COMMAND, age
-from validation.kit.tables import Cell, Table
-from validation.maps import figures, ship, stored
-from validation.maps.problems import PROBLEMS, classify, critical_points
-from validation.maps.run import Panel
-from validation.maps.stored import Study
-from validation.studies.claims.claim import Claim, grade, listed
-from validation.sweeps.outcomes import difference, outcome
-from validation.sweeps.plan import Motion, Plan
+from validation.maps import figures
+from validation.maps.panel import Panel, cell, panel, refined
+from validation.maps.problems import PROBLEMS, Problem, critical_points, label, panels
+from validation.maps.uncertainty import (
+    DISTANCES,
+    Uncertainty,
+    pairs_that_differ,
+    shifted_sweeps,
+    uncertainty,
+)
+from validation.page.content import Content, Rows, Verdict
+from validation.study import Check, Row, Study, at_most, relative
+from validation.sweeps.case import run_case
+from validation.sweeps.sweep import Sweep
+
+TITLE = "Maps"
+
+CELLS = 8
+LEVELS = {"spin-friction": 2, "spin-eccentricity": 2, "tilting": 2, "basins": 2, "rest": 1}
+"""Maps and how often their cells are halved; the one to rest takes longest."""
+
+WITNESSES = 2
+"""On the coarse grid of each panel; see `panels`."""
+
+PAIRS = 40
+"""Starts of the map to rest, beside which others are run."""
+
+TIME_LIMIT = 60.0
+"""Of a run in s of processor time."""
+
+REPEATED = {
+    "spin-friction": (257, 457),
+    "spin-eccentricity": (255, 416),
+    "tilting": (798, 536),
+    "basins 1": (536, 275),
+    "basins 2": (548, 213),
+    "basins 3": (548, 142),
+    "basins 4": (544, 528),
+    "rest": (155, 120),
+}
+"""Cells of each panel that both sides run again: the middle ones of its two commonest outcomes."""
+
+STEP = 2.5e-3
+"""Step in s of the engine in repetitions of what runs in-house."""
 
 NEAR = 0.3
 """Tilt from upright in rad within which the models are compared."""
@@ -33,91 +64,205 @@ BANDS = (0.1, NEAR, 0.5, 0.7)
 ABOVE = 3.0
 """Spin in rad/s by which the disk may have to be faster than the second critical speed."""
 
-_REPEATED = 2
-"""Cases of each panel that a report repeats."""
+SPEED_MAPS = {"spin-friction": 0.2, "spin-eccentricity": 1.5e-3}
+"""Maps over the spin, and from where on along the other axis they are judged.
 
-_TREE_STEP, _STEP = 5e-3, 2.5e-3
-"""Steps in s of the engine's repetitions: Model 1, and the others."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Repetition:
-    """A case of a map, run again by both sides.
-
-    Parameters
-    ----------
-    engine, inhouse : str
-        Classes.
-    difference : float
-        Largest of beta and gamma in rad.
-    """
-
-    engine: str
-    inhouse: str
-    difference: float
+Below, other critical speeds come in, and 4 s are too short for friction to lift the disk.
+"""
 
 
-def sample(panel: Panel) -> list[int]:
-    """Numbers of the cases to repeat: the middle ones of the most frequent outcomes."""
-    found = Counter(panel.classes.values()).most_common()
-    names = [name for name, _ in found if name not in ("failed", "refused", "not decided")]
-    chosen = []
-    for name in names[:_REPEATED]:
-        numbers = sorted(number for number, each in panel.classes.items() if each == name)
-        chosen.append(numbers[len(numbers) // 2])
-    return chosen
+# --- Measuring -----------------------------------------------------------------------------------
 
 
-def repeat(name: str, scenario: Scenario, end: float) -> Repetition:
-    """Run a case of a map by both sides, with a fixed step and a local tolerance."""
-    step = _TREE_STEP if scenario.model == 1 else _STEP
-    plans = (
-        Plan(source="engine", step=step, end=end),
-        Plan(source="in-house", local_tolerance=1e-6, end=end),
-    )
-    motions: list[Motion] = [plan.motion(scenario, time_limit=None) for plan in plans]
-    judge = classify(PROBLEMS[name])
-    engine, inhouse = (judge(scenario, outcome(motion)) for motion in motions)
-    return Repetition(engine=engine, inhouse=inhouse, difference=difference(*motions))
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A panel of a map, or some of its cells alone."""
+
+    problem: Problem
+    sweep: Sweep
+    levels: int = 0
+    numbers: Sequence[int] = ()
 
 
-def _cases(study: Study) -> Iterable[tuple[str, Panel, int]]:
-    return (
-        (name, panel, number)
-        for name, panels in study.panels.items()
-        for panel in panels
-        for number in sample(panel)
-    )
+def whole() -> dict[str, Case]:
+    """The panels by their names."""
+    made = {}
+    for name, levels in LEVELS.items():
+        problem = PROBLEMS[name]
+        size: Any = {"cells": CELLS, "levels": levels, "witnesses": WITNESSES}
+        sweeps = panels(problem, Scenario(), end=problem.end, **size)
+        for sweep in sweeps:
+            label = f"{name} {sweep.scenario.model}" if len(sweeps) > 1 else name
+            made[label] = Case(problem=problem, sweep=sweep, levels=levels)
+    return made
 
 
-def _key(name: str, panel: Panel, number: int) -> tuple[Any, ...]:
-    return ("map", name, panel.sweep.scenario.model, number)
+def cases() -> dict[str, Case]:
+    """Panels, cells of each that both sides run again, and random starts with some beside them."""
+    known, rest = whole(), PROBLEMS["rest"]
+    pairs = shifted_sweeps(rest, Scenario(), number=PAIRS, end=rest.end)
+    return {
+        **known,
+        **{_again(name): _both(known[name], numbers) for name, numbers in REPEATED.items()},
+        **{
+            _pairs(distance): Case(problem=rest, sweep=sweep, numbers=range(PAIRS))
+            for distance, sweep in zip((0.0, *DISTANCES), pairs, strict=True)
+        },
+    }
 
 
-def jobs() -> list[Job]:
-    """Repetitions of the sample."""
-    study = stored.shipped()
+def _again(name: str) -> str:
+    return f"{name}, again"
+
+
+def _pairs(distance: float) -> str:
+    return f"rest, starts {distance:g} widths away"
+
+
+def _both(known: Case, numbers: Sequence[int]) -> Case:
+    """The same with some cells, which both sides run."""
+    plan, size = known.sweep.plan, known.sweep.design.size
+    step = None if plan.source == "engine" else STEP
+    plan = replace(plan, witnesses=size, witness_step=step)
+    return replace(known, sweep=replace(known.sweep, plan=plan), numbers=numbers)
+
+
+def measure(case: Case) -> list[Row]:
+    """Cells with their places and outcomes, and what the other side says."""
+    done: dict[int, Row] = {}
+
+    def run(numbers: Iterable[int]) -> Iterable[Row]:
+        done.update({number: run_case(case.sweep, number, TIME_LIMIT) for number in numbers})
+        return done.values()
+
+    to_rest = case.problem.to_rest
+    if case.numbers:
+        found = [cell(case.sweep, row, to_rest=to_rest) for row in run(case.numbers)]
+    else:
+        found = refined(case.sweep, case.levels, run, to_rest=to_rest)
+    design = case.sweep.design
     return [
-        Job(
-            _key(name, panel, number),
-            repeat,
-            (name, panel.sweep.scenario_of(number), panel.sweep.plan.end),
-        )
-        for name, panel, number in (_cases(study) if study else ())
+        {**each, **design.values_of(each["number"]), "seconds": round(each["seconds"], 4)}
+        for each in sorted(found, key=lambda each: each["number"])
     ]
 
 
-def inverts(panel: Panel) -> AnyArray:
-    """Where the disk turns upside down over the finest grid, kept or lost again; of bool."""
-    found: AnyArray = np.isin(panel.filled, ("inverted", "lost"))
-    return found
+STUDY = Study(
+    name="maps",
+    cases=cases,
+    measure=measure,
+    keys=("number",),
+    sample=(*map(_again, REPEATED), _pairs(DISTANCES[0])),
+    confirm={
+        "outcome": None,
+        "seen": None,
+        "alike": None,
+        "time": relative("time", 1e-6),
+        "difference": relative("difference", 0.1, 1e-7),
+    },
+    columns={
+        "number": "of the cell on the finest grid, the axis to the right fastest",
+        "outcome": "of the side that runs the map",
+        "time": "of the inversion in s, where it lasts",
+        "seen": "whether the other side was to run it, too",
+        "alike": "whether it found the same inversion, or face that is up",
+        "difference": "largest difference of β and γ between the sides in rad",
+        "seconds": "processor time in s without the other side",
+    },
+)
+STUDIES = (STUDY,)
 
 
-def agreement(panels: Sequence[Panel], band: float) -> list[float]:
-    """Part of the starts, within a tilt from upright, that end as in the first panel."""
-    first, *others = (inverts(panel) for panel in panels)
-    rows = np.abs(panels[0].values()[0] - pi / 2) <= band + 1e-9
-    return [float(np.mean(each[rows] == first[rows])) for each in others]
+# --- What is shown -------------------------------------------------------------------------------
+
+
+def present(rows: Rows) -> Content:
+    """Maps, what they say by criteria, and how the sides compare."""
+    table = rows["maps"]
+    found = _panels(table)
+    fineness = _fineness(table)
+    claims = [
+        *(_speed_claim(name, found[name]) for name in SPEED_MAPS),
+        *_reduction_claims(found),
+        _fineness_claim(fineness),
+        _sides_claim(table),
+    ]
+    basins = [found[name] for name in found if name.startswith("basins")]
+    again = _repeated(table)
+    return Content(
+        numbers={
+            "end": PROBLEMS["basins"].end,
+            "rest_end": PROBLEMS["rest"].end,
+            "near": NEAR,
+            "far": BANDS[-1],
+            "coarse": CELLS,
+            "cells": sum(len(each.cells) for each in found.values()),
+            "of": sum(each.sweep.design.size for each in found.values()),
+            "seconds": float(sum(each.cells["seconds"].sum() for each in found.values())),
+            "agreement": _agreement(basins).set_index("model").iloc[:, -1],
+            "fineness": fineness,
+            "distances": DISTANCES,
+            "pairs": PAIRS,
+            "repeated": len(again),
+        },
+        tables={
+            "claims": pd.DataFrame(claims),
+            "models": _agreement(basins),
+            "panels": pd.DataFrame([_summary(name, each) for name, each in found.items()]),
+            "repeated": again,
+        },
+        figures={
+            "maps": figures.draw(
+                [found[name] for name in ("spin-friction", "spin-eccentricity", "tilting")],
+                points=False,
+            ),
+            "basins": figures.draw(basins, points=False),
+            "rest": figures.draw([found["rest"]], points=False),
+        },
+        checks=checks(table),
+        verdicts=[
+            Verdict(
+                statement="The reduced system tells which starts turn the disk upside down.",
+                answer="yes" if far >= 95.0 else "partly" if near >= 95.0 else "no",
+                numbers=f"Of the starts within {NEAR:g} rad of upright for {near:.0f} %, within "
+                f"{BANDS[-1]:g} rad for {far:.0f} %, as Model 1 in the engine does.",
+                criterion=f"yes: 95 % within {BANDS[-1]:g} rad; partly: within {NEAR:g} rad.",
+                good=far >= 95.0,
+            )
+            for near, far in [_reduction(found)]
+        ],
+    )
+
+
+def _panels(table: pd.DataFrame) -> dict[str, Panel]:
+    return {
+        name: panel(case.problem, case.sweep, _of(table, name)) for name, case in whole().items()
+    }
+
+
+def _of(table: pd.DataFrame, label: str) -> pd.DataFrame:
+    return table[table["case"] == label]
+
+
+def agreement(first: Panel, other: Panel, band: float) -> float:
+    """Part of the starts in %, within a tilt from upright, that end as in another panel.
+
+    What counts is whether the disk turns upside down, kept or lost again.
+    """
+    inverts = [np.isin(each.outcomes, ("inverted", "lost")) for each in (first, other)]
+    rows = np.abs(first.values[0] - pi / 2) <= band + 1e-9
+    return 100.0 * float(np.mean(inverts[0][rows] == inverts[1][rows]))
+
+
+def _agreement(basins: Sequence[Panel]) -> pd.DataFrame:
+    first, *others = basins
+    return pd.DataFrame(
+        {
+            "model": other.sweep.scenario.name,
+            **{f"% within {band:g} rad": agreement(first, other, band) for band in BANDS},
+        }
+        for other in others
+    )
 
 
 def above_critical(panel: Panel, least: float) -> Array:
@@ -135,260 +280,136 @@ def above_critical(panel: Panel, least: float) -> Array:
     ndarray, shape (n,)
         By the values along the vertical axis.
     """
-    points = critical_points(panel.problem, panel.sweep.scenario)
+    points = critical_points(panel.sweep)
     heights = [each for each in np.unique(points[:, 1]) if each >= least]
     critical = [float(np.sort(points[points[:, 1] == each, 0])[1]) for each in heights]
-    values, spins = panel.values()
+    values, spins = panel.values
     rows = np.flatnonzero(values >= least)
-    inverted = panel.filled[rows] == "inverted"
+    inverted = panel.outcomes[rows] == "inverted"
     least_spins = spins[np.argmax(inverted, axis=1)]
     apart: Array = (least_spins - np.interp(values[rows], heights, critical))[inverted.any(axis=1)]
     return apart
 
 
-def claims(study: Study, repeated: Mapping[Any, Repetition]) -> list[Claim]:
-    """What the maps say, by criteria."""
-    near, everywhere = (agreement(study.panels["basins"], band)[-1] for band in (NEAR, BANDS[-1]))
-    return [
-        *(_speed_claim(study, name, least) for name, least in _SPEED_MAPS),
-        *(
-            Claim(
-                place="basins",
-                statement=f"the reduced system tells which starts of Model 1 invert, {at}",
-                criterion="it tells so for at least 95 % of them; partly: 80 %",
-                measured=f"{100 * part:.0f} %",
-                verdict=grade(yes=part >= 0.95, partly=part >= 0.8),
-            )
-            for at, part in (
-                (f"within {NEAR:g} rad of upright", near),
-                (f"within {BANDS[-1]:g} rad", everywhere),
-            )
-        ),
-        _fineness_claim(study),
-        _sides_claim(study, repeated),
-    ]
+def _grade(*, yes: bool, partly: bool = False, no: str = "no") -> str:
+    return "yes" if yes else "partly" if partly else no
 
 
-_SPEED_MAPS = (("spin-friction", 0.2), ("spin-eccentricity", 1.5e-3))
-"""Maps over the spin, and from where on along the other axis they are judged.
-
-Below, other critical speeds come in, and 4 s are too short for friction to lift the disk.
-"""
-
-
-def _speed_claim(study: Study, name: str, least: float) -> Claim:
-    (panel,) = study.panels[name]
+def _speed_claim(name: str, panel: Panel) -> Row:
+    least, quantity = SPEED_MAPS[name], label(panel.sweep.design.axes[0].field)
     apart = above_critical(panel, least)
-    label, _, unit = panel.problem.labels[1].partition(" in ")
-    bound = f"{least:g} {unit}".strip()
-    return Claim(
-        place=name,
-        statement="the least spin at the start that inverts is the second critical speed",
-        criterion=f"0 to {ABOVE:g} rad/s above it, with {label} from {bound} on; partly: "
+    low, high = apart.min(), apart.max()
+    return {
+        "map": name,
+        "statement": "the least spin at the start that inverts is the second critical speed",
+        "criterion": f"0 to {ABOVE:g} rad/s above it, from {least:g} on ({quantity}); partly: "
         "nowhere below",
-        measured=f"{apart.min():.1f} to {apart.max():.1f} rad/s more",
-        verdict=grade(yes=apart.min() >= 0.0 and apart.max() <= ABOVE, partly=apart.min() >= 0.0),
-    )
+        "found": f"{low:.1f} to {high:.1f} rad/s more",
+        "verdict": _grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
+    }
 
 
-def _fineness_claim(study: Study) -> Claim:
-    found = study.fineness
-    return Claim(
-        place="rest",
-        statement="the face that is up at rest hangs on the start by a fractal boundary",
-        criterion="the uncertainty exponent lies below 1 by more than 2 standard deviations; "
-        "no: it is not shown",
-        measured=f"{found.exponent:.2f} ± {found.error:.2f} from {study.pairs} starts, of which "
-        f"{listed(100.0 * found.parts, '.0f')} % end differently "
-        f"{listed(found.distances, '.1e')} widths away",
-        verdict=grade(yes=found.exponent + 2.0 * found.error < 1.0),
-    )
+def _reduction(found: Mapping[str, Panel]) -> tuple[float, float]:
+    """Parts in % of the starts near upright, and of all, of which Model 4 tells the end."""
+    first, reduced = found["basins 1"], found["basins 4"]
+    return agreement(first, reduced, NEAR), agreement(first, reduced, BANDS[-1])
 
 
-def _sides_claim(study: Study, repeated: Mapping[Any, Repetition]) -> Claim:
-    seen = [
-        each.alike
-        for panels in study.panels.values()
-        for panel in panels
-        for each in panel.witnesses.values()
-    ]
-    same = sum(each.engine == each.inhouse for each in repeated.values())
-    alike, number = sum(seen) + same, len(seen) + len(repeated)
-    return Claim(
-        place="all",
-        statement="engine and in-house equations tell the same",
-        criterion="all cases that both have run end alike; partly: 95 %",
-        measured=f"{sum(seen)} of {len(seen)} shipped, {same} of {len(repeated)} repeated",
-        verdict=grade(yes=0 < alike == number, partly=0 < 0.95 * number <= alike),
-    )
-
-
-def section(results: Mapping[Any, Any]) -> Section:
-    """Section of the report from the results of `jobs`."""
-    study = stored.shipped()
-    if study is None:
-        return Section(
-            name="maps", title="Maps", paragraphs=[f"None is shipped; run `{COMMAND} DIR maps`."]
-        )
-    return Section(
-        name="maps",
-        title="Maps",
-        paragraphs=[
-            (
-                "What becomes of the disk over two parameters: a coarse grid is run whole, and "
-                "cells with different outcomes are halved. Model 1 runs in the engine, Models 2 "
-                "to 4 in-house; the other side has run those marked by a circle as well."
-            ),
-            (
-                f"Shipped results ({study.provenance.text()}), of which this report has repeated "
-                f"{len(results)} cases on both sides. {age('maps', ship.jobs())}"
-            ),
-        ],
-        pictures=pictures(study),
-        tables=[
-            _claim_table(claims(study, results)),
-            _agreement_table(study),
-            _panel_table(study),
-            _repetition_table(study, results),
-        ],
-    )
-
-
-def pictures(study: Study) -> list[Picture]:
-    """The maps of the inversion, the basins of the models, and the faces at rest."""
+def _reduction_claims(found: Mapping[str, Panel]) -> list[Row]:
     return [
-        _picture(
-            [study.panels[name][0] for name in ("spin-friction", "spin-eccentricity", "tilting")],
-            name="maps",
-            title="What becomes of the inversion",
-            caption="Model 1 from Table 3. On the right of the first two it is time that lacks: "
-            "little friction, or eccentricity, does not lift the disk within "
-            f"{PROBLEMS['spin-friction'].end:g} s.",
-        ),
-        _picture(
-            study.panels["basins"],
-            name="basins",
-            title="Starts that invert, by model",
-            caption="From Table 3's spin, over the attitude at the start; Model 4 as the reduced "
-            "system.",
-        ),
-        _picture(
-            study.panels["rest"],
-            name="rest-faces",
-            title="Which face is up at rest",
-            caption="Model 1 from Table 3. Decided once the energy no longer lifts the disk on "
-            f"its rim; not decided: it still does after {PROBLEMS['rest'].end:g} s.",
-            width=5.8,
-        ),
+        {
+            "map": "basins",
+            "statement": "the reduced system tells which starts of Model 1 invert, within "
+            f"{band:g} rad of upright",
+            "criterion": "it tells so for at least 95 % of them; partly: 80 %",
+            "found": f"{part:.0f} %",
+            "verdict": _grade(yes=part >= 95.0, partly=part >= 80.0),
+        }
+        for band, part in zip((NEAR, BANDS[-1]), _reduction(found), strict=True)
     ]
 
 
-def _picture(panels: Sequence[Panel], *, width: float | None = None, **told: str) -> Picture:
-    figure = figures.draw(panels, width=width, points=False)
-    return kit.render(figure, **told, stacked=len(panels) > 1)
+def _fineness(table: pd.DataFrame) -> Uncertainty | None:
+    outcomes = [_of(table, _pairs(distance))["outcome"].tolist() for distance in (0.0, *DISTANCES)]
+    return uncertainty(np.array(DISTANCES), pairs_that_differ(outcomes))
 
 
-def _claim_table(found: Sequence[Claim]) -> Table:
-    return Table(
-        name="maps-verdicts",
-        title="What the maps say",
-        columns=("map", "statement", "criterion", "measured", "verdict"),
-        rows=[
-            [each.place, each.statement, each.criterion, each.measured, each.verdict]
-            for each in found
-        ],
-        folded=False,
-    )
+def _fineness_claim(found: Uncertainty | None) -> Row:
+    return {
+        "map": "rest",
+        "statement": "the face that is up at rest hangs on the start by a fractal boundary",
+        "criterion": "the uncertainty exponent lies below 1 by more than 2 standard deviations; "
+        "otherwise it is not shown",
+        "found": f"{found.exponent:.2f} ± {found.error:.2f}" if found else "no exponent",
+        "verdict": _grade(
+            yes=found is not None and found.exponent + 2.0 * found.error < 1.0, no="not shown"
+        ),
+    }
 
 
-def _agreement_table(study: Study) -> Table:
-    panels = study.panels["basins"]
-    parts = [agreement(panels, band) for band in BANDS]
-    rows: list[list[Cell]] = [
-        [panel.sweep.scenario.name, *(100.0 * each[index] for each in parts)]
-        for index, panel in enumerate(panels[1:])
+def _sides_claim(table: pd.DataFrame) -> Row:
+    seen = table[table["seen"]]
+    alike, number = int(seen["alike"].sum()), len(seen)
+    return {
+        "map": "all",
+        "statement": "engine and in-house equations tell the same",
+        "criterion": "all cases that both have run end alike; partly: 95 %",
+        "found": f"{alike} of {number}",
+        "verdict": _grade(yes=0 < alike == number, partly=0 < 0.95 * number <= alike),
+    }
+
+
+def _summary(name: str, panel: Panel) -> Row:
+    apart = panel.seen["difference"]
+    return {
+        "map": name,
+        "model": panel.sweep.scenario.name,
+        "runs": len(panel.cells),
+        "in place of": panel.sweep.design.size,
+        "outcomes": panel.shares,
+        "seen by the other side": len(panel.seen),
+        "of them alike": int(panel.seen["alike"].sum()),
+        "median difference in rad": apart.median(),
+        "largest difference in rad": apart.max(),
+    }
+
+
+def _repeated(table: pd.DataFrame) -> pd.DataFrame:
+    """Cells that both sides have run again, beside what their map says."""
+    known = table.set_index(["case", "number"])["outcome"]
+    again = pd.concat([_of(table, _again(name)).assign(map=name) for name in REPEATED])
+    places = [name for name in again if "." in name]
+    told = [known.get((row.map, row.number)) for row in again.itertuples()]
+    return again.assign(**{"outcome of the map": told})[
+        ["map", *places, "outcome of the map", "outcome", "alike", "difference"]
+    ].rename(columns={"difference": "difference in rad", "alike": "the other side, too"})
+
+
+def checks(table: pd.DataFrame) -> list[Check]:
+    """What has to hold of the stored cells."""
+    seen, again = table[table["seen"]], _repeated(table)
+    outcomes = again.groupby("map")["outcome"].nunique()
+    counts = {
+        "runs that failed": (table["outcome"] == "failed").sum(),
+        "cells seen by both sides that end differently": (~seen["alike"]).sum(),
+        "panels without such cells": sum(each.seen.empty for each in _panels(table).values()),
+        "repeated cells that end otherwise than in their map": (
+            again["outcome of the map"] != again["outcome"]
+        ).sum(),
+        "panels without two outcomes repeated": len(REPEATED) - (outcomes == 2).sum(),
+        "cells that are not where their numbers are": _misplaced(table),
+    }
+    return [
+        at_most(f"maps: {name}", float(count), 0.0, "stored") for name, count in counts.items()
     ]
-    return Table(
-        name="maps-models",
-        title="Starts of which a simpler model tells what Model 1 does",
-        columns=("model", *(f"% within {band:g} rad of upright" for band in BANDS)),
-        rows=rows,
-        note="Part of the area of the basins: turned upside down, kept or lost again, or not.",
-    )
 
 
-def _panel_table(study: Study) -> Table:
-    rows: list[list[Cell]] = []
-    for name, panels in study.panels.items():
-        for panel in panels:
-            whole = panel.filled
-            shares = Counter(whole.ravel().tolist()).most_common()
-            seen = panel.witnesses.values()
-            apart = [each.difference for each in seen]
-            rows.append(
-                [
-                    name,
-                    panel.sweep.scenario.name,
-                    len(panel.classes),
-                    whole.size,
-                    ", ".join(f"{each} {100 * n / whole.size:.0f} %" for each, n in shares),
-                    len(seen),
-                    sum(each.alike for each in seen),
-                    float(np.median(apart)) if apart else None,
-                    max(apart, default=None),
-                ]
-            )
-    return Table(
-        name="maps-shipped",
-        title="The shipped maps",
-        columns=(
-            "map", "model", "runs", "in place of", "outcomes", "seen by the other side",
-            "of them alike", "median difference in rad", "largest difference in rad",
-        ),
-        rows=rows,
-        note=f"{_runs(study)} runs, which took {_seconds(study):.0f} s of processor time without "
-        "those of the other side.",
-        folded=False,
-    )  # fmt: skip
-
-
-def _runs(study: Study) -> int:
-    return sum(len(panel.classes) for panels in study.panels.values() for panel in panels)
-
-
-def _seconds(study: Study) -> float:
-    return sum(panel.seconds for panels in study.panels.values() for panel in panels)
-
-
-def _repetition_table(study: Study, results: Mapping[Any, Repetition]) -> Table:
-    rows: list[list[Cell]] = []
-    for name, panel, number in _cases(study):
-        found, kept = results[_key(name, panel, number)], panel.classes[number]
-        values = [float(each) for each in panel.sweep.design.case(number)[::-1]]
-        fields = [axis.field.partition(".")[2] for axis in panel.sweep.design.axes[::-1]]
-        at = ", ".join(f"{each} {value:.4g}" for each, value in zip(fields, values, strict=True))
-        rows.append(
-            [
-                name,
-                panel.sweep.scenario.name,
-                at,
-                kept,
-                found.engine,
-                found.inhouse,
-                found.difference,
-                found.engine == found.inhouse == kept,
-            ]
-        )
-    return Table(
-        name="maps-repeated",
-        title="Cases of the maps repeated by both sides",
-        columns=(
-            "map", "model", "case", "shipped", "engine", "in-house", "difference in rad",
-            "the same",
-        ),
-        rows=rows,
-        worst="difference in rad",
-        note=f"Engine: steps of {1e3 * _TREE_STEP:g} ms for Model 1 and {1e3 * _STEP:g} ms for "
-        "the others; in-house: a local tolerance of 1e-6. Of each panel, the middle case of each "
-        f"of the {_REPEATED} most frequent outcomes.",
-    )  # fmt: skip
+def _misplaced(table: pd.DataFrame) -> int:
+    """Number of rows whose values are not those of their case today."""
+    wrong = 0
+    for name, case in cases().items():
+        design, cells = case.sweep.design, _of(table, name)
+        there = cells[[axis.field for axis in design.axes]].to_numpy(float)
+        here = np.array([design.case(number) for number in cells["number"]], dtype=float)
+        wrong += int(np.sum(~np.isclose(there, here.reshape(there.shape), rtol=1e-9)))
+    return wrong

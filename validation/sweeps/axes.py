@@ -9,8 +9,9 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from analysis.data.checks import Array, choice, number
-from analysis.data.fields import Value, full_name, is_text, is_word, read_value
 from analysis.data.limits import LARGEST_STORAGE
+from analysis.data.names import full_name
+from analysis.data.written import Value, is_text, is_word, read_value
 
 Layout = Literal["grid", "random", "latin-hypercube", "sobol"]
 LAYOUTS: tuple[Layout, ...] = get_args(Layout)
@@ -196,7 +197,12 @@ class Design:
         """Number of cases."""
         if self.number is not None:
             return self.number
-        return prod(axis.size or 0 for axis in self.axes)
+        return prod(self.shape)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along each axis of a grid."""
+        return tuple(axis.size or 0 for axis in self.axes)
 
     def case(self, index: int) -> tuple[Value, ...]:
         """Values of the axes in a case, from 0 to `size` - 1."""

@@ -9,10 +9,11 @@ from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, Trajectory
 from analysis.data.checks import choice, positive, within
 from analysis.data.endings import check_condition_name
 from analysis.data.limits import LONGEST_MOTION, Effort, check_storage
+from analysis.data.names import ArgumentError
 from analysis.data.trajectory import SOURCES, Source
 from analysis.models.forms import default_form, pose
 from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
-from validation.run import rest_effort, run, run_effort, run_to_rest, single_run
+from validation.run import rest_effort, run, run_effort, run_to_rest
 from validation.sweeps.outcomes import series_named
 
 Motion = Trajectory | SpatialMotion
@@ -94,7 +95,7 @@ class Plan:
             foreign = (*foreign, "local_tolerance")
         for name in foreign:
             if getattr(self, name) is not None:
-                raise ValueError(f"{name} must be left out for source {self.source!r}")
+                raise ArgumentError(name, f"must be left out for source {self.source!r}")
         if self.method is not None:
             choice("method", self.method, REST_METHODS if self.to_rest else METHODS)
         for name in ("tolerance", "step", "witness_tolerance", "witness_step"):
@@ -126,7 +127,7 @@ class Plan:
             "step": self.step,
             "method": self.method,
             "time_limit": time_limit,
-            **single_run(self.source, self.local_tolerance),
+            "local_tolerance": self.local_tolerance,
         }
         return self._motion(scenario, how, self.formulation)
 
@@ -171,5 +172,5 @@ class Plan:
             tolerance=self.tolerance,
             step=self.step,
             method=self.method,
-            **single_run(self.source, self.local_tolerance),
+            local_tolerance=self.local_tolerance,
         )

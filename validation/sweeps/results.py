@@ -1,23 +1,26 @@
 """Results of a sweep, read from its store."""
 
-import csv
 import io
 import os
+import sqlite3
 from collections.abc import Iterator, Mapping
-from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+import pandas as pd
 
 from analysis.data.checks import Array
 from analysis.data.files import whole_file
 from analysis.data.limits import check_storage
 from analysis.data.outcomes import Column, OutcomeTable
 from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
-from validation.sweeps.store import read_about, told
+from validation.sweeps.store import reading
 from validation.sweeps.sweep import Sweep
+
+_BLOCK = 20_000
+"""Rows that are held at once while they are written as text."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,15 +52,9 @@ class Results(OutcomeTable):
         ValueError
             If it is no store, or damaged.
         """
-        file, sweep = read_about(path)
-        with closing(file), told(Path(path)):
-            names, rows = _rows(file)
-            table = list(zip(*rows, strict=True)) or [()] * len(names)
-        columns = {}
-        for name, cells in zip(names, table, strict=True):
-            words = COLUMNS.get(name, "") is None or any(isinstance(each, str) for each in cells)
-            kind: Any = int if name == "number" else object if words else float
-            columns[name] = np.array(cells, dtype=kind)
+        with reading(path) as (file, sweep):
+            (table,) = _tables(file, None)
+        columns = {name: table[name].to_numpy() for name in table}
         axes = tuple(axis.field for axis in sweep.design.axes)
         return cls(axes=axes, columns=columns, sweep=sweep, path=Path(path))
 
@@ -69,14 +66,13 @@ class Results(OutcomeTable):
         ValueError
             If the cases are drawn, and lie on no grid.
         """
-        design = self.sweep.design
+        design, column = self.sweep.design, self.columns[name]
         if design.layout != "grid":
             raise ValueError(f"layout must be grid, got {design.layout}: these cases lie on none")
-        column = self.columns[name]
-        empty = None if column.dtype == object else np.nan
-        values = np.full(design.size, empty, dtype=object if empty is None else float)
+        is_words = column.dtype == object
+        values = np.full(design.size, None if is_words else np.nan, object if is_words else float)
         values[self.columns["number"]] = column
-        return values.reshape([axis.size or 0 for axis in design.axes])
+        return values.reshape(design.shape)
 
     def series(self, case: int) -> dict[str, Array]:
         """What `Plan.keep` names of a case, and the "time" of its samples.
@@ -105,17 +101,16 @@ class Results(OutcomeTable):
         """Numbers of cases, from the first to the last one, and their series."""
         if not self.sweep.plan.keep:
             raise ValueError(f"{self.path} holds no series: its sweep was told to keep none")
-        file, _ = read_about(self.path)
-        with closing(file), told(self.path):
-            found = file.execute("SELECT * FROM series WHERE number BETWEEN ? AND ?",
-                                 (first, last))  # fmt: skip
-            names = [column[0] for column in found.description][1:]
-            for number, *blobs in found:
+        names = (TIME, *self.sweep.plan.keep)
+        with reading(self.path) as (file, _):
+            asked = "SELECT * FROM series WHERE number BETWEEN ? AND ?"
+            for number, *blobs in file.execute(asked, (first, last)):
+                known = zip(names, blobs, strict=True)
                 yield (
                     number,
                     {
                         name: np.frombuffer(blob, NUMBERS).astype(float)
-                        for name, blob in zip(names, blobs, strict=True)
+                        for name, blob in known
                         if blob is not None
                     },
                 )
@@ -134,31 +129,31 @@ class Results(OutcomeTable):
             If the series take more than `LARGEST_STORAGE`.
         """
         design, held = self.sweep.design, super().to_xarray()
-        if design.layout != "grid":
-            for name, values in self._all_series(self.columns["number"]).items():
-                held[name] = (("number", "sample"), values)
-            return held
-        coordinates = {
-            axis.field: [axis.at(index) for index in range(axis.size or 0)] for axis in design.axes
-        }
-        data: dict[str, tuple[Any, ...]]
-        data = {
-            name: (self.axes, self.on_grid(name), held[name].attrs)
-            for name in COLUMNS
-            if name in held
-        }
-        shape = [len(each) for each in coordinates.values()]
-        for name, values in self._all_series(np.arange(design.size)).items():
-            data[name] = ((*self.axes, "sample"), values.reshape(*shape, -1))
-        return type(held)(data, coords=coordinates)
+        is_grid = design.layout == "grid"
+        over, shape = (self.axes, design.shape) if is_grid else (("number",), (-1,))
+        if is_grid:
+            places = {
+                axis.field: [axis.at(index) for index in range(axis.size or 0)]
+                for axis in design.axes
+            }
+            data = {
+                name: (over, self.on_grid(name), held[name].attrs)
+                for name in COLUMNS
+                if name in held
+            }
+            held = type(held)(data, coords=places)
+        numbers = np.arange(design.size) if is_grid else self.columns["number"]
+        for name, values in self._all_series(numbers).items():
+            held[name] = ((*over, "sample"), values.reshape(*shape, values.shape[1]))
+        return held
 
     def _all_series(self, cases: Column) -> dict[str, Array]:
         """Series of some cases by name, shape (cases, samples) each."""
         plan = self.sweep.plan
         if not plan.keep:
             return {}
-        shape = (cases.size, plan.times.size)
         check_storage("to_xarray", cases.size * plan.times.size, 1 + len(plan.keep))
+        shape = (cases.size, plan.times.size)
         values = {name: np.full(shape, np.nan) for name in (TIME, *plan.keep)}
         rows = {int(number): row for row, number in enumerate(cases)}
         for number, found in self._series(0, self.sweep.design.size):
@@ -168,7 +163,7 @@ class Results(OutcomeTable):
 
 
 def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> int:
-    """Write the rows of a store as comma-separated text, row by row; returns their number.
+    """Write the rows of a store as comma-separated text, block by block; returns their number.
 
     Raises
     ------
@@ -177,20 +172,28 @@ def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> in
     ValueError
         If the store is none.
     """
-    file, _ = read_about(store)
     count = 0
-    with closing(file), told(Path(store)), whole_file(path) as stream:
+    with reading(store) as (file, _), whole_file(path) as stream:
         text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
-        writer = csv.writer(text, lineterminator="\n")
-        names, rows = _rows(file)
-        writer.writerow(names)
-        for count, row in enumerate(rows, 1):  # noqa: B007
-            writer.writerow(row)
+        for table in _tables(file, _BLOCK):
+            table.to_csv(text, index=False, header=not count, lineterminator="\n")
+            count += len(table)
         text.flush()
         text.detach()
     return count
 
 
-def _rows(file: Any) -> tuple[list[str], Iterator[tuple[Any, ...]]]:
-    found = file.execute("SELECT * FROM cases ORDER BY number")
-    return [column[0] for column in found.description], iter(found)
+def _tables(file: sqlite3.Connection, rows: int | None) -> Iterator[pd.DataFrame]:
+    """All rows of a store at once, or so many at a time; empty cells are None in words, or nan."""
+    held = {name: kind for _, name, kind, *_ in file.execute("PRAGMA table_info(cases)")}
+    kinds: Any = {"INTEGER": int, "REAL": float, "TEXT": object}
+    try:
+        found: Any = pd.read_sql(
+            "SELECT * FROM cases ORDER BY number",
+            file,
+            dtype={name: kinds[kind] for name, kind in held.items()},
+            chunksize=rows,
+        )
+        yield from [found] if rows is None else found
+    except pd.errors.DatabaseError as error:
+        raise error.__cause__ or error from None

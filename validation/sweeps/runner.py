@@ -1,14 +1,12 @@
 """Running the cases of a sweep that its store does not hold yet."""
 
-import faulthandler
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager
 from itertools import islice
-from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -17,9 +15,10 @@ from pebble import ProcessExpired
 from analysis.data.outcomes import DONE, Row, failed
 from analysis.data.state import COORDINATES
 from validation.kit.processes import Processes
+from validation.sweeps.case import TIMERS, run_chunk
 from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
-from validation.sweeps.sweep import Sweep, look_ahead, run_batch, run_case, sweep_from_text
+from validation.sweeps.sweep import Sweep, look_ahead
 
 CHUNK_TIME = 1.0
 """Time in s that a chunk of cases should take: handing one out takes 1 ms here, 18 ms on Dask."""
@@ -41,12 +40,6 @@ LARGEST_SERIES = 16_000_000
 
 LARGEST_BATCH = 100_000_000
 """Bytes of samples of cases that run together; some three times as much is held."""
-
-_IDLE = 20
-"""Times as much may pass on the clock, on a machine that has other things to do."""
-
-_HUNG = (1, -getattr(signal, "SIGPROF", 0))
-"""Exit codes of a process that is ended for being too slow."""
 
 _LOOK = 4096
 """Cases whose presence in the store is asked for at once."""
@@ -188,9 +181,8 @@ class _Work:
             held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * sweep.plan.times.size))
         self._largest = max(1, min(LARGEST_CHUNK, held))
         self._pool = pool
-        self._limit = time_limit
         # A case is two runs if it has a witness.
-        self._hanging = 3.0 * time_limit + GRACE
+        self._limits = (time_limit, 3.0 * time_limit + GRACE)
         self._chunks: dict[Future[Any], list[int]] = {}
         self._alone: dict[Future[Any], int] = {}
         self._processes: Processes | None = None
@@ -210,8 +202,8 @@ class _Work:
                 chunk = list(islice(todo, size))
                 if not chunk:
                     break
-                call = (self._text, chunk, self._limit, self._hanging)
-                self._chunks[self._pool.submit(run_chunk, *call)] = chunk
+                future = self._pool.submit(run_chunk, self._text, chunk, *self._limits)
+                self._chunks[future] = chunk
         except OSError as error:
             self._lost = error
             # The case over which they were lost would be in the way of the next call, too.
@@ -229,93 +221,39 @@ class _Work:
         rows: list[Row] = []
         for future in done & self._chunks.keys():
             chunk = self._chunks.pop(future)
-            if _error(future) is None:
-                rows += future.result()
-            else:
+            if future.cancelled() or future.exception() is not None:
                 self._run_alone(chunk)
+            else:
+                rows += future.result()
         if rows:
-            taken = sum(float(row["seconds"] or 0.0) + float(row.get("other_seconds") or 0.0)
-                        for row in rows)  # fmt: skip
+            names = ("seconds", "other_seconds")
+            taken = sum(float(row.get(name) or 0.0) for row in rows for name in names)
             self._seconds = max(0.5 * self._seconds + 0.5 * taken / len(rows), 1e-6)
-        for future in done & self._alone.keys():
-            rows.append(self._row(self._alone.pop(future), future))
-        return rows
+        return rows + [
+            self._row(self._alone.pop(each), each) for each in done & self._alone.keys()
+        ]
 
     def _run_alone(self, numbers: Iterable[int]) -> None:
         if isinstance(self._pool.executor, Processes):
             self._pool.executor.check_begun()
         self._processes = self._processes or Processes(1)
         for number in numbers:
-            call = (self._text, number, self._limit, self._hanging)
-            self._alone[self._processes.submit(run_alone, *call)] = number
+            call = (self._text, [number], *self._limits)
+            self._alone[self._processes.submit(run_chunk, *call)] = number
 
     def _row(self, number: int, future: "Future[Any]") -> Row:
         """Row of a case that ran alone."""
-        error = _error(future)
-        if error is None:
-            row: Row = future.result()
-            return row
-        if not isinstance(error, ProcessExpired):
-            raise error
-        if error.exitcode in _HUNG:
-            why = failed("too slow", f"no result within {self._hanging:g} s of processor time")
-        else:
+        try:
+            (row,) = future.result()
+        except ProcessExpired as error:
             why = failed("crashed", f"its process ended with code {error.exitcode}")
-        return {"number": number, **self._sweep.design.values_of(number), **why}
+            if error.exitcode in (1, *(-int(each) for _, _, each in TIMERS)):
+                limit = f"no result within {self._limits[1]:g} s of processor time"
+                why = failed("too slow", limit)
+            return {"number": number, **self._sweep.design.values_of(number), **why}
+        return dict(row)
 
     def close(self) -> None:
         """End the processes of cases that run alone."""
         if self._processes is not None:
             self._processes.shutdown(cancel_futures=True)
-
-
-def _error(future: "Future[Any]") -> BaseException | None:
-    """The error that a call ended in."""
-    return InterruptedError("cancelled") if future.cancelled() else future.exception()
-
-
-def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: float) -> list[Row]:
-    """Rows of some cases; called in a worker.
-
-    Parameters
-    ----------
-    text : str
-        From `Sweep.to_text`.
-    numbers : sequence of int
-    time_limit : float
-        Of each run in s of processor time.
-    hanging : float
-        Processor time in s after which a case that does not look at its limit, such as an endless
-        loop of a friction law of one's own, ends the process.
-    """
-    sweep = sweep_from_text(text)
-    if sweep.plan.runs_in_batches:
-        # A case of a chunk that takes too long is found when its cases run alone.
-        with _ended_after(hanging):
-            return run_batch(sweep, numbers)
-    return [run_alone(text, number, time_limit, hanging) for number in numbers]
-
-
-def run_alone(text: str, number: int, time_limit: float, hanging: float) -> Row:
-    """Row of a case that runs by itself; the arguments are those of `run_chunk`."""
-    with _ended_after(hanging):
-        return run_case(sweep_from_text(text), number, time_limit)
-
-
-@contextmanager
-def _ended_after(seconds: float) -> Iterator[None]:
-    """End this process if a context takes so much processor time, or waits for ever.
-
-    Neither needs the interpreter's lock, which the engine holds.
-    """
-    has_timer = hasattr(signal, "setitimer")
-    with Path(os.devnull).open("w") as nowhere:
-        if has_timer:
-            signal.setitimer(signal.ITIMER_PROF, seconds)
-        faulthandler.dump_traceback_later(_IDLE * seconds, exit=True, file=nowhere)
-        try:
-            yield
-        finally:
-            faulthandler.cancel_dump_traceback_later()
-            if has_timer:
-                signal.setitimer(signal.ITIMER_PROF, 0.0)

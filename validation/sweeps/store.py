@@ -9,23 +9,20 @@ import json
 import os
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 from analysis.data.outcomes import DONE, Row
 from analysis.data.own import foreign_names
+from validation.kit.differences import flat
 from validation.kit.provenance import commit
 from validation.sweeps.outcomes import COLUMNS, IN_ROW, TIME
 from validation.sweeps.sweep import Sweep
 
 FORMAT = 2
-"""Of the stores written here."""
-
-READABLE = ("1", "2")
-"""Formats that can be read. The first does not say which code a row comes from."""
+"""Of the stores written and read here."""
 
 APPLICATION = 0x74697070
 """Mark of these files among those of SQLite: "tipp"."""
@@ -68,80 +65,66 @@ class Store:
     ) -> None:
         self.path = Path(path)
         self._sweep = sweep
-        self._accepts = accept_other_code
-        self._code = sweep.code()
+        self._code = json.dumps(sweep.code(), sort_keys=True)
         # Commits of uncommitted changes are all alike.
-        identity = sha256(json.dumps(self._code, sort_keys=True).encode()).hexdigest()[:10]
+        identity = sha256(self._code.encode()).hexdigest()[:10]
         self._code_name = ":".join(filter(None, (commit(), identity)))
         self._names = ["number", *(axis.field for axis in sweep.design.axes), *COLUMNS]
         self._series = ["number", TIME, *sweep.plan.keep] if sweep.plan.keep else []
-        with self._told():
+        with told(self.path):
             self._file = sqlite3.connect(path, timeout=0.2, isolation_level=None)
             try:
-                self._open()
+                # A transaction is always open: its lock keeps a second process from writing.
+                self._file.execute("BEGIN IMMEDIATE")
+                if self._file.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                    self._check(accept_other_code)
+                else:
+                    self._create()
+                self._file.execute(f"PRAGMA busy_timeout = {round(1000 * _PATIENCE)}")
             except BaseException:
                 self._file.close()
                 raise
         self._committed = time.monotonic()
 
-    def _open(self) -> None:
-        # A transaction is always open: its lock keeps a second process from writing.
-        self._file.execute("BEGIN IMMEDIATE")
-        if self._file.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
-            self._check()
-        else:
-            self._create()
-        self._file.execute(f"PRAGMA busy_timeout = {round(1000 * _PATIENCE)}")
-
     def _create(self) -> None:
-        kinds = ["INTEGER PRIMARY KEY"]
+        words = {name for name, unit in COLUMNS.items() if unit is None}
         for axis in self._sweep.design.axes:
-            sample = axis.values[0] if axis.values else 0.0
-            kinds.append("TEXT" if isinstance(sample, str) else "REAL")
-        kinds += ["TEXT" if unit is None else "REAL" for unit in COLUMNS.values()]
-        columns = ", ".join(f'"{name}" {kind}' for name, kind in zip(self._names, kinds,
-                                                                     strict=True))  # fmt: skip
-        self._file.execute(f"CREATE TABLE cases ({columns})")
-        if self._series:
-            blobs = ", ".join(f'"{name}" BLOB' for name in self._series[1:])
-            self._file.execute(f"CREATE TABLE series (number INTEGER PRIMARY KEY, {blobs})")
-        self._file.execute("CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT)")
+            words |= {axis.field} if any(isinstance(each, str) for each in axis.values) else set()
+        columns = [f'"{name}" {"TEXT" if name in words else "REAL"}' for name in self._names[1:]]
+        blobs = [f'"{name}" BLOB' for name in self._series[1:]]
+        for table, kinds in (("cases", columns), ("series", blobs)):
+            if kinds:
+                first = "number INTEGER PRIMARY KEY"
+                self._file.execute(f"CREATE TABLE {table} ({', '.join([first, *kinds])})")
+        for table in ("sweep", "code"):
+            self._file.execute(f"CREATE TABLE {table} (name TEXT PRIMARY KEY, value TEXT)")
         about = {"format": str(FORMAT), "sweep": self._sweep.to_text()}
         self._file.executemany("INSERT INTO sweep VALUES (?, ?)", about.items())
-        self._file.execute("CREATE TABLE code (name TEXT PRIMARY KEY, value TEXT)")
         self._add_code()
         self._file.execute(f"PRAGMA application_id = {APPLICATION}")
         self._file.execute("COMMIT")
         self._file.execute("BEGIN IMMEDIATE")
 
     def _add_code(self) -> None:
-        self._file.execute(
-            "INSERT INTO code VALUES (?, ?)", (self._code_name, json.dumps(self._code))
-        )
+        self._file.execute("INSERT INTO code VALUES (?, ?)", (self._code_name, self._code))
 
-    def _check(self) -> None:
-        about = _about(self._file, self.path)
-        # Through JSON, which knows no tuples.
-        self._refuse("another sweep", about["sweep"], json.loads(self._sweep.to_text()))
-        if about["format"] != str(FORMAT):
-            raise ValueError(
-                f"{self.path} was written by an earlier version, in format {about['format']}: it "
-                "can be read, but not added to; give another file"
-            )
-        known = [json.loads(text) for (text,) in self._file.execute("SELECT value FROM code")]
-        if self._code not in known:
-            if not self._accepts:
-                self._refuse("other sources", known[-1], self._code, ", or --accept-other-code")
+    def _check(self, accepts: bool) -> None:
+        # Nothing that it names is imported.
+        self._refuse("another sweep", _told(self._file, self.path), self._sweep.to_text())
+        codes = [text for (text,) in self._file.execute("SELECT value FROM code")]
+        if json.loads(self._code) not in map(json.loads, codes):
+            if not accepts:
+                self._refuse("other sources", codes[-1], self._code, ", or --accept-other-code")
             self._add_code()
 
-    def _refuse(self, what: str, there: Any, here: Any, besides: str = "") -> None:
+    def _refuse(self, what: str, there: str, here: str, besides: str = "") -> None:
         """Raise if plain data differ, naming the first difference."""
-        there, here = _flat(there), _flat(here)
-        for key in {**there, **here}:
-            if there.get(key) != here.get(key):
+        known, wanted = flat(json.loads(there)), flat(json.loads(here))
+        for key in {**known, **wanted}:
+            if known.get(key) != wanted.get(key):
                 raise ValueError(
-                    f"{self.path} holds results of {what}: {key} is {there.get(key)} there and "
-                    f"{here.get(key)} here; give another file{besides}"
+                    f"{self.path} holds results of {what}: {key} is {known.get(key)} there and "
+                    f"{wanted.get(key)} here; give another file{besides}"
                 )
 
     def __enter__(self) -> "Store":
@@ -151,12 +134,10 @@ class Store:
         self.commit()
         self._file.close()
 
-    def count(self, status: str | None = None) -> int:
+    def count(self, status: str = "%") -> int:
         """Number of rows, all or those of a status."""
-        where = "" if status is None else " WHERE status = ?"
-        with self._told():
-            given = () if status is None else (status,)
-            found = self._file.execute(f"SELECT count(*) FROM cases{where}", given)
+        with told(self.path):
+            found = self._file.execute("SELECT count(*) FROM cases WHERE status LIKE ?", (status,))
             return int(found.fetchone()[0])
 
     def missing(self, numbers: Iterable[int], *, retry: bool = False) -> list[int]:
@@ -171,7 +152,7 @@ class Store:
         numbers = list(numbers)
         if not numbers:
             return []
-        with self._told():
+        with told(self.path):
             found = self._file.execute(
                 "SELECT number FROM cases WHERE number BETWEEN ? AND ? AND (status = ? OR ?)",
                 (min(numbers), max(numbers), DONE, not retry),
@@ -181,17 +162,17 @@ class Store:
 
     def rows(self) -> Iterator[Row]:
         """All rows, by their numbers."""
-        with self._told():
+        with told(self.path):
             for cells in self._file.execute("SELECT * FROM cases ORDER BY number"):
                 yield dict(zip(self._names, cells, strict=True))
 
     def add(self, rows: Iterable[Row]) -> None:
         """Add rows; they are on the disk at the next commit."""
         rows = [{**row, "code": self._code_name} for row in rows]
-        with self._told():
+        with told(self.path):
             self._insert("cases", self._names, rows)
             if self._series:
-                names = ["number", *(IN_ROW.format(name) for name in self._series[1:])]
+                names = ["number", *map(IN_ROW.format, self._series[1:])]
                 self._insert("series", names, [row for row in rows if names[1] in row])
 
     def _insert(self, table: str, names: Sequence[str], rows: Iterable[Row]) -> None:
@@ -208,16 +189,11 @@ class Store:
 
     def commit(self) -> None:
         """Put all rows on the disk."""
-        with self._told():
+        with told(self.path):
             if self._file.in_transaction:
                 self._file.execute("COMMIT")
             self._file.execute("BEGIN IMMEDIATE")
         self._committed = time.monotonic()
-
-    @contextmanager
-    def _told(self) -> Iterator[None]:
-        with told(self.path):
-            yield
 
 
 @contextmanager
@@ -233,8 +209,9 @@ def told(path: Path) -> Iterator[None]:
         raise ValueError(f"{path} is no readable store of a sweep: {error}") from error
 
 
-def read_about(path: str | os.PathLike[str]) -> tuple[sqlite3.Connection, Sweep]:
-    """Open a store for reading; returns the file and the sweep.
+@contextmanager
+def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, Sweep]]:
+    """A store that is open for reading, and its sweep.
 
     Raises
     ------
@@ -246,16 +223,18 @@ def read_about(path: str | os.PathLike[str]) -> tuple[sqlite3.Connection, Sweep]
     place = Path(path)
     if not place.is_file():
         raise FileNotFoundError(f"{path}: there is no such file")
-    with told(place):
-        file = sqlite3.connect(f"{place.absolute().as_uri()}?mode=ro", uri=True, timeout=_PATIENCE)
+    address = f"{place.absolute().as_uri()}?mode=ro"
+    with (
+        told(place),
+        closing(sqlite3.connect(address, uri=True, timeout=_PATIENCE)) as file,
+    ):
+        said = json.loads(_told(file, place))
         try:
             with foreign_names():
-                return file, Sweep.from_values(_about(file, place)["sweep"])
-        except BaseException as error:
-            file.close()
-            if isinstance(error, KeyError | TypeError | AttributeError):
-                raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
-            raise
+                sweep = Sweep.from_values(said)
+        except (KeyError, TypeError, AttributeError) as error:
+            raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
+        yield file, sweep
 
 
 def expected_size(sweep: Sweep) -> int:
@@ -266,31 +245,15 @@ def expected_size(sweep: Sweep) -> int:
     return sweep.design.size * (row + series)
 
 
-def _about(file: sqlite3.Connection, path: Path) -> dict[str, Any]:
-    """What a store says of itself: its format, and the plain data of its sweep and its code."""
+def _told(file: sqlite3.Connection, path: Path) -> str:
+    """What a store says of the sweep that it belongs to, as JSON."""
     if file.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise ValueError(f"{path} is no store of a sweep, but another SQLite file")
     about: dict[str, str] = dict(file.execute("SELECT name, value FROM sweep"))
-    if about.get("format") not in READABLE:
-        raise ValueError(
-            f"{path} has format {about.get('format')}, and this version reads "
-            f"{' and '.join(READABLE)}"
-        )
+    if about.get("format") != str(FORMAT):
+        raise ValueError(f"{path} has format {about.get('format')}, this version reads {FORMAT}")
     try:
-        return about | {"sweep": json.loads(about["sweep"])}
-    except (KeyError, TypeError, ValueError, RecursionError) as error:
+        json.loads(about["sweep"])
+    except (KeyError, ValueError, RecursionError) as error:
         raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
-
-
-def _flat(values: Any, name: str = "") -> dict[str, Any]:
-    """Nested plain data as one level, with dotted names."""
-    if isinstance(values, Mapping):
-        items = values.items()
-    elif isinstance(values, list):
-        items = {str(index): value for index, value in enumerate(values)}.items()
-    else:
-        return {name: values}
-    flat: dict[str, Any] = {}
-    for key, value in items:
-        flat |= _flat(value, f"{name}.{key}" if name else str(key))
-    return flat
+    return about["sweep"]

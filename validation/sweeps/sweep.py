@@ -1,9 +1,8 @@
-"""A sweep as plain data, and one of its cases run."""
+"""A sweep as plain data, and a look ahead at what it takes."""
 
 import json
 import sys
-import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
@@ -13,23 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from analysis import (
-    CONSTRAINTS,
-    Ensemble,
-    Scenario,
-    Trajectories,
-    multiplier_names,
-    outcomes,
-    simulate_many,
-)
+from analysis import CONSTRAINTS, Scenario, multiplier_names
 from analysis.compiled.library import require_heyoka
-from analysis.data.fields import changed, check_field
-from analysis.data.outcomes import DONE, Row, failure
+from analysis.data.changes import changed, check_field
+from analysis.data.names import ArgumentError
 from analysis.data.trajectory import versions
 from validation.kit.sources import digest
 from validation.sweeps.axes import Design
-from validation.sweeps.outcomes import difference, outcome, series
-from validation.sweeps.plan import Motion, Plan
+from validation.sweeps.plan import Plan
 
 _LOOKED_AT = 50
 
@@ -63,8 +53,8 @@ class Sweep:
             missing = {*multiplier_names(CONSTRAINTS)} & {*self.plan.keep}
             missing -= {*multiplier_names(self.scenario.constraints)}
             if missing:
-                raise ValueError(
-                    f"keep must name what {self.scenario.name} has, got {min(missing)}"
+                raise ArgumentError(
+                    "keep", f"must name what {self.scenario.name} has, got {min(missing)}"
                 )
 
     def scenario_of(self, index: int) -> Scenario:
@@ -117,102 +107,6 @@ def _spread_limit(size: int, count: int) -> float:
         return -1.0
     count = min(count, size)
     return float(np.partition(_spread(np.arange(size)), count - 1)[count - 1])
-
-
-def run_case(sweep: Sweep, index: int, time_limit: float | None) -> Row:
-    """Row of a case: its number, its values and its outcome, or why there is none."""
-    begin = time.process_time()
-    try:
-        scenario = sweep.scenario_of(index)
-        motion = sweep.plan.motion(scenario, time_limit=time_limit)
-    except (Exception, SystemExit) as error:  # noqa: BLE001 - a law of one's own may raise any
-        return _row(sweep, index, error, begin, time_limit)
-    return _row(sweep, index, motion, begin, time_limit)
-
-
-def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[Row]:
-    """Rows of several cases that are compiled and run together; the plan's method is "taylor".
-
-    The time limit is left to whoever calls this.
-    """
-    begin = time.process_time()
-    cases = [sweep.design.values_of(number) for number in numbers]
-    fields = {name: np.array([case[name] for case in cases]) for name in cases[0]}
-    ensemble, members, found = Ensemble.sieved(sweep.scenario, fields)
-    outcome_of: dict[int, Row] = {member: failure(error) for member, error in found.items()}
-    runs = _together(sweep.plan, ensemble) if members.size else None
-    if runs is not None:
-        outcome_of |= dict(zip(members.tolist(), outcomes(runs).rows(), strict=True))
-    each = (time.process_time() - begin) / len(cases)
-    rows: list[Row] = []
-    for member, (number, case) in enumerate(zip(numbers, cases, strict=True)):
-        rows.append({**outcome_of[member], "number": number, **case, "seconds": each})
-    for place, member in enumerate(members.tolist()):
-        wanted = sweep.plan.keep or sweep.has_witness(numbers[member])
-        if runs is not None and wanted and rows[member]["status"] == DONE:
-            rows[member] |= _besides(sweep, numbers[member], runs[place], None)
-    return rows
-
-
-def _together(plan: Plan, ensemble: Ensemble) -> Trajectories:
-    form: Any = plan.formulation
-    return simulate_many(
-        ensemble,
-        plan.times,
-        form=form,
-        method="taylor",
-        tolerance=plan.tolerance,
-        local_tolerance=plan.local_tolerance,
-        stop_when=plan.stop_when or (),
-        workers=1,
-    )
-
-
-def _row(
-    sweep: Sweep, index: int, found: Motion | BaseException, begin: float, time_limit: float | None
-) -> Row:
-    """Row of a case from its motion or from the error that it ended in.
-
-    `begin` is the processor time in s at which its run began.
-    """
-    row: Row = {"number": index, **sweep.design.values_of(index)}
-    row |= failure(found) if isinstance(found, BaseException) else outcome(found)
-    row["seconds"] = time.process_time() - begin
-    if not isinstance(found, BaseException) and row["status"] == DONE:
-        row |= _besides(sweep, index, found, time_limit)
-    return row
-
-
-def _besides(sweep: Sweep, index: int, motion: Motion, time_limit: float | None) -> Row:
-    """Series of a case and what its witness says, where they are asked for."""
-    row = series(motion, sweep.plan.keep)
-    if sweep.has_witness(index):
-        row |= _witnessed(sweep.plan, motion.scenario, motion, time_limit)
-    return row
-
-
-def _witnessed(plan: Plan, scenario: Scenario, motion: Motion, time_limit: float | None) -> Row:
-    begin = time.process_time()
-    try:
-        other = plan.witness(scenario, time_limit=time_limit)
-    except (ValueError, ArithmeticError) as error:
-        return {"other_inversion": "failed", "reason": failure(error)["reason"]}
-    found = outcome(other)
-    if found["status"] != DONE:
-        return {"other_inversion": "failed", "reason": found["reason"]}
-    return {
-        "other_inversion": found["inversion"],
-        "other_face_end": found["face_end"],
-        "other_error_estimate": found["error_estimate"],
-        "other_seconds": time.process_time() - begin,
-        "difference": difference(motion, other),
-    }
-
-
-@lru_cache(maxsize=1)
-def sweep_from_text(text: str) -> Sweep:
-    """Sweep from the JSON of `Sweep.to_text`; the last one is kept."""
-    return Sweep.from_values(json.loads(text))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

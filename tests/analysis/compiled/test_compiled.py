@@ -37,7 +37,7 @@ from analysis.compiled import code, library, systems
 from analysis.compiled.runs import CompiledScenario
 from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
-from analysis.data.friction import LOADS
+from analysis.data.quantities import LOADS
 from analysis.mechanics import reduced
 from analysis.mechanics.recorded import solver
 from analysis.models.forms import pose

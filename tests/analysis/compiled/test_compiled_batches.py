@@ -21,7 +21,7 @@ from analysis import (
 from analysis.compiled import code, places
 from analysis.models import simulation
 from tests.helpers import assert_close, model, not_none
-from validation.studies import compiled_speed
+from validation import benchmark, by_hand
 
 pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
@@ -144,11 +144,11 @@ def test_calls_go_on_from_the_place_on_the_stack_that_took_less_time(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", compiled_speed.CASES, ids=lambda case: case.form)
+@pytest.mark.parametrize("case", benchmark.COMPILED, ids=lambda case: case.form)
 def test_heyoka_driven_by_hand_samples_the_same_motion(case: Any) -> None:
     run = case.simulate("taylor", 1e-9)
-    alone = compiled_speed.by_hand(case.scenario, case.form, 1e-9)()[-1]
-    many = compiled_speed.batches_by_hand([case.scenario] * 8, case.form, 1e-9)()[0][:, :, 0]
+    alone = by_hand.single(case.scenario, case.form, 1e-9, run.times)()[-1]
+    many = by_hand.batches([case.scenario] * 8, case.form, 1e-9, run.times)()[0][:, :, 0]
     columns = slice(0, 2) if case.form == "reduced" else slice(4, 6)
     for sampled in (alone, many):
         np.testing.assert_allclose(sampled[:, columns], run.coordinates[:, 4:], atol=1e-7)

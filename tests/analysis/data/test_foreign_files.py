@@ -245,7 +245,7 @@ def test_header_that_claims_more_than_there_is_takes_no_memory(
         load_run(path, Trajectory)
 
 
-@pytest.mark.parametrize("command", ["show {} --out {}.png", "animate {}"])
+@pytest.mark.parametrize("command", ["show {} --plot {}.png", "animate {}"])
 @pytest.mark.parametrize("name", ["complex coordinates", "method is text", "huge"])
 def test_commands_answer_foreign_files_in_one_line(
     command: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

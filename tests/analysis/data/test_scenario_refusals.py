@@ -7,10 +7,11 @@ import pytest
 
 from analysis.data.constraint_set import POSSIBLE_SETS
 from analysis.data.disk import ROUNDED_STEEL_DISK
-from analysis.data.friction import LAWS, Stribeck
+from analysis.data.friction import Stribeck
+from analysis.data.quantities import SECTIONS
 from analysis.data.scenario import Scenario
-from analysis.data.scenario_file import load_scenario, scenario_text
-from analysis.data.scenario_keys import KEYS, NEEDED
+from analysis.data.scenario_file import load_scenario
+from analysis.data.scenario_text import scenario_text
 from analysis.data.state import State
 from tests.scenario_texts import with_key
 
@@ -33,14 +34,12 @@ def refusal(text: str, folder: Path) -> tuple[str, str]:
 REFUSED: list[tuple[list[Entry], str, str]] = [
     # What the file itself says.
     ([("", "format", "2")], "format 2 is newer than this version", "format"),
-    ([("disk", "radius", "1e160")], "radius must lie from 0 to 1e+100, got 1e+160", "radius"),
-    ([("disk", "thickness", "1e308")], "thickness must lie from 0 to 1e+100", "thickness"),
     ([("", "format", "0")], "format must be 1, got 0", "format"),
     ([("", "format", "true")], "format must be 1, got True", "format"),
     ([("", "model", "5")], "model must be one of 1, 2, 3, 4, got 5", "model"),
     ([("", "model", "1.0")], "model must be one of 1, 2, 3, 4, got 1.0", "model"),
     ([("", "model", "true")], "model must be one of 1, 2, 3, 4, got True", "model"),
-    ([("", "constraints", '["contact"]')], "model and constraints do not go to", "constraints"),
+    ([("", "constraints", '["contact"]')], "constraints do not go together with", "constraints"),
     ([("", "radius", "0.1")], "radius must stand in the table [disk]", "radius"),
     ([("", "colour", "3")], "unknown key 'colour'; a scenario holds format, model", "colour"),
     ([("disk", "colour", "3")], "colour is unknown here; [disk] takes name; or radius", "colour"),
@@ -51,35 +50,14 @@ REFUSED: list[tuple[list[Entry], str, str]] = [
     # Values of the wrong kind, among them wrong units.
     ([("disk", "radius", '"45mm"')], "radius must be a number in m, got '45mm'", "radius"),
     ([("disk", "radius", "true")], "radius must be a finite number, got True", "radius"),
-    ([("disk", "radius", "nan")], "radius must be a finite number, got nan", "radius"),
     ([("disk", "radius", "1979-05-27")], "radius must be a finite number, got", "radius"),
     ([("disk", "radius", "[1.0]")], "radius must be a finite number, got [1.0]", "radius"),
+    ([("disk", "radius", "1" + 400 * "0")], "radius must be a finite number, got one", "radius"),
     ([("table", "inclination", '"2 grad"')], "inclination must be an angle", "inclination"),
-    ([("start", "spin", '"40rpm"')], "spin must be a number in rad/s, got '40rpm'", "spin"),
-    ([("friction", "coefficient", '"0.3"')], "coefficient must be a number, got", "coefficient"),
-    ([("friction", "law", "3")], "friction law must be one of smooth-coulomb", "law"),
     ([("friction", "law", "[]")], "friction law must be one of smooth-coulomb", "law"),
-    # Values that the data types refuse.
-    ([("disk", "radius", "-1.0")], "radius must be positive, got -1", "radius"),
-    ([("disk", "thickness", "0")], "thickness must be positive, got 0", "thickness"),
-    ([("disk", "density", "-1")], "density must be positive, got -1", "density"),
-    ([("disk", "hole_radius", "-1")], "hole_radius must not be negative", "hole_radius"),
-    ([("disk", "hole_distance", "1")], "hole_distance + hole_radius must be", "hole_distance"),
-    ([("friction", "law", '"glue"')], "friction law must be one of smooth-coulomb", "law"),
     ([("friction", "law", '"math:sin"')], "friction law 'math:sin' must be a class", "law"),
     ([("friction", "law", '"nowhere:Law"')], "friction law 'nowhere:Law' cannot be", "law"),
     ([("friction", "law", '".x:Law"')], "friction law '.x:Law' cannot be loaded", "law"),
-    ([("friction", "load", '"moon"')], "load must be one of weight, contact, got", "load"),
-    ([("friction", "coefficient", "-1")], "coefficient must not be negative", "coefficient"),
-    ([("friction", "coefficient", "1e300")], "coefficient must lie from 0", "coefficient"),
-    ([("friction", "smoothing", "0")], "smoothing must be positive", "smoothing"),
-    ([("friction", "smoothing", "1e-300")], "smoothing must lie from 1e-12", "smoothing"),
-    (
-        [("friction", "coefficient", "1e8"), ("friction", "smoothing", "1e-9")],
-        "smoothing must be at least coefficient / 1e+12",
-        "smoothing",
-    ),
-    ([("disk", "radius", "1" + 400 * "0")], "radius must be a finite number, got one", "radius"),
     (
         [
             ("friction", "law", '"analysis.data.friction:FrictionLaw"'),
@@ -89,24 +67,14 @@ REFUSED: list[tuple[list[Entry], str, str]] = [
         "friction law 'analysis.data.friction:FrictionLaw' cannot be made: Can't inst",
         "law",
     ),
-    ([("table", "gravity", "0")], "gravity must be positive, got 0", "gravity"),
-    ([("table", "gravity", "1e300")], "gravity must lie from 0 to 1e+06", "gravity"),
-    ([("table", "inclination", "-0.1")], "inclination must not be negative", "inclination"),
-    ([("table", "inclination", '"pi/2"')], "inclination must be less than pi", "inclination"),
-    ([("table", "downhill", "1e300")], "downhill must lie from -1e+06", "downhill"),
-    ([("start", "beta", "0")], "beta must lie in the open interval (0, pi)", "beta"),
-    ([("start", "beta", "1e-9")], "beta must keep 1e-06 rad from 0 and pi", "beta"),
-    ([("start", "gamma", "1e300")], "gamma must lie from -1e+06 to 1e+06", "gamma"),
-    ([("start", "alpha", "1e300")], "alpha must lie from -1e+06 to 1e+06", "alpha"),
-    ([("start", "spin", "1e300")], "spin must lie from -100000 to 100000", "spin"),
-    ([("start", "beta_rate", "1e300")], "beta_rate must lie from -100000", "beta_rate"),
-    ([("start", "gamma_rate", "1e300")], "gamma_rate must lie from -100000", "gamma_rate"),
-    ([("start", "x", "inf")], "x must be a finite number, got inf", "x"),
-    ([("start", "y", "nan")], "y must be a finite number, got nan", "y"),
-    ([("start", "x_rate", "nan")], "x_rate must be a finite number, got nan", "x_rate"),
-    ([("start", "y_rate", "nan")], "y_rate must be a finite number, got nan", "y_rate"),
-    ([("start", "height", "-1")], "height must not be negative, got -1", "height"),
     # Values that do not fit each other.
+    ([("disk", "hole_distance", "1")], "hole_distance + hole_radius must be", "hole_distance"),
+    (
+        [("friction", "coefficient", "1e8"), ("friction", "smoothing", "1e-9")],
+        "smoothing must be at least coefficient / 1e+12",
+        "smoothing",
+    ),
+    ([("start", "beta", "1e-9")], "beta must keep 1e-06 rad from 0 and pi", "beta"),
     ([("start", "height", "0.1")], "height must be 0 or left out on an ideal", "height"),
     (
         [("", "model", "3"), ("start", "gamma_rate", "5")],
@@ -124,21 +92,9 @@ REFUSED: list[tuple[list[Entry], str, str]] = [
 REFUSED_OF_CONTACT: list[tuple[list[Entry], str, str]] = [
     ([("", "model", "2")], "contact must be left out, or constraints be", "[contact]"),
     ([("contact", "stiffness", None)], "[contact] lacks stiffness", "[contact]"),
-    ([("contact", "stiffness", "0")], "stiffness must be positive", "stiffness"),
-    ([("contact", "stiffness", "1e300")], "stiffness must lie from 0", "stiffness"),
-    ([("contact", "stiffness", "1")], "stiffness must be at least weight /", "stiffness"),
-    ([("contact", "damping", "-1")], "damping must not be negative", "damping"),
-    ([("contact", "damping", "1e300")], "damping must lie from 0", "damping"),
-    ([("contact", "half_thickness", "1e-300")], "half_thickness must be 0 or", "half_thickness"),
-    ([("contact", "half_thickness", "1")], "half_thickness must not exceed", "half_thickness"),
-    ([("contact", "bilateral", '"no"')], "bilateral must be True or False", "bilateral"),
-    ([("dissipation", "rolling_dry", "-1")], "rolling_dry must not be", "rolling_dry"),
-    ([("dissipation", "rolling_dry", "2")], "rolling_dry must lie from 0", "rolling_dry"),
-    ([("dissipation", "rolling_viscous", "1e6")], "rolling_viscous must", "rolling_viscous"),
-    ([("dissipation", "pivoting", "2")], "pivoting must lie from 0 to 1", "pivoting"),
-    ([("dissipation", "air_drag", "1e300")], "air_drag must lie from 0", "air_drag"),
-    ([("dissipation", "rolling_smoothing", "0")], "rolling_smoothing must", "rolling_smoothing"),
-    ([("dissipation", "pivoting_smoothing", "0")], "pivoting_smoothing mu", "pivoting_smoothing"),
+    ([("contact", "stiffness", "1.0")], "stiffness must be at least weight", "stiffness"),
+    ([("contact", "half_thickness", "1e-12")], "half_thickness must be 0 or", "half_thickness"),
+    ([("contact", "half_thickness", "0.1")], "half_thickness must not exceed", "half_thickness"),
 ]
 
 STATE = State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.1), rates=(0.0,) * 6)
@@ -167,26 +123,11 @@ REFUSED_OF_OTHERS: list[tuple[Scenario, list[Entry], str, str]] = [
         "kinetic",
     ),
     (
-        Scenario(friction=Stribeck()),
-        [("friction", "stribeck_speed", "0")],
-        "stribeck_speed must be positive",
-        "stribeck_speed",
-    ),
-    (
-        Scenario(friction=LAWS["viscous"]()),
-        [("friction", "viscosity", "-1")],
-        "viscosity must not be negative",
-        "viscosity",
-    ),
-    (
         Scenario(disk=ROUNDED_STEEL_DISK),
         [("disk", "eccentricity", "1")],
         "eccentricity must lie in [0, radius) = [0, 0.045), got 1",
         "eccentricity",
     ),
-    (Scenario(disk=ROUNDED_STEEL_DISK), [("disk", "mass", "-1")], "mass must be pos", "mass"),
-    (Scenario(disk=ROUNDED_STEEL_DISK), [("disk", "inertia_x", "0")], "inertia_x mu", "inertia_x"),
-    (Scenario(friction=Stribeck()), [("friction", "kinetic", "-1")], "kinetic must", "kinetic"),
     (
         Scenario(disk=ROUNDED_STEEL_DISK),
         [("disk", "inertia_y", "1e-9")],
@@ -265,17 +206,11 @@ def test_refusal_names_key_and_line(
     assert re.match(r"[\[\]\w]+", line)[0] == place  # type: ignore[index]
 
 
-def test_every_key_of_a_table_has_a_refusal() -> None:
-    tried = {(table, key) for _, entries, _, _ in ALL_REFUSED for table, key, _ in entries}
-    known = {(table, key) for table, keys in KEYS.items() for key in keys}
-    assert known - tried == set()
-
-
-@pytest.mark.parametrize("table", NEEDED)
+@pytest.mark.parametrize("table", [name for name, each in SECTIONS.items() if each.needed])
 def test_missing_table_is_named_with_the_shortest_way_to_it(table: str, tmp_path: Path) -> None:
     text = re.sub(rf"\[{table}\]\n(.*\n)*?(?=\n|\Z)", "", scenario_text(Scenario()))
     said, _ = refusal(text, tmp_path)
-    assert said == f"the table [{table}] is missing; {NEEDED[table]}"
+    assert said == f"the table [{table}] is missing; {SECTIONS[table].needed}"
 
 
 @pytest.mark.parametrize("key", ["format", "model"])

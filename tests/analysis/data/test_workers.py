@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from tests.helpers import is_running
-from validation.studies.robustness.isolated import run_isolated
 
 ROOT = Path(__file__).parents[3]
 
@@ -23,21 +22,13 @@ if __name__ == "__main__":
         list(pool.map(note_and_work, [argv[1]] * 2))
 """
 
-ISOLATED = """
+PROCESSES = """
 from tests.analysis.data.test_workers import note_and_work
-from validation.studies.robustness.isolated import run_isolated
+from validation.kit.processes import Processes
 from sys import argv
 if __name__ == "__main__":
-    run_isolated(note_and_work, [(argv[1],)], limit=600.0)
-"""
-
-NESTED = """
-from tests.analysis.data.test_workers import isolate
-from analysis.data.workers import Pool
-from sys import argv
-if __name__ == "__main__":
-    with Pool(1) as pool:
-        list(pool.map(isolate, [argv[1]]))
+    pool = Processes(2)
+    [each.result() for each in [pool.submit(note_and_work, argv[1]) for _ in range(2)]]
 """
 
 PATIENCE = 60.0
@@ -52,15 +43,10 @@ def note_and_work(folder: str) -> None:
         sum(range(1000))
 
 
-def isolate(folder: str) -> None:
-    (Path(folder) / str(os.getpid())).touch()
-    run_isolated(note_and_work, [(folder,)], limit=600.0)
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
-@pytest.mark.parametrize(("code", "number"), [(POOL, 2), (ISOLATED, 1), (NESTED, 2)])
-def test_workers_of_a_killed_parent_end(code: str, number: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize("code", [POOL, PROCESSES], ids=["pool", "processes"])
+def test_workers_of_a_killed_parent_end(code: str, tmp_path: Path) -> None:
     script = tmp_path / "parent.py"
     script.write_text(code)
     notes = tmp_path / "workers"
@@ -74,7 +60,7 @@ def test_workers_of_a_killed_parent_end(code: str, number: int, tmp_path: Path) 
     limit = time.monotonic() + PATIENCE
     workers: list[int] = []
     try:
-        while len(workers) < number:
+        while len(workers) < 2:
             assert parent.poll() is None
             assert time.monotonic() < limit
             time.sleep(0.02)

@@ -23,21 +23,12 @@ from analysis.data.frames import poses
 from analysis.mechanics.paper import mass_matrix
 from mbs_models import Formulation
 from tests.scenes import scene_of
-from validation.studies.robustness.penalty_limit import penalty_error
 
 FORMULATIONS: tuple[Formulation, ...] = ("euler-tree", "floating", "floating-lie")
 CONTACT = PenaltyContact(stiffness=1e5, damping=10.0)
 TIMES = np.linspace(0.0, 0.1, 21)
 
 MOVING = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0, gamma_rate=-5.0)
-
-
-@pytest.mark.parametrize("load", LOADS)
-def test_error_falls_with_the_first_power_of_the_stiffness(load: Load) -> None:
-    soft, stiff = penalty_error(1e5, load), penalty_error(1e6, load)
-    assert stiff.estimate < 0.01 * stiff.angles
-    assert soft.angles / stiff.angles == pytest.approx(10.0, rel=0.1)
-    assert soft.normal_force / stiff.normal_force == pytest.approx(10.0, rel=0.1)
 
 
 @pytest.mark.parametrize("load", LOADS)

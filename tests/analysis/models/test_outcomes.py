@@ -23,8 +23,8 @@ from analysis.data.outcomes import DONE, OUTCOMES, Row
 from analysis.models.outcomes import integrals
 from tests.helpers import model
 from tests.sweeps import sweep
+from validation.sweeps.case import run_chunk
 from validation.sweeps.outcomes import COLUMNS, IN_ROW, NUMBERS, TIME
-from validation.sweeps.runner import run_alone, run_chunk
 
 ENDING: dict[str, np.ndarray[Any, Any]] = {
     "spin": np.array([36.0, 40.0, 44.0, 40.0, 0.0, 40.0]),
@@ -96,7 +96,7 @@ def assert_batch_is_its_cases(*axes: str, **how: Any) -> None:
     numbers = range(wanted.design.size)
     batch = run_chunk(wanted.to_text(), numbers, 60.0, 60.0)
     for number, row in zip(numbers, batch, strict=True):
-        alone = run_alone(wanted.to_text(), number, 60.0, 60.0)
+        (alone,) = run_chunk(wanted.to_text(), [number], 60.0, 60.0)
         assert row["number"] == number
         for name in {*map(IN_ROW.format, (TIME, *wanted.plan.keep))} & {*row, *alone}:
             kept, expected = (

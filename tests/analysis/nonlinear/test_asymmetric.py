@@ -36,6 +36,19 @@ def test_cycles_without_symmetry_come_back_after_a_period(
 
 
 @pytest.mark.slow
+def test_they_branch_off_where_symmetric_cycles_regain_their_stability_too() -> None:
+    regained = bifurcations(cycle_family(WEAK, (1.0, 2.0, 2.5, 2.7, 2.8)))[-1]
+    assert regained.cycle.amplitude == pytest.approx(2.7496, abs=1e-4)
+    begin = regained.cycle.amplitude
+    first, second = asymmetric_family(regained, (begin + 0.02, begin + 0.1)).cycles
+    # Growing with the amplitude, the asymmetry begins in the bifurcation.
+    assert first.amplitude + first.lowest == pytest.approx(0.04, abs=2e-3)
+    assert first.spin == pytest.approx(regained.cycle.spin, abs=1e-3)
+    state = reduced_run(WEAK, second.spin, second.states[0], second.period)
+    np.testing.assert_allclose(state, second.states[0], rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.slow
 def test_their_period_doubles_where_the_multiplier_passes_minus_one(
     branch: tuple[AsymmetricCycle, ...],
 ) -> None:

@@ -121,6 +121,17 @@ def test_both_multipliers_are_those_of_the_variational_equations_over_half_a_per
     assert found == pytest.approx([strong, cycle.half_multiplier], rel=1e-7)
 
 
+def test_either_multiplier_may_tell_that_the_stability_changes(family: CycleFamily) -> None:
+    # Over half a period the smaller one has the opposite sign.
+    for larger, at in ((1.3, -1.0), (-1.3, 1.0)):
+        inside, outside = (
+            replace(family.cycles[0], half_multiplier=larger, log_strong=2.0 * np.log(size))
+            for size in (0.9, 1.1)
+        )
+        assert inside.characteristic(at) * outside.characteristic(at) < 0.0
+        assert inside.characteristic(-at) * outside.characteristic(-at) > 0.0
+
+
 def test_a_cycle_closes_and_is_its_own_mirror_image(family: CycleFamily) -> None:
     for cycle in family.cycles[::5]:
         begin, (times, states) = cycle.states[0], cycle.full
@@ -254,7 +265,7 @@ def test_a_family_that_fails_names_the_last_good_cycle(
 @pytest.mark.slow
 def test_a_collocation_from_far_off_fails_instead_of_finding_something() -> None:
     (cycle,) = cycle_family(PAPER, (1.0,)).cycles
-    with pytest.raises(NoCycleError, match="no periodic motion found at 1 rad"):
+    with pytest.raises(NoCycleError, match="no periodic motion with an amplitude of 1 rad found"):
         solve(PAPER, 1.0, replace(cycle, spin=-10.0, times=3.0 * cycle.times))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis import Start
+from analysis import SmoothCoulomb, Start
 from analysis.data.checks import Array
 from analysis.mechanics import reduced
 from analysis.nonlinear.rotating import Rotation, RotationFamily, folds, rotating_family
@@ -91,10 +91,21 @@ def test_the_command_tells_and_draws_them(
     monkeypatch.setattr("analysis.nonlinear.rotating.rotating_family", lambda *_, **__: family)
     picture = tmp_path / "rotating.svg"
     found = json.loads(printed(capsys, f"cycles --rotating --json --plot {picture}"))
-    assert [each["tilt"] for each in found["rotations"]] == family.values("tilt").tolist()
-    assert found["rotations"][-1]["stable"] is False
-    assert found["folds"][0]["spin"] == pytest.approx(30.0820066, abs=1e-6)
+    assert [each["tilt"] for each in found["motions"]] == family.values("tilt").tolist()
+    assert found["motions"][-1]["stable"] is False
+    assert found["events"][0]["spin"] == pytest.approx(30.0820066, abs=1e-6)
     assert "<svg" in picture.read_text()
+
+
+@pytest.mark.slow
+def test_rotating_motions_are_found_beside_a_saddle_focus_too() -> None:
+    soft = model(4, friction=SmoothCoulomb(smoothing=1.0))
+    found = rotating_family(soft, (0.2,))
+    (rotation,) = found.rotations
+    end = reduced_run(soft, rotation.spin, rotation.states[0], rotation.period)
+    end[1] -= 2.0 * np.pi
+    np.testing.assert_allclose(end, rotation.states[0], rtol=0.0, atol=1e-7)
+    assert 0.0 < found.connection.spin - rotation.spin < 0.02
 
 
 def test_bad_calls_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
@@ -104,4 +115,4 @@ def test_bad_calls_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(ValueError, match="Model 4"):
         rotating_family(model(1))
     assert call("cycles --rotating --spin 30.1") == 2
-    assert "--spin does not go together" in capsys.readouterr().err
+    assert "--spin: spin does not go together" in capsys.readouterr().err

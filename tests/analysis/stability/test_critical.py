@@ -29,7 +29,7 @@ from analysis.stability.chart import with_gradient
 from analysis.stability.critical import CriticalSpeeds, critical_speeds
 from analysis.stability.linear_reduced import critical_speed
 from analysis.stability.linear_variants import PRINTED, hopf_speeds, reproduces, variants
-from analysis.stability.spectra import System, relevant_matrices
+from analysis.stability.spectra import System, matrices_over_spin
 from analysis.stability.stable_spins import stable_spins
 from tests.helpers import not_none
 
@@ -62,6 +62,17 @@ def test_full_system_has_two_hopf_crossings_in_opposite_directions(
     assert found.reason is None
 
 
+def test_pairs_are_born_where_the_discriminant_vanishes() -> None:
+    first, *others = critical_speeds(model(4), (0.0, 100.0)).pair_changes
+    assert first.spin == pytest.approx(12.51344, abs=5e-6)
+    assert first.complex_side == "above"
+    for change in (first, *others):
+        polynomial = np.poly(matrices_over_spin(model(4))(np.array([change.spin]))[0])
+        scale = abs(change.value) + 1.0
+        assert abs(np.polyval(polynomial, change.value)) < 1e-7 * scale**3
+        assert abs(np.polyval(np.polyder(polynomial), change.value)) < 1e-7 * scale**2
+
+
 @pytest.mark.parametrize(
     ("level", "system"), [(4, "reduced"), (3, "numeric"), (4, "numeric")], ids=str
 )
@@ -74,15 +85,6 @@ def test_reduced_crossing_is_that_of_the_closed_form(
     assert crossing.spin == pytest.approx(closed.spin, rel=1e-10)
     assert crossing.frequency == pytest.approx(closed.frequency, rel=1e-9)
     assert (crossing.kind, crossing.stable_side) == ("hopf", "above")
-
-
-def test_pair_is_born_where_the_discriminant_vanishes() -> None:
-    for change in critical_speeds(model(4), (0.0, 100.0)).pair_changes:
-        matrix = relevant_matrices(model(4), change.spin)[0]
-        polynomial = np.poly(matrix)
-        scale = abs(change.value) + 1.0
-        assert abs(np.polyval(polynomial, change.value)) < 1e-7 * scale**3
-        assert abs(np.polyval(np.polyder(polynomial), change.value)) < 1e-7 * scale**2
 
 
 def test_inverted_spinning_falls_over_statically_at_very_high_spin() -> None:
@@ -116,7 +118,7 @@ def test_no_hopf_crossing_is_missed(motion: Motion, gradient: float) -> None:
     scenario = with_gradient(PAPER, gradient)
 
     def matrices(*spins: float) -> Array:
-        return relevant_matrices(scenario, spins, motion=motion)
+        return matrices_over_spin(scenario, motion=motion)(np.array(spins))
 
     # The matrices are quadratic in the spin: S(Omega) = S_0 + Omega S_1 + Omega² S_2.
     less, constant, more = (pair_sums(matrix) for matrix in matrices(-30.0, 0.0, 30.0))

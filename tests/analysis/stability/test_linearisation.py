@@ -66,7 +66,7 @@ def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
         ("no-slip-along", (1.0, 0.0, 0.0, r), (0.0, -spin, -r * spin, 0.0)),
         ("no-slip-across", (0.0, 1.0, r, 0.0), (spin, 0.0, 0.0, 0.0)),
     )
-    forces = -np.hstack((system.stiffness[0], system.gyroscopic[0]))
+    forces = -np.hstack((system.by_place[0], system.by_rate[0]))
     rows, terms = [], []
     for name, by_rate, by_place in slips:
         if name in scenario.constraints:
@@ -80,7 +80,7 @@ def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
         terms += [np.zeros(8), np.zeros(8)]
     count = len(rows)
     W, chi = np.reshape(rows, (count, 4)), np.reshape(terms, (count, 8))
-    matrix = np.block([[system.mass[0], -W.T], [W, np.zeros((count, count))]])
+    matrix = np.block([[system.mass, -W.T], [W, np.zeros((count, count))]])
     accelerations = np.linalg.solve(matrix, np.vstack((forces, -chi)))[:4]
     return np.vstack((np.hstack((np.zeros((4, 4)), np.eye(4))), accelerations))
 

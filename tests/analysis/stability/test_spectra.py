@@ -121,29 +121,12 @@ def test_drift_pair_is_exact_and_named() -> None:
     assert branches(REDUCED, spins).drift == ()
 
 
-def test_a_pair_keeps_its_two_columns_through_birth_and_death() -> None:
-    values = branches(PAPER, np.linspace(0.0, 60.0, 601)).values
-    red = values[:, :2]
-    paired = red[:, 0].imag != 0.0
-    assert np.sum(np.diff(paired)) == 2
-    np.testing.assert_allclose(red[paired, 0], red[paired, 1].conj(), atol=1e-10)
-    assert np.all(red[paired, 0].imag > 0.0)
-    assert np.all(red[~paired, 0].real > red[~paired, 1].real)
-
-
 def test_crossing_eigenvalues_keep_their_eigenvectors() -> None:
     p = np.linspace(-1.0, 1.0, 101)
     true = np.column_stack((p, -p, 0.5 * np.sin(3 * p) + 0.1, np.full_like(p, -0.33)))
     found = follow(mixed(true))
     order = np.argsort(-true[0])
     np.testing.assert_allclose(found, true[:, order], atol=1e-10)
-
-
-def test_following_can_start_anywhere() -> None:
-    p = np.linspace(-1.0, 1.0, 101)
-    true = np.column_stack((p, -p + 0.03, p**2 - 0.6))
-    found = follow(mixed(true), start=60)
-    np.testing.assert_allclose(found, true[:, np.argsort(-true[60])], atol=1e-10)
 
 
 def test_a_collision_into_a_complex_pair_and_back_leaves_other_branches_alone() -> None:

@@ -9,7 +9,6 @@ from analysis import MODELS, POSSIBLE_SETS, ConstraintSet, Level, Motion, Scenar
 from analysis.data.constraint_set import set_name
 from analysis.stability import linear_reduced, spectra
 from analysis.stability.stable_spins import stable_spins
-from validation import cli
 
 PAPER = Scenario()
 REDUCED = Scenario(constraints=MODELS[4])
@@ -36,36 +35,12 @@ def test_every_eigenvalue_decays_inside_and_one_grows_outside(
     scenario = replace(MILD, constraints=MODELS[level])
     found = stable_spins(scenario, (0.0, 50.0), motion=motion)
     for spin in np.linspace(0.3, 49.7, 20).tolist():
-        values = spectra.relevant_matrices(scenario, spin, motion=motion)[0]
+        values = spectra.matrices_over_spin(scenario, motion=motion)(np.array([spin]))[0]
         inside = any(low < spin < high for low, high in found)
         assert (np.max(np.linalg.eigvals(values).real) < 0.0) == inside
-
-
-def test_full_system_has_an_interval_between_two_pairs() -> None:
-    ((low, high),) = stable_spins(MILD)
-    assert 0.0 < low < high < 60.0
-    inside = spectra.eigenvalues(MILD, [low + 0.01, high - 0.01])
-    # The drift pair lies on the axis by definition.
-    assert np.all(np.sort(inside.real, axis=1)[:, :-2] < 0.0)
 
 
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
 def test_nothing_is_stable_without_friction(constraints: ConstraintSet) -> None:
     frictionless = Scenario(constraints=constraints, friction=SmoothCoulomb(coefficient=0.0))
     assert stable_spins(frictionless, (25.0, 35.0)) == ()
-
-
-def test_critical_calls_stable_only_what_is_so_as_a_whole(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    assert cli.main(["critical", "--system", "full", "--spin", "20:40"]) == 0
-    models, _, crossings = capsys.readouterr().out.partition("\nSingle eigenvalues of Model 1")
-    assert crossings.count("this pair becomes stable") == 1
-    assert crossings.count("this pair becomes unstable") == 1
-    assert "26.8736" in crossings
-    assert [" ".join(line.split()) for line in models.splitlines()[-4:]] == [
-        "Model 1 nowhere",
-        "Model 2 29.889 to 40",
-        "Model 3 30.9168 to 40",
-        "Model 4 30.9168 to 40",
-    ]

@@ -1,10 +1,9 @@
 """A problem told by options, by a file, or by a stored run."""
 
-import argparse
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,6 @@ from analysis import (
     Dissipation,
     PenaltyContact,
     Scenario,
-    SmoothCoulomb,
     SpatialMotion,
     Start,
     State,
@@ -28,12 +26,13 @@ from analysis import (
     ViscousFriction,
     load_run,
 )
-from analysis.data.scenario_file import load_scenario, scenario_text
+from analysis.data.scenario_file import load_scenario
+from analysis.data.scenario_text import scenario_text
 from tests.calls import printed, refusal
 from tests.scenario_texts import with_key
 from validation import cli
 from validation.commands.scenarios import chosen_scenario
-from validation.parser.top import parser
+from validation.parser.top import parsed
 from validation.studies import crosscheck
 
 ROOT = Path(__file__).parents[3]
@@ -52,8 +51,7 @@ COMPLIANT = Scenario(
 
 def chosen(words: str, *, rest: bool = False) -> Scenario:
     """Scenario of a command line."""
-    joined = cli._joined(["scenario", *words.split()])
-    return chosen_scenario(parser().parse_args(joined), rest=rest)
+    return chosen_scenario(parsed(["scenario", *words.split()]), rest=rest)
 
 
 @pytest.fixture
@@ -70,26 +68,15 @@ def file(tmp_path: Path) -> Callable[[Scenario], str]:
 
 OPTIONS: list[tuple[str, Scenario]] = [
     ("", PAPER),
-    ("--model 3", replace(PAPER, constraints=MODELS[3])),
     (
         "--constraints no-slip-along,contact",
         replace(PAPER, constraints=("contact", "no-slip-along")),
     ),
-    ("--disk steel-rounded", replace(PAPER, disk=ROUNDED_STEEL_DISK)),
     (
         "--disk steel-rounded --mass 0.5 --inertia-z 4.7e-4",
         replace(PAPER, disk=replace(ROUNDED_STEEL_DISK, mass=0.5, inertia_z=4.7e-4)),
     ),
-    ("--eccentricity 0", replace(PAPER, disk=replace(PAPER.disk, eccentricity=0.0))),
-    (
-        RING,
-        replace(
-            PAPER,
-            disk=Disk.ring(
-                radius=0.05, hole_radius=0.02, hole_distance=0.02, thickness=0.01, density=7700
-            ),
-        ),
-    ),
+    ("--hole-distance 0.01", replace(PAPER, disk=Disk.ring(hole_distance=0.01))),
     (
         "--radius 1 --mass 2 --eccentricity 0.1 --inertia-x 3 --inertia-y 3 --inertia-z 4",
         replace(
@@ -99,22 +86,12 @@ OPTIONS: list[tuple[str, Scenario]] = [
             ),
         ),
     ),
-    (
-        "--mu 0.2 --eps 0.05",
-        replace(PAPER, friction=SmoothCoulomb(coefficient=0.2, smoothing=0.05)),
-    ),
-    ("--law tanh", replace(PAPER, friction=TanhCoulomb())),
     ("--law tanh --mu 0.2", replace(PAPER, friction=TanhCoulomb(coefficient=0.2))),
-    ("--law viscous --load contact", replace(PAPER, friction=ViscousFriction(load="contact"))),
-    ("--gravity 1.62", replace(PAPER, table=Table(gravity=1.62))),
     (
         "--inclination 2deg --downhill -pi/2",
         replace(PAPER, table=Table(inclination=pi / 90, downhill=-pi / 2)),
     ),
-    (
-        "--stiffness 1e5",
-        replace(PAPER, contact=PenaltyContact.damped(1e5, PAPER.disk)),
-    ),
+    ("--stiffness 1e5", replace(PAPER, contact=PenaltyContact.damped(1e5, PAPER.disk))),
     (
         "--stiffness 1e5 --damping 2 --half-thickness 1e-4 --bilateral --rolling 1e-3",
         replace(
@@ -126,29 +103,10 @@ OPTIONS: list[tuple[str, Scenario]] = [
         ),
     ),
     (
-        "--stiffness 1e5 --rolling-viscous 1e-3 --pivoting 1e-4 --air-drag 1.2 --height 0.005",
-        replace(
-            PAPER,
-            contact=PenaltyContact.damped(1e5, PAPER.disk),
-            dissipation=Dissipation(rolling_viscous=1e-3, pivoting=1e-4, air_drag=1.2),
-            start=Start(height=0.005),
-        ),
+        "--spin 35 --gamma -pi/2+0.2 --beta-rate -1e-3 --y-rate -.4",
+        replace(PAPER, start=Start(spin=35.0, gamma=-pi / 2 + 0.2, beta_rate=-1e-3, y_rate=-0.4)),
     ),
-    (
-        "--spin 35 --beta 80deg --gamma -pi/2+0.2 --alpha 1 --beta-rate -1e-3 --gamma-rate 2",
-        replace(
-            PAPER,
-            start=Start(
-                spin=35.0, beta=80 * pi / 180, gamma=-pi / 2 + 0.2, alpha=1.0, beta_rate=-1e-3,
-                gamma_rate=2.0,
-            ),
-        ),
-    ),
-    (
-        "--x 0.01 --y -0.02 --x-rate 3 --y-rate -.4",
-        replace(PAPER, start=Start(x=0.01, y=-0.02, x_rate=3.0, y_rate=-0.4)),
-    ),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("words", "expected"), OPTIONS, ids=[words for words, _ in OPTIONS])
@@ -156,13 +114,6 @@ def test_options_change_what_they_name_and_nothing_else(
     words: str, expected: Scenario, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert printed(capsys, "scenario", *words.split()) == scenario_text(expected)
-
-
-def test_every_field_of_a_scenario_has_an_option() -> None:
-    tried = " ".join(words for words, _ in OPTIONS)
-    for kind in (Disk, Table, PenaltyContact, Start):
-        for field in fields(kind):
-            assert f"--{field.name.replace('_', '-')} " in tried
 
 
 def test_options_override_the_file_and_the_rest_stays(file: Callable[[Scenario], str]) -> None:
@@ -192,37 +143,20 @@ def test_way_to_rest_has_its_own_defaults(
 
 
 REFUSED = [
-    (
-        "--hole-radius 0.01",
-        "a disk with a round hole needs --radius, --hole-distance, --th",
-    ),
-    (
-        "--radius 0.04",
-        "--radius would keep mass and moments of inertia of another disk: give with",
-    ),
-    ("--radius 0.04 --mass 1", "they follow, or --eccentricity, --inertia-x, --inertia-y, --in"),
-    (
-        "--disk steel-rounded --radius 0.04",
-        "--hole-radius, --hole-distance, --thickness, --density, ",
-    ),
-    (f"{RING} --mass 1", "--mass does not go together with --density"),
-    (f"{RING} --disk steel", "--disk does not go together with --density"),
+    ("--disk steel-rounded --radius 0.04", "--radius: radius varies the paper's ring alone, of"),
+    (f"{RING} --disk steel-rounded", "--radius: radius varies the paper's ring alone, of which"),
+    (f"{RING} --mass 1", "--mass: mass does not go together with radius, from which it follows"),
     ("--constraints glue", "--constraints: constraints must be one of contact, fixed-cog"),
     ("--constraints fixed-cog", "--constraints: constraints must hold 'contact'"),
-    ("--model 1 --constraints contact", "not allowed with argument --model"),
-    ("--law viscous --mu 1", "--mu needs a friction law with a coefficient; ViscousFriction has"),
-    ("--law tanh,coefficient=1,coefficient=2", "--law must hold each parameter once, got coeff"),
-    ("--law tanh,coefficient=1 --mu 2", "--mu and --law both give the coefficient: leave one"),
-    ("--law tanh,smoothing=1 --eps 2", "--eps and --law both give the smoothing: leave one"),
-    ("--damping 1", "--damping needs the penalty contact of --stiffness, got 1.0"),
-    ("--bilateral", "--bilateral needs the penalty contact of --stiffness, got True"),
+    ("--model 1 --constraints contact", "--constraints: constraints do not go together with"),
+    ("--law viscous --mu 1", "--mu: coefficient is no parameter of the friction law viscous"),
+    ("--law tanh,coefficient=1,coefficient=2", "--law: law tells coefficient, which is told"),
+    ("--law tanh,coefficient=1 --mu 2", "--law: law tells coefficient, which is told twice"),
+    ("--damping 1", "--damping: damping needs a penalty contact, told by its stiffness, got 1"),
+    ("--bilateral", "--bilateral: bilateral needs a penalty contact, told by its stiffness"),
     ("--rolling 1e-3", "dissipation acts on a penalty contact alone"),
     ("--height 1", "--height: height must be 0 or left out on an ideal contact"),
     ("--model 2 --stiffness 1e5", "contact must be left out, or constraints be those of Model 1"),
-    ("--inclination 100deg", "--inclination: inclination must be less than pi / 2"),
-    ("--beta x", "--beta: beta must be an angle: a number in rad, or text such as pi/2 or 90deg"),
-    ("--gravity 0", "--gravity: gravity must be positive, got 0"),
-    ("--thickness x", "argument --thickness: invalid float value: 'x'"),
     ("--model 2 --x 1", "--x: x must be -0.000249584 in Model 2"),
     ("no-such.toml", "must be a file that exists, got 'no-such.toml'"),
     ("no-such.npz", "must be a file that exists, got 'no-such.npz'"),
@@ -250,7 +184,7 @@ def test_start_told_by_coordinates_takes_no_options(
     assert cli.main(["scenario", path, "--mu", "0.1"]) == 0
     assert "coordinates = [0.0, 0.0, 0.045, 0.0, 1.5, 0.1]" in capsys.readouterr().out
     said = refusal(capsys, "scenario", path, "--spin 30")
-    assert "--spin cannot change a start that is told by its coord" in said
+    assert "--spin: spin cannot change: the start is told by its coord" in said
 
 
 def test_option_that_was_not_given_is_not_blamed(
@@ -276,12 +210,12 @@ COMMANDS = [
 def test_every_command_that_runs_a_problem_says_what_is_wrong_with_its_file(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = with_key(scenario_text(PAPER), "friction", "smoothing", "0")
+    text = with_key(scenario_text(PAPER), "table", "gravity", "0")
     path = tmp_path / "my.toml"
     path.write_text(text)
-    line = text.split("\n").index("smoothing = 0") + 1
+    line = text.split("\n").index("gravity = 0") + 1
     said = refusal(capsys, command.format(out=tmp_path / "run.npz"), f"--scenario={path}")
-    assert said.endswith(f": error: {path}, line {line}: smoothing must be positive, got 0\n")
+    assert said.endswith(f": error: {path}, line {line}: gravity must be positive, got 0\n")
     assert [entry.name for entry in tmp_path.iterdir()] == ["my.toml"]
 
 
@@ -369,15 +303,6 @@ def test_check_answers_by_its_exit_code(
 )
 def test_check_of_ones_own_problem_holds(problem: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert "checks hold" in printed(capsys, "check", *problem.split())
-
-
-def test_value_that_begins_with_a_minus_needs_no_equals_sign() -> None:
-    def parsed(*words: str) -> argparse.Namespace:
-        return parser().parse_args(cli._joined(words))
-
-    assert parsed("scenario", "--gamma", "-pi/2+0.1").gamma == "-pi/2+0.1"
-    assert parsed("scenario", "--beta-rate", "-1e-3").beta_rate == -1e-3
-    assert parsed("eigenvalues", "--spin", "-5", "5").spins == ["-5", "5"]
 
 
 def test_module_of_the_command_line_is_the_command() -> None:

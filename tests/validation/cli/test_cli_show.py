@@ -37,7 +37,7 @@ def test_runs_are_drawn_over_each_other(tmp_path: Path) -> None:
     random_trajectory().save(out)
     for suffix, magic in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
         picture = tmp_path / f"picture{suffix}"
-        assert cli.main(["show", out, out, "--out", str(picture)]) == 0
+        assert cli.main(["show", out, out, "--plot", str(picture)]) == 0
         assert picture.read_bytes().startswith(magic)
 
 
@@ -88,7 +88,7 @@ def test_rest_files_are_shown_beside_trajectories(
     for name in order:
         motions[name].save(tmp_path / f"{name}.npz")
     files = [str(tmp_path / f"{name}.npz") for name in order]
-    shown = printed(capsys, "show", *files, "--out", str(tmp_path / "both.png"))
+    shown = printed(capsys, "show", *files, "--plot", str(tmp_path / "both.png"))
     assert "rest: SpatialMotion(" in shown
     assert "run: Trajectory(" in shown
     found = re.search(r"cog_height +m +(\S+)", shown)
@@ -103,7 +103,7 @@ def test_without_a_screen_the_numbers_are_printed(
     random_trajectory().save(tmp_path / "run.npz")
     shown = printed(capsys, "show", str(tmp_path / "run.npz"))
     assert shown.startswith("run: Trajectory(")
-    assert "--out PICTURE draws" in shown
+    assert "--plot PICTURE draws" in shown
 
 
 @pytest.mark.parametrize("name", ["a$_{$b", "$x", os.fsdecode(b"odd\xff"), "new\nline\x07"])
@@ -115,8 +115,11 @@ def test_any_name_of_a_file_can_be_shown_and_played(
         random_trajectory().save(file)
     except OSError:
         pytest.skip("no such name here")
-    for command, made in (("show", "made.svg"), ("animate", "made.html")):
-        assert cli.main([command, str(file), "--out", str(tmp_path / made)]) == 0
+    for command, option, made in (
+        ("show", "--plot", "made.svg"),
+        ("animate", "--out", "made.html"),
+    ):
+        assert cli.main([command, str(file), option, str(tmp_path / made)]) == 0
         assert capsys.readouterr().err == ""
     if "$" in name:
         assert name in (tmp_path / "made.svg").read_text(encoding="utf-8")
@@ -132,7 +135,7 @@ def test_motions_of_different_problems_are_told_apart_first(
     files = [str(tmp_path / f"{name}.npz") for name in ("one", "other")]
     one.save(files[0])
     other.save(files[1])
-    shown = printed(capsys, "show", *files, "--out", str(tmp_path / "both.png"))
+    shown = printed(capsys, "show", *files, "--plot", str(tmp_path / "both.png"))
     first, _, _, *lines = shown.partition("\n\n")[0].splitlines()
     assert first == "What differs"
     cells = {line.split()[0]: line.split()[1:] for line in lines}

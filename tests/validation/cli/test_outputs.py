@@ -198,7 +198,7 @@ def test_suffixes_are_known_in_any_case(
 ) -> None:
     file = str(tmp_path / "RUN.NPZ")
     assert run("simulate --source in-house --end 0.01 --samples 3 --out", file) == 0
-    assert "RUN: Trajectory(" in printed(capsys, "show", file, "--out", str(tmp_path / "RUN.PNG"))
+    assert "RUN: Trajectory(" in printed(capsys, "show", file, "--plot", str(tmp_path / "RUN.PNG"))
     assert (tmp_path / "RUN.PNG").read_bytes().startswith(b"\x89PNG")
     assert "[friction]" in printed(capsys, "scenario", file)
     assert run("animate", file, "--fps 10 --width 100 --out", str(tmp_path / "RUN.GIF")) == 0
@@ -240,7 +240,8 @@ def test_home_that_cannot_be_written_to_is_not_spoken_of(tmp_path: Path) -> None
 
 def test_spins_are_taken_in_any_order(capsys: pytest.CaptureFixture[str]) -> None:
     rising = printed(capsys, "eigenvalues --system reduced --json --spin 30.2 30.5 30.8")
-    for spins in ("30.8 30.2 30.5", "30.5 30.8:30.2:2", "30.8:30.2:3", "30.5 30.2 30.8 30.5"):
+    for spins in ("30.8,30.2 30.5", "30.5 30.8:30.2", "30.8:30.2:3", "30.5,30.2,30.8,30.5"):
         assert printed(capsys, "eigenvalues --system reduced --json --spin", spins) == rising
     rising = printed(capsys, "critical --system reduced --json --spin 20:40")
-    assert printed(capsys, "critical --system reduced --json --spin 40:20") == rising
+    for spins in ("40:20", "20 40", "40,30,20", "20:40:5"):
+        assert printed(capsys, "critical --system reduced --json --spin", spins) == rising

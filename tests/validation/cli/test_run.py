@@ -60,7 +60,6 @@ def test_run_takes_the_options_of_each_side() -> None:
     [
         ("in-house", {"step": 1e-3}),
         ("in-house", {"integrator": "RK44"}),
-        ("engine", {"local_tolerance": 1e-6}),
         ("engine", {"method": "Radau"}),
     ],
 )
@@ -70,11 +69,25 @@ def test_option_of_the_other_side_is_refused(source: Source, options: dict[str, 
         run(Scenario(), TIMES, source=source, **options)
 
 
+def test_engine_takes_the_error_of_a_step_with_its_integrator() -> None:
+    found = run(Scenario(), TIMES, local_tolerance=1e-9)
+    assert (found.method["integrator"], found.error_estimate) == ("DOPRI5", None)
+    with pytest.raises(ValueError, match=r"^integrator must be DOPRI5 with a local_tolerance"):
+        run(Scenario(), TIMES, local_tolerance=1e-9, integrator="RK44")
+
+
+def test_a_run_has_one_accuracy() -> None:
+    for other in ("step", "local_tolerance"):
+        how: dict[str, Any] = {"tolerance": 1e-6, other: 1e-3}
+        with pytest.raises(ValueError, match=f"^{other} must be left out for a run with its tol"):
+            run(Scenario(), TIMES, **how)
+
+
 def test_unknown_side_is_refused() -> None:
     with pytest.raises(ValueError, match="source must be one of engine, in-house"):
-        run(Scenario(), TIMES, source="both")  # type: ignore[arg-type]
+        run(Scenario(), TIMES, source="both")
     with pytest.raises(ValueError, match="source must be one of engine, in-house"):
-        run_to_rest(Scenario.rest(), 0.1, source="both")  # type: ignore[arg-type]
+        run_to_rest(Scenario.rest(), 0.1, source="both")
 
 
 @pytest.mark.parametrize("source", SOURCES)

@@ -78,7 +78,7 @@ def test_text_that_is_lost_is_said_in_one_line(call: str) -> None:
 def test_full_output_does_not_hide_a_wrong_call() -> None:
     done = process("simulate --model 5 --out run.npz", streams=">/dev/full")
     assert done.returncode == 2
-    assert "--model: invalid choice: 5" in done.stderr
+    assert "--model: invalid choice: '5'" in done.stderr
     assert done.stderr.count("\n") == 1
 
 

@@ -20,7 +20,6 @@ from analysis.data import frames
 from analysis.data.checks import Array
 from tests.calls import refusal, run
 from tests.helpers import mostly_slow, not_none, random_trajectory
-from validation.kit import report
 from validation.kit.animation import gif as animation_gif
 from validation.kit.animation.keyframes import keyframes
 from validation.kit.animation.player import LEVELS, Animation, encode, player
@@ -238,19 +237,6 @@ def test_text_cannot_break_the_page() -> None:
         assert unwanted not in page
 
 
-def test_report_carries_players_side_by_side_and_as_files(tmp_path: Path) -> None:
-    played = [player(inversion(), name=name, title=name.upper()) for name in ("one", "two")]
-    section = report.Section(name="s", title="S", animations=played)
-    page = report.write([section], tmp_path, made="in 1 s").read_text()
-    assert page.count('<figure class="disk-player"') == 2
-    assert 'id="one"' in page
-    assert 'id="two"' in page
-    assert "data-alone" not in page.replace("<figure data-alone", "")
-    for each in played:
-        assert (tmp_path / f"{each.name}.html").read_text() == each.page
-        assert "<figure data-alone" in each.page
-
-
 def test_installed_package_ships_the_player() -> None:
     project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
     shipped = project["tool"]["setuptools"]["package-data"]["validation.kit.animation"]
@@ -326,14 +312,14 @@ BAD = [
     ("other.npz", "other.npz is not a readable motion: it holds 'numbers.npy'"),
     ("run.npz --out run.avi", "--out: must end in .html or .gif, got 'run.avi'"),
     ("run.npz --out nowhere/run.html", "--out: must lie in an existing folder"),
-    ("run.npz --begin 0.5 --end 0.5", "--begin must lie before --end, got 0.5 and 0.5"),
+    ("run.npz --begin 0.5 --end 0.5", "--begin: begin must lie before 0.5, got 0.5"),
     ("run.npz --begin 1.6", "begin must lie before end, got 1.6 and 1.6"),
     ("run.npz --begin -1", "begin must lie within the data, from 0 to 1.6 s, got -1"),
     ("run.npz --end 3", "end must lie within the data, from 0 to 1.6 s, got 3"),
-    ("run.npz --end nan", "--end must be a finite number, got nan"),
-    ("run.npz --speed 0", "--speed must be positive, got 0"),
-    ("run.npz --fps 20", "--fps and --width need --out FILE.gif"),
-    ("run.npz --out run.gif --fps -5", "--fps must be positive, got -5"),
+    ("run.npz --end nan", "--end: end must be a finite number, got nan"),
+    ("run.npz --speed 0", "--speed: speed must be positive, got 0"),
+    ("run.npz --fps 20", "--fps: fps needs --out FILE.gif"),
+    ("run.npz --out run.gif --fps -5", "--fps: fps must be positive, got -5"),
     ("run.npz --out run.gif --fps 60", "fps must be at most 50 for a GIF, got 60"),
     ("run.npz --out run.gif --width 20", "width must lie from 100 to 2000 pixels, got 20"),
     ("run.npz --out run.gif --speed 1e-3", "may have 2000 frames, not 32001: raise the speed"),

@@ -1,16 +1,20 @@
 """Engine against in-house equations, for any scenario."""
 
+from collections.abc import Callable
 from dataclasses import replace
-from math import pi
+from functools import cache
+from math import inf, nan, pi
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import mbs_models
 from analysis import (
     LAWS,
     MODELS,
+    MOTIONS,
     POSSIBLE_SETS,
     STEEL_DISK,
     ConstraintSet,
@@ -20,21 +24,30 @@ from analysis import (
     SmoothCoulomb,
     Start,
     Table,
+    Trajectory,
 )
+from analysis.data.checks import Array
 from analysis.mechanics import newton_euler, penalty, recorded
 from analysis.mechanics.constraints import Direction
 from analysis.mechanics.vectors import scaled
-from mbs_models import Formulation, Scene
+from mbs_models import Scene
 from tests.helpers import mostly_slow, not_none
+from validation.kit.limits import holds
 from validation.run import run
 from validation.studies import comparisons, crosscheck
-from validation.studies.crosscheck import Check
+from validation.studies.crosscheck import Case, Check
+from validation.studies.stability.eigenvalue_check import distance
 
 SLOPE = Table(inclination=2 * pi / 180, downhill=0.7)
 FAST = Start(spin=100.0, beta=1.0)
 """Ends where the contact would pull."""
 
 CHECK = Check(quantity="q", formulation="floating", criterion=1.0, difference=0.5, detail="how")
+
+
+@pytest.fixture(autouse=True)
+def forget() -> None:
+    comparisons.reference.cache_clear()
 
 
 def failed(checks: list[Check]) -> list[Check]:
@@ -55,15 +68,6 @@ def test_every_possible_set_agrees(constraints: ConstraintSet) -> None:
     assert failed(checks) == []
 
 
-def test_worst_formulation_stands_for_a_set(monkeypatch: pytest.MonkeyPatch) -> None:
-    def check(_: Scenario, formulation: Formulation, **_options: object) -> list[Check]:
-        return [replace(CHECK, formulation=formulation, difference=len(formulation) / 10)]
-
-    monkeypatch.setattr(crosscheck, "check_formulation", check)
-    (worst,) = crosscheck.check_set(MODELS[2])
-    assert worst.formulation == "floating-lie"
-
-
 SCENARIOS = {
     "slope": Scenario(table=SLOPE),
     "slope, Model 3": Scenario(constraints=MODELS[3], table=SLOPE),
@@ -80,10 +84,9 @@ SCENARIOS = {
 @pytest.mark.parametrize("name", mostly_slow(SCENARIOS, ("slope, load contact", "slope, penalty")))
 def test_other_tables_laws_and_contacts_agree(name: str) -> None:
     scenario = SCENARIOS[name]
-    checks = crosscheck.check_scenario(scenario, states=5, end=0.05)
     # A leaning table and a compliant contact have no spectra of spinning, and nothing else lacks.
     spins = scenario.table.is_horizontal and scenario.contact is None
-    for check in checks:
+    for check in crosscheck.check_scenario(scenario, states=5, end=0.05):
         if spins or not check.quantity.startswith("eigenvalues"):
             assert check.verdict is True, check
         else:
@@ -93,8 +96,7 @@ def test_other_tables_laws_and_contacts_agree(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS[2::4], ids=" + ".join)
 def test_other_sets_than_the_paper_agree_over_two_seconds(constraints: ConstraintSet) -> None:
-    scenario = Scenario(constraints=constraints)
-    assert failed(crosscheck.check_scenario(scenario, states=300)) == []
+    assert failed(crosscheck.check_scenario(Scenario(constraints=constraints), states=300)) == []
 
 
 def test_drop_is_compared_through_its_impacts(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -102,24 +104,33 @@ def test_drop_is_compared_through_its_impacts(monkeypatch: pytest.MonkeyPatch) -
     checks = crosscheck.check_formulation(scenario, "floating-lie", states=2, end=0.2)
     assert [check.verdict for check in checks[:3]] == [True] * 3
     assert checks[2].detail == "over 0.2 s"
-    assert bent("penalty", monkeypatch).contact is not None
+    bent("penalty", monkeypatch)
     difference, _ = comparisons.rest_difference(Scene(scenario), 0.2)
     assert not_none(difference) > comparisons.REST_LIMIT
 
 
-def test_ending_where_the_contact_would_pull_is_compared() -> None:
-    for formulation in mbs_models.formulations(Scenario(start=FAST)):
-        scene = Scene(Scenario(start=FAST), formulation)
-        difference, detail = comparisons.motion_difference(scene, 2.0)
-        assert not_none(difference) < comparisons.ANGLE_LIMIT
-        assert detail == "over 0.01587 s, where contact would pull"
+@pytest.mark.parametrize(
+    ("scenario", "over"),
+    [
+        (Scenario(start=FAST), "over 0.01587 s, where contact would pull"),
+        # Shortly before it lies flat.
+        (Scenario(constraints=MODELS[4], start=Start(spin=5.0, beta=0.5)), "over 0.06118 s"),
+    ],
+)
+def test_motions_are_compared_as_far_as_there_are_some(scenario: Scenario, over: str) -> None:
+    for formulation in mbs_models.formulations(scenario)[:2]:
+        found, detail = comparisons.motion_difference(Scene(scenario, formulation), 2.0)
+        assert holds(found, comparisons.ANGLE_LIMIT)
+        assert detail == over
 
 
-def test_motion_is_compared_up_to_shortly_before_the_disk_lies_flat() -> None:
-    scenario = Scenario(constraints=MODELS[4], start=Start(spin=5.0, beta=0.5))
-    difference, detail = comparisons.motion_difference(Scene(scenario), 2.0)
-    assert not_none(difference) < comparisons.ANGLE_LIMIT
-    assert detail == "over 0.06118 s"
+def test_constrained_scenes_are_stepped_by_a_solver_of_the_engine() -> None:
+    solvers = [
+        comparisons.own_integrator(Scene(Scenario(constraints=MODELS[level]), "euler-tree"))
+        for level in MODELS
+    ]
+    assert solvers == ["TrapezoidalIndex2"] * len(MODELS)
+    assert comparisons.own_integrator(Scene()) == "RK67"
 
 
 def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
@@ -162,15 +173,11 @@ def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
 
 @pytest.mark.parametrize("name", ["gyroscopic forces", "friction", "slope", "penalty"])
 def test_wrong_sign_on_one_side_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    def forget() -> None:
-        comparisons.reference.cache_clear()
-        recorded.formula.cache_clear()
-
-    forget()
+    recorded.formula.cache_clear()
     scenario = bent(name, monkeypatch)
     formulation = mbs_models.formulations(scenario)[0]
     checks = crosscheck.check_formulation(scenario, formulation, states=5, end=0.05)
-    forget()
+    recorded.formula.cache_clear()
     for check in checks:
         if check.quantity == "accelerations" or "motion" in check.quantity:
             assert check.verdict is False
@@ -179,28 +186,40 @@ def test_wrong_sign_on_one_side_is_found(name: str, monkeypatch: pytest.MonkeyPa
 
 
 def test_motions_that_end_otherwise_do_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = Scene(Scenario(start=FAST))
-
-    def let(scenario: Scenario, times: object, **options: object) -> object:
+    def let(scenario: Scenario, times: object, **options: Any) -> Trajectory:
         pulls = options.get("source") != "in-house"
         return run(scenario, times, allow_pulling=pulls, **options)  # type: ignore[arg-type]
 
-    comparisons.reference.cache_clear()
-    monkeypatch.setattr("validation.studies.comparisons.run", let)
-    difference, detail = comparisons.motion_difference(scene, 0.02)
-    assert difference == np.inf
+    monkeypatch.setattr(comparisons, "run", let)
+    difference, detail = comparisons.motion_difference(Scene(Scenario(start=FAST)), 0.02)
+    assert difference == inf
     assert detail.startswith("engine runs through; in-house ended at t = 0.0158")
+
+
+@pytest.mark.parametrize(("seconds", "agree"), [(0.0, True), (1e-6, False)])
+def test_motion_that_ends_later_in_the_same_state_does_not_agree(
+    seconds: float, agree: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def late(scenario: Scenario, times: object, **options: Any) -> Trajectory:
+        found = run(scenario, times, **options)  # type: ignore[arg-type]
+        if options.get("source") == "in-house":
+            return found
+        ending = replace(not_none(found.ending), time=not_none(found.ending).time + seconds)
+        return replace(found, times=found.times + seconds, ending=ending)
+
+    monkeypatch.setattr(comparisons, "run", late)
+    difference, _ = comparisons.motion_difference(Scene(Scenario(start=FAST)), 0.1)
+    assert holds(difference, comparisons.ANGLE_LIMIT) is agree
 
 
 def test_a_motion_that_runs_out_of_time_is_no_disagreement(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def late(scenario: Scenario, times: object, **options: object) -> object:
+    def late(scenario: Scenario, times: object, **options: Any) -> Trajectory:
         limit = {} if options.get("source") == "in-house" else {"time_limit": 1e-9}
         return run(scenario, times, **(options | limit))  # type: ignore[arg-type]
 
-    comparisons.reference.cache_clear()
-    monkeypatch.setattr("validation.studies.comparisons.run", late)
+    monkeypatch.setattr(comparisons, "run", late)
     difference, detail = comparisons.motion_difference(Scene(), 0.02)
     assert difference is None
     assert "time limit" in detail
@@ -222,26 +241,111 @@ def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
         assert free >= 4 - held - slips
 
 
+def singular(_: Array) -> Array:
+    raise ArithmeticError("singular")
+
+
+def accelerations(states: int, scenario: Scenario | None = None) -> Check:
+    scenario = Scenario() if scenario is None else scenario
+    return crosscheck.check_formulation(scenario, "euler-tree", states=states, end=None)[0]
+
+
+@pytest.mark.parametrize(
+    "how", [lambda a: nan * a, lambda a: inf * a, singular], ids=["nan", "inf", "singular"]
+)
+def test_one_state_without_a_number_on_one_side_is_no_agreement(
+    how: Callable[[Array], Array], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right, calls = mbs_models.acceleration, iter(range(1000))
+
+    def acceleration(*arguments: Any) -> tuple[Array, Array]:
+        found, forces = right(*arguments)
+        return (how(found), forces) if next(calls) == 2 else (found, forces)
+
+    assert accelerations(3).verdict is True
+    monkeypatch.setattr(mbs_models, "acceleration", acceleration)
+    assert accelerations(3).verdict is False
+
+
+def test_states_without_a_solution_on_either_side_are_not_counted() -> None:
+    found = accelerations(20, Scenario(friction=SmoothCoulomb(coefficient=1e3, load="contact")))
+    assert 0 < not_none(found.counted) < 20
+    assert f"at {found.counted} of 20 random states" in found.detail
+    assert accelerations(20).detail == "relative, at 20 random states"
+    assert accelerations(0).verdict is False
+
+
+VALUES = np.array([1.0 + 2.0j, 1.0 - 2.0j, -3.0])
+
+
+@pytest.mark.parametrize(
+    "found",
+    [VALUES[:2], np.append(VALUES, -5.0), VALUES[:0], [1.0, 2.0, nan], [1.0, 2.0, inf]],
+    ids=["fewer", "more", "none", "nan", "inf"],
+)
+def test_eigenvalues_that_one_side_lacks_are_no_agreement(
+    found: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = np.asarray(found, dtype=complex)
+    assert distance(VALUES[::-1], VALUES) == 0.0
+    assert distance(found, VALUES) == inf
+    assert distance(found[:0], VALUES[:0]) == inf
+    monkeypatch.setattr(mbs_models, "eigenvalues", lambda _: found)
+    for motion in MOTIONS:
+        assert comparisons.eigenvalue_difference(Scene(), motion)[0] == inf
+
+
 def test_verdicts_are_yes_no_or_why_not() -> None:
-    check, other = CHECK, replace(CHECK, difference=2.0)
-    missing = replace(check, difference=None, detail="why")
-    assert [each.verdict for each in (check, other, missing)] == [True, False, "not defined: why"]
-    rows = crosscheck.table([check, other, missing]).rows
-    assert [row[-1] for row in rows] == [True, False, "not defined"]
-    overview = crosscheck.overview(
-        "name",
-        "title",
-        ("case",),
-        {("a",): [check], ("b",): [other], ("c",): [missing]},
-    )
-    assert [row[-1] for row in overview.rows] == [True, False, "not defined: why"]
+    other, missing = replace(CHECK, difference=2.0), replace(CHECK, difference=None, detail="why")
+    checks = [CHECK, other, missing]
+    assert [each.verdict for each in checks] == [True, False, "not defined: why"]
+    assert [row[-1] for row in crosscheck.table(checks).rows] == [True, False, "not defined"]
 
 
-def test_section_holds_every_model_load_formulation_and_set() -> None:
-    jobs = [*crosscheck.jobs(), *crosscheck.shipped()]
-    section = crosscheck.section({job.key: [CHECK] for job in jobs})
-    confirmed, models, sets = section.tables
-    assert [row[-1] for row in confirmed.rows] == [True] * 4 + [None]
-    assert len(models.rows) == 2 * (3 * 4) + 1
-    assert [row[0] for row in sets.rows] == [" + ".join(each) for each in POSSIBLE_SETS]
-    assert all(row[-1] is True for table in (models, sets) for row in table.rows)
+# --- The study ----------------------------------------------------------------------------------
+
+
+@cache
+def compared() -> pd.DataFrame:
+    """Rows of the study, with a difference that a measurement of two states has found."""
+    one = crosscheck.measure(Case(Scenario(), 2, 0.01))
+    by_quantity = {row["quantity"]: row for row in one if row["formulation"] == "floating"}
+    rows = [
+        {"case": label, **row, "formulation": formulation}
+        | ({"counted": case.states} if row["counted"] else {})
+        for label, case in crosscheck.cases().items()
+        for formulation in mbs_models.formulations(case.scenario)
+        for row in by_quantity.values()
+        if case.end is not None or "motion" not in row["quantity"]
+    ]
+    return pd.DataFrame(rows)
+
+
+def fails(rows: pd.DataFrame) -> list[str]:
+    checks = crosscheck.present({"crosscheck": rows}).checks
+    return [check.name for check in checks if not check.holds]
+
+
+def test_study_compares_every_model_load_formulation_and_set() -> None:
+    content = crosscheck.present({"crosscheck": compared()})
+    assert fails(compared()) == []
+    models, sets = (pd.DataFrame(content.tables[name]) for name in ("models", "sets"))
+    assert len(models) == 25
+    assert list(sets["case"]) == [" + ".join(each) for each in POSSIBLE_SETS]
+    assert content.verdicts[0].answer == "yes"
+
+
+@pytest.mark.parametrize("wrong", [1e-4, nan, inf, None])
+@pytest.mark.parametrize("row", [0, 30, -1])
+def test_one_difference_that_is_too_large_or_none_fails(row: int, wrong: float | None) -> None:
+    rows = compared().reset_index(drop=True)
+    rows.loc[rows.index[row], "difference"] = wrong
+    assert len(fails(rows)) == 1
+    assert crosscheck.present({"crosscheck": rows}).verdicts[0].answer == "no"
+
+
+def test_comparison_that_was_not_made_fails() -> None:
+    rows = compared()
+    assert fails(rows.iloc[1:]) == ["crosscheck: accelerations, the paper's models, scenes"]
+    fewer = rows.assign(counted=rows["counted"] - 1)
+    assert len(fails(fewer)) == 2

@@ -2,6 +2,7 @@
 
 import pytest
 
+import mbs_models
 from validation.studies import modelled
 
 CONTENT = modelled.present({})
@@ -28,5 +29,5 @@ def test_only_the_contact_tree_leaves_no_constraint_and_builds_model_1_alone() -
 
 def test_a_way_that_is_not_told_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     assert all(check.holds for check in CONTENT.checks)
-    monkeypatch.setattr(modelled, "FORMULATIONS", (*modelled.FORMULATIONS, "another"))
+    monkeypatch.setattr(modelled, "FORMULATIONS", (*mbs_models.FORMULATIONS, "another"))
     assert not all(check.holds for check in modelled.present({}).checks)

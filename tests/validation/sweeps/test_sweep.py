@@ -1,12 +1,11 @@
 """Sweeps: outcomes of the cases, the store, and workers that fail."""
 
 import json
-import os
 import re
 import sqlite3
 import tracemalloc
 from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
 from dataclasses import replace
 from multiprocessing import get_context
@@ -19,20 +18,21 @@ from scipy.integrate import simpson
 
 from analysis import CAUSES, MODELS, Scenario, Start, power
 from analysis.data.outcomes import DONE, Row
-from tests.sweeps import Here, direct, sweep
+from tests.sweeps import direct, sweep
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
 from validation.kit.sources import digest
 from validation.run import run
-from validation.sweeps import runner
+from validation.sweeps import case, runner
+from validation.sweeps.case import run_case
 from validation.sweeps.outcomes import COLUMNS
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
-from validation.sweeps.sweep import Sweep, look_ahead, run_case
+from validation.sweeps.sweep import Sweep, look_ahead
 
-ROOT = Path(__file__).parents[3]
 SPINS = ("spin=30:40:3", "mu=0.2,0.3")
+REDUCED: dict[str, Any] = {"source": "in-house", "formulation": "reduced", "tolerance": 1e-6}
 
 
 def run_all(wanted: Sweep, path: Path, **options: Any) -> dict[str, Any]:
@@ -41,20 +41,14 @@ def run_all(wanted: Sweep, path: Path, **options: Any) -> dict[str, Any]:
     return Results.load(path).columns
 
 
+# --- Rows ----------------------------------------------------------------------------------------
+
+
 def test_row_holds_what_the_run_itself_says() -> None:
-    wanted = sweep("spin=40:44:2", end=2.0, tolerance=1e-6)
-    row = run_case(wanted, 0, None)
-    times = np.linspace(0.0, 2.0, 401)
-    motion = run(
-        Scenario(constraints=MODELS[4]),
-        times,
-        source="in-house",
-        formulation="reduced",
-        tolerance=1e-6,
-    )
-    inversion = motion.inversion
+    row = run_case(sweep("spin=40:44:2", end=2.0, tolerance=1e-6), 0, None)
+    motion = run(Scenario(constraints=MODELS[4]), np.linspace(0.0, 2.0, 401), **REDUCED)
     assert (row["status"], row["inversion"], row["ending"]) == (DONE, "inverted", None)
-    assert row["inverted_at"] == inversion.time
+    assert row["inverted_at"] == motion.inversion.time
     assert row["force_least"] == motion.normal_force.min()
     assert row["force_largest"] == motion.normal_force.max()
     assert row["error_estimate"] == motion.error_estimate
@@ -64,53 +58,12 @@ def test_row_holds_what_the_run_itself_says() -> None:
 
 def test_friction_of_a_row_is_the_integral_of_its_power() -> None:
     # The row tells it from the energies at both ends.
-    wanted = sweep("spin=40:44:2", end=0.5, tolerance=1e-6, spacing=1e-3)
-    row = run_case(wanted, 0, None)
-    scenario = Scenario(constraints=MODELS[4])
-    how: Any = {"source": "in-house", "formulation": "reduced", "tolerance": 1e-6}
-    motion = run(scenario, np.linspace(0.0, 0.5, 501), **how)
+    row = run_case(sweep("spin=40:44:2", end=0.5, tolerance=1e-6, spacing=1e-3), 0, None)
+    motion = run(Scenario(constraints=MODELS[4]), np.linspace(0.0, 0.5, 501), **REDUCED)
     torque = motion.multiplier("spin_torque") * motion.rate("alpha")
     taken = -simpson(power(motion) - torque, x=motion.times)
     assert taken > 0.005
     assert row["taken_sliding"] == pytest.approx(taken, abs=1e-7)
-
-
-def test_witness_is_the_other_side_with_its_difference() -> None:
-    wanted = sweep("spin=40:44:2", witnesses=2, tolerance=1e-6)
-    row = run_case(wanted, 1, None)
-    assert row["other_inversion"] == "not inverted"
-    assert 0.0 < float(row["difference"] or 0.0) < 2e-6
-    assert float(row["other_seconds"] or 0.0) > 0.0
-
-
-@pytest.mark.parametrize(
-    ("how", "kept"),
-    [
-        ({}, {"tolerance": 1e-4, "step": None}),
-        ({"witness_tolerance": 1e-2}, {"tolerance": 1e-2, "step": None}),
-        ({"witness_step": 5e-3}, {"tolerance": None, "step": 5e-3}),
-    ],
-)
-def test_witness_is_as_accurate_as_it_is_told_to_be(
-    how: dict[str, Any], kept: dict[str, Any]
-) -> None:
-    wanted = sweep("spin=40:44:2", scenario=Scenario(), **how)
-    motion = wanted.plan.witness(wanted.scenario_of(0), time_limit=None)
-    assert motion.source == "engine"
-    assert motion.method["tolerance"] == kept["tolerance"]
-    if kept["step"]:
-        assert motion.method["step"] == kept["step"]
-    with pytest.raises(ValueError, match="witness_step must be left out for source 'engine'"):
-        replace(wanted.plan, source="engine", witness_step=1e-3)
-
-
-def test_witnesses_are_spread_evenly() -> None:
-    wanted = sweep("spin=0:60:20", "gamma=0:1:20", witnesses=40)
-    chosen = [number for number in range(400) if wanted.has_witness(number)]
-    assert len(chosen) == 40
-    assert all(sum(part <= n < part + 100 for n in chosen) >= 8 for part in (0, 100, 200, 300))
-    everything = replace(wanted, plan=replace(wanted.plan, witnesses=400))
-    assert all(everything.has_witness(number) for number in range(400))
 
 
 @pytest.mark.slow
@@ -126,48 +79,76 @@ def test_row_of_a_run_to_rest_holds_every_cause() -> None:
 
 
 @pytest.mark.parametrize(
-    ("coefficient", "status", "reason"),
-    [(-0.1, "refused", "coefficient must not be negative"), (FAILS, "failed", "no such friction")],
+    ("coefficient", "limit", "status", "reason"),
+    [
+        (-0.1, None, "refused", "coefficient must not be negative"),
+        (FAILS, None, "failed", "no such friction"),
+        (0.3, 1e-3, "too slow", "time limit"),
+    ],
 )
 def test_failed_case_is_a_row_with_its_reason(
-    coefficient: float, status: str, reason: str
+    coefficient: float, limit: float | None, status: str, reason: str
 ) -> None:
-    scenario = Scenario(friction=Wayward())
-    wanted = sweep(f"mu=0.3,{coefficient}", scenario=scenario)
-    row = run_case(wanted, 1, None)
+    wanted = sweep(f"mu=0.1,{coefficient}", scenario=Scenario(friction=Wayward()), end=5.0)
+    row = run_case(replace(wanted, plan=replace(wanted.plan, tolerance=1e-3)), 1, limit)
     assert (row["status"], row["number"]) == (status, 1)
     assert reason in str(row["reason"])
 
 
-def test_case_over_its_time_limit_says_so() -> None:
-    wanted = sweep("spin=30,40", scenario=Scenario(), end=5.0)
-    row = run_case(wanted, 0, 1e-3)
-    assert row["status"] == "too slow"
-    assert "time limit" in str(row["reason"])
+# --- Witnesses -----------------------------------------------------------------------------------
 
 
-def test_same_command_runs_only_what_is_missing(tmp_path: Path) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    counted: list[int] = []
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct(), numbers=[4, 1], told=lambda new, _: counted.append(new))
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct(), told=lambda new, _: counted.append(new))
-        run_cases(wanted, kept, direct(), told=lambda new, _: counted.append(new))
-    assert sum(counted) == 6
+def test_witness_is_the_other_side_with_its_difference() -> None:
+    row = run_case(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), 1, None)
+    assert row["other_inversion"] == "not inverted"
+    assert 0.0 < float(row["difference"] or 0.0) < 2e-6
+    assert float(row["other_seconds"] or 0.0) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("how", "kept"),
+    [
+        ({"witness_tolerance": 1e-2}, {"tolerance": 1e-2}),
+        ({"witness_step": 5e-3}, {"tolerance": None, "step": 5e-3}),
+    ],
+)
+def test_witness_is_as_accurate_as_it_is_told_to_be(
+    how: dict[str, Any], kept: dict[str, Any]
+) -> None:
+    wanted = sweep("spin=40:44:2", scenario=Scenario(), **how)
+    motion = wanted.plan.witness(wanted.scenario_of(0), time_limit=None)
+    assert motion.source == "engine"
+    assert kept.items() <= motion.method.items()
+
+
+def test_witnesses_are_spread_evenly() -> None:
+    wanted = sweep("spin=0:60:20", "gamma=0:1:20", witnesses=40)
+    chosen = [number for number in range(400) if wanted.has_witness(number)]
+    assert len(chosen) == 40
+    assert all(sum(part <= n < part + 100 for n in chosen) >= 8 for part in (0, 100, 200, 300))
+    everything = replace(wanted, plan=replace(wanted.plan, witnesses=400))
+    assert all(everything.has_witness(number) for number in range(400))
+
+
+# --- The store -----------------------------------------------------------------------------------
+
+
+def test_same_command_runs_only_what_is_missing_and_failures_where_asked(tmp_path: Path) -> None:
+    wanted, path = sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db"
+    counted: list[tuple[int, int]] = []
+
+    def again(**how: Any) -> list[tuple[int, int]]:
+        counted.clear()
+        run_all(wanted, path, told=lambda new, failed: counted.append((new, failed)), **how)
+        return counted
+
+    assert np.sum(again(numbers=[4, 1]), axis=0).tolist() == [2, 1]
+    assert np.sum(again(), axis=0).tolist() == [4, 2]
+    assert again() == []
+    assert np.sum(again(retry=True), axis=0).tolist() == [3, 3]
     table = Results.load(path).columns
     assert table["number"].tolist() == list(range(6))
     assert table["start.spin"].tolist() == [30.0, 30.0, 35.0, 35.0, 40.0, 40.0]
-
-
-def test_failed_cases_run_again_only_when_asked(tmp_path: Path) -> None:
-    wanted, path = sweep("mu=0.3,-0.1"), tmp_path / "a.db"
-    counted: list[int] = []
-    run_all(wanted, path)
-    run_all(wanted, path, told=lambda new, _: counted.append(new))
-    assert counted == []
-    run_all(wanted, path, retry=True, told=lambda new, failed: counted.extend((new, failed)))
-    assert counted == [1, 1]
 
 
 OTHERS: dict[str, Callable[[Sweep], Sweep]] = {
@@ -176,8 +157,7 @@ OTHERS: dict[str, Callable[[Sweep], Sweep]] = {
     ),
     "plan.end": lambda wanted: replace(wanted, plan=replace(wanted.plan, end=0.06)),
     "design.axes.0.last": lambda _: sweep("spin=30:41:3", "mu=0.2,0.3"),
-    "plan.keep.0": lambda _: sweep(*SPINS, keep=("beta",)),
-    "plan.tolerance": lambda _: sweep(*SPINS, tolerance=1e-5),
+    "plan.keep": lambda _: sweep(*SPINS, keep=("beta",)),
 }
 
 
@@ -191,7 +171,7 @@ def test_store_of_another_sweep_is_refused(key: str, tmp_path: Path) -> None:
     assert path.read_bytes() == before
 
 
-def test_store_of_other_sources_is_refused(
+def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_accepted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wanted, path = sweep(*SPINS), tmp_path / "a.db"
@@ -200,15 +180,6 @@ def test_store_of_other_sources_is_refused(
     monkeypatch.setattr(Sweep, "code", lambda _: code | {"exudyn": "0.1"})
     with pytest.raises(ValueError, match=r"results of other sources: exudyn is .* 0\.1 here"):
         Store(path, wanted)
-
-
-def test_rows_of_other_sources_stand_beside_the_old_ones_where_that_is_accepted(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    run_all(wanted, path, numbers=[0])
-    code = wanted.code()
-    monkeypatch.setattr(Sweep, "code", lambda _: code | {"exudyn": "0.1"})
     for number in (1, 2):
         with Store(path, wanted, accept_other_code=number == 1) as kept:
             run_cases(wanted, kept, direct(), numbers=[number])
@@ -216,44 +187,26 @@ def test_rows_of_other_sources_stand_beside_the_old_ones_where_that_is_accepted(
     assert first != second == third
 
 
-def test_identity_of_the_code_knows_a_law_of_ones_own() -> None:
+def test_identity_of_the_code_knows_a_law_of_ones_own_and_no_comments(tmp_path: Path) -> None:
     own = sweep(*SPINS, scenario=Scenario(friction=Wayward()))
     assert own.code()["sources"] != sweep(*SPINS).code()["sources"]
-
-
-@pytest.mark.parametrize(
-    ("text", "differs"),
-    [
-        ("# noted\ndef double(x):\n    'Twice.'\n    return (2 *\n      x)\n", False),
-        ("def double(x): return 2.0 * x\n", True),
-        ("def double(x):\n    return 2 * x\ndouble(1)\n", True),
-    ],
-)
-def test_comments_docstrings_and_layout_change_no_identity(
-    text: str, differs: bool, tmp_path: Path
-) -> None:
+    texts = (
+        "def double(x):\n    return 2 * x\n",
+        "# noted\ndef double(x):\n    'Twice.'\n    return (2 *\n      x)\n",
+        "def double(x): return 2.0 * x\n",
+    )
     found = []
-    for name, content in (("old", "def double(x):\n    return 2 * x\n"), ("new", text)):
-        file = tmp_path / name / "law.py"
+    for number, text in enumerate(texts):
+        file = tmp_path / str(number) / "law.py"
         file.parent.mkdir()
-        file.write_text(content)
+        file.write_text(text)
         found.append(digest([file]))
-    assert (found[0] != found[1]) == differs
+    assert found[0] == found[1] != found[2]
 
 
-def test_store_of_the_first_format_is_read_and_not_added_to(tmp_path: Path) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    run_all(wanted, path)
-    with sqlite3.connect(path) as file:
-        file.execute("UPDATE sweep SET value = '1' WHERE name = 'format'")
-        file.execute("DROP TABLE code")
-        file.execute("ALTER TABLE cases DROP COLUMN code")
-    file.close()
-    found = Results.load(path)
-    assert "code" not in found.columns
-    assert found.columns["number"].size == 6
-    with pytest.raises(ValueError, match="in format 1: it can be read, but not added to"):
-        Store(path, wanted)
+def test_identity_of_a_sweep_is_plain_text() -> None:
+    wanted = sweep(*SPINS, scenario=Scenario(friction=Wayward()), witnesses=1)
+    assert Sweep.from_values(json.loads(wanted.to_text())) == wanted
 
 
 @pytest.mark.parametrize("content", [b"no database " * 1000, b"SQLite format 3\0" + b"x" * 5000])
@@ -265,29 +218,29 @@ def test_foreign_file_is_refused_and_left_alone(content: bytes, tmp_path: Path) 
     assert path.read_bytes() == content
 
 
-def test_foreign_database_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    with sqlite3.connect(path) as other:
-        other.execute("CREATE TABLE cases (number INTEGER)")
-    other.close()
-    with pytest.raises(ValueError, match="is no store of a sweep, but another SQLite file"):
-        Store(path, sweep(*SPINS))
+DAMAGES: dict[str, str] = {
+    "UPDATE sweep SET value = '1' WHERE name = 'format'": "has format 1, this version reads 2",
+    "PRAGMA application_id = 0": "is no store of a sweep, but another SQLite file",
+    "UPDATE sweep SET value = '' WHERE name = 'sweep'": "is no readable store of a sweep",
+    "UPDATE sweep SET value = '[]' WHERE name = 'sweep'": "(is no readable store|holds results)",
+    "UPDATE sweep SET value = replace(hex(zeroblob(50000)), '0', '[') WHERE name = 'sweep'": (
+        "is no readable store"
+    ),
+    "DROP TABLE cases": "no such table: cases",
+}
 
 
-@pytest.mark.parametrize("damaged", ["", "{", "[]", '{"scenario": 1}', "[" * 100_000])
-def test_damaged_description_in_a_store_is_blamed_on_the_store(
-    damaged: str, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("damage", DAMAGES, ids=lambda text: text[:50])
+def test_damaged_store_is_blamed_and_neither_read_nor_written(damage: str, tmp_path: Path) -> None:
     wanted, path = sweep(*SPINS), tmp_path / "a.db"
     run_all(wanted, path)
     with closing(sqlite3.connect(path)) as file, file:
-        file.execute("UPDATE sweep SET value = ? WHERE name = 'sweep'", (damaged,))
-    with pytest.raises(
-        ValueError, match=rf"^{re.escape(str(path))} is no readable store of a swe"
-    ):
+        file.execute(damage)
+    blame = rf"^{re.escape(str(path))}:? {DAMAGES[damage]}"
+    with pytest.raises((ValueError, OSError), match=blame):
         Results.load(path)
-    with pytest.raises(ValueError, match=rf"^{re.escape(str(path))} (is no readable|holds res)"):
-        Store(path, wanted)
+    with pytest.raises((ValueError, OSError), match=blame):
+        run_all(wanted, path)
 
 
 def test_truncated_store_is_told_from_a_whole_one(tmp_path: Path) -> None:
@@ -309,21 +262,27 @@ def test_second_writer_is_refused_and_readers_are_not(tmp_path: Path) -> None:
     assert Results.load(path).columns["number"].tolist() == [0, 1]
 
 
+# --- Results -------------------------------------------------------------------------------------
+
+
 def test_csv_holds_every_row_in_full_precision(tmp_path: Path) -> None:
-    wanted, path, text = sweep(*SPINS), tmp_path / "a.db", tmp_path / "a.csv"
+    wanted, path, text = sweep("spin=30:40:3", "mu=0.2,-1"), tmp_path / "a.db", tmp_path / "a.csv"
     columns = run_all(wanted, path)
     assert write_csv(path, text) == 6
     head, *lines = text.read_text().splitlines()
     assert head.split(",") == ["number", "start.spin", "friction.coefficient", *COLUMNS]
     at = head.split(",").index("force_least")
-    assert [float(line.split(",")[at]) for line in lines] == columns["force_least"].tolist()
+    found = [float(line.split(",")[at] or "nan") for line in lines]
+    np.testing.assert_array_equal(found, columns["force_least"])
 
 
 def test_column_on_the_grid_leaves_gaps_where_no_row_is(tmp_path: Path) -> None:
     wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    run_all(wanted, path, numbers=[0, 3])
+    columns = run_all(wanted, path, numbers=[0, 3])
     end = Results.load(path).on_grid("end")
     np.testing.assert_array_equal(end, [[0.05, np.nan], [np.nan, 0.05], [np.nan, np.nan]])
+    assert Results.load(path).on_grid("ending").tolist() == [[None] * 2] * 3
+    assert (columns["status"].dtype, columns["end"].dtype) == (object, float)
 
 
 @pytest.mark.slow
@@ -333,7 +292,7 @@ def test_memory_of_a_sweep_does_not_grow_with_its_cases(
     def quick(_wanted: Sweep, index: int, _limit: float | None) -> Row:
         return {"number": index, "start.spin": 1.0, "status": DONE, "seconds": 1e-3}
 
-    monkeypatch.setattr(runner, "run_case", quick)
+    monkeypatch.setattr(case, "run_case", quick)
     monkeypatch.setattr(runner, "LARGEST_CHUNK", 50)
     monkeypatch.setattr(runner, "_LOOK", 200)
     wanted = sweep("spin=0:60:4000")
@@ -349,26 +308,7 @@ def test_memory_of_a_sweep_does_not_grow_with_its_cases(
     assert many - few < 16 * 7000
 
 
-@pytest.mark.parametrize(("workers", "size"), [(2, 10), (500, 50)])
-def test_chunks_take_a_second_and_longer_with_many_workers(workers: int, size: int) -> None:
-    class Idle(Here):
-        """Never begins."""
-
-        def submit(self, _: Any, /, *arguments: Any, **__: Any) -> "Future[Any]":
-            sizes.append(len(arguments[1]))
-            return Future()
-
-    sizes: list[int] = []
-    work = runner._Work(sweep("spin=0:60:100000"), direct(workers, Idle()), 1.0)
-    work._seconds = 0.1
-    work.fill(iter(range(100_000)))
-    assert sizes == [size] * (2 * workers)
-
-
-def test_cases_that_run_together_fit_in_memory() -> None:
-    wanted = sweep("spin=0:60:100000", method="taylor", end=20.0, spacing=1e-4)
-    # 200,001 samples of 12 numbers each.
-    assert runner._Work(wanted, direct(), 1.0)._largest == 5
+# --- Workers -------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -416,6 +356,9 @@ def test_what_is_no_executor_is_refused(name: str, said: str) -> None:
         pass
 
 
+# --- Looking ahead -------------------------------------------------------------------------------
+
+
 def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None:
     with pytest.raises(ValueError, match="coefficient must not be negative, got -1"):
         look_ahead(sweep("mu=-1,-2"))
@@ -431,18 +374,25 @@ def test_look_ahead_knows_that_compiled_runs_are_fast() -> None:
     assert compiled < pure / 10.0
 
 
+LOCAL: dict[str, Any] = {"source": "engine", "tolerance": None, "local_tolerance": 1e-7}
+
+
 def test_local_tolerance_of_the_engine_is_that_of_its_step_control() -> None:
-    how: Any = {"source": "engine", "tolerance": None, "local_tolerance": 1e-7}
-    wanted = sweep("spin=30,40", scenario=Scenario(), **how)
+    wanted = sweep("spin=30,40", scenario=Scenario(), **LOCAL)
     motion = wanted.plan.motion(wanted.scenario_of(1), time_limit=None)
     assert (motion.method["integrator"], motion.method["local_tolerance"]) == ("DOPRI5", 1e-7)
-    with pytest.raises(ValueError, match="'DOPRI5' is explicit and cannot take the constraints"):
-        look_ahead(sweep("spin=30,40", scenario=Scenario(constraints=MODELS[2]), **how))
-    with pytest.raises(ValueError, match="local_tolerance must be left out for source 'engine'"):
-        sweep("spin=30,40", scenario=Scenario.rest(), to_rest=True, **how)
 
 
-def test_identity_of_a_sweep_is_plain_text() -> None:
-    wanted = sweep(*SPINS, scenario=Scenario(friction=Wayward()), witnesses=1)
-    assert Sweep.from_values(json.loads(wanted.to_text())) == wanted
-    assert os.linesep not in wanted.to_text()
+@pytest.mark.parametrize(
+    ("scenario", "how", "said"),
+    [
+        (Scenario(constraints=MODELS[2]), LOCAL, "'DOPRI5' is explicit and cannot take the"),
+        (Scenario.rest(), LOCAL | {"to_rest": True}, "local_tolerance must be left out for sou"),
+        (Scenario(), {"source": "engine", "witness_step": 1e-3}, "witness_step must be left out"),
+    ],
+)
+def test_plan_that_a_side_cannot_carry_out_is_refused(
+    scenario: Scenario, how: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(ValueError, match=said):
+        look_ahead(sweep("spin=30,40", scenario=scenario, **how))

@@ -10,7 +10,7 @@ import pytest
 from analysis import MODELS, Scenario, Start, Trajectory, simulate_to_rest
 from tests.sweeps import direct, sweep
 from validation.run import run
-from validation.sweeps import outcomes, runner
+from validation.sweeps import outcomes
 from validation.sweeps.outcomes import (
     COLUMNS,
     IN_ROW,
@@ -111,9 +111,7 @@ def test_groups_stand_for_their_series_each_once() -> None:
     assert named == ("gamma", "x", "y", "z", "alpha", "beta", "alpha_rate")
 
 
-def test_series_count_in_the_size_of_a_store_and_of_a_chunk() -> None:
+def test_series_count_in_the_size_of_a_store() -> None:
     plain, kept = sweep("spin=0:60:1000", end=2.0), sweep("spin=0:60:1000", end=2.0, keep=KEEP)
     bytes_of_a_case = 3 * 401 * 8
     assert expected_size(kept) - expected_size(plain) >= 1000 * bytes_of_a_case
-    work = runner._Work(kept, direct(), 1.0)
-    assert work._largest * bytes_of_a_case <= runner.LARGEST_SERIES

@@ -6,37 +6,27 @@ mu = w_N^T M^-1 w_N / (|W_T^T M^-1 w_N| |n|); below the same ratio with |n| = 1 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from math import inf
 
 import numpy as np
+import pandas as pd
 from scipy.optimize import minimize
 
-from analysis import STEEL_DISK, SmoothCoulomb, Trajectory
+from analysis import STEEL_DISK, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.mechanics import paper
-from validation.studies.claims.claim import Claim, grade
+from mbs_models import Scene
+from validation.run import run
+from validation.studies.claims.grades import Judged, grade
+from validation.studies.claims.motion import LATER, LONG
+from validation.studies.comparisons import solutions
+from validation.study import Check, Row, Study, at_most
 
+STRONGEST = 10.0
+"""Largest friction coefficient that is tried."""
 
-def least_coefficients(run: Trajectory, *, any_slip: bool) -> Array:
-    """Smallest coefficient at which A_0 is singular at each sample, shape (n,).
-
-    Parameters
-    ----------
-    run : Trajectory
-    any_slip : bool
-        With the worst slip at this position, instead of the slip of the motion. Infinite where
-        friction with the slip of the motion presses the disk away from the table.
-    """
-    result = np.empty(run.times.size)
-    for row, (z, u) in enumerate(zip(run.coordinates, run.rates, strict=True)):
-        normal, tangential = _responses(z)
-        if any_slip:
-            result[row] = normal / np.linalg.norm(tangential)
-            continue
-        slip = paper.tangential_directions(run.scenario.disk, z).T @ u
-        pressing = tangential @ slip / (np.linalg.norm(slip) + run.scenario.friction.finest_speed)
-        result[row] = normal / pressing if pressing > 0.0 else np.inf
-    return result
+APART = 1e-6
+"""By which the coefficients at which a side loses its solution may differ from the formula."""
 
 
 def _responses(z: Array) -> tuple[float, Array]:
@@ -46,17 +36,8 @@ def _responses(z: Array) -> tuple[float, Array]:
     return float(normal @ response), paper.tangential_directions(STEEL_DISK, z).T @ response
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Bound:
-    """Smallest coefficient at which A_0 is singular in any attitude, and that attitude in rad."""
-
-    coefficient: float
-    beta: float
-    gamma: float
-
-
-def bound() -> Bound:
-    """Search all attitudes; where the disk lies does not matter."""
+def bound() -> tuple[float, float, float]:
+    """Smallest coefficient at which A_0 is singular in any attitude, and beta, gamma there."""
 
     def ratio(angles: Sequence[float] | Array) -> float:
         normal, tangential = _responses(np.array((0.0, 0.0, 0.0, 0.0, *angles)))
@@ -66,51 +47,108 @@ def bound() -> Bound:
         (b, g) for b in np.linspace(0.1, np.pi - 0.1, 12) for g in np.linspace(-3.0, 3.0, 13)
     ]
     best = minimize(ratio, min(starts, key=ratio), method="Nelder-Mead", tol=1e-10)
-    return Bound(coefficient=float(best.fun), beta=float(best.x[0]), gamma=float(best.x[1]))
+    return float(best.fun), float(best.x[0]), float(best.x[1])
 
 
-def is_singular(least: Bound) -> bool:
-    """Whether the determinant of A_0 changes its sign at a bound, with the worst slip there."""
-    if not np.isfinite(least.coefficient):
-        return False
-    z = np.array((0.0, 0.0, 0.0, 0.0, least.beta, least.gamma))
-    normal = paper.normal_direction(STEEL_DISK, z)
-    _, tangential = _responses(z)
-    # Of unit length, as epsilon goes to zero.
-    slip = tangential / np.linalg.norm(tangential)
-    friction = paper.tangential_directions(STEEL_DISK, z) @ slip
-    mass = paper.mass_matrix(STEEL_DISK, z)
+def losses(beta: float, gamma: float) -> list[float]:
+    """Coefficients from which on engine and in-house equations have no solution; else inf.
 
-    def determinant(coefficient: float) -> float:
-        force = normal - coefficient * friction
-        return float(np.linalg.det(np.block([[mass, -force[:, None]], [normal, np.zeros(1)]])))
+    The disk slides in the worst direction, without turning and almost without smoothing.
+    """
+    _, pressing = _responses(np.array((0.0, 0.0, 0.0, 0.0, beta, gamma)))
+    x_rate, y_rate = (pressing / np.linalg.norm(pressing)).tolist()
+    start = Start(beta=beta, gamma=gamma, spin=0.0, x_rate=x_rate, y_rate=y_rate)
 
-    below, above = (determinant(part * least.coefficient) for part in (0.999, 1.001))
-    return below * above < 0.0
+    def solved(coefficient: float) -> list[bool]:
+        law = SmoothCoulomb(coefficient=coefficient, smoothing=1e-9, load="contact")
+        scenario = Scenario(friction=law, start=start)
+        scene = Scene(scenario, "euler-tree")
+        return [each is not None for each in solutions(scene, scenario.initial_state)]
+
+    found = []
+    for side in (0, 1):
+        low, high = 0.0, STRONGEST
+        if solved(high)[side]:
+            low = inf
+        while high - low > 0.1 * APART:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if solved(middle)[side] else (low, middle)
+        found.append(low)
+    return found
 
 
-def claim(run: Trajectory, least: Bound) -> Claim:
-    """Section 4.1: A_0 is not guaranteed to be invertible.
+def along(motion: Trajectory, *, any_slip: bool) -> Array:
+    """Smallest coefficient at which A_0 is singular at each sample, shape (n,).
 
     Parameters
     ----------
-    run : Trajectory
-        From Table 3, with the contact force as the load.
-    least : Bound
+    motion : Trajectory
+    any_slip : bool
+        With the worst slip at this position, instead of the slip of the motion. Infinite where
+        friction with the slip of the motion presses the disk away from the table.
     """
-    early = run.times <= 2.0
-    worst, actual = (least_coefficients(run, any_slip=any_slip) for any_slip in (True, False))
-    friction = run.scenario.friction
-    assert isinstance(friction, SmoothCoulomb)
-    return Claim(
-        place="Sect. 4.1",
-        statement="the matrix of (79) is not guaranteed to be invertible",
-        criterion="there is an attitude and a coefficient at which it is singular; no: there is "
-        "none",
-        measured=f"possible from μ = {least.coefficient:.4f} on, at β = {least.beta:.3f} and "
-        f"γ = {least.gamma:.3f} rad, in no attitude below. At the places that Table 3's motion "
-        f"(μ = {friction.coefficient:g}) passes within 2 s, the worst slip needs "
-        f"μ = {np.min(worst[early]):.2f}, the slip it has μ = {np.min(actual[early]):.0f}; "
-        f"until {run.times[-1]:g} s {np.min(worst):.2f} and {np.min(actual):.1f}",
-        verdict=grade(yes=is_singular(least)),
-    )
+    result = np.empty(motion.times.size)
+    for row, (z, u) in enumerate(zip(motion.coordinates, motion.rates, strict=True)):
+        normal, tangential = _responses(z)
+        pressing = float(np.linalg.norm(tangential))
+        if not any_slip:
+            slip = paper.tangential_directions(STEEL_DISK, z).T @ u
+            finest = motion.scenario.friction.finest_speed
+            pressing = tangential @ slip / (np.linalg.norm(slip) + finest)
+        result[row] = normal / pressing if pressing > 0.0 else inf
+    return result
+
+
+def measure(end: float) -> list[Row]:
+    """The bound, where either side loses its solution, and what Table 3's motion passes."""
+    coefficient, beta, gamma = bound()
+    engine, inhouse = losses(beta, gamma)
+    times = np.linspace(0.0, end, round(100 * end) + 1)
+    scenario = Scenario(friction=SmoothCoulomb(load="contact"))
+    passed = run(scenario, times, source="in-house", local_tolerance=1e-6)
+    worst, actual = (along(passed, any_slip=any_slip) for any_slip in (True, False))
+    early = times <= LATER
+    return [
+        {
+            "bound": coefficient,
+            "beta": beta,
+            "gamma": gamma,
+            "engine": engine,
+            "in_house": inhouse,
+            "of_motion": scenario.friction.gradient * scenario.friction.finest_speed,
+            "worst_early": float(np.min(worst[early])),
+            "worst": float(np.min(worst)),
+            "slip_early": float(np.min(actual[early])),
+            "slip": float(np.min(actual)),
+        }
+    ]
+
+
+CONTACT_MATRIX = Study(
+    name="contact-matrix",
+    cases=lambda: {"Table 3, load λ_N": LONG},
+    measure=measure,
+    columns={
+        "bound": "smallest friction coefficient at which (79) is singular in any attitude",
+        "engine": "coefficient from which on the engine has no solution there",
+        "in_house": "the same in-house",
+        "worst": "least coefficient along Table 3's motion with the worst slip there",
+        "slip": "the same with the slip it has",
+    },
+)
+
+
+def judge(table: pd.DataFrame) -> Judged:
+    """Section 4.1: A_0 is not guaranteed to be invertible."""
+    (row,) = table.to_dict("records")
+    lost = [row[side] < STRONGEST for side in ("engine", "in_house")]
+    return {"row": row, "strongest": STRONGEST, "verdict": grade(yes=all(lost), partly=any(lost))}
+
+
+def checks(table: pd.DataFrame) -> list[Check]:
+    """Whether both sides lose their solution where the formula says."""
+    (row,) = table.to_dict("records")
+    return [
+        at_most(f"contact matrix: loss of the {side}", abs(row[side] - row["bound"]), APART)
+        for side in ("engine", "in_house")
+    ]

@@ -1,170 +1,144 @@
 """Whether a disk that rolls without slip inverts (Sect. 4.3)."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import inf
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
 
-from analysis import ConstraintSet, Inversion, Scenario, SmoothCoulomb, Start, Trajectory
+from analysis import ConstraintSet, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
+from analysis.data.endings import REACHED
+from analysis.data.trajectory import SOURCES
 from validation.kit import figures
-from validation.kit.figures import Picture
-from validation.kit.tables import Cell, Table
 from validation.run import run
-from validation.studies.claims.claim import Claim, grade, listed
+from validation.studies.claims.grades import Judged, within
+from validation.study import Check, Row, Study, at_most, equal
 
 SPINS = (20.0, 30.0, 40.0, 60.0, 80.0, 100.0)
-"""Spins at the start in rad/s."""
+"""Spins at the start in rad/s, of which the third is the paper's."""
 
-COEFFICIENTS = (0.3, 3.0, 30.0, 300.0, 3000.0, inf)
+COEFFICIENTS = (0.3, 3.0, 30.0, 300.0, 3000.0)
 """Friction coefficients with the paper's smoothing, on the way to the limit of no slip."""
 
-PURE_ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
+ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
 
-ENGINE_STEP = 2e-3
-"""Step in s of the engine's runs."""
+ENGINE_STEP, ENGINE_TOLERANCE = 2e-3, 1e-3
+"""Step in s of the engine's runs with slip, and tolerance in rad of those without."""
 
-LOCAL_TOLERANCE = 1e-8
-"""Of a step of the in-house runs."""
+APART = 1e-3
+"""By which the highest places of the centre of gravity may differ between both sides."""
 
 TIMES = np.linspace(0.0, 5.0, 1001)
 """Times of all runs in s."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Rolling:
-    """A run from Table 3 without slip.
+class Case(NamedTuple):
+    """Friction coefficient, infinite for no slip, and spin at the start in rad/s."""
 
-    `direction` is the height of the centre of gravity over the geometric centre as a part of its
-    largest, shape (n,), over `TIMES`.
-    """
-
+    coefficient: float
     spin: float
-    direction: Array
-    inversion: Inversion
-
-    @property
-    def longest(self) -> float:
-        """Longest time in s for which the centre of gravity stays above the geometric centre."""
-        change = np.diff(np.concatenate(([0], self.direction > 0.0, [0])).astype(int))
-        begins, ends = np.flatnonzero(change == 1), np.flatnonzero(change == -1)
-        return float(np.max(ends - begins, initial=0) * (TIMES[1] - TIMES[0]))
 
 
-def roll(spin: float) -> Rolling:
-    """Roll without slip from Table 3's position with this spin."""
-    scenario = Scenario(constraints=PURE_ROLLING, start=Start(spin=spin))
-    found = run(scenario, TIMES, source="in-house", local_tolerance=LOCAL_TOLERANCE)
-    return Rolling(
-        spin=spin,
-        direction=found.cog_direction,
-        inversion=found.inversion,
+def cases() -> dict[str, Case]:
+    """More and more friction at the paper's spin, and no slip at all at each spin."""
+    slipping = {f"μ = {each:g}": Case(each, Start().spin) for each in COEFFICIENTS}
+    return slipping | {f"no slip, {spin:g} rad/s": Case(inf, spin) for spin in SPINS}
+
+
+def measure(case: Case) -> list[Row]:
+    """How high the centre of gravity gets on either side, from Table 3's position."""
+    start, rolls = Start(spin=case.spin), case.coefficient == inf
+    scenario = Scenario(constraints=ROLLING, start=start)
+    if not rolls:
+        scenario = Scenario(friction=SmoothCoulomb(coefficient=case.coefficient), start=start)
+    method = "DOP853" if rolls else "LSODA"
+    step, tolerance = (None, ENGINE_TOLERANCE) if rolls else (ENGINE_STEP, None)
+    runs = (
+        run(scenario, TIMES, formulation="euler-tree", step=step, tolerance=tolerance),
+        run(scenario, TIMES, source="in-house", method=method, local_tolerance=1e-8),
     )
+    return [
+        {
+            "source": source,
+            "spin": case.spin,
+            "gradient": None if rolls else scenario.friction.gradient,
+            "highest": float(np.max(found.cog_direction)),
+            "longest_up": longest_up(found.cog_direction),
+            "outcome": found.inversion.outcome,
+            "direction": found.cog_direction,
+        }
+        for source, found in zip(SOURCES, runs, strict=True)
+    ]
 
 
-def slip(coefficient: float) -> tuple[Trajectory, Trajectory]:
-    """From Table 3 with this friction coefficient, or without slip, engine and in-house."""
-    if coefficient == inf:
-        scenario, method = Scenario(constraints=PURE_ROLLING), "DOP853"
-    else:
-        scenario = Scenario(friction=SmoothCoulomb(coefficient=coefficient))
-        method = "LSODA"
-    return (
-        run(scenario, TIMES, formulation="euler-tree", step=ENGINE_STEP),
-        run(
-            scenario,
-            TIMES,
-            source="in-house",
-            method=method,
-            local_tolerance=LOCAL_TOLERANCE,
-        ),
-    )
+def longest_up(direction: Array) -> float:
+    """Longest time in s for which the centre of gravity stays above the geometric centre."""
+    change = np.diff(np.concatenate(([0], direction > 0.0, [0])).astype(int))
+    begins, ends = np.flatnonzero(change == 1), np.flatnonzero(change == -1)
+    return float(np.max(ends - begins, initial=0) * (TIMES[1] - TIMES[0]))
 
 
-def claim(rolled: Sequence[Rolling]) -> Claim:
+PURE_ROLLING = Study(
+    name="pure-rolling",
+    cases=cases,
+    measure=measure,
+    keys=("source",),
+    columns={
+        "gradient": "μ/ε in s/m, none without slip",
+        "highest": "place of the COG above the centre, in parts of the eccentricity",
+        "longest_up": "longest time above the centre in s",
+        "direction": "place of the COG over time",
+    },
+)
+
+
+def judge(table: pd.DataFrame) -> Judged:
     """Section 4.3: pure rolling does not lead to the inversion."""
-    outcomes = [each.inversion.outcome for each in rolled]
-    return Claim(
-        place="Sect. 4.3",
-        statement="pure rolling (v_C = 0) does not lead to the inversion",
-        criterion="no start of Table 3 with spins of "
-        f"{', '.join(f'{each.spin:g}' for each in rolled)} rad/s is inverted within "
-        f"{TIMES[-1]:g} s; partly: some",
-        measured=f"{sum(outcome == 'not inverted' for outcome in outcomes)} of {len(rolled)} are "
-        f"not inverted; the centre of gravity rises to {listed(_highest(rolled))} of its height "
-        f"and stays above the geometric centre for at most "
-        f"{max(each.longest for each in rolled):.2f} s",
-        verdict=grade(
-            yes=all(outcome == "not inverted" for outcome in outcomes),
-            partly="not inverted" in outcomes,
-        ),
-    )
+    rolled = table[table["gradient"].isna()]
+    stays = (rolled["outcome"] == "not inverted").groupby(rolled["spin"]).all()
+    return within(len(SPINS) - int(stays.sum()), 0, len(SPINS) - 1) | {
+        "spins": SPINS,
+        "end": TIMES[-1],
+        "highest": rolled.groupby("spin")["highest"].max().tolist(),
+        "longest": rolled["longest_up"].max(),
+    }
 
 
-def table(results: Mapping[Any, Any]) -> Table:
-    """On the way to pure rolling: the same start with more and more friction."""
-    rows: list[list[Cell]] = []
-    for coefficient in COEFFICIENTS:
-        engine, inhouse = results["slip", coefficient]
-        rows.append(
-            [
-                "pure rolling" if coefficient == inf else f"μ = {coefficient:g}",
-                None if coefficient == inf else engine.scenario.friction.gradient,
-                float(np.max(engine.cog_direction)),
-                float(np.max(inhouse.cog_direction)),
-                engine.inversion.outcome,
-                inhouse.inversion.outcome,
-            ]
-        )
-    return Table(
-        name="pure-rolling",
-        title="From the paper's friction to pure rolling, Table 3's start",
-        columns=(
-            "friction",
-            "μ/ε in s/m",
-            "highest place of the COG, engine",
-            "in-house",
-            "outcome, engine",
-            "in-house",
-        ),
-        rows=rows,
-        note="Highest place: part of the eccentricity above the geometric centre. In pure "
-        "rolling both components of the slip are constraints. Engine: steps of "
-        f"{1e3 * ENGINE_STEP:g} ms.",
-    )
+def both_sides(table: pd.DataFrame) -> pd.DataFrame:
+    """A row for each case with the highest place and the outcome on either side."""
+    shown = table.pivot(index="case", columns="source", values=["highest", "outcome"])
+    shown.columns = [" ".join(each) for each in shown.columns]
+    return shown.reindex(list(cases())).reset_index()
 
 
-def draw(results: Mapping[Any, Any]) -> Picture:
+def checks(table: pd.DataFrame) -> list[Check]:
+    """Whether both sides find the same."""
+    shown = both_sides(table)
+    apart = (shown["highest engine"] - shown["highest in-house"]).abs().max(skipna=False)
+    same = shown["outcome engine"] == shown["outcome in-house"]
+    return [
+        at_most("pure rolling: highest places", float(apart), APART),
+        equal("pure rolling: cases with the same outcome", int(same.sum()), len(cases())),
+    ]
+
+
+def draw(table: pd.DataFrame) -> Figure:
     """Where the centre of gravity goes, with the paper's friction and without slip."""
-    figure, axes = figures.new_figure(height=3.6)
-    engine, _ = results["slip", COEFFICIENTS[0]]
-    limit: Rolling = results["pure rolling", 40.0]
+    figure, axes = figures.new_figure(height=3.4)
     shown = TIMES <= 2.0
-    for index, (values, label) in enumerate(
-        ((engine.cog_direction, "Model 1, μ = 0.3 (engine)"), (limit.direction, "pure rolling"))
-    ):
+    curves = table.set_index(["case", "source"])["direction"]
+    first, limit = "μ = 0.3", f"no slip, {Start().spin:g} rad/s"
+    for index, (case, label) in enumerate(((first, f"Model 1, {first}"), (limit, "no slip"))):
         axes.plot(
             TIMES[shown],
-            values[shown],
+            np.array(curves[case, "engine"])[shown],
             color=figures.COLOURS[index],
             linestyle=figures.STYLES[index],
             label=label,
         )
-    axes.axhline(0.9, color="#999999", linewidth=0.8)
-    axes.annotate("0.9", (0.0, 0.9), va="bottom", fontsize=9)
+    axes.axhline(REACHED, color="#999999", linewidth=0.8, label=f"counts as up: {REACHED:g}")
     axes.set(xlabel="time in s", ylabel="height of the COG over\nthe centre / eccentricity")
     figures.legend_above(axes)
-    return figures.render(
-        figure,
-        name="pure-rolling",
-        title="Rolling without slip swings up and falls back",
-        caption=f"Start of Table 3. Without slip the centre of gravity reaches "
-        f"{np.max(limit.direction):.2f} of its height and is below the geometric centre again "
-        f"within {limit.longest:.2f} s.",
-    )
-
-
-def _highest(rolled: Sequence[Rolling]) -> list[float]:
-    return [float(np.max(each.direction)) for each in rolled]
+    return figure

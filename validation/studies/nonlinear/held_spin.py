@@ -3,11 +3,15 @@
 Nothing but runs of `validation.run.run` is used: the monodromy matrix comes from starts displaced
 along the constraint manifold. All models are odd about inverted spinning, so half a period leads
 to the mirror image.
+
+A cycle is told by its spin in rad/s, half its period in s, the largest deviation of gamma from
+pi/2 in rad (its amplitude), and the state there: the rate of beta in rad/s and, where they are
+free, the deviation of beta from pi/2 in rad and the velocity of the geometric centre in m/s.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +19,12 @@ import numpy.typing as npt
 from analysis import MODELS, ConstraintSet, Scenario, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import Source
-from analysis.nonlinear.cycle import is_stable
+from analysis.nonlinear.cycle import Cycle, is_stable
+from analysis.stability.critical import critical_speeds
 from validation.run import run
 
-Fixed = Literal["spin", "amplitude"]
+SPIN, HALF_PERIOD, AMPLITUDE = range(3)
+"""Places of what tells a cycle; the state follows."""
 
 HELD: dict[str, ConstraintSet] = {
     "Model 1 at held spin": ("contact", "constant-spin"),
@@ -27,9 +33,12 @@ HELD: dict[str, ConstraintSet] = {
 }
 """Model 3 at held spin is Model 4."""
 
+FORMULATION = "floating"
+"""That of the engine."""
+
 _ACCURACY: dict[Source, dict[str, Any]] = {
     "in-house": {"local_tolerance": 1e-11},
-    "engine": {"tolerance": 1e-8},
+    "engine": {"tolerance": 1e-8, "formulation": FORMULATION},
 }
 
 _STEP = 1e-4
@@ -41,6 +50,9 @@ _SPACING = 2e-3
 _ITERATIONS = 12
 _CONVERGED = 1e-6
 
+Ends = Callable[[Array], tuple[Array, Array]]
+"""From what tells a cycle to the state half a period later, and its rate."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeldCycle:
@@ -48,17 +60,8 @@ class HeldCycle:
 
     Parameters
     ----------
-    constraints : tuple of str
-    source : {"engine", "in-house"}
-    spin : float
-        In rad/s.
-    amplitude : float
-        Largest deviation of gamma from pi/2 in rad, as of `analysis.nonlinear.cycle.Cycle`.
-    period : float
-        In s.
-    start : ndarray, shape (k,)
-        Where gamma is largest: rate of beta in rad/s and, where they are free, deviation of beta
-        from pi/2 in rad and velocity of the geometric centre in m/s.
+    unknowns : ndarray, shape (k + 3,)
+        What tells it; see above.
     half_multipliers : ndarray, complex, shape (k + 1,)
         Multipliers over half a period with the mirror image, without that along the motion;
         falling in size.
@@ -66,14 +69,24 @@ class HeldCycle:
         Last step of Newton's method, relative to the unknowns.
     """
 
-    constraints: ConstraintSet
-    source: Source
-    spin: float
-    amplitude: float
-    period: float
-    start: Array
+    unknowns: Array
     half_multipliers: npt.NDArray[np.complex128]
     residual: float
+
+    @property
+    def spin(self) -> float:
+        """In rad/s."""
+        return float(self.unknowns[SPIN])
+
+    @property
+    def period(self) -> float:
+        """In s."""
+        return 2.0 * float(self.unknowns[HALF_PERIOD])
+
+    @property
+    def amplitude(self) -> float:
+        """Largest deviation of gamma from pi/2 in rad."""
+        return float(self.unknowns[AMPLITUDE])
 
     @property
     def multiplier(self) -> float:
@@ -85,32 +98,62 @@ class HeldCycle:
         """Whether all of them lie inside the unit circle; None if too close to tell."""
         return is_stable(self.multiplier)
 
+    @property
+    def half_multiplier(self) -> float:
+        """Largest real multiplier over half a period."""
+        real = self.half_multipliers[np.abs(self.half_multipliers.imag) <= 1e-6].real
+        return float(real[np.argmax(np.abs(real))])
+
+    @property
+    def complex_multiplier(self) -> float | None:
+        """Size of the largest complex pair of multipliers over half a period, if there is one."""
+        pairs = self.half_multipliers[np.abs(self.half_multipliers.imag) > 1e-6]
+        return float(np.max(np.abs(pairs))) if pairs.size else None
+
 
 class NoHeldCycleError(ArithmeticError):
     """Shooting has not converged."""
 
 
-def find(
-    scenario: Scenario,
-    start: Mapping[str, Any],
-    *,
-    source: Source,
-    fixed: Fixed = "spin",
-    formulation: str | None = None,
-) -> HeldCycle:
+def beginning(cycle: Cycle) -> Array:
+    """What tells a cycle of the reduced system."""
+    return np.array((cycle.spin, cycle.period / 2.0, cycle.amplitude, *cycle.states[0, 2:]))
+
+
+def family(name: str, amplitudes: Sequence[float]) -> list[HeldCycle]:
+    """Cycles of a model of `HELD` from its Hopf point of slow frequency on, in-house.
+
+    Parameters
+    ----------
+    name : str
+        One of `HELD`.
+    amplitudes : sequence of float
+        Rising, in rad.
+    """
+    scenario = Scenario(constraints=HELD[name])
+    born, direction = birth(scenario)
+    found: list[HeldCycle] = []
+    line = [born, born + direction]
+    for amplitude in amplitudes:
+        step = (line[1] - line[0]) / (line[1] - line[0])[AMPLITUDE]
+        guess = line[1] + (amplitude - line[1][AMPLITUDE]) * step
+        found.append(find(scenario, guess, source="in-house", fixed=AMPLITUDE))
+        line = [born, *(each.unknowns for each in found)][-2:]
+    return found
+
+
+def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN) -> HeldCycle:
     """Find a cycle by Newton's method.
 
     Parameters
     ----------
     scenario : Scenario
         With one of the sets of `HELD`; its start is not looked at.
-    start : mapping
-        Where to begin: spin, amplitude, period and start as in `HeldCycle`.
+    guess : ndarray, shape (k + 3,)
+        What tells the cycle, nearly.
     source : {"engine", "in-house"}
-    fixed : {"spin", "amplitude"}
+    fixed : {SPIN, AMPLITUDE}
         What is given; the other one is found.
-    formulation : str, optional
-        See `validation.run.run`.
 
     Raises
     ------
@@ -121,68 +164,77 @@ def find(
     """
 
     def ends(unknowns: Array) -> tuple[Array, Array]:
-        return _end(scenario, unknowns, source, formulation)
+        return _end(scenario, unknowns, source)
 
-    unknowns = np.array((start["spin"], start["period"] / 2, start["amplitude"], *start["start"]))
-    free = np.arange(unknowns.size) != (0 if fixed == "spin" else 2)
+    unknowns = np.array(guess, dtype=float)
+    free = np.arange(unknowns.size) != fixed
     last = np.inf
     for _ in range(_ITERATIONS):
         end, rates = ends(unknowns)
-        displaced = [_displaced(ends, unknowns, index) for index in range(unknowns.size)]
-        slopes = np.column_stack((displaced[0], rates, *displaced[2:]))
-        mirror = np.zeros_like(slopes)
-        mirror[1:, 2:] = np.eye(unknowns.size - 2)
-        residual = end + np.append(0.0, unknowns[2:])
+        slopes = _slopes(ends, unknowns, rates, idle=SPIN if fixed == SPIN else None)
+        residual = end + np.append(0.0, unknowns[AMPLITUDE:])
         step = np.zeros_like(unknowns)
-        step[free] = np.linalg.lstsq((slopes + mirror)[:, free], -residual, rcond=None)[0]
+        matrix = _mirrored(slopes)[:, free]
+        step[free] = np.linalg.lstsq(matrix, -residual, rcond=None)[0]
         unknowns = unknowns + step
         last = float(np.max(np.abs(step[:3] / unknowns[:3])))
         if last < _CONVERGED:
             # The map between largest gammas: what displacing changes, less what time makes good.
             poincare = slopes[1:, 2:] - np.outer(rates[1:], slopes[0, 2:]) / rates[0]
             values = np.linalg.eigvals(-poincare).astype(complex)
-            return HeldCycle(
-                constraints=scenario.constraints,
-                source=source,
-                spin=float(unknowns[0]),
-                amplitude=float(unknowns[2]),
-                period=2.0 * float(unknowns[1]),
-                start=unknowns[3:],
-                half_multipliers=values[np.argsort(-np.abs(values))],
-                residual=last,
-            )
+            values = values[np.argsort(-np.abs(values))]
+            return HeldCycle(unknowns=unknowns, half_multipliers=values, residual=last)
         if not last < 0.5:
             break
     raise NoHeldCycleError(
-        f"no cycle of {scenario.name} found near an amplitude of {start['amplitude']:.6g} rad at "
-        f"{start['spin']:.6g} rad/s: the last step was {last:.1e} of the unknowns"
+        f"no cycle of {scenario.name} found near an amplitude of {guess[AMPLITUDE]:.6g} rad at "
+        f"{guess[SPIN]:.6g} rad/s: the last step was {last:.1e} of the unknowns"
     )
 
 
-def _displaced(ends: Any, unknowns: Array, index: int) -> Array:
-    """Derivative of the end by an unknown; that by the duration is known from the rates."""
-    if index == 1:
-        return np.zeros(unknowns.size - 1)
-    size = np.zeros_like(unknowns)
-    size[index] = _STEP
-    result: Array = (ends(unknowns + size)[0] - ends(unknowns - size)[0]) / (2.0 * _STEP)
+def _slopes(ends: Ends, unknowns: Array, rates: Array, idle: int | None = None) -> Array:
+    """Derivatives of the end by the unknowns, not a number for one that nobody needs.
+
+    That by the duration is known from the rates.
+    """
+    known = {HALF_PERIOD: rates, idle: np.full_like(rates, np.nan)}
+    columns = []
+    for index, step in enumerate(_STEP * np.eye(unknowns.size)):
+        if index in known:
+            columns.append(known[index])
+        else:
+            apart = ends(unknowns + step)[0] - ends(unknowns - step)[0]
+            columns.append(apart / (2.0 * _STEP))
+    return np.column_stack(columns)
+
+
+def _mirrored(slopes: Array) -> Array:
+    """The same of the end plus the start, which vanish together where one mirrors the other."""
+    result = slopes.copy()
+    result[1:, AMPLITUDE:] += np.eye(len(slopes) - 1)
     return result
 
 
-def _end(
-    scenario: Scenario, unknowns: Array, source: Source, formulation: str | None
-) -> tuple[Array, Array]:
-    """State after the given duration, as `states` tells it, and its rate."""
+def birth(scenario: Scenario) -> tuple[Array, Array]:
+    """What tells a cycle of no amplitude where they are born, and its change with each rad."""
+    hopf = critical_speeds(scenario, (29.0, 31.5)).crossings[-1]
+    size = _size(scenario.constraints)
+    rest = np.array((hopf.spin, np.pi / hopf.frequency, *np.zeros(size - 1)))
+
+    def ends(unknowns: Array) -> tuple[Array, Array]:
+        return _end(scenario, unknowns, "in-house")
+
+    slopes = _mirrored(_slopes(ends, rest, np.zeros(size)))[:, AMPLITUDE:]
+    direction = np.linalg.svd(slopes)[2][-1]
+    return rest, np.array((0.0, 0.0, *direction / direction[0]))
+
+
+def _end(scenario: Scenario, unknowns: Array, source: Source) -> tuple[Array, Array]:
+    """State after half a period, as `states` tells it, and its rate."""
     spin, duration = unknowns[:2].tolist()
-    begin = start_of(scenario.constraints, spin, unknowns[2:])
+    begin = start_of(scenario.constraints, spin, unknowns[AMPLITUDE:])
     times = np.append(0.0, duration + _SPACING * np.arange(-2.0, 3.0))
-    motion = run(
-        replace(scenario, start=begin),
-        times,
-        source=source,
-        formulation=formulation,
-        **_ACCURACY[source],
-    )
+    motion = run(replace(scenario, start=begin), times, source=source, **_ACCURACY[source])
     if motion.ending is not None:
         raise NoHeldCycleError(f"a run ends on the way: {motion.ending}")
     values = states(motion)[1:]
@@ -191,7 +243,7 @@ def _end(
 
 
 def start_of(constraints: ConstraintSet, spin: float, values: Array) -> Start:
-    """Start with the largest gamma from its deviation, and `start` of a `HeldCycle`."""
+    """Start with the largest gamma, from its deviation and the state there."""
     deviation, beta_rate, *free = values.tolist()
     given = dict(zip(("beta", "x_rate", "y_rate"), free, strict=False))
     if _slips_along(constraints):
@@ -217,7 +269,7 @@ def states(motion: Trajectory) -> Array:
     """What is zero where gamma is largest, its deviation, and the rest, shape (n, k + 2).
 
     First the rate of gamma or, where there is no slip along the edge, the deviation of beta;
-    behind the deviation of gamma the numbers of `start` in a `HeldCycle`.
+    behind the deviation of gamma what tells a state.
     """
     x, y = motion.coordinate("x"), motion.coordinate("y")
     spin, beta = motion.rate("alpha"), motion.coordinate("beta") - np.pi / 2
@@ -232,33 +284,3 @@ def states(motion: Trajectory) -> Array:
         motion.rate("y") + spin * x,
     )
     return np.column_stack(columns[: _size(constraints)])
-
-
-def small_cycle(
-    scenario: Scenario, spin: float, frequency: float, amplitude: float
-) -> dict[str, Any]:
-    """Where to begin near a Hopf point: half a period of the linear motion leads to its mirror.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    spin, frequency : float
-        Of the Hopf point in rad/s.
-    amplitude : float
-        In rad.
-    """
-    size = _size(scenario.constraints)
-    rest = np.append((spin, np.pi / frequency), np.zeros(size - 1))
-
-    def ends(unknowns: Array) -> tuple[Array, Array]:
-        return _end(scenario, unknowns, "in-house", None)
-
-    slopes = np.column_stack([_displaced(ends, rest, index) for index in range(2, size + 1)])
-    slopes[1:] += np.eye(size - 1)
-    direction = np.linalg.svd(slopes)[2][-1]
-    return {
-        "spin": spin,
-        "period": 2.0 * np.pi / frequency,
-        "amplitude": amplitude,
-        "start": direction[1:] / direction[0] * amplitude,
-    }

@@ -5,14 +5,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from analysis import Scenario
-from analysis.data.fields import changed, check_field, is_text, unit
+from analysis.data.changes import changed, check_field
 from analysis.data.limits import MOST_SCENARIOS
+from analysis.data.written import is_text, unit
 from analysis.nonlinear.heteroclinic import Connection, NoConnectionError, heteroclinic_connection
 from analysis.nonlinear.over import CyclesOver
 from analysis.stability.linear_reduced import critical_speed
 from validation.kit import figures
 from validation.kit.tables import Table
-from validation.studies.nonlinear.tables import prediction
+from validation.studies.nonlinear.tables import HEADS, prediction
 from validation.sweeps.axes import Axis
 
 
@@ -32,8 +33,7 @@ def scenarios_over(scenario: Scenario, axis: Axis) -> tuple[list[float], list[Sc
         range or does not fit the rest.
     """
     field = axis.field
-    table = field.partition(".")[0]
-    if is_text(field) or table not in ("disk", "friction", "table"):
+    if is_text(field) or field.partition(".")[0] not in ("disk", "friction", "table"):
         raise ValueError(
             f"axis must be a number of disk, friction or table, such as mu=0.1:1:10, got {field}"
         )
@@ -49,7 +49,7 @@ def scenarios_over(scenario: Scenario, axis: Axis) -> tuple[list[float], list[Sc
     return [float(value) for value in values], made
 
 
-def column(axis: Axis) -> str:
+def _head(axis: Axis) -> str:
     """Heading of the axis's values."""
     name, measure = axis.field.rpartition(".")[2].replace("_", " "), unit(axis.field)
     return f"{name} in {measure}" if measure else name
@@ -57,20 +57,14 @@ def column(axis: Axis) -> str:
 
 def cycles_table(axis: Axis, values: Sequence[float], found: CyclesOver) -> Table:
     """Cycles over a parameter."""
+    names = ("spin", "amplitude", "period", "half_multiplier", "multiplier")
     return Table(
         name="cycles_over",
         title=f"A cycle over {axis.field}",
-        columns=(
-            column(axis),
-            "spin in rad/s",
-            "amplitude in rad",
-            "period in s",
-            "half multiplier",
-            "multiplier",
-        ),
+        columns=(_head(axis), *(HEADS[name] for name in names)),
         rows=[
-            (value, c.spin, c.amplitude, c.period, c.half_multiplier, c.multiplier)
-            for value, c in zip(values, found.cycles, strict=False)
+            (value, *(getattr(cycle, name) for name in names))
+            for value, cycle in zip(values, found.cycles, strict=False)
         ],
         note="" if found.reason is None else f"It ends early: {found.reason}.",
     )
@@ -99,39 +93,28 @@ class End:
 
     @classmethod
     def of(cls, scenario: Scenario) -> "End":
-        """That of a scenario.
-
-        Raises
-        ------
-        ValueError
-            If the scenario has no cycles.
-        """
+        """That of a scenario; `ValueError` if it has no cycles."""
         found, reason = None, None
         try:
             found = heteroclinic_connection(scenario)
         except NoConnectionError as error:
             reason = str(error)
-        slow = prediction(scenario)
         return cls(
             hopf=critical_speed(scenario).spin,
             connection=found,
-            prediction=None if slow is None else slow.spin,
+            prediction=getattr(prediction(scenario), "spin", None),
             reason=reason,
         )
 
 
 def ends_table(axis: Axis, values: Sequence[float], ends: Sequence[End]) -> Table:
     """Hopf point and connection over a parameter."""
-    missing = [
-        f"{axis.field} = {value:g}: {end.reason}."
-        for value, end in zip(values, ends, strict=True)
-        if end.reason is not None
-    ]
+    pairs = list(zip(values, ends, strict=True))
     return Table(
         name="ends_over",
         title=f"Hopf point and heteroclinic connection over {axis.field}",
         columns=(
-            column(axis),
+            _head(axis),
             "Hopf point in rad/s",
             "connection in rad/s",
             "first-order prediction in rad/s",
@@ -141,18 +124,22 @@ def ends_table(axis: Axis, values: Sequence[float], ends: Sequence[End]) -> Tabl
             (
                 value,
                 end.hopf,
-                None if end.connection is None else end.connection.spin,
+                getattr(end.connection, "spin", None),
                 end.prediction,
-                None if end.connection is None else end.connection.saddle_index,
+                getattr(end.connection, "saddle_index", None),
             )
-            for value, end in zip(values, ends, strict=True)
+            for value, end in pairs
         ],
-        note=" ".join(missing),
+        note=" ".join(
+            f"{axis.field} = {value:g}: {end.reason}."
+            for value, end in pairs
+            if end.reason is not None
+        ),
     )
 
 
-def draw(table: Table, log: bool, columns: Sequence[str], axes: Any = None) -> Any:
-    """Draw columns of a table over its first one, with one pair of axes for each unit.
+def draw(table: Table, log: bool, columns: Sequence[str]) -> Any:
+    """Draw columns of a table over its first one.
 
     Parameters
     ----------
@@ -162,20 +149,14 @@ def draw(table: Table, log: bool, columns: Sequence[str], axes: Any = None) -> A
         Whether the first column has a logarithmic axis.
     columns : sequence of str
         What to draw.
-    axes : Axes, optional
     """
-    axes = figures.new_figure(height=4.6)[1] if axes is None else axes
+    axes = figures.new_figure(height=4.6)[1]
     for index, name in enumerate(columns):
         place = table.columns.index(name)
         points = [(row[0], row[place]) for row in table.rows if row[place] is not None]
         if points:
-            axes.plot(
-                *zip(*points, strict=True),
-                figures.STYLES[index % 4],
-                color=figures.COLOURS[index % 4],
-                marker=".",
-                label=name,
-            )
+            look = {"color": figures.COLOURS[index % 4], "linestyle": figures.STYLES[index % 4]}
+            axes.plot(*zip(*points, strict=True), marker=".", label=name, **look)
     axes.set(xlabel=table.columns[0], xscale="log" if log else "linear")
     figures.legend_above(axes)
     return axes

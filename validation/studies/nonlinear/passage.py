@@ -11,6 +11,7 @@ whose spin falls at a rate r from the Hopf point on is lost at
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -95,9 +96,8 @@ class SlowPair:
 
     def _values(self, spins: Array) -> tuple[Array, ComplexArray]:
         grid = np.linspace(np.min(spins) - 0.01, np.max(spins) + 0.01, 200)
-        return grid, np.linalg.eigvals(
-            matrices_over_spin(self.scenario, None, "inverted")(grid)
-        ).astype(complex)
+        matrices = matrices_over_spin(self.scenario, None, "inverted")(grid)
+        return grid, np.linalg.eigvals(matrices).astype(complex)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -132,6 +132,11 @@ class Passage:
     predicted: float | None
 
     @property
+    def hopf(self) -> float:
+        """Spin of the Hopf point in rad/s."""
+        return self.pair.spin
+
+    @property
     def lowest_spin(self) -> float:
         """Lowest mean spin in rad/s; in falling the disk spins up again."""
         return float(np.min(self.spins))
@@ -142,7 +147,7 @@ class Passage:
         last = self.times[np.argmin(self.spins)]
         if self.crossing is None or last <= self.crossing:
             return None
-        return float((self.pair.spin - self.lowest_spin) / (last - self.crossing))
+        return float((self.hopf - self.lowest_spin) / (last - self.crossing))
 
 
 def measure(motion: Trajectory | SpatialMotion) -> Passage:
@@ -200,16 +205,14 @@ def follow(scenario: Scenario, end: float, source: Source) -> Passage:
     ArithmeticError
         If the run fails.
     """
+    accuracy: Any
+    engine = source == "engine"
     if scenario.contact is None:
         times = np.linspace(0.0, end, round(end / SPACING) + 1)
-        if source == "engine":
-            return measure(run(scenario, times, source=source, tolerance=1e-6))
-        return measure(run(scenario, times, source=source, local_tolerance=1e-9))
-    if source == "engine":
-        return measure(run_to_rest(scenario, end, source=source, spacing=SPACING, step=2e-4))
-    return measure(
-        run_to_rest(scenario, end, source=source, spacing=SPACING, local_tolerance=1e-8)
-    )
+        accuracy = {"tolerance": 1e-6} if engine else {"local_tolerance": 1e-9}
+        return measure(run(scenario, times, source=source, **accuracy))
+    accuracy = {"step": 2e-4} if engine else {"local_tolerance": 1e-8}
+    return measure(run_to_rest(scenario, end, source=source, spacing=SPACING, **accuracy))
 
 
 def _predicted(
@@ -217,7 +220,7 @@ def _predicted(
 ) -> tuple[Array, float | None]:
     """Deviation by the linear growth, and when it comes to pi/2 after it has been smaller."""
     rates = pair.growth(spins)
-    grown = np.append(0.0, np.cumsum((rates[1:] + rates[:-1]) / 2.0 * np.diff(times)))
+    grown = _integral(times, rates)
     since = times - times[0]
     early = (since >= SETTLING) & (since <= 2.0 * SETTLING)
     size = grown + np.mean(np.log(amplitude[early]) - grown[early])
@@ -230,20 +233,45 @@ def _predicted(
     return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])
 
 
+def _integral(times: Array, values: Array) -> Array:
+    """Integral from the first sample to each, shape (n,)."""
+    return np.append(0.0, np.cumsum((values[1:] + values[:-1]) / 2.0 * np.diff(times)))
+
+
 def _mean(times: Array, values: Array, window: float | Array) -> Array:
     """Mean over a window about each sample, shorter at the ends."""
-    total = np.append(0.0, np.cumsum((values[1:] + values[:-1]) / 2.0 * np.diff(times)))
+    total = _integral(times, values)
     left = np.clip(times - window / 2.0, times[0], times[-1])
     right = np.clip(times + window / 2.0, times[0], times[-1])
     sums = np.interp(right, times, total) - np.interp(left, times, total)
     return np.asarray(sums / (right - left), dtype=float)
 
 
-LEVERS = (1e-5, 2e-5, 4e-5, 8e-5)
-"""Levers in m of the pivoting friction that slows the disk at different rates."""
+def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
+    """When and at which spin the inversion is lost."""
+    heads = {
+        "source": "source",
+        "Hopf point in rad/s": "hopf",
+        "crossed at s": "crossing",
+        "lost at s": "lost",
+        "predicted at s": "predicted",
+        "lowest spin in rad/s": "lowest_spin",
+        "rate of decay in rad/s²": "rate",
+    }
+    return Table(
+        name="passage",
+        title="Passage through the critical speed",
+        columns=("motion", *heads),
+        rows=[(name, *(getattr(each, head) for head in heads.values())) for name, each in named],
+        note="Predicted is from the deviation half a second to a second after the inversion and "
+        "the eigenvalues alone, which know nothing of what happens at large deviations.",
+    )
+
+
+# --- The law of the delay -----------------------------------------------------------------------
 
 SMALL = 0.02
-"""Deviation in rad from which the disk starts in these runs."""
+"""Deviation in rad from which the slowed disks start."""
 
 
 def slowed(lever: float, source: Source) -> Passage:
@@ -252,7 +280,7 @@ def slowed(lever: float, source: Source) -> Passage:
     Parameters
     ----------
     lever : float
-        In m.
+        Of the pivoting friction in m.
     source : {"engine", "in-house"}
     """
     spin = SlowPair.of(Scenario()).spin
@@ -262,14 +290,11 @@ def slowed(lever: float, source: Source) -> Passage:
     return follow(scenario, 20.0 * float(np.sqrt(1e-5 / lever)), source)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class DelayLaw:
+class DelayLaw(NamedTuple):
     """How far below the Hopf point a disk is lost over the rate at which its spin falls.
 
     Parameters
     ----------
-    rates, delays : ndarray, shape (n,)
-        Rates in rad/s² and Hopf point less lowest spin in rad/s.
     exponent, error : float
         Power of the rate, fitted, and its standard error; the law says 1/2.
     growth : float
@@ -277,80 +302,31 @@ class DelayLaw:
         square of the delay.
     """
 
-    rates: Array
-    delays: Array
     exponent: float
     error: float
     growth: float
 
 
-def delay_law(passages: Sequence[Passage]) -> DelayLaw:
-    """Fit the delay of passages that start alike.
+def delay_law(rates: Sequence[float], delays: Sequence[float]) -> DelayLaw:
+    """Fit the delays of disks of the paper that start alike.
+
+    Parameters
+    ----------
+    rates, delays : sequence of float
+        Rates of decay in rad/s² and Hopf point less lowest spin in rad/s.
 
     Raises
     ------
     ValueError
-        If there are less than three, or one has no rate.
+        If there are less than three, or one is none.
     """
-    given = [passage.rate for passage in passages]
-    rates = np.array([rate for rate in given if rate is not None])
-    if rates.size < 3 or rates.size < len(given):
-        raise ValueError("passages must be 3 or more that fall through the Hopf point")
-    pair = passages[0].pair
-    delays = np.array([pair.spin - passage.lowest_spin for passage in passages])
-    x, y = np.log(rates), np.log(delays)
+    x, y = np.log(np.array(rates, float)), np.log(np.array(delays, float))
+    if x.size < 3 or not np.all(np.isfinite([x, y])):
+        raise ValueError("rates must be 3 or more, of disks that fall through the Hopf point")
     slope, constant = np.polyfit(x, y, 1)
     rest = y - slope * x - constant
     error = np.sqrt(np.sum(rest**2) / (x.size - 2) / np.sum((x - np.mean(x)) ** 2))
+    pair = SlowPair.of(Scenario())
     ends = pair.growth(pair.spin + np.array((-0.5, 0.5)))
-    growths = delays**2 * (ends[0] - ends[1]) / (2.0 * rates)
-    return DelayLaw(
-        rates=rates,
-        delays=delays,
-        exponent=float(slope),
-        error=float(error),
-        growth=float(np.mean(growths)),
-    )
-
-
-def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
-    """When and at which spin the inversion is lost."""
-    return Table.of(
-        named,
-        {
-            "motion": lambda each: each[0],
-            "source": lambda each: each[1].source,
-            "Hopf point in rad/s": lambda each: each[1].pair.spin,
-            "crossed at s": lambda each: each[1].crossing,
-            "lost at s": lambda each: each[1].lost,
-            "predicted at s": lambda each: each[1].predicted,
-            "lowest spin in rad/s": lambda each: each[1].lowest_spin,
-            "rate of decay in rad/s²": lambda each: each[1].rate,
-        },
-        name="passage",
-        title="Passage through the critical speed",
-        note=(
-            "Predicted is from the deviation half a second to a second after the inversion and "
-            "the eigenvalues alone, which know nothing of what happens at large deviations."
-        ),
-    )
-
-
-def law_table(found: DelayLaw) -> Table:
-    """The delay of slowed disks over the rate of decay."""
-    expected = float(np.log(LOST / SMALL))
-    return Table(
-        name="delay",
-        title="Delay of the loss of inversion over the rate of decay",
-        columns=("rate of decay in rad/s²", "Hopf point less lowest spin in rad/s", "over √rate"),
-        rows=[
-            (rate, delay, delay / rate**0.5)
-            for rate, delay in zip(found.rates.tolist(), found.delays.tolist(), strict=True)
-        ],
-        note=(
-            f"Fitted power of the rate: {found.exponent:.3f} ± {found.error:.3f}; the law of the "
-            f"slow passage says 1/2. Logarithm of the growth by the law: {found.growth:.2f}; from "
-            f"{SMALL:g} rad to π/2 it is {expected:.2f}, but the spin is lowest before, at the "
-            "deviation where the disk begins to spin up as it falls."
-        ),
-    )
+    growths = np.exp(2.0 * y - x) * (ends[0] - ends[1]) / 2.0
+    return DelayLaw(float(slope), float(error), float(np.mean(growths)))

@@ -1,268 +1,228 @@
-"""The report's section on nonlinear dynamics: its jobs and what becomes of them."""
+"""What the report says of the nonlinear dynamics."""
 
+from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from analysis import DISKS, MODELS, Dissipation, Scenario, SmoothCoulomb
-from analysis.nonlinear.family import bifurcations, cycle_family
-from analysis.nonlinear.heteroclinic import (
-    Connection,
-    NoConnectionError,
-    heteroclinic_connection,
-    period_growth,
-)
-from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.nonlinear.rotating import folds, rotating_family
-from analysis.nonlinear.slow_manifold import distances, slow_cycle
-from analysis.nonlinear.stationary import StationaryMotion, stationary_motions
 from analysis.stability.linear_reduced import critical_speed
-from validation.kit import figures as kit
-from validation.kit.figures import Picture
-from validation.kit.report import Job, Section
-from validation.kit.tables import Table
-from validation.studies.nonlinear import engine_cycles, figures, passage, portraits, tables
-from validation.studies.nonlinear.held_spin import HELD as HELD_SETS
+from validation.kit.limits import largest
+from validation.page.content import Content, Rows, Verdict
+from validation.studies.nonlinear import figures, measured, passage, portraits, tables
+from validation.studies.nonlinear.measured import (
+    DISSIPATED,
+    HELD_NAMES,
+    PAPER,
+    ROTATING,
+    SLOW,
+    SWINGING,
+)
+from validation.study import Check, at_most, equal
 
-PAPER = Scenario(constraints=MODELS[4])
+TITLE = "Nonlinear dynamics"
+STUDIES = (
+    measured.FAMILIES,
+    measured.ENGINE,
+    measured.CONNECTIONS,
+    measured.STATIONARY,
+    measured.PASSAGES,
+    portraits.STUDY,
+)
 
-FRICTION = [(mu, eps) for mu in (0.1, 0.3) for eps in (0.003, 0.01, 0.03, 0.1)]
-"""Friction coefficients and smoothing speeds in m/s of the two-parameter diagram."""
+SAME_CYCLE = {"spin": 1e-6, "amplitude": 1e-6, "period": 1e-6, "multiplier": 1e-5}
+"""How far cycles of engine and in-house may be apart, in rad/s, rad, s and 1."""
 
-MANIFOLD = (0.1, 0.05, 0.025, 0.0125)
-"""Smoothing speeds in m/s at which the distance from the slow manifold is measured."""
+SAME = 1e-6
+"""How far spins in rad/s and growth rates in 1/s may be apart that are found in two ways."""
 
-HELD = ("Model 1 at held spin", "Model 2 at held spin")
+SAME_PASSAGE = 3e-3
+"""How far passages of engine and in-house may be apart, in s and rad/s."""
 
-STATIONARY = [(name, spin) for name in HELD for spin in (28.0, 60.0)]
-"""Models and spins in rad/s at which stationary motions are looked for."""
+FIT, ROOT = 1e-3, 0.03
+"""How far fits may be off from theory, relative, and the power of the rate of decay from 1/2."""
 
-PASSAGES = {
-    "Model 1": (Scenario(), 20.0),
-    "to rest, sliding friction": (Scenario.rest(), 20.5),
-    "to rest, rolling and pivoting": (
-        Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3, pivoting=5e-5)),
-        11.9,
-    ),
-}
-"""Scenarios of the passages and how long they run in s."""
-
-REPEATED = "to rest, rolling and pivoting"
-"""The passage that the engine repeats."""
-
-
-def connection(mu: float, eps: float) -> Connection | None:
-    """Connection of the paper's disk with other friction; None where there is none."""
-    law = SmoothCoulomb(coefficient=mu, smoothing=eps)
-    try:
-        return heteroclinic_connection(Scenario(constraints=MODELS[4], friction=law))
-    except NoConnectionError:
-        return None
+SOON = 1.0
+"""Time in s after a crossing within which a disk would be lost there."""
 
 
-def stationary(name: str, spin: float) -> tuple[StationaryMotion, ...]:
-    """Stationary motions of a model at held spin."""
-    return stationary_motions(Scenario(constraints=HELD_SETS[name]), spin)
-
-
-def disk_connection(disk: str) -> Connection:
-    """Connection of a disk by name."""
-    return heteroclinic_connection(Scenario(constraints=MODELS[4], disk=DISKS[disk]))
-
-
-def jobs() -> list[Job]:
-    """Jobs of this section, the long ones first."""
-    return [
-        Job("cycles", cycle_family, (PAPER,)),
-        Job("rotating", rotating_family, (PAPER,)),
-        *(Job(("held family", name), engine_cycles.held_family, (name,)) for name in HELD),
-        *(
-            Job(("engine cycle", spin), engine_cycles.witness, (spin,))
-            for spin in engine_cycles.SPINS
-        ),
-        *(Job(("repeated cycle", name), engine_cycles.repeated, (name,)) for name in HELD),
-        Job(("passage", REPEATED, "engine"), passage.follow, (*PASSAGES[REPEATED], "engine")),
-        *(
-            Job(("passage", name, "in-house"), passage.follow, (*each, "in-house"))
-            for name, each in PASSAGES.items()
-        ),
-        *(Job(("slowed", each), passage.slowed, (each, "in-house")) for each in passage.LEVERS),
-        *(Job(("stationary", *each), stationary, each) for each in STATIONARY),
-        *(Job(("connection", *each), connection, each) for each in FRICTION),
-        *(Job(("connection of a disk", name), disk_connection, (name,)) for name in DISKS),
-        *(Job(("portrait", spin), portraits.portrait, (PAPER, spin)) for spin in portraits.SPINS),
-    ]
-
-
-def _diagrams(results: dict[Any, Any]) -> list[Picture]:
-    """Bifurcation diagram; period and multipliers; portraits."""
-    family, found = results["cycles"], results["connection of a disk", "steel"]
-    slow = [slow_cycle(PAPER, amplitude) for amplitude in np.linspace(0.05, 3.1, 25).tolist()]
-    engine = [results["engine cycle", spin].engine for spin in engine_cycles.SPINS]
-    diagram = figures.bifurcation_diagram(
-        family,
-        connection=found.spin,
-        slow=[(each.spin, each.amplitude) for each in slow],
-        engine=[(each.spin, each.amplitude) for each in engine],
+def present(rows: Rows) -> Content:
+    """Numbers, tables, figures, checks and verdicts."""
+    families, engine, connections, stationary, passages, curves = (
+        rows[study.name] for study in STUDIES
     )
-    periods = figures.period_diagram(family, connection=found.spin)
-    drawn = portraits.draw([results["portrait", spin] for spin in portraits.SPINS])
-    return [
-        kit.render(
-            diagram.figure,
-            name="bifurcation_diagram",
-            title="Bifurcation diagram",
-            caption="Periodic motions of Model 4 from the Hopf point to the heteroclinic "
-            "connection; solid is stable, dashed unstable. The dotted curve is their limit for "
-            "steep friction with the same μ, from a quadrature on the slow manifold.",
-        ),
-        kit.render(
-            periods[0].figure,
-            name="cycle_periods",
-            title="Period and Floquet multipliers",
-            caption="The period grows as the logarithm of the distance to the connection; the "
-            "smaller multiplier is known by its logarithm alone.",
-        ),
-        kit.render(
-            drawn[0].figure,
-            name="phase_portraits",
-            title="Phase portraits",
-            caption="Five spins, on the cylinder of γ. The stable manifold is that of the flow on "
-            "the slow manifold to first order, whose own connection lies at 30.198 rad/s.",
-        ),
-    ]
+    cycles, rotations = (_motions(families, name) for name in (SWINGING, ROTATING))
+    fits = families[families.kind != "motion"].set_index("kind").T
+    hopf, (connection, *_) = critical_speed(PAPER), _motions(connections, measured.OF_PAPER)
+    apart = _apart(engine)
+    on_model_4 = [case for case in measured.repeated() if case.startswith("Model 4")]
+    slowed, followed = passages[passages.lever > 0.0], passages[passages.lever.isna()]
+    law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
+    swinging: Any = SimpleNamespace(cycles=cycles, hopf=hopf)
+    rotating: Any = SimpleNamespace(rotations=rotations, connection=connection, reason=None)
+    return Content(
+        numbers={
+            "cycles": cycles,
+            "hopf": hopf,
+            "connection": connection,
+            "fits": fits,
+            "apart": apart.abs().max(),
+            "held": families[families.case.isin(HELD_NAMES)],
+            "followed": followed.set_index("case"),
+            "law": law,
+            "growth": np.log(passage.LOST / passage.SMALL),
+        },
+        tables={
+            "cycles": tables.cycle_table(cycles),
+            "some-cycles": tables.cycle_table(cycles[::5]),
+            "rotations": tables.rotation_table(rotating, [fits.fold]),
+            "held": _headed(
+                families[families.case.isin(HELD_NAMES)], "half_multiplier", "complex_multiplier"
+            ),
+            "engine": engine.set_index("case")[["source", *SAME_CYCLE]].rename(
+                columns=tables.HEADS
+            ),
+            "connections": _connection_table(connections),
+            "passages": passage.passage_table(
+                [(each.case, each) for each in passages.itertuples()]
+            ),
+            "stationary": stationary[["case", "motion", "beta", "gamma", "growth"]],
+        },
+        figures={
+            "bifurcations": figures.bifurcation_diagram(
+                swinging,
+                connection=connection.spin,
+                slow=_places(families[(families.case == SLOW) & (families.kind == "motion")]),
+                engine=_places(engine[(engine.source == "engine") & engine.case.isin(on_model_4)]),
+            ).figure,
+            "periods": figures.period_diagram(swinging, connection=connection.spin)[0].figure,
+            "portraits": portraits.draw(curves),
+            "plane": _plane(hopf.spin, connections),
+            "rotations": figures.rotation_diagram(rotating).figure,
+            "passages": figures.passage_diagram(
+                [(p.case, p) for p in followed[followed.source == "in-house"].itertuples()]
+            )[0].figure,
+            "delays": figures.delay_diagram(slowed.rate, slowed.hopf - slowed.lowest_spin),
+        },
+        checks=[
+            *_cycle_checks(fits, apart),
+            *_other_checks(connections, stationary, passages),
+            at_most("passage: power of the rate of decay", abs(law.exponent - 0.5), ROOT),
+        ],
+        verdicts=[_swings(cycles, hopf.spin, connection.spin, fits.fold, apart), _lost(followed)],
+    )
 
 
-def _plane(results: dict[Any, Any]) -> Picture:
+def _motions(rows: pd.DataFrame, case: str) -> list[Any]:
+    """Rows of a case, fits and folds left out, which tell a motion by its attributes' names."""
+    found = rows[rows.case == case]
+    return list((found[found.kind == "motion"] if "kind" in found else found).itertuples())
+
+
+def _places(cycles: pd.DataFrame) -> list[tuple[float, float]]:
+    return list(zip(cycles.spin, cycles.amplitude, strict=True))
+
+
+def _apart(engine: pd.DataFrame) -> pd.DataFrame:
+    """Cycles of the engine less those found in-house, not a number where one is missing."""
+    values = engine.set_index(["source", "case"])[list(SAME_CYCLE)]
+    here, there = (
+        values.reindex([(source, case) for case in measured.repeated()]).droplevel(0)
+        for source in ("in-house", "engine")
+    )
+    return there - here
+
+
+def _headed(motions: pd.DataFrame, *own: str) -> pd.DataFrame:
+    names = ["case", "amplitude", "spin", "period", *own, "stable"]
+    shown = motions.assign(stable=motions.stable.map(tables.WORDS))
+    return shown[names].rename(columns=tables.HEADS)
+
+
+def _connection_table(found: pd.DataFrame) -> pd.DataFrame:
+    difference = (found.spin - found.predicted) * (found.coefficient / found.smoothing) ** 2
+    return pd.DataFrame(
+        {
+            "friction or disk": found.case,
+            "spin in rad/s": found.spin,
+            "first-order prediction": found.predicted,
+            "difference over (ε/μ)²": difference,
+            "growing eigenvalue in 1/s": found.growing,
+            "slow decaying one": found.slow,
+            "fast decaying one": found.strong,
+            "saddle index": found.saddle_index,
+        }
+    )
+
+
+def _plane(hopf: float, connections: pd.DataFrame) -> Any:
+    of_steel = connections[(connections.disk == "steel") & connections.spin.notna()]
     curves = {
-        mu: [
-            (eps, found.spin)
-            for each, eps in FRICTION
-            if each == mu and (found := results["connection", mu, eps]) is not None
-        ]
-        for mu in sorted({mu for mu, _ in FRICTION})
+        mu: (found.smoothing, found.spin, found.predicted.iloc[0])
+        for mu, found in of_steel.groupby("coefficient")
     }
-    limits = {
-        mu: figures.limit(Scenario(constraints=MODELS[4], friction=SmoothCoulomb(coefficient=mu)))
-        for mu in curves
+    return figures.plane(hopf, curves)
+
+
+# --- Checks and verdicts ------------------------------------------------------------------------
+
+
+def _cycle_checks(fits: pd.DataFrame, apart: pd.DataFrame) -> Iterator[Check]:
+    for name, limit in SAME_CYCLE.items():
+        yield at_most(f"cycles: {name}, engine", largest(apart[name].abs()), limit)
+    birth, end = fits.birth, fits.end
+    yield at_most("cycles: end at the connection", end.off, SAME)
+    ratios = {
+        "spin over amplitude²": birth.fitted_curvature / birth.curvature,
+        "power of the amplitude": birth.fitted_exponent / 2.0,
+        "period over ln(π − amplitude)": end.by_amplitude / end.predicted_by_amplitude,
     }
-    axes = figures.plane(critical_speed(PAPER).spin, curves, limits)
-    return kit.render(
-        axes.figure,
-        name="spin_and_smoothing",
-        title="Spin and smoothing: where there are cycles",
-        caption="The Hopf curve depends on no friction at all. Cycles lie between it and the "
-        "heteroclinic curve of their μ, which starts in the first-order prediction (diamonds).",
+    for name, ratio in ratios.items():
+        yield at_most(f"cycles: {name}, fit over theory less 1", abs(ratio - 1.0), FIT)
+
+
+def _other_checks(
+    connections: pd.DataFrame, stationary: pd.DataFrame, passages: pd.DataFrame
+) -> Iterator[Check]:
+    number = len(measured.disks_and_friction())
+    yield equal("connections: found", int(connections.spin.notna().sum()), number)
+    yield at_most("connections: bracket", largest(connections.bracket), SAME)
+    upright = stationary[stationary.motion != "tilted"]
+    yield equal("stationary motions: upright", len(upright), 2 * len(measured.searches()))
+    off = largest((upright.growth - upright.of_spectra).abs())
+    yield at_most("stationary motions: growth, spectra", off, SAME)
+    named = passages.set_index("case")
+    sides = named.reindex([DISSIPATED, f"{DISSIPATED}, engine"])
+    for name in ("crossing", "lost", "lowest_spin"):
+        yield at_most(f"passage: {name}, engine", float(np.ptp(sides[name])), SAME_PASSAGE)
+
+
+def _swings(
+    cycles: list[Any], hopf: float, connection: float, fold: Any, apart: pd.DataFrame
+) -> Verdict:
+    stable = sum(bool(each.stable) for each in cycles)
+    return Verdict(
+        statement="Below the critical speed, a disk of Model 4 swings about inverted spinning.",
+        answer="yes" if stable == len(cycles) else "partly" if stable else "no",
+        numbers=f"From {hopf:.2f} down to {connection:.2f} rad/s {stable} of {len(cycles)} cycles "
+        f"are stable; below, γ turns round, and the disk falls below {fold.spin:.2f} rad/s. The "
+        f"engine has the cycles to {apart.amplitude.abs().max():.0e} rad.",
+        criterion="Floquet multipliers inside the unit circle, from the Hopf point to the "
+        "heteroclinic connection.",
+        good=stable == len(cycles),
     )
 
 
-def section(results: dict[Any, Any]) -> Section:
-    """Section of the report from the results of `jobs`."""
-    family = results["cycles"]
-    normal, small = hopf_type(PAPER), tables.small_cycles(family)
-    growth = fitted_growth(
-        [cycle.spin for cycle in small], [cycle.amplitude for cycle in small], normal.spin
+def _lost(followed: pd.DataFrame) -> Verdict:
+    late, low = followed.lost - followed.crossing, followed.lowest_spin
+    soon = late < SOON
+    return Verdict(
+        statement="A disk whose spin decays by itself falls at the critical speed.",
+        answer="yes" if soon.all() else "partly" if soon.any() else "no",
+        numbers=f"It passes the Hopf point at {followed.hopf.iloc[0]:.2f} rad/s and is lost "
+        f"{late.min():.1f} to {late.max():.1f} s later, at {low.min():.1f} to {low.max():.1f} "
+        "rad/s.",
+        criterion=f"lost within {SOON:g} s of the crossing.",
+        good=not soon.any(),
     )
-    passages = [(name, results["passage", name, "in-house"]) for name in PASSAGES]
-    law = passage.delay_law([results["slowed", lever] for lever in passage.LEVERS])
-    story = figures.passage_diagram(passages)
-    return Section(
-        name="nonlinear",
-        title="Nonlinear dynamics",
-        paragraphs=[
-            (
-                "Below the critical speed inverted spinning is unstable in the reduced system, "
-                "but the disk does not fall at once: it swings about the inverted position in a "
-                "stable periodic motion, whose amplitude grows with falling spin until it ends in "
-                "a heteroclinic connection of noninverted spinning with itself."
-            ),
-            (
-                "A disk whose spin decays by itself is lost later than at any critical speed: "
-                "the slow deviation shrinks until the spin passes the Hopf point, and has to grow "
-                "back as it has shrunk."
-            ),
-        ],
-        pictures=[
-            *_diagrams(results),
-            _plane(results),
-            kit.render(
-                figures.rotation_diagram(results["rotating"]).figure,
-                name="rotating_motions",
-                title="Rotating motions beyond the connection",
-                caption="Below the heteroclinic spin γ turns round while the disk keeps tilted, "
-                "down to a fold; the unstable ones beyond it bound what an inverted disk bears.",
-            ),
-            kit.render(
-                story[0].figure,
-                name="passage",
-                title="Passage through the critical speed",
-                caption="Mean spin, and the deviation of γ freed of the fast oscillation. Thin "
-                "lines follow the growth rate of the slow pair alone.",
-            ),
-            kit.render(
-                figures.delay_diagram(law).figure,
-                name="delay",
-                title="Delay over the rate of decay",
-                caption="Disks that start at the Hopf point with the same deviation.",
-            ),
-        ],
-        tables=[
-            *_engine_tables(results),
-            *_cycle_tables(results, normal, growth),
-            *[
-                tables.manifold_table(
-                    distances(
-                        [
-                            Scenario(constraints=MODELS[4], friction=SmoothCoulomb(smoothing=eps))
-                            for eps in MANIFOLD
-                        ],
-                        30.5,
-                    )
-                ),
-                tables.time_scale_table(PAPER, (20.0, 25.0, normal.spin, 35.0, 40.0)),
-                passage.passage_table(
-                    [*passages, (REPEATED, results["passage", REPEATED, "engine"])]
-                ),
-                passage.law_table(law),
-                tables.stationary_table(
-                    [(name, results["stationary", name, spin]) for name, spin in STATIONARY]
-                ),
-            ],
-        ],
-    )
-
-
-def _engine_tables(results: dict[Any, Any]) -> list[Table]:
-    return [
-        engine_cycles.witness_table(
-            [results["engine cycle", spin] for spin in engine_cycles.SPINS]
-        ),
-        engine_cycles.repeated_table([(name, results["repeated cycle", name]) for name in HELD]),
-        engine_cycles.held_table([(name, results["held family", name]) for name in HELD]),
-    ]
-
-
-def _cycle_tables(results: dict[Any, Any], normal: Any, growth: Any) -> list[Table]:
-    family = results["cycles"]
-    steel = results["connection of a disk", "steel"]
-    rounded = results["connection of a disk", "steel-rounded"]
-    printed = Scenario(constraints=MODELS[4], disk=DISKS["steel-rounded"])
-    rows = []
-    for mu, eps in FRICTION:
-        law = SmoothCoulomb(coefficient=mu, smoothing=eps)
-        slow = tables.prediction(Scenario(constraints=MODELS[4], friction=law))
-        found = results["connection", mu, eps]
-        rows.append(
-            (mu, eps, None if found is None else found.spin, None if slow is None else slow.spin)
-        )
-    return [
-        tables.cycle_table(family.cycles),
-        tables.hopf_table(normal, growth),
-        tables.bifurcation_table(bifurcations(family), family.cycles),
-        tables.rotation_table(results["rotating"], folds(results["rotating"])),
-        tables.connection_table(
-            steel, tables.prediction(PAPER), period_growth(family.cycles, steel)
-        ),
-        tables.connection_table(rounded, tables.prediction(printed), None, "as printed"),
-        tables.dependence_table(rows),
-    ]

@@ -12,21 +12,20 @@ With an energy of 3/2 m g r sin(beta),
 Friction that drags the centre of gravity along makes k smaller, but keeps the law.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sin, sqrt
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from analysis import MODELS, Disk, Scenario, SmoothCoulomb, SpatialMotion, Start
 from analysis.data.checks import Array
-from validation.kit import figures
-from validation.kit.figures import Picture
-from validation.kit.limits import holds
-from validation.kit.report import Job
-from validation.kit.tables import Cell, Table
+from validation.kit.figures import COLOURS, MARKERS, new_figure
+from validation.kit.limits import largest
+from validation.page.content import Content, Rows
 from validation.run import run_to_rest
+from validation.study import Check, Row, Study, at_most
 
 START = 0.28
 """Inclination in rad at which the runs of the law start, about where the fall ends."""
@@ -35,7 +34,7 @@ TIMES = (30.0, 45.0, 60.0)
 """In s: what is left of the start has died away, end of the fit, end of its check."""
 
 SMOOTHINGS = (0.1, 0.3, 3.0)
-"""Of the friction in m/s."""
+"""Of the friction in m/s, the strongest friction first."""
 
 MEAN_TIME = 2.5
 """Time in s over which the energy is averaged."""
@@ -46,52 +45,22 @@ DEVIATION = 2e-4
 FAR = 0.05
 """Inclination in rad to which the law is extrapolated."""
 
-WINDOWS = ((24.0, 30.0), (45.0, 55.0), (70.0, 80.0))
-"""Times in s of the run from Table 3 over which its loss is averaged."""
+BEGIN = "the first 10 s"
+"""Of the strongest friction, which is what is run again."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Loss:
-    """What a creeping disk loses over a time.
+class Law:
+    """1 / beta² = offset + rate * t, fitted to a run.
 
     Parameters
     ----------
-    begin, end : float
-        In s.
-    leaning, slip : float
-        Mean leaning in rad and slip speed in m/s.
-    energy, loss, viscous : float
-        Mean energy in J, its mean loss in W, and that by a viscous friction law in W.
-    """
-
-    begin: float
-    end: float
-    leaning: float
-    slip: float
-    energy: float
-    loss: float
-    viscous: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Creep:
-    """A creeping disk and the law fitted to it.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    times, tilts : ndarray, shape (n,)
-        Times in s, and inclinations in rad of Euler's disk of the same mean energy. The disk
-        itself nods about them as it turns.
     offset, rate : float
-        Of the fitted 1 / beta² = offset + rate * t.
+        In 1/rad² and 1/s.
     error : float
         Largest relative deviation of the inclination from the law behind the time of the fit.
     """
 
-    scenario: Scenario
-    times: Array
-    tilts: Array
     offset: float
     rate: float
     error: float
@@ -101,13 +70,8 @@ class Creep:
         return (last**-2 - first**-2) / self.rate
 
 
-def run_creep(smoothing: float) -> Creep:
-    """Let the disk creep on friction of this smoothing, and fit the law."""
-    return fit(creep(smoothing, TIMES[-1]))
-
-
-def creep(smoothing: float, end: float) -> SpatialMotion:
-    """Run the disk as Euler's would roll, on friction of this smoothing, up to a time in s."""
+def scenario_of(smoothing: float) -> Scenario:
+    """The disk as Euler's would roll, on friction of this smoothing."""
     scenario = Scenario.rest(friction=SmoothCoulomb(smoothing=smoothing, load="contact"))
     precession = sqrt(
         scenario.weight * scenario.disk.radius / (_across(scenario.disk) * sin(START))
@@ -115,24 +79,39 @@ def creep(smoothing: float, end: float) -> SpatialMotion:
     # The rates keep the centre of gravity over its place, as the constraint of Model 2 would.
     start = Start(beta=START, gamma=0.0, spin=precession)
     held = start.state(MODELS[2], scenario.disk)
-    start = replace(
-        start,
-        x=held.coordinates[0],
-        y=held.coordinates[1],
-        x_rate=held.rates[0],
-        y_rate=held.rates[1],
-    )
-    return run_to_rest(
-        replace(scenario, start=start),
-        end,
-        source="in-house",
-        spacing=1e-2,
-        local_tolerance=1e-9,
-    )
+    (x, y), (x_rate, y_rate) = held.coordinates[:2], held.rates[:2]
+    start = replace(start, x=x, y=y, x_rate=x_rate, y_rate=y_rate)
+    return replace(scenario, start=start)
+
+
+def cases() -> dict[str, tuple[float, float]]:
+    """Smoothing in m/s and end in s of each run."""
+    runs = {f"ε = {smoothing:g} m/s": (smoothing, TIMES[-1]) for smoothing in SMOOTHINGS}
+    return {**runs, BEGIN: (SMOOTHINGS[0], 10.0)}
+
+
+def measure(case: tuple[float, float]) -> list[Row]:
+    """Mean inclinations over time."""
+    smoothing, end = case
+    scenario = scenario_of(smoothing)
+    motion = run_to_rest(scenario, end, source="in-house", spacing=1e-2, local_tolerance=1e-9)
+    times, tilts = means(motion)
+    return [{"smoothing": smoothing, "times": times, "tilts": tilts}]
+
+
+STUDY = Study(
+    name="rest-creep",
+    cases=cases,
+    measure=measure,
+    sample=(BEGIN,),
+    confirm={"tilts": 1e-6, "times": 1e-9},
+    columns={"tilts": f"of Euler's disk of the same energy, mean of {MEAN_TIME:g} s, in rad"},
+)
+STUDIES = (STUDY,)
 
 
 def means(motion: SpatialMotion) -> tuple[Array, Array]:
-    """`times` and `tilts` of a `Creep` from its motion."""
+    """Times, and inclinations of Euler's disk of the same mean energy, about which a disk nods."""
     block = round(MEAN_TIME / (motion.times[1] - motion.times[0]))
     count = motion.times.size // block * block
     times = motion.times[:count].reshape(-1, block).mean(axis=1)
@@ -141,22 +120,15 @@ def means(motion: SpatialMotion) -> tuple[Array, Array]:
     return times, np.arcsin(energy / (1.5 * scenario.weight * scenario.disk.radius))
 
 
-def fit(motion: SpatialMotion) -> Creep:
-    """Fit the law to the second part of a motion and check it with the third."""
-    times, tilts = means(motion)
+def fit(times: Array, tilts: Array) -> Law:
+    """Fit the law to the second part of a run and check it with the third."""
     settled, end, _ = TIMES
     fitted = (times >= settled) & (times < end)
     rate, offset = np.polyfit(times[fitted], tilts[fitted] ** -2, 1)
     checked = times >= end
     law = (offset + rate * times[checked]) ** -0.5
-    return Creep(
-        scenario=motion.scenario,
-        times=times,
-        tilts=tilts,
-        offset=float(offset),
-        rate=float(rate),
-        error=float(np.max(np.abs(tilts[checked] / law - 1.0))),
-    )
+    error = largest(np.abs(tilts[checked] / law - 1.0).tolist())
+    return Law(offset=float(offset), rate=float(rate), error=error)
 
 
 def weak_friction_rate(scenario: Scenario) -> float:
@@ -171,116 +143,79 @@ def _across(disk: Disk) -> float:
     return sum(disk.inertia_about_cog[:2]) / 2.0
 
 
-def jobs() -> list[Job]:
-    """Runs behind the law."""
-    return [Job(("rest creep", smoothing), run_creep, (smoothing,)) for smoothing in SMOOTHINGS]
+# --- What is shown ------------------------------------------------------------------------------
 
 
-def law_table(results: Mapping[Any, Any]) -> Table:
+def present(rows: Rows) -> Content:
     """The law for each smoothing, and how long it takes."""
-    rows: list[tuple[Cell, ...]] = []
-    largest = 0.0
-    for smoothing in SMOOTHINGS:
-        found: Creep = results["rest creep", smoothing]
-        share = found.rate / weak_friction_rate(found.scenario)
-        rows.append(
-            (
-                1.0 / found.scenario.friction.gradient,
-                found.rate,
-                share,
-                # Friction drags the centre of gravity along, the less the weaker it is.
-                largest < share < 1.0,
-                found.error,
-                holds(found.error, DEVIATION),
-                found.time_between(START, 0.5 * START) / 60.0,
-                found.time_between(START, FAR) / 3600.0,
-            )
-        )
-        largest = share
-    return Table(
-        name="rest-creep-law",
-        title="The creep goes on: 1 / β² grows in proportion to time",
-        columns=(
-            "ε/μ in m/s",
-            "growth in 1/s, fitted",
-            "part of that for weak friction",
-            "more than for stronger, below 1",
-            "largest relative deviation in β",
-            f"at most {DEVIATION:g}",
-            f"from {START:g} to {0.5 * START:g} rad in min",
-            f"to {FAR:g} rad in h",
+    stored = rows[STUDY.name].set_index("case")
+    curves = {
+        smoothing: (np.array(row["times"]), np.array(row["tilts"]))
+        for name, row in stored.iterrows()
+        if name != BEGIN
+        for smoothing in [row["smoothing"]]
+    }
+    laws = {smoothing: fit(*curves[smoothing]) for smoothing in SMOOTHINGS}
+    shares = [laws[each].rate / weak_friction_rate(scenario_of(each)) for each in SMOOTHINGS]
+    begin, whole = np.array(stored.loc[BEGIN, "tilts"]), curves[SMOOTHINGS[0]][1]
+    checks = [
+        *(
+            at_most(f"rest, creep at ε = {each:g} m/s: deviation from the law", law.error,
+                    DEVIATION, "stored")
+            for each, law in laws.items()
         ),
-        rows=rows,
-        note=f"In-house runs, fitted from {TIMES[0]:g} to {TIMES[1]:g} s, deviation from "
-        f"{TIMES[1]:g} to {TIMES[2]:g} s. Weak friction: 2 μ m g e² / (3 ε A), with the centre of "
-        "gravity at rest; friction that drags it along slips less. The last two columns "
-        "extrapolate the law. A centred disk would not creep at all.",
+        Check("rest, creep: parts of the rate for weak friction", str(np.round(shares, 3)),
+              "rise with weaker friction, up to 1", "stored",
+              bool(np.all(np.diff([0.0, *shares, 1.0]) > 0.0))),
+        at_most("rest, creep: its first 10 s in rad",
+                largest(np.abs(begin - whole[: begin.size]).tolist()), 1e-6, "stored"),
+    ]  # fmt: skip
+    law = laws[SMOOTHINGS[0]]
+    return Content(
+        numbers={
+            "creep_rate": law.rate,
+            "creep_start": START,
+            "creep_far": FAR,
+            "creep_minutes": law.time_between(START, START / 2) / 60.0,
+            "creep_hours": law.time_between(START, FAR) / 3600.0,
+            "creep_times": TIMES,
+        },
+        tables={"creep": law_table(laws, shares)},
+        figures={"creep": draw(laws, curves)},
+        checks=checks,
     )
 
 
-def draw(results: Mapping[Any, Any]) -> Picture:
+def law_table(laws: dict[float, Law], shares: list[float]) -> pd.DataFrame:
+    """The law for each smoothing."""
+    return pd.DataFrame(
+        [
+            {
+                "ε/μ in m/s": 1.0 / scenario_of(smoothing).friction.gradient,
+                "growth in 1/s, fitted": law.rate,
+                "part of that for weak friction": share,
+                "largest relative deviation in β": law.error,
+                f"from {START:g} to {0.5 * START:g} rad in min": law.time_between(
+                    START, 0.5 * START
+                )
+                / 60.0,
+                f"to {FAR:g} rad in h": law.time_between(START, FAR) / 3600.0,
+            }
+            for (smoothing, law), share in zip(laws.items(), shares, strict=True)
+        ]
+    )
+
+
+def draw(laws: dict[float, Law], curves: dict[float, tuple[Array, Array]]) -> Any:
     """1 / beta² over time, with the fitted lines."""
-    figure, axes = figures.new_figure()
-    for index, smoothing in enumerate(SMOOTHINGS):
-        found: Creep = results["rest creep", smoothing]
-        look: dict[str, Any] = {"color": figures.COLOURS[index]}
-        name = f"ε/μ = {1.0 / found.scenario.friction.gradient:.3g} m/s"
-        axes.plot(
-            found.times, found.tilts**-2, marker=figures.MARKERS[index], linestyle="",
-            label=name, **look,
-        )  # fmt: skip
-        axes.plot(found.times, found.offset + found.rate * found.times, linestyle=":", **look)
+    figure, axes = new_figure()
+    for index, (smoothing, law) in enumerate(laws.items()):
+        times, tilts = curves[smoothing]
+        name = f"ε/μ = {1.0 / scenario_of(smoothing).friction.gradient:.3g} m/s"
+        colour, marker = COLOURS[index], MARKERS[index]
+        axes.plot(times, tilts**-2, marker=marker, linestyle="", label=name, color=colour)
+        axes.plot(times, law.offset + law.rate * times, linestyle=":", color=colour)
     axes.axvspan(*TIMES[:2], color="#dddddd", zorder=0)
     axes.set(xlabel="time in s", ylabel="1/β² in 1/rad²")
-    axes.legend()
-    return figures.render(
-        figure,
-        name="rest-creep",
-        title="With sliding friction alone the disk sinks ever more slowly",
-        caption="Dotted: fitted over the grey range. Before it, what is left of the start dies "
-        "away.",
-    )
-
-
-def losses(motion: SpatialMotion) -> tuple[Loss, ...]:
-    """Losses over those of `WINDOWS` that a motion has passed."""
-    return tuple(
-        _loss(motion, begin, end) for begin, end in WINDOWS if motion.times[-1] > end - 1e-9
-    )
-
-
-def _loss(motion: SpatialMotion, begin: float, end: float) -> Loss:
-    energy, times = motion.energies.sum(axis=1), motion.times
-    first, last = np.searchsorted(times, (begin, end))
-    part = slice(first, last + 1)
-    slip, force = motion.slip_speeds[part], motion.normal_force[part]
-    viscous = motion.scenario.friction.gradient * force * slip**2
-    return Loss(
-        begin=begin,
-        end=end,
-        leaning=float(np.mean(motion.leaning[part])),
-        slip=float(np.mean(slip)),
-        energy=float(np.mean(energy[part])),
-        loss=float((energy[first] - energy[last]) / (times[last] - times[first])),
-        viscous=float(np.mean(viscous)),
-    )
-
-
-def loss_table(found: Sequence[Loss]) -> Table:
-    """How slowly the disk loses energy by sliding alone."""
-    return Table.of(
-        found,
-        {
-            "time in s": lambda each: f"{each.begin:g} to {each.end:g}",
-            "mean lean in rad": lambda each: each.leaning,
-            "mean slip speed in m/s": lambda each: each.slip,
-            "energy in J": lambda each: each.energy,
-            "loss in W": lambda each: each.loss,
-            "loss by μ λ_N s² / ε in W": lambda each: each.viscous,
-            "energy over loss in s": lambda each: each.energy / each.loss,
-        },
-        name="rest-creep",
-        title="With sliding friction alone the disk creeps",
-        note="In-house run from Table 3, which goes on creeping. The slip is far below ε, so that "
-        "the friction law is viscous with μ/ε and its loss grows with the square of the slip.",
-    )
+    axes.legend(loc="upper left")
+    return figure

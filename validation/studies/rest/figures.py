@@ -9,11 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import CubicSpline
 
-from analysis import CAUSES, Dissipation, SpatialMotion
+from analysis import CAUSES, Phases, SpatialMotion
 from analysis.data.checks import Array
 from validation.kit import figures
-from validation.kit.figures import Picture
-from validation.studies.rest.runs import Course
 
 CAUSE_NAMES = {
     "damping": "contact's damper",
@@ -34,44 +32,31 @@ WINDOW = 0.2
 """Time in s within which the largest change is drawn."""
 
 _DOT = 20
-"""Every so many samples of the other run's tilt are drawn."""
+"""Every so many samples of the engine's tilt are drawn."""
 
 _CROWDED = 0.05
 """Part of the time within which the names of two phases would lie on each other."""
 
 
-def draw(motion: SpatialMotion, other: Course) -> list[Picture]:
-    """The whole story over time, with the tilt of another run, and the path on the table."""
-    figure, axes = figures.new_figure(5, height=11.0)
-    draw_story(motion, axes)
-    axes[0].plot(
-        other.times[::_DOT],
-        np.degrees(other.tilt[::_DOT]),
+def story(motion: SpatialMotion, tilt: Sequence[float], spacing: float) -> Figure:
+    """The whole story over time, with the tilt of the engine's run, sampled so often in s."""
+    figure = draw_story(motion)
+    panel, shown = figure.axes[0], slice(None, None, _DOT)
+    panel.plot(
+        (spacing * np.arange(len(tilt)))[shown],
+        np.degrees(tilt)[shown],
         ".",
         color=figures.COLOURS[2],
         markersize=4,
-        label=other.source,
+        label="engine",
     )
-    axes[0].legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), fontsize=8, frameon=False)
-    story = figures.render(
-        figure,
-        name="rest-story",
-        title="From Table 3 to rest",
-        caption=f"With {_described(motion.scenario.dissipation)}. Lines: {motion.source}, on the "
-        f"spot; dots on the tilt: {other.source}, shipped. Dotted: beginnings of the phases.",
-    )
-    path = figures.render(
-        draw_path(motion),
-        name="rest-path",
-        title="Path of the contact point on the table",
-        caption="Upside down, after the fall, and to the end; from the circle to the square.",
-        stacked=True,
-    )
-    return [story, path]
+    panel.legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), fontsize=8, frameon=False)
+    return figure
 
 
-def draw_story(motion: SpatialMotion, axes: Any) -> Any:
-    """Draw tilt, COG height, spin, energies and contact force into five axes; returns them."""
+def draw_story(motion: SpatialMotion, axes: Any = None) -> Figure:
+    """Draw tilt, COG height, spin, energies and contact force, into five axes if given."""
+    axes = figures.new_figure(5, height=11.0)[1] if axes is None else axes
     times, colours = motion.times, figures.COLOURS
     axes[0].plot(times, np.degrees(motion.tilt), color=colours[0])
     # Room above for the names of the phases.
@@ -95,8 +80,9 @@ def draw_story(motion: SpatialMotion, axes: Any) -> Any:
     axes[3].legend(ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0), fontsize=8, frameon=False)
     axes[4].plot(times, motion.normal_force, color=colours[0], linewidth=0.5)
     axes[4].set(ylabel="contact force in N", xlabel="time in s", xlim=(times[0], times[-1]))
-    _mark_phases(motion, axes)
-    return axes
+    _mark_phases(motion.phases, axes, motion.times[-1])
+    figure: Figure = axes[0].figure
+    return figure
 
 
 def draw_path(motion: SpatialMotion) -> Figure:
@@ -118,33 +104,39 @@ def draw_path(motion: SpatialMotion) -> Figure:
     return figure
 
 
-def draw_dependence(base: Course, variants: Mapping[str, Course]) -> Picture:
-    """How far the tilt of variants departs from that of a motion over time."""
-    figure, axes = figures.new_figure(height=4.6)
-    for index, (name, course) in enumerate(variants.items()):
-        change = course.apart(base)
+def draw_dependence(
+    changes: Mapping[str, Sequence[float]], spacing: float, phases: Phases
+) -> Figure:
+    """How far the tilt departs from that of a run over time, by what has been changed.
+
+    Parameters
+    ----------
+    changes : mapping
+        Differences in rad.
+    spacing : float
+        Of their samples in s.
+    phases : Phases
+        Of the run.
+    """
+    figure, axes = figures.new_figure(height=4.8)
+    end = spacing * max(map(len, changes.values()))
+    for index, (name, change) in enumerate(changes.items()):
         axes.semilogy(
-            base.times[: change.size],
-            _largest_around(change, 1 + round(WINDOW / base.spacing)),
+            spacing * np.arange(len(change)),
+            _largest_around(np.array(change), 1 + round(WINDOW / spacing)),
             label=name,
             color=_SHADES[(2, 0, 3, 7, 6)[index]],
             linestyle=("-", "--", "-", "-", "-.")[index],
         )
-    _mark_phases(base, [axes])
+    _mark_phases(phases, [axes], end)
     axes.set(
         xlabel="time in s",
-        ylabel="change of β in rad",
-        xlim=(0.0, base.times[-1]),
+        ylabel="change of β in rad (log)",
+        xlim=(0.0, end),
         ylim=(1e-10, 10.0),
     )
     figures.legend_above(axes, columns=2)
-    return figures.render(
-        figure,
-        name="rest-dependence",
-        title="What the way to rest depends on",
-        caption=f"Largest change of β within {WINDOW:g} s against the in-house run. Dotted: "
-        "beginnings of its phases.",
-    )
+    return figure
 
 
 def _largest_around(values: Array, width: int) -> Array:
@@ -154,9 +146,8 @@ def _largest_around(values: Array, width: int) -> Array:
     return result
 
 
-def _mark_phases(motion: SpatialMotion | Course, panels: Sequence[Any]) -> None:
+def _mark_phases(phases: Phases, panels: Sequence[Any], end: float) -> None:
     """Draw dotted lines where phases begin, named in the first of the axes."""
-    phases = motion.phases
     begins = {field.name: getattr(phases, field.name) for field in fields(phases)}
     known = {name: begin for name, begin in begins.items() if begin is not None}
     for name, begin in known.items():
@@ -164,7 +155,7 @@ def _mark_phases(motion: SpatialMotion | Course, panels: Sequence[Any]) -> None:
             panel.axvline(begin, color="#888888", linestyle=":", linewidth=1.0)
         # A name goes to the left of its line where another one follows closely.
         ahead = [each - begin for each in known.values() if each > begin]
-        crowded = bool(ahead) and min(ahead) < _CROWDED * motion.times[-1]
+        crowded = bool(ahead) and min(ahead) < _CROWDED * end
         panels[0].text(
             begin,
             0.98,
@@ -175,8 +166,3 @@ def _mark_phases(motion: SpatialMotion | Course, panels: Sequence[Any]) -> None:
             va="top",
             fontsize=7,
         )
-
-
-def _described(dissipation: Dissipation) -> str:
-    on = [name for name in CAUSES[2:] if getattr(dissipation, name)]
-    return ", ".join(["sliding friction", *(CAUSE_NAMES[name] for name in on)])

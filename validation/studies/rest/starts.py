@@ -1,53 +1,27 @@
-"""Does every start come to rest? `python -m validation.studies.rest.starts [number]` shows it.
+"""Does every start come to rest? Random ones, and Table 3 with spins below the critical one."""
 
-Besides so many random starts, it runs Table 3 with spins below the critical one.
-"""
-
-import sys
-from dataclasses import dataclass
 from math import acos, pi
 
 import numpy as np
 
 from analysis import Dissipation, Scenario, Start
-from validation.kit.report import Job, run_jobs
-from validation.kit.tables import Table
+from validation.page.content import Content, Rows
 from validation.run import run_to_rest
+from validation.study import Row, Study, at_most, equal
 
 DISSIPATION = Dissipation(rolling_dry=1e-3, pivoting=5e-5)
 
+SLOW_SPINS = (10.0, 20.0, 28.0)
+"""Spins in rad/s below the critical one of 30.9 rad/s, with the centre of gravity low."""
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Outcome:
-    """What became of a start.
+NUMBER = 30
+"""Of random starts."""
 
-    Parameters
-    ----------
-    start : str
-        Which one.
-    beta, spin : float
-        Inclination in rad and rate of alpha in rad/s at the start.
-    flat, rest : float, optional
-        Times in s; None if it never was.
-    face : str
-        Which face lies up at last.
-    lifted : bool
-        Whether the disk left the table on its way.
-    lowest_force : float
-        In N.
-    residual : float
-        Largest unexplained energy in J.
-    """
+END = 120.0
+"""Longest time in s."""
 
-    start: str
-    beta: float
-    spin: float
-    flat: float | None
-    rest: float | None
-    face: str
-    lifted: bool
-    lowest_force: float
-    residual: float
+RESIDUAL = 1e-7
+"""Largest unexplained energy in J."""
 
 
 def random_start(seed: int) -> Start:
@@ -62,65 +36,78 @@ def random_start(seed: int) -> Start:
     )
 
 
-SLOW_SPINS = (10.0, 20.0, 28.0)
-"""Spins in rad/s below the critical one of 30.9 rad/s, with the centre of gravity low."""
-
-
-def starts(number: int) -> dict[str, Start]:
-    """Slow starts of Table 3 and so many random ones, by name."""
+def cases() -> dict[str, Start]:
+    """Slow starts of Table 3 and random ones, by name."""
     slow = {f"Table 3 at {spin:g} rad/s": Start(spin=spin) for spin in SLOW_SPINS}
-    return slow | {f"random, seed {seed}": random_start(seed) for seed in range(number)}
+    return slow | {f"random, seed {seed}": random_start(seed) for seed in range(NUMBER)}
 
 
-def run(name: str, start: Start) -> Outcome:
-    """Simulate a start for at most two minutes."""
-    motion = run_to_rest(
-        Scenario.rest(dissipation=DISSIPATION, start=start),
-        120.0,
-        source="in-house",
-        spacing=5e-3,
-        local_tolerance=1e-10,
-    )
-    phases = motion.phases
-    lowest = float(np.min(motion.normal_force))
-    return Outcome(
-        start=name,
-        beta=start.beta,
-        spin=start.spin,
-        flat=phases.flat,
-        rest=phases.rest,
-        face="first" if motion.tilt[-1] < pi / 2 else "second",
-        lifted=bool(np.any(motion.normal_force == 0.0)),
-        lowest_force=lowest,
-        residual=float(np.max(np.abs(motion.energy_residual))),
-    )
+def measure(start: Start) -> list[Row]:
+    """What becomes of a start."""
+    scenario = Scenario.rest(dissipation=DISSIPATION, start=start)
+    motion = run_to_rest(scenario, END, source="in-house", spacing=5e-3, local_tolerance=1e-10)
+    return [
+        {
+            "beta": start.beta,
+            "spin": start.spin,
+            "flat": motion.phases.flat,
+            "rest": motion.phases.rest,
+            "face": "first" if motion.tilt[-1] < pi / 2 else "second",
+            "lifted": bool(np.any(motion.normal_force == 0.0)),
+            "force": np.min(motion.normal_force),
+            "residual": np.max(np.abs(motion.energy_residual)),
+        }
+    ]
 
 
-def table(outcomes: list[Outcome]) -> Table:
-    """One row per start."""
-    return Table(
-        name="rest-starts",
-        title="Other starts on their way to rest",
-        columns=(
-            "start", "β in rad", "spin in rad/s", "flat at s", "rest at s", "face up",
-            "left the table", "lowest force in N", "unexplained energy in J", "at rest",
-        ),
-        rows=[
-            (o.start, o.beta, o.spin, o.flat, o.rest, o.face, "yes" if o.lifted else "no",
-             o.lowest_force, o.residual, o.rest is not None)
-            for o in outcomes
+STUDY = Study(
+    name="rest-starts",
+    cases=cases,
+    measure=measure,
+    sample=("random, seed 1", "random, seed 7"),
+    confirm={
+        "flat": 0.02,
+        "rest": 0.02,
+        "face": None,
+        "lifted": None,
+        "force": 1e-2,
+        "residual": RESIDUAL,
+    },
+    columns={
+        "beta": "inclination at the start in rad",
+        "spin": "rate of α at the start in rad/s",
+        "flat": "when it began to lie flat in s",
+        "rest": "when it began to lie still in s",
+        "face": "which lies up at last",
+        "lifted": "whether the disk left the table on its way",
+        "force": "least contact force in N",
+        "residual": "largest unexplained energy in J",
+    },
+)
+STUDIES = (STUDY,)
+
+
+def present(rows: Rows) -> Content:
+    """How many starts come to rest, and when."""
+    table = rows[STUDY.name]
+    at_rest = table["rest"].notna()
+    return Content(
+        numbers={
+            "starts": len(table),
+            "starts_resting": int(at_rest.sum()),
+            "starts_last": table["rest"].max(),
+            "starts_first": table["rest"].min(),
+            "starts_lifted": int(table["lifted"].sum()),
+            "starts_faces": table["face"].value_counts().to_dict(),
+            "slow_spins": SLOW_SPINS,
+        },
+        tables={"starts": table},
+        checks=[
+            equal("rest, other starts: named", sorted(table["case"]), sorted(cases()), "stored"),
+            equal("rest, other starts: at rest", int(at_rest.sum()), len(cases()), "stored"),
+            at_most("rest, other starts: contact pulls by N", -table["force"].min(skipna=False),
+                    0.0, "stored"),
+            at_most("rest, other starts: unexplained energy in J",
+                    table["residual"].max(skipna=False), RESIDUAL, "stored"),
         ],
     )  # fmt: skip
-
-
-def main(number: int) -> int:
-    """Run the starts on all cores and print what became of them; 1 if one did not rest."""
-    chosen = starts(number)
-    results = run_jobs([Job(name, run, (name, chosen[name])) for name in chosen], title="starts")
-    outcomes = [results[name] for name in chosen]
-    sys.stdout.write(table(outcomes).to_text() + "\n")
-    return int(any(outcome.rest is None for outcome in outcomes))
-
-
-if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 30))

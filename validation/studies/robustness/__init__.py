@@ -4,13 +4,10 @@ from typing import Any
 
 import pandas as pd
 
-from validation.kit.located import STRAIGHT
-from validation.kit.references import SPACINGS
+from validation.kit import located, references
 from validation.page.content import Content, Rows, Verdict
-from validation.studies.robustness import checks, conservation, figures, penalty, refusals, steps
-from validation.studies.robustness import ended as endings
-from validation.studies.robustness import outcomes as judging
-from validation.studies.robustness.conservation import CONSERVED, DRIFT, DRIFTING
+from validation.studies.robustness import checks, conservation, ended, figures, outcomes, steps
+from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
 from validation.studies.robustness.outcomes import CASES, GOOD, VERDICTS, cases
 from validation.studies.robustness.penalty import PENALTY
 from validation.studies.robustness.problems import TOLERANCE
@@ -18,65 +15,83 @@ from validation.studies.robustness.refusals import REFUSALS
 from validation.studies.robustness.steps import STEPS
 
 TITLE = "Hard cases"
-STUDIES = (CASES, STEPS, DRIFT, CONSERVED, PENALTY, REFUSALS)
+STUDIES = (CASES, STEPS, CONSERVATION, PENALTY, REFUSALS)
+
+VERY_STIFF = 1e-4
+"""Finest speed of friction in m/s from which on most runs take too many steps."""
+
+_LARGEST = {
+    "error": "largest error in rad",
+    "drift": "drift / radius",
+    "energy": "energy error, relative",
+}
+
+_DRIFT = {
+    "case": "constraints met on",
+    "position": "largest position residual in m",
+    "allowed": "allowed in m",
+    "at_end": "at the end in m",
+    "growth": "second half over first",
+    "velocity": "largest velocity residual in m/s",
+    "energy": "energy residual / (weight · radius)",
+}
+
+_CONSERVED = {
+    "case": "formulation, integrator",
+    "energy": "energy / (weight · radius)",
+    "momentum": "horizontal momentum / (mass · rim speed)",
+    "spin": "vertical angular momentum about the COG, relative",
+    "allowed": "each allowed",
+}
 
 
 def present(rows: Rows) -> Content:
     """What there is to show, from the tables of `STUDIES`."""
     table, limits = rows["robustness"], rows["robustness-steps"]
-    counts = by_axis(table)
-    numbers = case_numbers(table)
+    long = rows["robustness-conservation"].set_index("case", drop=False)
+    penalty, refusals = rows["robustness-penalty"], rows["robustness-refusals"]
+    counts, numbers = by_axis(table), case_numbers(table)
+    worst = table.groupby("axis")[list(_LARGEST)].max().rename(columns=_LARGEST)
+    wrong = table[~table["verdict"].isin(GOOD)]
     return Content(
         numbers={
             **numbers,
-            **step_numbers(limits),
-            **_beside(rows),
-            "checks": checks,
-            "judging": judging,
-            "steps": steps,
+            **_step_numbers(limits),
+            **{each.__name__.rpartition(".")[2]: each for each in _SETTINGS},
+            "growing": long[long.index.str.startswith("acceleration level")],
+            "held": long.loc[[name for name, each in DRIFTING.items() if each.held]],
+            "minimal": long[long.index.str.startswith("minimal coordinates")],
             "penalty": penalty,
-            "conservation": conservation,
-            "refusals": refusals,
+            "requests": len(refusals),
+            "refused": int(refusals["at_once"].sum()),
         },
         tables={
-            "outcomes": _largest(table, counts),
+            "outcomes": counts.join(worst).rename_axis("what is extreme").reset_index(),
             "causes": _causes(table),
             "cases": table.drop(columns="case").rename(columns=CASES.columns),
-            "failures": table[~table["verdict"].isin(GOOD)][
-                ["case", "way", "verdict", "cause", "reason"]
-            ],
+            "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
             "steps": limits.drop(columns="case"),
-            "drift": _drift(rows["robustness-drift"]),
-            "conserved": rows["robustness-conserved"].rename(columns=_CONSERVED),
-            "penalty": rows["robustness-penalty"].drop(columns="case"),
-            "refusals": rows["robustness-refusals"].drop(columns="seconds"),
+            "drift": long.loc[list(DRIFTING), list(_DRIFT)].rename(columns=_DRIFT),
+            "conserved": long.loc[list(FREE), list(_CONSERVED)].rename(columns=_CONSERVED),
+            "penalty": penalty.drop(columns="case"),
+            "refusals": refusals.drop(columns="seconds"),
         },
-        figures={
-            "outcomes": figures.matrix(counts).figure,  # type: ignore[dict-item]
-            "steps": figures.steps(limits, steps.ACCURACY),
-        },
+        figures={"outcomes": figures.matrix(counts), "steps": figures.steps(limits)},
         checks=list(checks.checks(rows)),
         verdicts=[_verdict(numbers)],
     )
 
 
+_SETTINGS = (checks, conservation, located, outcomes, references, steps)
+"""Modules whose limits the text names."""
+
+
 def by_axis(table: pd.DataFrame) -> pd.DataFrame:
     """Number of cases by what is extreme about them, and by verdict."""
     counts = pd.crosstab(table["axis"], table["verdict"])
-    # A crash would be a column of its own, and no crash is told as well.
+    # That none crashed has to be seen as well.
     shown = [each for each in VERDICTS if each in counts or each == "crashed"]
     return counts.reindex(index=table["axis"].unique(), columns=shown, fill_value=0)
-
-
-def _largest(table: pd.DataFrame, counts: pd.DataFrame) -> pd.DataFrame:
-    """Counts by axis with the largest errors of each."""
-    names = {
-        "error": "largest error in rad",
-        "drift": "drift / radius",
-        "energy": "energy error, relative",
-    }
-    worst = table.groupby("axis")[list(names)].max().rename(columns=names)
-    return counts.join(worst).rename_axis("what is extreme").reset_index()
 
 
 def _causes(table: pd.DataFrame) -> pd.DataFrame:
@@ -92,97 +107,53 @@ def _causes(table: pd.DataFrame) -> pd.DataFrame:
 def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the hard cases that the text, the verdict and the manual state."""
     counts = {verdict: int((table["verdict"] == verdict).sum()) for verdict in VERDICTS}
-    causes = table["cause"].value_counts().to_dict()
     late = table["cause"].isin(["too many steps", "Newton's iteration does not converge"])
     finest = table["case"].map(lambda name: cases()[name].scenario.friction.finest_speed)
-    own = table[table["axis"] == endings.AXIS]
     told = table.dropna(subset=["error", "estimate"])
     return {
         "problems": table["case"].nunique(),
         "sampled": len(CASES.sample),
         "total": len(table),
         "counts": counts,
-        "accurate": counts["accurate"],
         "ends": sum(counts[each] for each in GOOD[1:]),
-        "without": sum(number for each, number in counts.items() if each not in GOOD),
+        "without": int((~table["verdict"].isin(GOOD)).sum()),
         "broken": checks.broken(table),
-        "causes": causes,
+        "causes": table["cause"].value_counts().to_dict(),
         "late": int(late.sum()),
-        "stiff": int((late & (table["axis"] == "smoothing ε in m/s") & (finest <= 1e-4)).sum()),
+        "very_stiff": VERY_STIFF,
+        "stiff": int((late & (finest <= VERY_STIFF)).sum()),
         "asked": TOLERANCE,
-        "tolerances": own["tolerance"],
-        "all_tolerances": table["tolerance"],
-        "own": len(own),
+        "tolerances": table["tolerance"],
+        "ended": int((table["axis"] == ended.AXIS).sum()),
         "told": len(told),
-        "unpromised": int((table["estimate"].isna() & table["error"].notna()).sum()),
         "beyond": int((told["error"] > told["estimate"] + told["doubt"]).sum()),
-        "spacings": [1e3 * each for each in SPACINGS],
-        "straight": STRAIGHT,
+        "untold": int((table["estimate"].isna() & table["error"].notna()).sum()),
     }
 
 
-def step_numbers(limits: pd.DataFrame) -> dict[str, Any]:
-    """Stable steps over predicted ones, and how far accurate ones reach."""
+def _step_numbers(limits: pd.DataFrame) -> dict[str, Any]:
+    """Stable steps over predicted ones, and accurate ones over the stiffness."""
     stable = limits[limits["kind"] == "stable"].dropna(subset="predicted")
     accurate = limits[(limits["kind"] == "accurate") & (limits["over"] == "stiffness")]
     explicit = accurate["integrator"].isin(steps.EXPLICIT)
     return {
         "apart": float((stable["step"] / stable["predicted"] - 1.0).abs().max()),
         "places": stable.groupby("over")["value"].agg(["min", "max"]).to_dict("index"),
-        "explicit": accurate[explicit].set_index("value")["step"],
+        "explicit": accurate[explicit]["step"],
         "implicit": accurate[~explicit]["step"],
     }
 
 
-def _beside(rows: Rows) -> dict[str, Any]:
-    """Numbers of what is measured beside the cases."""
-    drift = rows["robustness-drift"].set_index("case")
-    growing = drift.loc[[name for name, each in DRIFTING.items() if each.grows]]
-    bounded = drift.loc[[name for name, each in DRIFTING.items() if not each.grows]]
-    requests = rows["robustness-refusals"]
-    return {
-        "end": drift["end"].max(),
-        "growing": growing,
-        "bounded": bounded,
-        "free_end": conservation.FREE_END,
-        "apart_from_ideal": rows["robustness-penalty"],
-        "requests": len(requests),
-        "refused": int(requests["at_once"].sum()),
-    }
-
-
-def _drift(table: pd.DataFrame) -> pd.DataFrame:
-    names = {
-        "case": "constraints met on",
-        "position": "largest position residual in m",
-        "allowed": "allowed in m",
-        "at_end": "at the end in m",
-        "growth": "second half over first",
-        "velocity": "largest velocity residual in m/s",
-        "energy": "energy residual / (weight · radius)",
-    }
-    return table[list(names)].rename(columns=names)
-
-
-_CONSERVED = {
-    "case": "formulation, integrator",
-    "energy": "energy / (weight · radius)",
-    "momentum": "horizontal momentum / (mass · rim speed)",
-    "spin": "vertical angular momentum about the COG, relative",
-    "allowed": "each allowed",
-}
-
-
 def _verdict(numbers: dict[str, Any]) -> Verdict:
-    asked = numbers["all_tolerances"]
+    asked, broken = numbers["tolerances"], numbers["broken"]
     return Verdict(
         statement="No stiff or extreme case crashes or breaks its promise of accuracy.",
-        answer="no" if numbers["broken"] else "yes",
+        answer="no" if broken else "yes",
         numbers=f"Of {numbers['total']} cases asked for {asked.min():g} to {asked.max():g} rad, "
-        f"{numbers['accurate']} are accurate and {numbers['ends']} end early, accurately; "
-        f"{numbers['without']} give no accurate result, for reasons that are counted; "
-        f"{numbers['broken'] or 'none'} crash or break the promise.",
+        f"{numbers['counts']['accurate']} are accurate and {numbers['ends']} end early, "
+        f"accurately; {numbers['without']} give no accurate result, for reasons that are "
+        f"counted; {broken or 'none'} crashed or broke the promise.",
         criterion="angles and the time of an ending within what was asked for, and its reason, "
         "beside two runs by other methods; said of these cases alone.",
-        good=not numbers["broken"],
+        good=not broken,
     )

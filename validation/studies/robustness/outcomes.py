@@ -30,24 +30,19 @@ ENGINE: tuple[IntegratorName, ...] = (
     *("RK67", "RK44", "DOPRI5"),
     *("TrapezoidalIndex2", "GeneralizedAlpha"),
 )
-"""Integrators of the engine that are tried where they apply; a further one is entered here."""
+"""Integrators of the engine that are tried where a problem says so; enter a further one here,"""
+
+EVERYWHERE: tuple[IntegratorName, ...] = ()
+"""and here if it is to be tried in each problem, beside the first that applies."""
 
 IN_HOUSE: tuple[Method, ...] = ("DOP853", "Radau")
 """Methods of the in-house equations, of which stiff friction is left to the last one."""
 
-GOOD = (
-    "accurate",
-    "ends: contact would pull",
-    "ends: condition met",
-    "ends: lies flat",
-)
+GOOD = ("accurate", "ends: contact would pull", "ends: condition met", "ends: lies flat")
 """Verdicts on what is as it should be."""
 
-VERDICTS = (
-    *GOOD,
-    *("inaccurate", "reference in doubt", "diverged", "refused"),
-    *("not finished in the limit", "time limit", "crashed"),
-)
+BAD = ("inaccurate", "reference in doubt", "diverged", "refused", "not finished in the limit")
+VERDICTS = (*GOOD, *BAD, "time limit", "crashed")
 """All of them."""
 
 STEPS = {"engine": 50_000, "in-house": 20_000}
@@ -109,9 +104,11 @@ def ways(problem: Problem) -> list[Way]:
     for formulation in formulations[: 1 if problem.cover == "fastest" else None]:
         constrained = Scene(scenario, formulation).has_constraints
         available = mbs_models.integrators(formulation, constrained=constrained)
+        first = [each for each in available if each in ENGINE][:most]
         found += [
             Way(source="engine", formulation=formulation, integrator=each)
-            for each in [each for each in available if each in ENGINE][:most]
+            for each in available
+            if each in {*first, *EVERYWHERE}
         ]
     if scenario.contact is not None:
         return found
@@ -326,7 +323,7 @@ def cause(tolerance: float, found: Row) -> str:
     if verdict in GOOD:
         return ""
     if verdict in {"diverged", "refused"}:
-        return next((meaning for words, meaning in _BY_WORDS.items() if words in reason), reason)
+        return next((told for words, told in _BY_WORDS.items() if words in reason), str(reason))
     if verdict == "inaccurate" and found.get("error") is not None:
         if holds(_worst(found), _allowed(tolerance, found)):
             return "angles accurate, energy or constraint not"
@@ -335,7 +332,7 @@ def cause(tolerance: float, found: Row) -> str:
         "inaccurate": "runs where the reference cannot start",
         "not finished in the limit": "too many steps",
         "reference in doubt": "no reference is good enough",
-    }.get(verdict, verdict)
+    }.get(verdict, str(verdict))
 
 
 # --- The study ----------------------------------------------------------------------------------

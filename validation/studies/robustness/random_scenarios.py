@@ -20,6 +20,9 @@ from validation.kit.ways import Way
 from validation.studies.robustness.outcomes import outcome, reference_or_error
 from validation.studies.robustness.problems import Problem
 
+NUMBERS = ("tolerance", "error", "ending_error", "estimate", "doubt")
+"""Columns that are printed."""
+
 
 def draws(number: int, seed: int) -> list[tuple[Problem, Way]]:
     """So many random motions for the engine, the same ones for a seed."""
@@ -67,14 +70,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         found = outcome(problem, way, reference_or_error(problem))
         word = "BROKEN" if found["broken"] else found["verdict"]
         counts[word] += 1
-        told = ", ".join(
-            f"{name} {found[name]:.1e}" for name in ("error", "estimate", "doubt") if found[name]
-        )
-        print(
-            f"{index:3d} {word}: {problem.name}, {way.name}, tolerance {problem.tolerance:.0e}: "
-            f"{told}; {found['reason']}",
-            flush=True,
-        )
+        numbers = [f"{name} {found[name]:.1e}" for name in NUMBERS if found[name] is not None]
+        told = ", ".join([problem.name, way.name, *numbers, found["reason"]])
+        print(f"{index:3d} {word}: {told}", flush=True)
     print(", ".join(f"{number} {word}" for word, number in counts.most_common()))
     return 1 if counts["BROKEN"] else 0
 

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf, nan
+from typing import Any
 
 import numpy as np
 
@@ -14,14 +15,31 @@ from mbs_models import Scene
 from validation.study import Row, Study
 
 TIMES = (0.0, 0.1)
+RADIUS = STEEL_DISK.radius
 LIMIT = 2.0
 """Time in s within which a refusal comes, so that nothing has run."""
 
 
-def _above_the_table() -> State:
+PENALTY = PenaltyContact(stiffness=1e5)
+BY_CONTACT = SmoothCoulomb(load="contact")
+
+
+def _above() -> State:
     start = Scenario().initial_state
     x, y, z, *angles = start.coordinates
     return replace(start, coordinates=(x, y, z + 1e-3, *angles))
+
+
+def _tree(**scenario: Any) -> Scene:
+    return Scene(Scenario(**scenario), "contact-tree")
+
+
+def _engine(how: dict[str, Any], **scenario: Any) -> object:
+    return mbs_models.simulate(Scene(Scenario(**scenario)), **({"times": TIMES} | how))
+
+
+def _reduced(**scenario: Any) -> object:
+    return analysis.simulate(Scenario(**scenario), TIMES, form="reduced")
 
 
 REQUESTS: dict[str, Callable[[], object]] = {
@@ -30,45 +48,31 @@ REQUESTS: dict[str, Callable[[], object]] = {
     "friction coefficient not a number": lambda: SmoothCoulomb(coefficient=nan),
     "start lying flat": lambda: Start(beta=0.0),
     "endless spin": lambda: Start(spin=inf),
-    "COG at the rim": lambda: replace(STEEL_DISK, eccentricity=STEEL_DISK.radius),
+    "COG at the rim": lambda: replace(STEEL_DISK, eccentricity=RADIUS),
     "COG far out, moments about the centre kept": lambda: replace(
-        STEEL_DISK, eccentricity=0.99 * STEEL_DISK.radius
+        STEEL_DISK, eccentricity=0.99 * RADIUS
     ),
     "slip along the edge in Model 3": lambda: Scenario(
         constraints=MODELS[3], start=Start(gamma_rate=1.0)
     ),
-    "start above the table, engine": lambda: mbs_models.simulate(
-        Scene(Scenario(start=_above_the_table())), TIMES
+    "start above the table, engine": lambda: _engine({}, start=_above()),
+    "start above the table, in-house": lambda: analysis.simulate(Scenario(start=_above()), TIMES),
+    "explicit integrator on constraints": lambda: _engine(
+        {"integrator": "RK44"}, constraints=MODELS[2]
     ),
-    "start above the table, in-house": lambda: analysis.simulate(
-        Scenario(start=_above_the_table()), TIMES
-    ),
-    "explicit integrator on constraints": lambda: mbs_models.simulate(
-        Scene(Scenario(constraints=MODELS[2])), TIMES, integrator="RK44"
-    ),
-    "contact tree in Model 2": lambda: Scene(Scenario(constraints=MODELS[2]), "contact-tree"),
-    "contact tree with the contact force as load": lambda: Scene(
-        Scenario(friction=SmoothCoulomb(load="contact")), "contact-tree"
-    ),
-    "penalty contact on a contact tree": lambda: Scene(
-        Scenario(contact=PenaltyContact(stiffness=1e5)), "contact-tree"
-    ),
-    "penalty contact in Model 2": lambda: Scenario(
-        constraints=MODELS[2], contact=PenaltyContact(stiffness=1e5)
-    ),
+    "contact tree in Model 2": lambda: _tree(constraints=MODELS[2]),
+    "contact tree with the contact force as load": lambda: _tree(friction=BY_CONTACT),
+    "penalty contact on a contact tree": lambda: _tree(contact=PENALTY),
+    "penalty contact in Model 2": lambda: Scenario(constraints=MODELS[2], contact=PENALTY),
     "penalty contact that is too soft": lambda: Scenario(contact=PenaltyContact(stiffness=1e3)),
-    "damping below zero": lambda: PenaltyContact(stiffness=1e5, damping=-1.0),
-    "minimal coordinates in Model 3": lambda: analysis.simulate(
-        Scenario(constraints=MODELS[3]), TIMES, form="reduced"
+    "damping below zero": lambda: replace(PENALTY, damping=-1.0),
+    "minimal coordinates in Model 3": lambda: _reduced(constraints=MODELS[3]),
+    "minimal coordinates with the contact force as load": lambda: _reduced(
+        constraints=MODELS[4], friction=BY_CONTACT
     ),
-    "minimal coordinates with the contact force as load": lambda: analysis.simulate(
-        Scenario(constraints=MODELS[4], friction=SmoothCoulomb(load="contact")),
-        TIMES,
-        form="reduced",
-    ),
-    "times that do not increase": lambda: mbs_models.simulate(Scene(), (0.0, 0.0)),
-    "step of zero": lambda: mbs_models.simulate(Scene(), TIMES, step=0.0),
-    "step and tolerance": lambda: mbs_models.simulate(Scene(), TIMES, step=1e-3, tolerance=1e-6),
+    "times that do not increase": lambda: _engine({"times": (0.0, 0.0)}),
+    "step of zero": lambda: _engine({"step": 0.0}),
+    "step and tolerance": lambda: _engine({"step": 1e-3, "tolerance": 1e-6}),
 }
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 import mbs_models
-from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
+from analysis import STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import state_matrices
@@ -80,10 +80,17 @@ def measure(place: Place) -> list[Row]:
     """Largest stable steps of explicit integrators, and largest accurate ones, at a place."""
     axis, value = place
     disturbed = (_slipping if axis == "smoothing" else _bouncing)(value)
-    rows = [_stable(disturbed, axis, integrator) for integrator in EXPLICIT]
+    found = [("stable", TREES[axis], each, *_stable(disturbed, each)) for each in EXPLICIT]
     if axis == "stiffness" or value >= STIFFEST:
-        rows += _accurate(axis, value)
-    return [{"over": axis, "value": value, **row} for row in rows]
+        ideal, scenario = _table_3(axis, value)
+        method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
+        equations = Way(source="in-house", formulation="index-1", integrator=method)
+        truth = equations.run(ideal, np.linspace(0.0, END, 5), local_tolerance=1e-8)
+        for formulation, integrator in WAYS[axis]:
+            step = largest_accurate(Scene(scenario, formulation), integrator, truth)
+            found.append(("accurate", formulation, integrator, step, None))
+    names = ("over", "value", "kind", "formulation", "integrator", "step", "predicted")
+    return [dict(zip(names, (axis, value, *row), strict=True)) for row in found]
 
 
 # --- Stable: a small disturbance of inverted spinning does not grow ------------------------------
@@ -153,22 +160,13 @@ def _bouncing(stiffness: float) -> _Disturbed:
     return _Disturbed(Scene(replace(scenario, start=start), TREES["stiffness"]), decays, growth)
 
 
-def _stable(disturbed: _Disturbed, axis: Axis, integrator: IntegratorName) -> Row:
+def _stable(disturbed: _Disturbed, integrator: IntegratorName) -> tuple[float | None, ...]:
     """Largest stable step by bisection, and its prediction.
 
     With much smoothing the inverted spinning itself is unstable about as fast as the step could
     make it; then there is no limit to be seen, and none is given.
     """
     predicted = min(largest_step(integrator, value) for value in disturbed.decays)
-    row: Row = {
-        "kind": "stable",
-        "formulation": TREES[axis],
-        "integrator": integrator,
-        "step": None,
-        "predicted": None,
-    }
-    if np.exp(disturbed.own * _STEPS * predicted) > 0.5 * _GROWTH:
-        return row
 
     def stable(step: float) -> bool:
         times = step * np.linspace(0.0, _STEPS, 25)
@@ -176,10 +174,11 @@ def _stable(disturbed: _Disturbed, axis: Axis, integrator: IntegratorName) -> Ro
             run = mbs_models.simulate(disturbed.scene, times, step=step, integrator=integrator)
         except ArithmeticError:
             return False
-        ended = run.ending is not None
-        return not ended and bool(np.max(disturbed.growth(run)[_LATE]) <= _GROWTH)
+        return run.ending is None and bool(np.max(disturbed.growth(run)[_LATE]) <= _GROWTH)
 
-    return row | {"step": bisected(stable, predicted), "predicted": predicted}
+    if np.exp(disturbed.own * _STEPS * predicted) > 0.5 * _GROWTH:
+        return None, None
+    return bisected(stable, predicted), predicted
 
 
 def _eigenvalues(scenario: Scenario) -> ComplexArray:
@@ -224,26 +223,14 @@ def bisected(works: Callable[[float], bool], guess: float) -> float | None:
 # --- Accurate: the error from Table 3 stays small ------------------------------------------------
 
 
-def _accurate(axis: Axis, value: float) -> list[Row]:
-    """Largest step of `LADDER` that keeps the error below `ACCURACY`, by way."""
-    ideal = scenario = Scenario(friction=SmoothCoulomb(smoothing=value))
-    if axis == "stiffness":
-        ideal = Scenario(friction=SmoothCoulomb(load="contact"))
-        contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
-        scenario = replace(ideal, contact=contact)
-    method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
-    equations = Way(source="in-house", formulation="index-1", integrator=method)
-    truth = equations.run(ideal, np.linspace(0.0, END, 5), local_tolerance=1e-8)
-    return [
-        {
-            "kind": "accurate",
-            "formulation": formulation,
-            "integrator": integrator,
-            "step": largest_accurate(Scene(scenario, formulation), integrator, truth),
-            "predicted": None,
-        }
-        for formulation, integrator in WAYS[axis]
-    ]
+def _table_3(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
+    """The scenario with an ideal contact, and the one to be run."""
+    if axis == "smoothing":
+        ideal = Scenario(friction=SmoothCoulomb(smoothing=value))
+        return ideal, ideal
+    ideal = Scenario(friction=SmoothCoulomb(load="contact"))
+    contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
+    return ideal, replace(ideal, contact=contact)
 
 
 def largest_accurate(scene: Scene, integrator: IntegratorName, truth: Trajectory) -> float | None:

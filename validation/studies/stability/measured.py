@@ -119,7 +119,7 @@ IN_PAPER = {
 }
 """What Sections 3 and 6 print, in the digits that they give; λ₇ and λ₈ without a smoothing."""
 
-CLOSED, COMPUTED, FREQUENCY, BORN, _, LOWER, UPPER, *_ = IN_PAPER
+CLOSED, COMPUTED, FREQUENCY, BORN, _, LOWER, UPPER = tuple(IN_PAPER)[:7]
 
 _PLACES: dict[str, tuple[Level, float, float, float]] = {
     COMPUTED: (4, 30.0, 32.0, 7.1),
@@ -155,8 +155,10 @@ def rounds_to(value: float | None, printed: str) -> bool:
     --------
     >>> rounds_to(30.9168, "30.92"), rounds_to(30.8866, "30.92"), rounds_to(-1584.5, "-1.5e3")
     (True, False, False)
+    >>> rounds_to(0.43542, "0.435")
+    True
     """
-    digits = sum(each.isdigit() for each in printed.partition("e")[0])
+    digits = sum(each.isdigit() for each in printed.partition("e")[0].lstrip("-0."))
     return value is not None and float(f"{value:.{digits}g}") == float(printed)
 
 
@@ -279,7 +281,7 @@ def growth(scenario: Scenario, *, spin: float, gradient: float) -> dict[str, flo
         "engine": mbs_models.eigenvalues(spinning(rubbing, spin)),
     }
     # Those nearest to ±i spin tell of a place on the table alone.
-    drift = np.array((1j, -1j)) * spin
+    drift: ComplexArray = np.array((1j * spin, -1j * spin))
     return {
         side: float(np.max(values[np.argsort(np.min(gaps(drift, values), axis=0))[2:]].real))
         for side, values in sides.items()

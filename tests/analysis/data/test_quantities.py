@@ -1,0 +1,167 @@
+"""Every quantity is declared once: types, files, options, axes and refusals know it by that."""
+
+import re
+from dataclasses import fields
+from math import inf
+from pathlib import Path
+
+import pytest
+
+from analysis import (
+    LAWS,
+    ROUNDED_STEEL_DISK,
+    Disk,
+    Dissipation,
+    PenaltyContact,
+    Scenario,
+    Start,
+    Table,
+    load_scenario,
+    scenario_text,
+)
+from analysis.data.changes import changed
+from analysis.data.names import ArgumentError, full_name
+from analysis.data.quantities import QUANTITIES, RING, Quantity, default, markdown
+from tests.calls import printed, run
+from tests.scenario_texts import with_key
+from validation.sweeps.axes import axis_from_text
+
+STEADY = {
+    "disk.radius": 0.05,
+    "disk.thickness": 0.02,
+    "disk.mass": 0.44,
+    "disk.inertia_x": 2.6e-4,
+    "disk.inertia_y": 2.5e-4,
+    "disk.inertia_z": 4.7e-4,
+    "friction.static": 0.5,
+    "contact.stiffness": 2e6,
+    "dissipation.rolling_smoothing": 0.02,
+}
+"""Values that fit, where 0.01 does not."""
+
+EVERY = pytest.mark.parametrize("quantity", QUANTITIES.values(), ids=list(QUANTITIES))
+
+KINDS: dict[str, type] = {
+    "disk": Disk,
+    "table": Table,
+    "contact": PenaltyContact,
+    "dissipation": Dissipation,
+    "start": Start,
+}
+
+
+def home(quantity: Quantity) -> Scenario:
+    """A scenario in which a quantity has a place."""
+    if quantity.table == "friction":
+        laws = [law for law in LAWS.values() if hasattr(law, quantity.name)]
+        return Scenario(friction=laws[0]() if laws else LAWS["tanh"]())
+    if quantity.table == "disk" and quantity.name not in (*RING, "name"):
+        return Scenario(disk=ROUNDED_STEEL_DISK)
+    soft = quantity.table in ("contact", "dissipation") or quantity.name == "height"
+    return Scenario.rest() if soft else Scenario()
+
+
+def beyond(quantity: Quantity) -> list[float | str]:
+    """Values that are out of range."""
+    if quantity.choices:
+        return ["glue"]
+    found: list[float | str] = [float("nan")]
+    if quantity.least > -inf:
+        found.append(quantity.least if quantity.is_above else 2.0 * quantity.least - 1.0)
+    if quantity.most < inf:
+        found.append(quantity.most if quantity.is_below else 2.0 * quantity.most)
+    return found
+
+
+def test_every_number_of_a_data_type_is_declared_with_its_default() -> None:
+    for table, kind in KINDS.items():
+        for field in fields(kind):
+            assert f"{table}.{field.name}" in QUANTITIES
+            if isinstance(field.default, float):
+                assert default(f"{table}.{field.name}") == field.default
+    for law in LAWS.values():
+        for field in fields(law):
+            assert field.default == default(f"friction.{field.name}")
+
+
+@EVERY
+def test_a_quantity_is_found_by_its_name_and_by_its_option(quantity: Quantity) -> None:
+    for name in (quantity.key, quantity.name):
+        assert full_name(name) == quantity.key
+    assert quantity.unit is None or full_name(quantity.flag.lstrip("-")) == quantity.key
+    assert sum(each.flag == quantity.flag for each in QUANTITIES.values()) == 1
+
+
+@EVERY
+def test_a_quantity_is_an_axis(quantity: Quantity) -> None:
+    if quantity.choices:
+        values = ",".join(str(each).lower() for each in quantity.choices)
+        assert axis_from_text(f"{quantity.key}={values}").size == len(quantity.choices)
+    else:
+        assert axis_from_text(f"{quantity.key}=0.1:0.2:3").at(0) == 0.1
+
+
+@EVERY
+def test_a_quantity_is_a_commented_key(quantity: Quantity) -> None:
+    text = scenario_text(home(quantity))
+    assert max(map(len, text.split("\n"))) <= 99
+    if quantity.table and quantity.key != "disk.name":
+        assert re.search(
+            rf"^(# )?{quantity.name} = \S.*  # {re.escape(quantity.comment)}$", text, re.MULTILINE
+        )
+    else:
+        assert f"{quantity.name} = " in text
+
+
+def test_every_quantity_is_an_option_with_what_it_means(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    shown = " ".join(printed(capsys, "scenario --help").split())
+    for quantity in QUANTITIES.values():
+        assert re.search(rf"{quantity.flag}\b[^-].*{re.escape(quantity.meaning)}", shown)
+
+
+@EVERY
+def test_an_option_changes_its_quantity_and_nothing_else(
+    quantity: Quantity, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenario, path = home(quantity), tmp_path / "my.toml"
+    path.write_text(scenario_text(scenario))
+    value = quantity.choices[-1] if quantity.choices else STEADY.get(quantity.key, 0.01)
+    if quantity.key == "constraints":
+        value = "contact"
+    words = [f"{quantity.flag}={value}"]
+    if quantity.is_switch:
+        words = [quantity.flag.replace("--", "--no-")]
+    shown = printed(capsys, "scenario", str(path), *words)
+    assert shown == scenario_text(changed(scenario, {quantity.key: value}))
+    assert quantity.is_switch or value == "contact" or shown != scenario_text(scenario)
+
+
+def test_documentation_has_every_quantity() -> None:
+    page = Path(__file__).parents[3] / "docs" / "scenario.md"
+    assert markdown() in page.read_text(encoding="utf-8")
+
+
+@EVERY
+def test_what_is_out_of_range_is_refused_by_name(
+    quantity: Quantity, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenario, path = home(quantity), tmp_path / "my.toml"
+    text = scenario_text(scenario)
+    for value in beyond(quantity):
+        with pytest.raises((ArgumentError, KeyError)) as refused:
+            changed(scenario, {quantity.key: value})
+        assert quantity.name in str(refused.value) or quantity.key == "model"
+        path.write_text(text)
+        assert run("scenario", str(path), f"{quantity.flag}={value}") == 2
+        said = capsys.readouterr().err.splitlines()[-1]
+        named = rf"(argument )?{quantity.flag}(/--no\S*)?"
+        assert re.fullmatch(rf"tippedisk scenario: error: {named}: .*", said)
+        if quantity.table and quantity.key != "disk.name":
+            literal = f'"{value}"' if isinstance(value, str) else str(value)
+            path.write_text(with_key(text, quantity.table, quantity.name, literal))
+            with pytest.raises(ValueError, match=rf"my\.toml, line \d+: .*{quantity.name} ") as at:
+                load_scenario(path)
+            line = int(str(at.value).partition("line ")[2].partition(":")[0])
+            assert path.read_text().split("\n")[line - 1] == f"{quantity.name} = {literal}"

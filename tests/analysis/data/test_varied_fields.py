@@ -1,0 +1,124 @@
+"""Fields of a scenario that vary: their names, the scenarios they make, and what is refused."""
+
+from dataclasses import asdict, replace
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import (
+    MODELS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Ensemble,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    State,
+    Stribeck,
+)
+from analysis.data.disk import STEEL_RING
+from analysis.data.fields import changed, check_field, full_name
+
+PAPER = Scenario()
+
+
+@pytest.mark.parametrize(
+    ("name", "field"),
+    [
+        ("spin", "start.spin"),
+        ("mu", "friction.coefficient"),
+        ("eps", "friction.smoothing"),
+        ("beta-rate", "start.beta_rate"),
+        ("table.inclination", "table.inclination"),
+        ("model", "model"),
+    ],
+)
+def test_fields_go_by_their_keys(name: str, field: str) -> None:
+    assert full_name(name) == field
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"start.spin": 12.0}, replace(PAPER, start=Start(spin=12.0))),
+        ({"model": 4}, replace(PAPER, constraints=MODELS[4])),
+        ({"constraints": "contact+fixed-cog"}, replace(PAPER, constraints=MODELS[2])),
+        ({"friction.load": "contact"}, replace(PAPER, friction=SmoothCoulomb(load="contact"))),
+        (
+            {"friction.static": 0.6, "friction.law": "stribeck"},
+            replace(PAPER, friction=Stribeck(static=0.6)),
+        ),
+        (
+            {"disk.eccentricity": 2e-3, "disk.name": "steel-rounded"},
+            replace(PAPER, disk=replace(ROUNDED_STEEL_DISK, eccentricity=2e-3)),
+        ),
+        (
+            {"disk.hole_radius": 0.01},
+            replace(PAPER, disk=Disk.ring(**(STEEL_RING | {"hole_radius": 0.01}))),
+        ),
+        (
+            {"disk.radius": 0.05},
+            replace(PAPER, disk=Disk.ring(**(STEEL_RING | {"radius": 0.05}))),
+        ),
+        (
+            {f"disk.{name}": 2.0 * value for name, value in asdict(STEEL_DISK).items()}
+            | {"disk.mass": 1.0},
+            replace(
+                PAPER,
+                disk=Disk(
+                    **{name: 2.0 * value for name, value in asdict(STEEL_DISK).items()}
+                    | {"mass": 1.0}
+                ),
+            ),
+        ),
+    ],
+)
+def test_case_is_the_scenario_with_its_fields_changed(changes: Any, expected: Scenario) -> None:
+    assert changed(PAPER, changes) == expected
+
+
+@pytest.mark.parametrize(
+    ("disk", "fields", "message"),
+    [
+        (STEEL_DISK, ("radius", "mass"), "mass does not go together with radius, from which it"),
+        (STEEL_DISK, ("thickness", "inertia_x"), "inertia_x does not go together with thickness"),
+        (ROUNDED_STEEL_DISK, ("radius",), "radius varies the paper's ring alone"),
+        (ROUNDED_STEEL_DISK, ("hole_radius",), "hole_radius varies the paper's ring alone"),
+    ],
+)
+def test_a_geometry_varies_with_the_mass_that_follows_from_it_or_not_at_all(
+    disk: Disk, fields: tuple[str, ...], message: str
+) -> None:
+    with pytest.raises(ValueError, match=f"^{message}"):
+        Ensemble(
+            scenario=replace(PAPER, disk=disk),
+            fields={name: np.array([0.04, 0.05]) for name in fields},
+        )
+
+
+@pytest.mark.parametrize(
+    ("scenario", "field", "message"),
+    [
+        (PAPER, "contact.stiffness", "needs a penalty contact"),
+        (PAPER, "friction.static", r"friction\.static must be one of load, coefficient"),
+        (PAPER, "start.coordinates", "cannot vary as a whole"),
+        (
+            replace(PAPER, disk=ROUNDED_STEEL_DISK),
+            "disk.thickness",
+            "varies the paper's ring alone",
+        ),
+        (
+            replace(PAPER, start=State(coordinates=(0, 0, 0.045, 0, pi / 2, 0), rates=(0.0,) * 6)),
+            "start.spin",
+            "the start is told by its coordinates and rates",
+        ),
+    ],
+)
+def test_fields_that_the_scenario_lacks_are_refused(
+    scenario: Scenario, field: str, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        check_field(scenario, field, {})

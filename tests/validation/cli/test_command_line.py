@@ -1,0 +1,222 @@
+"""The command line: what every command and every option of it has in common."""
+
+import json
+import subprocess
+import sys
+from argparse import Action, BooleanOptionalAction
+from pathlib import Path
+
+import pytest
+
+import analysis
+import mbs_models
+from analysis.data.endings import CONDITIONS
+from analysis.data.inversion import DEFINITION
+from analysis.data.trajectory import SOURCES
+from analysis.solve.stepping import METHODS
+from analysis.stability.spectra import SYSTEMS
+from mbs_models import INTEGRATORS
+from tests.calls import printed, refusal, run
+from tests.helpers import random_trajectory
+from validation import report
+from validation.parser import commands, runs
+from validation.parser.commands import COMMANDS
+from validation.parser.options import OUTPUTS, Command
+from validation.sweeps.axes import LAYOUTS, MOST_CASES
+
+NEEDED = {
+    "show": "run.npz",
+    "sweep": "spin=30,31 --out a.db",
+    "map": "spin-friction",
+    "eigenvalues": "--spin 30",
+    "animate": "run.npz",
+}
+"""What a command cannot do without."""
+
+BESIDE = {"amplitude": "--over mu=0.1,0.2", "fps": "--out a.gif", "width": "--out a.gif"}
+"""What an option belongs to."""
+
+EVERY = pytest.mark.parametrize("command", COMMANDS, ids=[each.name for each in COMMANDS])
+
+
+def test_choices_are_those_of_the_packages() -> None:
+    assert runs.SOURCES == SOURCES
+    assert runs.FORMULATIONS == mbs_models.FORMULATIONS
+    assert runs.FORMS == analysis.FORMS
+    assert runs.INTEGRATORS == INTEGRATORS
+    assert runs.METHODS == METHODS
+    assert tuple(CONDITIONS) == runs.CONDITIONS
+    assert commands.SYSTEMS == SYSTEMS
+    assert commands.MOTIONS == analysis.MOTIONS
+    assert commands.INVERSION == DEFINITION
+    assert commands.LAYOUTS == LAYOUTS
+    assert commands.MOST == MOST_CASES
+    names = tuple(name.replace("_", "-") for name in (*report.DISK, *report.METHOD))
+    assert names == commands.SECTIONS_OF_REPORT
+    stored = [n for n in names if any(study.is_stored for study in report.find(n).STUDIES)]
+    assert tuple(stored) == commands.STORED
+
+
+def options_of(command: Command) -> list[Action]:
+    """Options of a command but --help."""
+    return [each for each in command.parser()._actions if each.option_strings][1:]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Working directory with a stored motion."""
+    monkeypatch.chdir(tmp_path)
+    random_trajectory().save("run.npz")
+    return tmp_path
+
+
+@EVERY
+def test_nonsense_is_refused_in_one_line_that_names_the_option(
+    command: Command, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for action in options_of(command):
+        option = action.option_strings[0]
+        value = "/dev/null/glue" if action.dest in ("out", "csv", "plot") else "glue"
+        words = [NEEDED.get(command.name, ""), BESIDE.get(action.dest, ""), f"{option}={value}"]
+        assert option in refusal(capsys, command.name, *words)
+    assert [each.name for each in folder.iterdir()] == ["run.npz"]
+
+
+@EVERY
+def test_help_says_what_every_option_means(
+    command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shown = printed(capsys, command.name, "--help")
+    for action in options_of(command):
+        assert action.option_strings[0] in shown
+        assert action.help
+        if isinstance(action, BooleanOptionalAction):
+            assert f"--no-{action.option_strings[0][2:]}" in shown
+
+
+@EVERY
+def test_an_option_is_called_by_its_whole_name(
+    command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for action in options_of(command):
+        short = action.option_strings[0][:-1]
+        if short not in command.parser()._option_string_actions:
+            words = [NEEDED.get(command.name, ""), f"{short}=1"]
+            assert f"unrecognized arguments: {short}=1" in refusal(capsys, command.name, *words)
+
+
+def test_what_finds_something_gives_it_as_a_table_a_picture_and_data() -> None:
+    finding = {"simulate", "show", "check", "sweep", "rest", "eigenvalues", "critical", "cycles",
+               "heteroclinic", "passage"}  # fmt: skip
+    assert {each.name for each in COMMANDS if each.outputs == tuple(OUTPUTS)} == finding
+
+
+def test_help_teaches_by_example(capsys: pytest.CaptureFixture[str]) -> None:
+    shown = printed(capsys, "--help")
+    assert "tippedisk simulate --model 1" in shown
+    for code in (0, 1, 2, 3, 70):
+        assert f"\n  {code:2d}  " in shown
+    for command in COMMANDS:
+        assert f"\n  {command.name} " in shown
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("", "the following arguments are required: COMMAND"),
+        ("simulat", "did you mean simulate?"),
+        ("scene --spn 3", "unrecognized arguments: --spn 3; did you mean --spin?"),
+        ("simulate --mu=--", "argument --mu: expected a value behind =, got '--'"),
+    ],
+)
+def test_a_wrong_word_is_refused(
+    words: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(*words.split()) == 2
+    shown = capsys.readouterr()
+    assert said in shown.err
+    assert (shown.out, shown.err.count("\n")) == ("", 1)
+
+
+def test_codes_tell_a_fault_from_a_refusal_and_from_a_failed_run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def told(error: Exception) -> tuple[int, str]:
+        def broken(_: object) -> int:
+            raise error
+
+        monkeypatch.setattr("validation.commands.scenario.scenario", broken)
+        return run("scenario"), capsys.readouterr().err
+
+    code, shown = told(KeyError("speed"))
+    assert (code, shown.partition(" ")[0]) == (70, "Traceback")
+    assert shown.endswith("KeyError: 'speed'\n")
+    line = "tippedisk scenario: error: no\n"
+    assert told(ValueError("no")) == told(OSError("no")) == (2, line)
+    assert told(ArithmeticError("no")) == (1, line)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "simulate --out run.txt",
+        "simulate --scenario missing.toml --out run.npz",
+        "rest --plot missing/picture.png",
+        "show missing.npz",
+        "scenario missing.toml",
+        "--help",
+        "simulate --help",
+    ],
+)
+def test_help_and_wrong_paths_are_answered_before_numerical_imports(
+    call: str, tmp_path: Path
+) -> None:
+    code = (
+        "import sys; from validation import cli; code = cli.main(sys.argv[1:]); "
+        "sys.exit(9 if {'numpy', 'exudyn', 'matplotlib'} & set(sys.modules) else code)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, *call.split()],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+    )
+    assert done.returncode == (0 if "--help" in call else 2)
+    assert done.stderr.count("\n") == (0 if "--help" in call else 1)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "simulate --source in-house --end 0.05 --samples 3",
+        "show run.npz run.npz",
+        "rest --source in-house --end 0.05",
+        *(
+            pytest.param(each, marks=pytest.mark.slow)
+            for each in (
+                "check --model 4 --end 0.02 --states 1",
+                "critical --system reduced --spin 30:32",
+                "cycles --spin 30.9",
+                "sweep spin=30,31 --model 4 --end 0.02 --workers 1 --out a.db",
+            )
+        ),
+    ],
+)
+def test_table_picture_and_data_are_made_at_once(
+    call: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert json.loads(printed(capsys, call, "--json --csv a.csv --plot a.png"))
+    assert (folder / "a.csv").read_text().count("\n") > 1
+    assert (folder / "a.png").stat().st_size > 1000
+
+
+def test_a_result_is_printed_written_and_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    call, table = "eigenvalues --system reduced --spin 30", tmp_path / "a.csv"
+    assert printed(capsys, call).startswith("Eigenvalues of Model 4 in 1/s\n")
+    assert printed(capsys, call, f"--csv {table}") == ""
+    rows = json.loads(printed(capsys, call, "--json --no-json --json"))
+    cells = table.read_text().splitlines()[1].split(",")
+    assert float(cells[1]) == rows[0]["real"][0]

@@ -1,0 +1,263 @@
+"""Maps: refinement, outcomes, critical speeds, panels and the uncertainty exponent."""
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from math import log
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis import MODELS, Scenario
+from analysis.data.checks import Array
+from analysis.stability.linear_reduced import critical_speed
+from tests.calls import refusal, run
+from tests.sweeps import direct
+from validation.maps import panel as room
+from validation.maps import problems
+from validation.maps.panel import cell, run_panel
+from validation.maps.problems import PROBLEMS, critical_points, judged, panels
+from validation.maps.refinement import refine
+from validation.maps.uncertainty import (
+    DISTANCES,
+    pairs_that_differ,
+    run_pairs,
+    shifted_sweeps,
+    uncertainty,
+)
+from validation.parser import commands as parser
+from validation.sweeps.results import Results
+
+REDUCED = Scenario(constraints=MODELS[4])
+SPIN_FRICTION = PROBLEMS["spin-friction"]
+SIZE = 65
+
+
+def known(
+    inside: Callable[[int, int], bool],
+) -> tuple[Callable[[Iterable[int]], dict[int, str]], dict[int, str]]:
+    """A run of a map that is known, and what it has run so far."""
+    done: dict[int, str] = {}
+
+    def run_cases(numbers: Iterable[int]) -> dict[int, str]:
+        for number in numbers:
+            assert number not in done
+            done[number] = str(inside(*divmod(number, SIZE)))
+        return done
+
+    return run_cases, done
+
+
+def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
+    def disc(row: int, column: int) -> bool:
+        return (row - 30) ** 2 + (column - 26) ** 2 < 17**2
+
+    run_cases, done = known(disc)
+    refine((SIZE, SIZE), 3, run_cases)
+    for row in range(SIZE - 1):
+        for column in range(SIZE - 1):
+            square = [(row + down, column + right) for down in (0, 1) for right in (0, 1)]
+            if len({disc(*place) for place in square}) > 1:
+                assert all(r * SIZE + c in done for r, c in square)
+    assert len(done) < SIZE**2 / 4
+
+
+def test_uniform_map_stays_coarse() -> None:
+    run_cases, done = known(lambda *_: True)
+    refine((SIZE, SIZE), 4, run_cases)
+    assert len(done) == 25
+
+
+def test_shape_that_cannot_be_halved_is_refused() -> None:
+    with pytest.raises(ValueError, match="shape must be cells"):
+        refine((16, 17), 2, lambda _: {})
+
+
+def test_choices_of_the_command_are_the_maps() -> None:
+    assert tuple(PROBLEMS) == parser.MAPS
+
+
+@pytest.mark.parametrize(
+    ("row", "expected"),
+    [
+        ({"status": "done", "inversion": "inverted"}, "inverted"),
+        ({"status": "done", "inversion": "not inverted", "ending": None}, "not inverted"),
+        ({"status": "done", "inversion": "not inverted", "ending": "flat"}, "flat"),
+        (
+            {"status": "done", "inversion": "not inverted", "ending": "contact would pull"},
+            "pulls",
+        ),
+        ({"status": "crashed"}, "failed"),
+        ({"status": "refused"}, "refused"),
+    ],
+)
+def test_outcomes_are_told_apart(row: dict[str, Any], expected: str) -> None:
+    assert judged(Scenario(), row, to_rest=False) == expected
+
+
+def test_face_is_decided_once_the_energy_cannot_lift_the_disk_on_its_rim() -> None:
+    scenario = Scenario()
+    disk = scenario.disk
+    # Upright with the centre of gravity low, the least energy in which both faces meet.
+    barrier = disk.mass * 9.81 * (disk.radius - disk.eccentricity)
+
+    def face(energy: float, up: float) -> str:
+        row = {"status": "done", "ending": None, "energy_end": energy, "face_end": up}
+        return judged(scenario, row, to_rest=True)
+
+    assert face(1.001 * barrier, 0.9) == "not decided"
+    assert face(0.999 * barrier, 0.9) == "upper face"
+    assert face(0.999 * barrier, -0.9) == "lower face"
+
+
+@pytest.mark.parametrize(
+    ("other", "seen", "alike"),
+    [(None, False, False), ("inverted", True, True), ("failed", True, False)],
+)
+def test_run_that_the_other_side_cannot_make_counts_as_unlike(
+    other: str | None, seen: bool, alike: bool
+) -> None:
+    (sweep,) = panels(SPIN_FRICTION, REDUCED, cells=1, levels=0, end=1.0, witnesses=0)
+    row = {"number": 0, "status": "done", "inversion": "inverted", "inverted_at": 0.5}
+    found = cell(sweep, row | {"seconds": 0.1, "other_inversion": other}, to_rest=False)
+    assert (found["seen"], found["alike"]) == (seen, alike)
+
+
+def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(problems, "THEORY_SAMPLES", 3)
+    how: Any = {"cells": 2, "levels": 0, "end": 1.5, "witnesses": 0}
+    (sweep,) = panels(SPIN_FRICTION, REDUCED, **how)
+    points = critical_points(sweep)
+    np.testing.assert_allclose(points[:, 0], critical_speed(REDUCED).spin, rtol=1e-9)
+    assert points[0, 1] == 0.02
+    assert points[-1, 1] == 0.6
+    assert critical_points(panels(PROBLEMS["attitude"], REDUCED, **how)[0]).size == 0
+
+
+def test_each_model_runs_where_it_is_quickest() -> None:
+    how: Any = {"cells": 2, "levels": 1, "end": 4.0, "witnesses": 9}
+    plans = [each.plan for each in panels(PROBLEMS["basins"], Scenario(), **how)]
+    assert [plan.source for plan in plans] == ["engine", *["in-house"] * 3]
+    assert [plan.formulation for plan in plans] == [None, None, None, "reduced"]
+    assert {plan.witnesses for plan in plans} == {25}
+    compiled = panels(PROBLEMS["basins"], Scenario(), compiled=True, **how)
+    assert all(each.plan.runs_in_batches for each in compiled)
+
+
+def test_gaps_take_the_outcome_of_the_nearest_run() -> None:
+    (sweep,) = panels(SPIN_FRICTION, REDUCED, cells=1, levels=2, end=0.05, witnesses=0)
+    cells = pd.DataFrame({"number": [0, 4, 20, 24], "outcome": ["a", "b", "a", "a"]})
+    filled = room.Panel(title="", sweep=sweep, cells=cells).outcomes
+    assert filled[1].tolist() == ["a", "a", filled[1][2], "b", "b"]
+    assert set(filled[4]) == {"a"}
+
+
+def test_store_of_a_map_is_refined_where_outcomes_differ_and_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (sweep,) = panels(SPIN_FRICTION, REDUCED, cells=2, levels=1, end=0.05, witnesses=0)
+    monkeypatch.setattr(room, "judged", lambda _, row, **__: str(row["start.spin"] > 45.0))
+    path = tmp_path / "a.db"
+    panel = run_panel(SPIN_FRICTION, sweep, path, direct(), levels=1)
+    spins = panel.values[1][panel.places(panel.cells)[:, 1]]
+    # Left of 40 rad/s the coarse grid alone, on the right every value.
+    assert sorted(set(spins)) == [20.0, 40.0, 50.0, 60.0]
+    again = run_panel(SPIN_FRICTION, sweep, path, direct(), levels=1)
+    pd.testing.assert_frame_equal(again.cells, panel.cells)
+    assert Results.load(path).columns["number"].size == 3 + 3 * 5
+
+
+def test_uncertainty_exponent_of_a_smooth_boundary_is_1() -> None:
+    starts = np.random.default_rng(1).random(20_000)
+    distances = np.array(DISTANCES)
+    differs = np.array([(starts < 0.5) != (starts + each < 0.5) for each in distances])
+    found = uncertainty(distances, differs)
+    assert found is not None
+    assert abs(found.exponent - 1.0) < 3.0 * found.error
+    assert found.error < 0.1
+
+
+def test_uncertainty_exponent_of_a_cantor_set_is_1_less_its_dimension() -> None:
+    def measure(x: Array) -> Array:
+        """Cantor's function, which rises on the set alone."""
+        x, value, weight = np.clip(x, 0.0, 1.0 - 1e-12), np.zeros_like(x), 0.5
+        stopped = np.zeros(x.shape, dtype=bool)
+        for _ in range(40):
+            digit = np.floor(3.0 * x)
+            value += np.where(stopped, 0.0, weight * (digit > 0.0))
+            stopped |= digit == 1.0
+            x, weight = 3.0 * x - digit, weight / 2.0
+        return value
+
+    starts = np.random.default_rng(2).random(20_000)
+    distances = 3.0 ** -np.arange(4.0, 9.0)
+    differs = np.array([measure(starts + each) > measure(starts) for each in distances])
+    found = uncertainty(distances, differs)
+    assert found is not None
+    assert found.exponent == pytest.approx(1.0 - log(2.0) / log(3.0), abs=0.03)
+
+
+def test_map_without_boundaries_has_no_exponent() -> None:
+    assert uncertainty(np.array(DISTANCES), np.zeros((4, 10), dtype=bool)) is None
+
+
+def test_pairs_are_the_same_starts_shifted() -> None:
+    first, *others = shifted_sweeps(PROBLEMS["rest"], Scenario(), number=20, end=1.0)
+    base = np.array([first.design.case(index) for index in range(20)])
+    for distance, other in zip(DISTANCES, others, strict=True):
+        moved = np.array([other.design.case(index) for index in range(20)])
+        np.testing.assert_allclose(moved - base, [[12.0 * distance, 0.0]] * 20, atol=1e-12)
+
+
+def test_pairs_that_are_not_decided_do_not_count() -> None:
+    outcomes = [["a", "a", "b", "a"], ["b", "not decided", "b", "failed"]]
+    assert pairs_that_differ(outcomes).tolist() == [[True, False]]
+
+
+def test_pairs_are_run_and_fitted(tmp_path: Path) -> None:
+    problem = replace(SPIN_FRICTION, right=("start.gamma", -1.5, 1.5), up=("start.beta", 0.9, 2.2))
+    sweeps = shifted_sweeps(problem, REDUCED, number=40, end=0.03)
+    how: Any = {"time_limit": 1.0}
+    assert run_pairs(problem, sweeps, tmp_path, direct(), **how) is None
+    assert len(list(tmp_path.glob("pairs-*.db"))) == 1 + len(DISTANCES)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("spin-friction --cells 0", "--cells: cells must lie from 1 to 10000, got 0"),
+        ("spin-friction --levels -1", "--levels: levels must lie from 0 to 12, got -1"),
+        ("rest --pairs -1", "--pairs must be a number of starts, got -1"),
+        ("spin-mu", "invalid choice"),
+        ("rest --end -1", "--end must be positive"),
+    ],
+)
+def test_wrong_call_is_told_in_one_line(
+    words: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert message in refusal(capsys, "map", words, f"--out={tmp_path / 'maps'}")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "stores", "seen"),
+    [("spin-friction", 1, 2), ("basins", 4, 0), ("rest", 1, 0)],
+)
+def test_map_is_drawn_and_told(
+    name: str, stores: int, seen: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    call = f"map {name} --out {tmp_path} --cells 1 --levels 1 --end 1.2 --witnesses {seen}"
+    assert run(*call.split()) == 0
+    said, beside = capsys.readouterr()
+    assert re.match(rf"tippedisk map: some {9 * stores} cases, roughly \S+ \w+ on ", beside)
+    assert said.count("runs in place of 9") == stores
+    assert ("  other side: " in said) == (seen > 0)
+    assert f"{tmp_path / name}.png" in said
+    assert (tmp_path / f"{name}.svg").stat().st_size > 5000
+    assert len(list(tmp_path.glob("*.db"))) == stores

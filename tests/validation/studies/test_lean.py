@@ -1,0 +1,69 @@
+"""What scenes pay for what they do not need."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from mbs_models import Scene
+from mbs_models.scene import build
+from validation.studies import lean
+
+IDLE = "friction of coefficient zero: contact-tree, Model 1, without friction"
+
+
+def prices(**change: Any) -> pd.DataFrame:
+    """A table of two parts, with some columns replaced."""
+    row = {"carried": 2.0, "left out": 1.0, "price": 100.0, "least": 90.0, "most": 110.0}
+    rows = [
+        {"part": part, "scene": "tree", **row, "change": change_of}
+        for part, change_of in (("ten unused markers", 1e-12), ("another model", None))
+    ]
+    return pd.DataFrame(rows).assign(**change)
+
+
+def held(table: pd.DataFrame) -> list[bool]:
+    started = pd.DataFrame({"case": ["Python alone"], "time": [20.0]})
+    return [c.holds for c in lean.present({"lean": table, "start-up": started}).checks]
+
+
+def test_price_of_friction_that_does_nothing_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lean, "PAIRS", 5)
+    monkeypatch.setattr(lean, "DURATION", 0.05)
+    (row,) = lean.price(lean.pairs()[IDLE])
+    assert row["carried"] > 0.0
+    assert row["least"] <= row["price"] <= row["most"]
+    # A user function that is called at every step costs more than the machine's noise.
+    assert row["price"] > 5.0
+    assert row["change"] < lean.SAME
+
+
+def test_part_that_does_something_is_seen_to_change_the_motion(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(lean, "PAIRS", 5)
+    monkeypatch.setattr(lean, "DURATION", 0.05)
+    rough = partial(build, Scene(lean.MODEL_1, "contact-tree"))
+    (row,) = lean.price(replace(lean.pairs()[IDLE], carried=rough))
+    assert row["change"] > 1e3 * lean.SAME
+
+
+@pytest.mark.parametrize("wrong", [1e-3, np.nan, np.inf])
+def test_part_that_changes_the_motion_fails(wrong: float) -> None:
+    assert held(prices()) == [True]
+    assert held(prices(change=[wrong, None])) == [False]
+    assert held(prices(part="another model")) == [False]
+
+
+def test_all_parts_and_costlier_ways_have_a_price() -> None:
+    made = lean.pairs()
+    assert len(made) == 12
+    assert sum(pair.same for pair in made.values()) == 8
+
+
+def test_start_of_a_process_is_timed() -> None:
+    ((row,),) = (lean.start(""),)
+    assert 1.0 < row["time"] < 5000.0

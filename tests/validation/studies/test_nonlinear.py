@@ -1,0 +1,218 @@
+"""The study of nonlinear dynamics: its page, its checks and its pictures."""
+
+from math import inf, nan
+from pathlib import Path
+from typing import Any
+from unittest.mock import MagicMock
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.axes import Axes
+
+from analysis import SmoothCoulomb
+from analysis.nonlinear.family import CycleFamily, cycle_family
+from analysis.nonlinear.heteroclinic import NoConnectionError
+from tests.helpers import model
+from validation import report
+from validation import study as kit
+from validation.kit.figures import new_figure
+from validation.page.content import Content
+from validation.page.section import Section
+from validation.studies import nonlinear
+from validation.studies.nonlinear import figures, measured, portraits, section
+from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, ROTATING, SLOW, SWINGING
+from validation.studies.nonlinear.section import SAME_CYCLE, present
+from validation.study import Row
+
+
+def _families() -> list[Row]:
+    common = {"period": 1.0, "multiplier": 0.9, "half_multiplier": 0.9, "log_strong": -100.0}
+    cycle = {**common, "kind": "motion", "stable": True}
+    rows: list[Row] = [
+        {"case": SWINGING, **cycle, "amplitude": amplitude, "spin": 31.0 - 0.25 * amplitude}
+        for amplitude in (1.0, 2.0, 3.1)
+    ]
+    fit = {"curvature": -0.25, "fitted_curvature": -0.25, "fitted_curvature_error": 1e-6}
+    birth = {"kind": "birth", "type": "supercritical", "fitted_exponent": 2.0, **fit}
+    end = {"kind": "end", "off": 1e-10, "by_amplitude": -0.5, "predicted_by_amplitude": -0.5}
+    rows += [{"case": SWINGING, **birth}, {"case": SWINGING, **end}]
+    turn = {"case": ROTATING, **cycle, "tilt": 0.1, "largest_tilt": 0.5, "spin": 30.1}
+    rows += [turn, turn | {"spin": 31.0, "stable": False}, turn | {"kind": "fold", "spin": 30.08}]
+    orders = {"surface": 1.0, "corrected": 2.0, "separation": 18.0}
+    rows += [cycle | {"case": SLOW}, {"case": SLOW, "kind": "slow", **orders}]
+    for name in HELD_NAMES:
+        held = {"case": name, **cycle, "complex_multiplier": nan, "spin": 30.0}
+        rows += [held | {"amplitude": 0.1}, held | {"amplitude": 0.2, "stable": False}]
+    return rows
+
+
+def _passages() -> list[Row]:
+    curve = {name: [1.0, 0.5] for name in ("times", "spins", "deviations", "linear")}
+    way = {**curve, "source": "in-house", "hopf": 30.1, "crossing": 9.0, "lost": 18.0}
+    way |= {"predicted": 17.0, "lowest_spin": 25.0, "rate": 0.5, "lever": nan}
+    rows = [{"case": name, **way} for name in measured.ENDS]
+    rows.append({"case": f"{DISSIPATED}, engine", **way, "source": "engine"})
+    for lever in measured.LEVERS:
+        slowed = {"lever": lever, "rate": 1e4 * lever, "lowest_spin": 30.1 - 400.0 * lever**0.5}
+        rows.append({"case": f"slowed, {lever:g} m", **way, **slowed})
+    return rows
+
+
+@pytest.fixture
+def rows() -> dict[str, pd.DataFrame]:
+    """Rows as they might have been measured."""
+    cycle = {"spin": 30.5, "amplitude": 1.0, "period": 1.0, "multiplier": 0.9}
+    engine = [
+        {"case": case, "source": source, **cycle}
+        for case in measured.repeated()
+        for source in ("in-house", "engine")
+    ]
+    saddle = {"growing": 6.0, "slow": -8.0, "strong": -100.0, "saddle_index": 1.3}
+    connections = [
+        {"case": label, "disk": disk, "coefficient": mu, "smoothing": eps, **saddle}
+        | {"spin": 30.12, "predicted": 30.2, "bracket": 1e-11}
+        for label, (disk, mu, eps) in measured.disks_and_friction().items()
+    ]
+    upright = {"beta": np.pi / 2, "growth": 0.5, "of_spectra": 0.5}
+    stationary = [
+        {"case": label, "motion": motion, "gamma": gamma, **upright}
+        for label in measured.searches()
+        for motion, gamma in (("inverted", np.pi / 2), ("noninverted", -np.pi / 2))
+    ]
+    curves = [
+        {"case": label, "kind": "cycle", "spin": 30.0, "gamma": [1.0, 5.0], "beta": [1.5, 1.6]}
+        for label in portraits.cases()
+    ]
+    found = (_families(), engine, connections, stationary, _passages(), curves)
+    names = (study.name for study in nonlinear.STUDIES)
+    return dict(zip(names, map(kit.frame, found), strict=True))
+
+
+def failing(content: Content) -> set[str]:
+    return {check.name for check in content.checks if not check.holds}
+
+
+def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.DataFrame]) -> None:
+    content = present(rows)
+    assert not failing(content)
+    text = Path(nonlinear.__file__).parent / "nonlinear.md"
+    page = " ".join(Section("nonlinear", content).html({}, text).split())
+    assert "Model 1 at held spin: stable at 0.1 rad, unstable at 0.2 rad" in page
+    assert "Of 3 cycles" in page
+    assert [verdict.answer for verdict in content.verdicts] == ["yes", "no"]
+    assert "lost 9.0 to 9.0 s later" in content.verdicts[1].numbers
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(section, "figures", MagicMock())
+    monkeypatch.setattr(portraits, "draw", MagicMock())
+
+
+WRONG = [
+    *(("engine-cycles", "engine", name, f"cycles: {name}, engine") for name in SAME_CYCLE),
+    ("families", "end", "off", "cycles: end at the connection"),
+    (
+        "families",
+        "birth",
+        "fitted_curvature",
+        "cycles: spin over amplitude², fit over theory less 1",
+    ),
+    ("connections", measured.OF_PAPER, "bracket", "connections: bracket"),
+    ("stationary-motions", "inverted", "of_spectra", "stationary motions: growth, spectra"),
+    ("passages", f"{DISSIPATED}, engine", "lost", "passage: lost, engine"),
+    ("passages", f"{DISSIPATED}, engine", "crossing", "passage: crossing, engine"),
+]
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(("study", "label", "column", "check"), WRONG)
+def test_a_wrong_value_or_none_fails_its_check(
+    study: str, label: str, column: str, check: str, rows: dict[str, pd.DataFrame]
+) -> None:
+    table = rows[study]
+    at = table.index[table.isin([label]).any(axis=1)][0]
+    for value in (0.3, nan, inf):
+        table.loc[at, column] = value
+        assert failing(present(rows)) == {check}
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    ("study", "label", "check"),
+    [
+        ("engine-cycles", "Model 4, 30.2 rad/s", "cycles: spin, engine"),
+        ("connections", "disk of Table 1", "connections: found"),
+        ("stationary-motions", "noninverted", "stationary motions: upright"),
+        ("passages", f"{DISSIPATED}, engine", "passage: lost, engine"),
+    ],
+)
+def test_what_is_missing_on_one_side_fails(
+    study: str, label: str, check: str, rows: dict[str, pd.DataFrame]
+) -> None:
+    table = rows[study]
+    found = table.index[table.isin([label]).any(axis=1)]
+    assert check in failing(present({**rows, study: table.drop(found[0])}))
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_verdicts_come_out_otherwise_when_the_disk_behaves_otherwise(
+    rows: dict[str, pd.DataFrame],
+) -> None:
+    families, passages = rows["families"], rows["passages"]
+    families.loc[0, "stable"] = False
+    passages.loc[0, "lost"] = 9.5
+    assert [verdict.answer for verdict in present(rows).verdicts] == ["partly", "partly"]
+    assert "2 of 3 cycles" in present(rows).verdicts[0].numbers
+
+
+@pytest.fixture(scope="module")
+def family() -> CycleFamily:
+    """Of friction so weak and smooth that its larger cycles are unstable."""
+    weak = SmoothCoulomb(coefficient=0.1, smoothing=0.4)
+    return cycle_family(model(4, friction=weak), (0.5, 1.2, 1.7, 1.9))
+
+
+def _lines(axes: Axes, style: str) -> list[Any]:
+    return [line for line in axes.get_lines() if line.get_linestyle() == style]
+
+
+def test_stable_cycles_are_solid_and_unstable_ones_dashed(family: CycleFamily) -> None:
+    axes = new_figure()[1]
+    figures.lines(axes, family.cycles, family.values("amplitude"), "cycles", first=(30.9, 0.0))
+    (solid,), (dashed,) = _lines(axes, "-"), _lines(axes, "--")
+    np.testing.assert_equal(solid.get_ydata(), [0.0, 0.5, 1.2, 1.7, np.nan])
+    np.testing.assert_equal(dashed.get_ydata(), [np.nan, np.nan, np.nan, 1.7, 1.9])
+
+
+def test_curves_are_broken_where_they_leave_the_cylinder() -> None:
+    gamma, beta = portraits.wrapped(np.array((4.0, 4.6, 4.8, 5.0)), np.ones(4))
+    np.testing.assert_allclose(gamma, [4.0, 4.6, np.nan, 4.8 - 2 * np.pi, 5.0 - 2 * np.pi])
+    assert np.flatnonzero(np.isnan(beta)).tolist() == [2]
+
+
+def test_below_the_connection_a_motion_goes_over_and_above_the_hopf_point_it_inverts() -> None:
+    over = portraits.portrait((29.6, False))[0]
+    assert over["gamma"][-1] > 1.5 * np.pi
+    inverts = portraits.portrait((33.0, False))[0]
+    assert inverts["gamma"][0] == pytest.approx(-np.pi / 2, abs=0.01)
+    assert inverts["gamma"][-1] == pytest.approx(np.pi / 2, abs=0.3)
+
+
+def test_friction_without_a_connection_is_no_crash(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(_: object) -> None:
+        raise NoConnectionError("none")
+
+    monkeypatch.setattr(measured, "heteroclinic_connection", none)
+    (row,) = measured.connect(("steel", 0.02, 0.4))
+    assert "spin" not in row
+    assert "predicted" not in row
+
+
+@pytest.mark.slow
+def test_the_section_is_made_and_holds(tmp_path: Path) -> None:
+    pages = (("report.html", "Nonlinear", ("validation.studies.nonlinear",)),)
+    made = report.make(tmp_path, pages=pages)
+    assert made.holds, [check for check in made.checks if not check.holds]
+    assert "30.120962 rad/s" in made.page.read_text("utf-8")

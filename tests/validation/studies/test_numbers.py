@@ -1,0 +1,74 @@
+"""The numbers that the paper prints beside ours, and its misprints."""
+
+from functools import cache
+from math import nan
+
+import pandas as pd
+import pytest
+
+from validation.page.content import Content
+from validation.studies import numbers
+from validation.studies.stability import measured
+from validation.study import frame, plain
+
+
+@cache
+def rows() -> dict[str, pd.DataFrame]:
+    return {
+        study.name: frame({"case": "paper", **row} for row in plain(study.measure(None)))
+        for study in numbers.STUDIES
+    }
+
+
+def present(**changed: pd.DataFrame) -> Content:
+    return numbers.present(
+        rows() | {name.replace("_", "-"): each for name, each in changed.items()}
+    )
+
+
+def failed(content: Content) -> list[str]:
+    return [check.name for check in content.checks if not check.holds]
+
+
+def test_every_printed_number_comes_out_or_is_explained() -> None:
+    content = present()
+    assert failed(content) == []
+    printed = pd.DataFrame(content.tables["printed"]).set_index("quantity")
+    assert len(printed) == len(numbers.DISK) + len(measured.IN_PAPER)
+    assert (printed["to the printed digits"] == "yes").sum() == 10
+    assert ((printed["to the printed digits"] == "no") == (printed["why"] != "")).all()
+    assert content.numbers["density"] == pytest.approx(7700.0)
+    low, high = content.numbers["gravity"]
+    assert low < 9.81 < high
+
+
+def test_table_1_does_not_give_the_printed_results() -> None:
+    found = (
+        pd.DataFrame(present().tables["printed"]).set_index("quantity").loc[list(numbers.SHARP)]
+    )
+    for row in found.to_dict("records"):
+        assert measured.rounds_to(row["unrounded disk"], row["printed"].split()[0])
+        assert not measured.rounds_to(row["Table 1"], row["printed"].split()[0])
+
+
+@pytest.mark.parametrize("factor", [1.001, nan])
+@pytest.mark.parametrize("side", ["unrounded disk", "engine"])
+def test_a_number_that_is_wrong_on_one_side_fails(side: str, factor: float) -> None:
+    name = "critical-speeds" if side == "unrounded disk" else "printed-numbers-engine"
+    wrong = rows()[name].set_index("quantity")
+    wrong.loc[numbers.LIMIT, side] *= factor
+    content = numbers.present(rows() | {name: wrong.reset_index()})
+    assert any(numbers.LIMIT in each for each in failed(content))
+
+
+def test_a_misprint_that_is_none_or_a_correction_that_is_wrong_fails() -> None:
+    table = rows()["misprints"]
+    assert failed(present(misprints=table.assign(**{"as printed": 0.0, "corrected": 1e-9}))) != []
+    assert len(failed(present(misprints=table.assign(corrected=nan)))) == len(table)
+    assert failed(present(misprints=table.iloc[1:])) == ["misprints: corrected"]
+
+
+def test_number_that_was_not_measured_is_no_section() -> None:
+    without = rows()["printed-numbers-engine"].iloc[:-1]
+    with pytest.raises(KeyError):
+        present(printed_numbers_engine=without)

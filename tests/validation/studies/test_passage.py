@@ -1,0 +1,104 @@
+"""Slow passage through the critical speed: the growth rate, the delay and its law."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analysis import Dissipation, Scenario
+from tests.calls import run as call
+from tests.helpers import not_none
+from validation.run import run
+from validation.studies.nonlinear.passage import (
+    SMALL,
+    Passage,
+    SlowPair,
+    delay_law,
+    follow,
+    measure,
+    slowed,
+)
+
+README = Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3, pivoting=5e-5))
+
+
+@pytest.fixture(scope="module")
+def pair() -> SlowPair:
+    return SlowPair.of(Scenario())
+
+
+def test_the_growth_rate_is_the_real_part_of_the_slow_pair(pair: SlowPair) -> None:
+    rates = pair.growth(np.array((25.0, 29.5, pair.spin, 40.0)))
+    assert rates == pytest.approx([0.98801, 0.11146, 0.0, -1.93133], abs=2e-4)
+    fast = pair.fast(np.array((25.0, 40.0)))
+    assert fast == pytest.approx([20.423, 37.204], abs=2e-3)
+
+
+def test_a_compliant_contact_has_the_slow_pair_of_the_ideal_one(pair: SlowPair) -> None:
+    assert SlowPair.of(README).spin == pair.spin
+
+
+@pytest.mark.parametrize("power", [0.5, 0.8])
+def test_the_power_of_a_delay_is_recognised(power: float) -> None:
+    rates = np.array((0.1, 0.4, 1.6))
+    found = delay_law(rates, 3.0 * rates**power)
+    assert found.exponent == pytest.approx(power, abs=1e-12)
+    if power == 0.5:
+        assert found.growth == pytest.approx(0.18370 * 9.0 / 2.0, rel=5e-3)
+
+
+@pytest.mark.parametrize("rates", [[], [0.1, 0.2], [0.1, 0.2, np.nan]])
+def test_a_law_of_too_few_delays_is_refused(rates: list[float]) -> None:
+    with pytest.raises(ValueError, match="rates must be 3 or more"):
+        delay_law(rates, [1.0] * len(rates))
+
+
+@pytest.fixture(scope="module")
+def quick() -> Passage:
+    return slowed(16e-5, "in-house")
+
+
+@pytest.mark.slow
+def test_a_quickly_slowed_disk_is_lost_far_below_the_critical_speed(quick: Passage) -> None:
+    assert quick.crossing == pytest.approx(0.0, abs=0.01)
+    assert quick.lost == pytest.approx(3.788, abs=0.01)
+    assert quick.lowest_spin < quick.hopf - 8.0
+    # What the fast oscillation leaves in the slow deviation is small beside it.
+    assert quick.deviations[0] == pytest.approx(SMALL, rel=0.2)
+    grown = np.abs(np.log(quick.deviations / quick.linear))
+    assert np.all(grown[quick.deviations < 0.3] < 0.3)
+
+
+@pytest.mark.slow
+def test_both_sides_lose_the_inversion_at_the_same_time_and_spin(quick: Passage) -> None:
+    engine = slowed(16e-5, "engine")
+    assert engine.lost == pytest.approx(not_none(quick.lost), abs=2.5e-3)
+    # It is still falling when the disk is lost, at 2.5 rad/s².
+    assert engine.lowest_spin == pytest.approx(quick.lowest_spin, abs=5e-3)
+
+
+@pytest.mark.slow
+def test_the_eigenvalues_alone_tell_when_model_1_is_lost() -> None:
+    found = follow(Scenario(), 19.0, "in-house")
+    crossing, lost = not_none(found.crossing), not_none(found.lost)
+    assert lost - crossing > 9.0
+    assert found.predicted == pytest.approx(lost, rel=0.06)
+    # What was lost on the way in is regained on the way out.
+    assert found.times[np.argmin(found.linear)] == pytest.approx(crossing, abs=0.01)
+    assert np.min(found.deviations) < 1e-3
+
+
+def test_a_motion_without_inversion_is_refused() -> None:
+    motion = run(Scenario(), np.linspace(0.0, 0.2, 101), source="in-house")
+    with pytest.raises(ValueError, match="inverts the disk"):
+        measure(motion)
+    held = replace(Scenario(), constraints=("contact", "no-slip-along", "no-slip-across"))
+    with pytest.raises(ValueError, match="must have a Hopf point"):
+        SlowPair.of(held)
+
+
+def test_the_command_refuses_what_it_cannot_follow(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("passage --end 0.2") == 2
+    assert "inverts the disk" in capsys.readouterr().err
+    assert call("passage --rolling 1e-3") == 2
+    assert "penalty contact" in capsys.readouterr().err

@@ -1,0 +1,184 @@
+"""The study of the way to rest: its numbers, and that what is wrong in it fails."""
+
+from collections.abc import Callable
+from math import isnan, nan
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from validation import study as kit
+from validation.page.content import Content
+from validation.studies.rest import closed_forms, contact, creep, runs, starts, ways
+from validation.study import Row, frame, plain
+
+SHOWN = runs.name_of(runs.SHOWN, "in-house")
+
+
+@pytest.fixture(scope="module")
+def rows() -> dict[str, pd.DataFrame]:
+    """The stored runs, and in place of the fresh ones rows made of them."""
+    stored = kit.load(runs.STUDY)
+    known = {row["case"]: row for row in stored.to_dict("records")}
+    engine = {each: known[runs.name_of(each, "engine")] for each in (runs.SHOWN, runs.VISCOUS)}
+    fresh = [
+        {**row, "case": runs.name_of(name, "in-house"), "source": "in-house"}
+        for name, row in engine.items()
+    ]
+    coarse = {**engine[runs.SHOWN], "case": runs.COARSE, "end": 13.0, "flat": nan, "rest": nan}
+    sliding = known[runs.name_of(runs.SLIDING, "in-house")]
+    ideal = {name: sliding[name] for name in ("inversion", "inversion_lost")}
+    fresh += [coarse, {**ideal, "case": runs.IDEAL, "source": runs.IDEAL, "end": 19.5}]
+    return {"rest": stored, "rest-fresh": frame(fresh)}
+
+
+def failing(rows: dict[str, pd.DataFrame]) -> set[str]:
+    courses = {row["case"]: row for table in rows.values() for row in table.to_dict("records")}
+    return {check.name for check in ways.checks(courses) if not check.holds}
+
+
+def planted(table: pd.DataFrame, case: str, column: str, change: Callable[[Any], Any]) -> Any:
+    """The table with a value of a case replaced."""
+    other = table.copy()
+    index = other.index[other["case"] == case][0]
+    other.at[index, column] = change(other.at[index, column])
+    return other
+
+
+def test_both_sides_go_the_same_way_to_rest(rows: dict[str, pd.DataFrame]) -> None:
+    assert not failing(rows)
+
+
+ENGINE = runs.name_of(runs.SHOWN, "engine")
+
+
+@pytest.mark.parametrize(
+    ("column", "change", "check"),
+    [
+        ("tilt", lambda tilt: [*tilt[:700], tilt[700] + 2e-3, *tilt[701:]], "tilt in rad"),
+        ("tilt", lambda tilt: [nan, *tilt[1:]], "tilt in rad"),
+        ("tilt", lambda _: [], "tilt in rad"),
+        ("rolling", lambda time: time + 0.1, "phases in s"),
+        ("flat", lambda _: nan, "phases in s"),
+        ("taken", lambda taken: [1.1 * each for each in taken], "energy taken"),
+        ("taken", lambda taken: [nan, *taken[1:]], "energy taken"),
+        ("face", lambda _: "second", "face up"),
+        ("complete", lambda _: False, "complete"),
+        ("rise", lambda _: 1e-6, "rise of the energy"),
+        ("force", lambda _: -1e-3, "contact pulls"),
+        ("force", lambda _: nan, "contact pulls"),
+        ("unexplained", lambda _: 1e-3, "unexplained part"),
+    ],
+)
+def test_a_run_of_the_engine_that_goes_another_way_fails(
+    rows: dict[str, pd.DataFrame], column: str, change: Callable[[Any], Any], check: str
+) -> None:
+    wrong = rows | {"rest": planted(rows["rest"], ENGINE, column, change)}
+    assert any(check in name and "engine" in name for name in failing(wrong))
+
+
+def test_a_variant_that_shifts_a_phase_or_loses_its_proportion_fails(
+    rows: dict[str, pd.DataFrame],
+) -> None:
+    table = planted(rows["rest"], "stiffness doubled", "rest", lambda time: time + 0.1)
+    table = planted(
+        table, "spin 1e-06 rad/s faster", "tilt", lambda x: [each + 1e-3 for each in x]
+    )
+    found = failing(rows | {"rest": table})
+    assert found == {
+        "rest, stiffness doubled: phases in s",
+        "rest: a change a thousandth as large does as much less, relative error",
+    }
+
+
+def test_a_phase_that_one_side_passes_without_fails_but_not_one_behind_its_end() -> None:
+    whole: Row = dict.fromkeys(runs.PHASES, 1.0) | {"end": 5.0}
+    assert ways.shift(whole, whole | {"rest": 1.5}) == pytest.approx(0.5)
+    assert ways.shift(whole, whole | {"rest": None}) == np.inf
+    assert ways.shift(whole | {"rest": None}, whole) == np.inf
+    assert ways.shift(whole | {"rest": 4.0}, whole | {"rest": nan, "end": 3.0}) == 0.0
+    nothing: Row = dict.fromkeys(runs.PHASES) | {"end": 5.0}
+    assert ways.shift(nothing, nothing) == np.inf
+
+
+def test_a_sample_that_departs_is_not_confirmed(rows: dict[str, pd.DataFrame]) -> None:
+    stored = rows["rest"]
+    found: kit.Found = {
+        task.key: [
+            {
+                str(name): None if isinstance(value, float) and isnan(value) else value
+                for name, value in row.items()
+            }
+            for row in stored[stored["case"] == task.label].to_dict("records")
+        ]
+        for task in runs.STUDY.tasks(whole=False)
+    }
+    assert all(check.holds for check in kit.confirm(runs.STUDY, found, stored))
+    wrong = planted(stored, runs.BEGIN, "tilt", lambda tilt: [tilt[0] + 2e-5, *tilt[1:]])
+    assert not all(check.holds for check in kit.confirm(runs.STUDY, found, wrong))
+
+
+def test_fit_finds_the_law_and_its_deviation() -> None:
+    times = np.arange(1.25, 60.0, creep.MEAN_TIME)
+    tilts = (10.0 + 0.02 * times) ** -0.5
+    tilts[times >= creep.TIMES[1]] *= 1.01
+    found = creep.fit(times, tilts)
+    assert found.rate == pytest.approx(0.02, rel=1e-6)
+    assert found.offset == pytest.approx(10.0, rel=1e-6)
+    assert found.error == pytest.approx(0.01, rel=1e-6)
+    assert found.time_between(10.0**-0.5, 11.0**-0.5) == pytest.approx(50.0, rel=1e-6)
+
+
+def shows(part: Any, **tables: pd.DataFrame) -> Content:
+    content: Content = part.present({name.replace("_", "-"): t for name, t in tables.items()})
+    return content
+
+
+@pytest.mark.parametrize(
+    ("part", "case", "column", "change"),
+    [
+        (creep, "ε = 0.3 m/s", "tilts", lambda x: [*x[:-1], 1.01 * x[-1]]),
+        (creep, "ε = 3 m/s", "tilts", lambda x: [*x[:-1], nan]),
+        (creep, creep.BEGIN, "tilts", lambda x: [each + 1e-4 for each in x]),
+        (contact, next(iter(contact.cases())), "step_error", lambda _: nan),
+        (contact, next(iter(contact.cases())), "step_error", lambda x: 1e-3 * x),
+        (starts, "random, seed 3", "rest", lambda _: nan),
+        (starts, "random, seed 3", "residual", lambda _: nan),
+        (starts, "random, seed 3", "force", lambda _: -1.0),
+    ],
+)
+def test_what_departs_in_a_stored_table_fails(
+    part: Any, case: str, column: str, change: Callable[[Any], Any]
+) -> None:
+    name, table = part.STUDY.name, kit.load(part.STUDY)
+    assert all(check.holds for check in shows(part, **{name: table}).checks)
+    wrong = shows(part, **{name: planted(table, case, column, change)})
+    assert not all(check.holds for check in wrong.checks)
+
+
+def test_a_start_that_is_missing_fails() -> None:
+    table = kit.load(starts.STUDY)
+    assert not all(check.holds for check in shows(starts, **{"rest-starts": table[1:]}).checks)
+
+
+@pytest.mark.slow
+def test_centred_disks_keep_to_closed_forms_and_fail_where_they_do_not() -> None:
+    table = frame(
+        {"case": name, **row} for name in closed_forms.cases()
+        for row in plain(closed_forms.measure(name))
+    )  # fmt: skip
+    content = shows(closed_forms, **{"rest-closed": table})
+    assert len(content.checks) == 18
+    assert all(check.holds for check in content.checks)
+    for case, column in (("rolling", "tilt"), ("upright, 5 % slower", "farthest")):
+        wrong = planted(table, case, column, lambda x: 0.01 * x)
+        checks = shows(closed_forms, **{"rest-closed": wrong}).checks
+        assert not all(check.holds for check in checks)
+
+
+@pytest.mark.parametrize("name", ["random, seed 1", "random, seed 7"])
+def test_random_starts_come_to_rest(name: str) -> None:
+    row = plain(starts.measure(starts.cases()[name]))[0]
+    assert row["rest"] is not None
+    assert row["force"] >= 0.0

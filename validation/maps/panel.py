@@ -1,0 +1,180 @@
+"""Panels of maps: grids of two axes, of which those cells have been run where outcomes change."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.interpolate import NearestNDInterpolator
+
+from analysis.data.checks import Array
+from analysis.data.files import AnyArray
+from validation.maps.problems import Problem, judged
+from validation.maps.refinement import refine
+from validation.sweeps.pools import Pool
+from validation.sweeps.runner import run_cases
+from validation.sweeps.store import Store
+from validation.sweeps.sweep import Sweep
+
+RunRows = Callable[[Iterable[int]], Iterable[Mapping[str, Any]]]
+"""Runs some cases of a sweep; returns the rows of all that have been run so far."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Panel:
+    """A panel of a map that has been run.
+
+    Parameters
+    ----------
+    title : str
+    sweep : Sweep
+        Over the finest grid.
+    cells : DataFrame
+        Columns as in `cell`, one row for each cell that was run.
+    to_rest : bool
+        Whether it asks which face is up in the end, instead of the inversion.
+    """
+
+    title: str
+    sweep: Sweep
+    cells: pd.DataFrame
+    to_rest: bool = False
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the finest grid: vertical, horizontal axis."""
+        return self.sweep.design.shape
+
+    @property
+    def values(self) -> tuple[Array, Array]:
+        """Values along the vertical and the horizontal axis."""
+        up, right = (
+            np.array([axis.at(index) for index in range(axis.size or 0)], dtype=float)
+            for axis in self.sweep.design.axes
+        )
+        return up, right
+
+    @property
+    def outcomes(self) -> AnyArray:
+        """Outcome of every cell of the finest grid: that of the nearest one that was run."""
+        codes, names = pd.factorize(self.cells["outcome"])
+        nearest = NearestNDInterpolator(self.places(self.cells), codes)
+        found: AnyArray = np.asarray(names, dtype=object)[
+            nearest(*np.indices(self.shape)).astype(int)
+        ]
+        return found
+
+    @property
+    def seen(self) -> pd.DataFrame:
+        """Cells that the other side was to run as well."""
+        return self.cells[self.cells["seen"]]
+
+    @property
+    def shares(self) -> str:
+        """Parts of the finest grid by outcome, in words."""
+        parts = pd.Series(self.outcomes.ravel()).value_counts(normalize=True)
+        return ", ".join(f"{name} {100.0 * part:.0f} %" for name, part in parts.items())
+
+    def text(self) -> str:
+        """What it holds, in a line, and in another one what the other side says of it."""
+        told = (
+            f"{self.sweep.scenario.name}: {self.shares}; {len(self.cells)} runs in place of "
+            f"{self.sweep.design.size}, {self.cells['seconds'].sum():.0f} s"
+        )
+        seen = self.seen
+        if seen.empty:
+            return told
+        apart = seen["difference"].astype(float)
+        return (
+            f"{told}\n  other side: {seen['alike'].sum()} of {len(seen)} alike, difference "
+            f"{apart.median():.1e} rad in the median, {apart.max():.1e} at most"
+        )
+
+    def places(self, cells: pd.DataFrame) -> AnyArray:
+        """Row and column of some cells on the finest grid, shape (n, 2)."""
+        return np.column_stack(np.divmod(cells["number"].to_numpy(int), self.shape[1]))
+
+
+def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> dict[str, Any]:
+    """What a map takes from the row of a case.
+
+    Returns
+    -------
+    dict
+        `number` and `outcome`; `time` of the inversion in s, where it lasts; whether the other
+        side was to run it (`seen`), found the same inversion or face (`alike`), and how far off
+        (`difference` in rad); `seconds` of processor time.
+    """
+    outcome = judged(sweep.scenario, row, to_rest=to_rest)
+    if to_rest:
+        alike = (row.get("face_end") or 0.0) * (row.get("other_face_end") or 0.0) > 0.0
+    else:
+        alike = row.get("inversion") == row.get("other_inversion")
+    seen = row.get("other_inversion") is not None
+    return {
+        "number": row["number"],
+        "outcome": outcome,
+        "time": row["inverted_at"] if outcome == "inverted" else None,
+        "seen": seen,
+        "alike": seen and alike,
+        "difference": row.get("difference"),
+        "seconds": row["seconds"],
+    }
+
+
+def refined(sweep: Sweep, levels: int, run: RunRows, *, to_rest: bool) -> list[dict[str, Any]]:
+    """Cells of a panel: a coarse grid, and finer where outcomes change.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    levels : int
+        How often cells are halved.
+    run : callable
+    to_rest : bool
+        As in `Panel`.
+    """
+    found: list[dict[str, Any]] = []
+
+    def outcomes(numbers: Iterable[int]) -> dict[int, str]:
+        found[:] = [cell(sweep, row, to_rest=to_rest) for row in run(numbers)]
+        return {each["number"]: each["outcome"] for each in found}
+
+    first, second = sweep.design.shape
+    refine((first, second), levels, outcomes)
+    return found
+
+
+def run_panel(
+    problem: Problem, sweep: Sweep, path: Path, pool: Pool, *, levels: int, **how: Any
+) -> Panel:
+    """Run a panel, or what its store does not hold of it.
+
+    Parameters
+    ----------
+    problem : Problem
+    sweep : Sweep
+        One of `panels`.
+    path : Path
+        Of the store.
+    pool : Pool
+    levels : int
+        As in `refined`.
+    **how
+        As in `run_cases`.
+    """
+    with Store(path, sweep) as store:
+
+        def run(numbers: Iterable[int]) -> Iterable[Mapping[str, Any]]:
+            run_cases(sweep, store, pool, numbers=numbers, **how)
+            return store.rows()
+
+        cells = refined(sweep, levels, run, to_rest=problem.to_rest)
+    return panel(problem, sweep, pd.DataFrame(cells))
+
+
+def panel(problem: Problem, sweep: Sweep, cells: pd.DataFrame) -> Panel:
+    """Panel of a map from its cells."""
+    return Panel(title=problem.title, sweep=sweep, cells=cells, to_rest=problem.to_rest)

@@ -1,0 +1,292 @@
+"""Which starts invert: random ones over the spin, and Table 3's from a least spin on.
+
+Of Sections 1, 3.2 and 7; the critical speeds are those of Sections 3 and 6.
+"""
+
+from collections import Counter
+from math import acos, nan, pi
+from typing import Any, Literal, NamedTuple, get_args
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from scipy.stats import binomtest
+
+from analysis import LEVELS, MODELS, FlatError, Level, Scenario, Start
+from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
+from analysis.data.inversion import OUTCOMES as DECIDED
+from analysis.data.inversion import STAYING
+from analysis.data.trajectory import Source
+from analysis.stability import linear_reduced
+from analysis.stability.critical import critical_speeds
+from validation.kit import figures
+from validation.run import run
+from validation.studies.claims.grades import Judged, grade
+from validation.study import Check, Row, Study, equal
+
+END = 10.0
+"""Time in s within which the disk has to be inverted."""
+
+OUTCOMES = (*DECIDED, FLAT, CONTACT_WOULD_PULL)
+
+
+def outcome(scenario: Scenario, source: Source, end: float, **accuracy: Any) -> str:
+    """What becomes of a start until an end in s, one of `OUTCOMES`; `ValueError` if none."""
+    times = np.linspace(0.0, end, round(100 * end) + 1)
+    if source == "in-house":
+        form = "reduced" if scenario.model == 4 else "index-1"
+        accuracy = {"formulation": form, "local_tolerance": 1e-6}
+    try:
+        found = run(scenario, times, source=source, **accuracy)
+    except FlatError:
+        return FLAT
+    result = found.inversion.outcome if found.ending is None else found.ending.reason
+    return OUTCOMES[OUTCOMES.index(result)]
+
+
+def inverts(result: str) -> bool:
+    """Whether an outcome is an inversion, kept or lost later."""
+    return result in ("inverted", "lost")
+
+
+def critical_speed() -> float:
+    """That of the reduced system in closed form, in rad/s."""
+    return linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
+
+
+# --- Random starts ------------------------------------------------------------------------------
+
+Tilt = Literal["near upright", "any tilt"]
+TILTS: tuple[Tilt, ...] = get_args(Tilt)
+
+SPINS = (25.0, 31.0, 33.0, 36.0, 40.0, 50.0, 60.0, 80.0, 100.0)
+"""Spins at the start in rad/s."""
+
+NUMBER, BLOCK = 100, 10
+"""Random starts of Models 1 and 4 at each spin, of which so many are a case."""
+
+REPEATED, AGAIN = (31.0, 36.0, 50.0), 3
+"""Spins in rad/s at which the engine repeats starts of Model 1, of any tilt; so many of each."""
+
+NEARLY_ALL = 0.95
+"""Part of the starts."""
+
+
+class Starts(NamedTuple):
+    """Random starts at a spin in rad/s, given by the number of the first one.
+
+    Near upright, beta lies within 0.2 rad of pi / 2; otherwise every direction of the axis is
+    equally likely, up to 0.1 rad from flat. gamma is anything in both. Starts of the same number
+    and tilt have the same position at every spin and model.
+    """
+
+    level: Level
+    tilt: Tilt
+    spin: float
+    first: int = 0
+    number: int = BLOCK
+    source: Source = "in-house"
+
+    @property
+    def label(self) -> str:
+        """Its name among the cases."""
+        numbers = f"{self.first} to {self.first + self.number - 1}"
+        return f"Model {self.level}, {self.tilt}, {self.spin:g} rad/s, starts {numbers}"
+
+    def scenario(self, number: int) -> Scenario:
+        """Upright or tilted, spinning about the vertical, without slip along the edge."""
+        rng = np.random.default_rng((TILTS.index(self.tilt), number))
+        gamma = rng.uniform(-pi, pi)
+        if self.tilt == "near upright":
+            beta = pi / 2 + rng.uniform(-0.2, 0.2)
+        else:
+            beta = acos(rng.uniform(-1.0, 1.0) * np.cos(0.1))
+        start = Start(beta=beta, gamma=gamma, spin=self.spin)
+        return Scenario(constraints=MODELS[self.level], start=start)
+
+
+def cases() -> dict[str, Starts]:
+    """Blocks of starts of each model, tilt and spin."""
+    found = [
+        Starts(level, tilt, spin, first)
+        for level in (1, 4)
+        for tilt in TILTS
+        for spin in SPINS
+        for first in range(0, NUMBER, BLOCK)
+    ]
+    return {each.label: each for each in found}
+
+
+def measure(starts: Starts) -> list[Row]:
+    """Outcomes of some starts."""
+    numbers = range(starts.first, starts.first + starts.number)
+    found = [
+        outcome(starts.scenario(each), starts.source, END, tolerance=1e-4) for each in numbers
+    ]
+    return [{"level": starts.level, "tilt": starts.tilt, "spin": starts.spin, "outcomes": found}]
+
+
+RANDOM_STARTS = Study(
+    name="random-starts",
+    cases=cases,
+    measure=measure,
+    sample=[Starts(1, "any tilt", spin).label for spin in REPEATED],
+    confirm={"outcomes": None},
+    columns={"outcomes": f"of each start within {END:g} s, in the order of their numbers"},
+)
+
+IN_ENGINE = Study(
+    name="random-starts-engine",
+    cases=lambda: {
+        Starts(1, "any tilt", spin).label: Starts(1, "any tilt", spin, 0, AGAIN, "engine")
+        for spin in REPEATED
+    },
+    measure=measure,
+)
+
+
+def shares(table: pd.DataFrame) -> pd.DataFrame:
+    """How often each outcome is reached, and the share that inverts with its 95 % interval."""
+    rows = []
+    for (level, tilt, spin), group in table.groupby(["level", "tilt", "spin"], sort=False):
+        count = Counter(group["outcomes"].sum())
+        ups = sum(number for result, number in count.items() if inverts(result))
+        low, high = binomtest(ups, count.total()).proportion_ci(0.95)
+        found = {"model": f"Model {level}", "starts": tilt, "spin": spin, "number": count.total()}
+        found |= {"inverted in %": 100 * ups / count.total(), "from": 100 * low, "to": 100 * high}
+        rows.append(found | {each: count[each] for each in OUTCOMES})
+    return pd.DataFrame(rows)
+
+
+def judge_attraction(found: pd.DataFrame) -> Judged:
+    """Sections 1 and 3.2, from `shares`."""
+    fast = found[found["spin"] > critical_speed()]
+    upright, tilted = (fast[(fast["starts"] == t) & (fast["model"] == "Model 1")] for t in TILTS)
+    enough = 100 * NEARLY_ALL
+    ups = [group["inverted in %"] >= enough for group in (tilted, upright)]
+    return {
+        "fast": fast,
+        "upright": upright.to_dict("records"),
+        "tilted": tilted["inverted in %"].max(),
+        "enough": enough,
+        "verdict": grade(yes=bool(ups[0].all()), partly=bool(ups[1].any())),
+    }
+
+
+def draw(found: pd.DataFrame) -> Figure:
+    """Share of the starts that are inverted over the spin, with intervals."""
+    figure, axes = figures.new_figure(height=4.0)
+    for index, ((model, tilt), group) in enumerate(found.groupby(["model", "starts"], sort=False)):
+        share = group["inverted in %"]
+        axes.errorbar(
+            group["spin"],
+            share,
+            yerr=(share - group["from"], group["to"] - share),
+            color=figures.COLOURS[index],
+            linestyle=figures.STYLES[index],
+            marker=figures.MARKERS[index],
+            markersize=4,
+            capsize=2.5,
+            label=f"{model}, {tilt}",
+        )
+    axes.axvline(critical_speed(), color="#999999", linewidth=0.8, label="$Ω_{crit}$ (126)")
+    axes.axhline(100 * NEARLY_ALL, color="#999999", linewidth=0.8, linestyle=":")
+    axes.set(xlabel="spin at the start in rad/s", ylabel="inverted in %", ylim=(-3.0, 103.0))
+    figures.legend_above(axes, columns=2)
+    return figure
+
+
+# --- Least spins --------------------------------------------------------------------------------
+
+BRACKET, WIDTH = (29.0, 33.0), 0.04
+"""Spins in rad/s between which a bisection looks, and the width of what is left."""
+
+SCANNED = (20.0, 40.0, 100.0)
+"""Further spins in rad/s: none below the bracket may invert, and all above have to."""
+
+
+OWN, BELOW, ABOVE = "critical speed in rad/s", "no inversion at rad/s", "inversion at rad/s"
+"""Columns with numbers."""
+
+
+def search(level: Level) -> list[Row]:
+    """Bisect the bracket for the spin from which the model inverts.
+
+    Raises
+    ------
+    ArithmeticError
+        If the ends of the bracket do not differ.
+    """
+
+    def found(spin: float, source: Source = "in-house") -> str:
+        scenario = Scenario(constraints=MODELS[level], start=Start(spin=spin))
+        return outcome(scenario, source, END + STAYING, step=2e-3)
+
+    low, high = BRACKET
+    results = {spin: found(spin) for spin in BRACKET}
+    if inverts(results[low]) or not inverts(results[high]):
+        raise ArithmeticError(f"Model {level}: no change between {low:g} and {high:g} rad/s")
+    while high - low > WIDTH:
+        middle = 0.5 * (low + high)
+        results[middle] = found(middle)
+        low, high = (low, middle) if inverts(results[middle]) else (middle, high)
+    scenario = Scenario(constraints=MODELS[level])
+    hopf = critical_speeds(scenario, (20.0, 40.0), system="numeric").hopf
+    gained, lost = (
+        [each.spin for each in hopf if each.stable_side == side] for side in ("above", "below")
+    )
+    return [
+        {
+            OWN: max(gained, default=nan),
+            "another pair unstable above": min(lost, default=None),
+            BELOW: low,
+            "outcome there": results[low],
+            "engine": found(low, "engine"),
+            ABOVE: high,
+            "outcome": results[high],
+            "engine above": found(high, "engine"),
+        }
+        | {f"at {spin:g} rad/s": found(spin) for spin in SCANNED}
+    ]
+
+
+LEAST_SPINS = Study(
+    name="least-spins",
+    cases=lambda: {f"Model {level}": level for level in LEVELS},
+    measure=search,
+    sample=("Model 1", "Model 4"),
+    confirm={OWN: 1e-6, "another pair unstable above": 1e-6, BELOW: 1e-9, ABOVE: 1e-9}
+    | dict.fromkeys(("outcome there", "engine", "outcome", "engine above"))
+    | dict.fromkeys(f"at {spin:g} rad/s" for spin in SCANNED),
+)
+
+
+def judge_least_spins(table: pd.DataFrame) -> Judged:
+    """Section 7: inversion only from supercritical spins."""
+    over = table[ABOVE] > critical_speed()
+    ordered = all(
+        inverts(row[f"at {spin:g} rad/s"]) == (spin > row[ABOVE])
+        for row in table.to_dict("records")
+        for spin in SCANNED
+    )
+    own = bool((table[ABOVE] > table[OWN]).all())
+    return {
+        "end": END,
+        "least": table[ABOVE].tolist(),
+        "own": table[OWN].tolist(),
+        "verdict": grade(yes=bool(over.all()) and own and ordered, partly=over.any() and ordered),
+    }
+
+
+def checks(least: pd.DataFrame, engine: pd.DataFrame, stored: pd.DataFrame) -> list[Check]:
+    """Whether the engine finds what is stored, and nothing is missing."""
+    found = [equal("least spins: models", len(least), len(LEVELS), "stored")]
+    for place, there in (("outcome there", "engine"), ("outcome", "engine above")):
+        same = int((least[place] == least[there]).sum())
+        found.append(equal(f"least spins: engine, {place}", same, len(least), "stored"))
+    known = stored.set_index("case")["outcomes"]
+    for row in engine.to_dict("records"):
+        name = f"random starts: engine, {row['case']}"
+        found.append(equal(name, row["outcomes"], known[row["case"]][:AGAIN]))
+    missing = len(cases().keys() ^ set(stored["case"]))
+    return [*found, equal("random starts: blocks that are missing", missing, 0, "stored")]

@@ -1,0 +1,252 @@
+"""What is measured: cycles and their end, the engine's cycles, stationary motions and passages."""
+
+from contextlib import suppress
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from analysis import DISKS, MODELS, Dissipation, Motion, Scenario, SmoothCoulomb
+from analysis.data.trajectory import Source
+from analysis.nonlinear.family import cycle_at, cycle_family
+from analysis.nonlinear.heteroclinic import (
+    NoConnectionError,
+    heteroclinic_connection,
+    period_growth,
+)
+from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from analysis.nonlinear.rotating import folds, rotating_family
+from analysis.nonlinear.slow_manifold import distances, slow_cycle, time_scales
+from analysis.nonlinear.stationary import stationary_motions
+from analysis.stability import spectra
+from validation.studies.nonlinear import passage
+from validation.studies.nonlinear.held_spin import AMPLITUDE, HELD, beginning, family, find
+from validation.studies.nonlinear.tables import prediction, small_cycles
+from validation.study import Row, Study
+
+PAPER = Scenario(constraints=MODELS[4])
+
+HELD_NAMES = ("Model 1 at held spin", "Model 2 at held spin")
+
+COMMON = ("spin", "period", "multiplier", "stable")
+"""What is told of every periodic motion."""
+
+SWINGING, ROTATING = "cycles of Model 4", "rotating motions of Model 4"
+SLOW = "cycles on the slow manifold"
+
+SMOOTHING = (0.1, 0.05, 0.025, 0.0125)
+"""Smoothing speeds in m/s at which motions come near to the slow manifold."""
+
+
+def told(found: Any, *names: str) -> Row:
+    """Attributes by their names."""
+    return {name: getattr(found, name) for name in names}
+
+
+# --- Families -----------------------------------------------------------------------------------
+
+AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0)
+"""Amplitudes in rad of the cycles of Models 1 and 2."""
+
+
+def families() -> dict[str, str]:
+    """The cycles and rotating motions of Model 4, and the cycles of Models 1 and 2."""
+    return {name: name for name in (SWINGING, ROTATING, SLOW, *HELD_NAMES)}
+
+
+def follow_family(name: str) -> list[Row]:
+    """Periodic motions of a family, whole or not at all; fits and folds by their kinds."""
+    if name == SWINGING:
+        rows = _swinging()
+    elif name == ROTATING:
+        rows = _rotating()
+    elif name == SLOW:
+        rows = _slow()
+    else:
+        own = ("amplitude", "half_multiplier", "complex_multiplier")
+        rows = [{"kind": "motion", **told(c, *own, *COMMON)} for c in family(name, AMPLITUDES)]
+    return [{"number": number, **row} for number, row in enumerate(rows)]
+
+
+def _swinging() -> list[Row]:
+    found = _whole(cycle_family(PAPER))
+    own = ("amplitude", "half_multiplier", "log_strong")
+    rows: list[Row] = [{"kind": "motion", **told(c, *own, *COMMON)} for c in found.cycles]
+    normal, small = hopf_type(PAPER), small_cycles(found)
+    birth = fitted_growth([c.spin for c in small], [c.amplitude for c in small], normal.spin)
+    connection = heteroclinic_connection(PAPER)
+    end = {"off": abs(found.cycles[-1].spin - connection.spin)}
+    end |= asdict(period_growth(found.cycles, connection))
+    names = ("spin", "frequency", "curvature")
+    fitted = {f"fitted_{name}": value for name, value in asdict(birth).items()}
+    rows.append({"kind": "birth", "type": normal.kind, **told(normal, *names), **fitted})
+    rows.append({"kind": "end", **end})
+    return rows
+
+
+def _rotating() -> list[Row]:
+    found = _whole(rotating_family(PAPER))
+    motions = {"motion": found.rotations, "fold": folds(found)}
+    own = ("tilt", "largest_tilt", "log_strong")
+    return [
+        {"kind": kind, **told(each, *own, *COMMON)}
+        for kind, those in motions.items()
+        for each in those
+    ]
+
+
+def _slow() -> list[Row]:
+    amplitudes = np.linspace(0.05, 3.1, 25).tolist()
+    cycles = [slow_cycle(PAPER, amplitude) for amplitude in amplitudes]
+    rows: list[Row] = [{"kind": "motion", **told(each, "amplitude", "spin")} for each in cycles]
+    laws = [SmoothCoulomb(smoothing=each) for each in SMOOTHING]
+    near = distances([Scenario(constraints=MODELS[4], friction=law) for law in laws], 30.5)
+    separation = time_scales(PAPER, hopf_type(PAPER).spin).separation
+    orders = dict(zip(("surface", "corrected"), near.orders.tolist(), strict=True))
+    return [*rows, {"kind": "slow", "separation": separation, **orders}]
+
+
+def _whole(found: Any) -> Any:
+    if found.reason is not None:
+        raise ArithmeticError(f"the family ends early: {found.reason}")
+    return found
+
+
+FAMILIES = Study(name="families", cases=families, measure=follow_family, keys=("number",))
+
+# --- The engine's cycles ------------------------------------------------------------------------
+
+
+def repeated() -> dict[str, tuple[str, float]]:
+    """Four spins in rad/s of Model 4, and an amplitude in rad of Models 1 and 2 at held spin."""
+    cycles = {f"Model 4, {spin:g} rad/s": ("Model 4", spin) for spin in (30.2, 30.3, 30.5, 30.8)}
+    return cycles | {
+        f"{name}, {AMPLITUDES[2]:g} rad": (name, AMPLITUDES[2]) for name in HELD_NAMES
+    }
+
+
+def find_on_both(case: tuple[str, float]) -> list[Row]:
+    """A cycle in-house, and what the engine finds when it is put on it."""
+    name, value = case
+    scenario = Scenario(constraints=HELD[name])
+    sides: dict[str, Any] = {}
+    if name in HELD_NAMES:
+        sides["in-house"] = family(name, [each for each in AMPLITUDES if each <= value])[-1]
+        start = sides["in-house"].unknowns
+        sides["engine"] = find(scenario, start, source="engine", fixed=AMPLITUDE)
+    else:
+        sides["in-house"] = cycle_at(scenario, value)
+        sides["engine"] = find(scenario, beginning(sides["in-house"]), source="engine")
+    names = ("spin", "amplitude", "period", "multiplier")
+    return [{"source": source, **told(each, *names)} for source, each in sides.items()]
+
+
+ENGINE = Study(name="engine-cycles", cases=repeated, measure=find_on_both, keys=("source",))
+
+# --- The connection -----------------------------------------------------------------------------
+
+FRICTION = [(mu, eps) for mu in (0.1, 0.3) for eps in (0.003, 0.01, 0.03, 0.1)]
+"""Friction coefficients and smoothing speeds in m/s of the two-parameter diagram."""
+
+
+OF_PAPER = "μ = 0.3, ε = 0.1 m/s"
+"""The case of the paper's friction."""
+
+
+def disks_and_friction() -> dict[str, tuple[str, float, float]]:
+    """The paper's disk with other friction, and the one with the printed numbers."""
+    steel = {f"μ = {mu:g}, ε = {eps:g} m/s": ("steel", mu, eps) for mu, eps in FRICTION}
+    return {**steel, "disk of Table 1": ("steel-rounded", *FRICTION[-1])}
+
+
+def connect(case: tuple[str, float, float]) -> list[Row]:
+    """The heteroclinic connection, and its first-order prediction."""
+    disk, mu, eps = case
+    law = SmoothCoulomb(coefficient=mu, smoothing=eps)
+    scenario = Scenario(constraints=MODELS[4], disk=DISKS[disk], friction=law)
+    row: Row = {"disk": disk, "coefficient": mu, "smoothing": eps}
+    slow = prediction(scenario)
+    if slow is not None:
+        row |= {"predicted": slow.spin, "friction_over_weight": slow.friction}
+    with suppress(NoConnectionError):
+        found = heteroclinic_connection(scenario)
+        row |= told(found, "spin", "growing", "slow", "strong", "saddle_index")
+        row["bracket"] = found.above - found.below
+    return [row]
+
+
+CONNECTIONS = Study(name="connections", cases=disks_and_friction, measure=connect)
+
+# --- Stationary motions -------------------------------------------------------------------------
+
+
+def searches() -> dict[str, tuple[str, float]]:
+    """Models and spins in rad/s at which stationary motions are looked for."""
+    return {
+        f"{name}, {spin:g} rad/s": (name, spin) for name in HELD_NAMES for spin in (28.0, 60.0)
+    }
+
+
+def search(case: tuple[str, float]) -> list[Row]:
+    """Stationary motions of a model at held spin, upright ones with the growth of the spectra."""
+    name, spin = case
+    scenario = Scenario(constraints=HELD[name])
+    rows = []
+    for number, each in enumerate(stationary_motions(scenario, spin)):
+        motion: Motion = "inverted" if each.gamma > 0.0 else "noninverted"
+        of_spectra = None
+        if not each.is_tilted:
+            values = spectra.branches(scenario, [spin], motion=motion)
+            moving = np.delete(values.values[0], values.drift)
+            of_spectra = float(np.max(moving.real))
+        row = {"number": number, "motion": "tilted" if each.is_tilted else motion}
+        rows.append({**row, **told(each, "beta", "gamma", "growth"), "of_spectra": of_spectra})
+    return rows
+
+
+STATIONARY = Study(name="stationary-motions", cases=searches, measure=search, keys=("number",))
+
+# --- Passages -----------------------------------------------------------------------------------
+
+DISSIPATED = "to rest, rolling and pivoting"
+
+ENDS: dict[str, tuple[Scenario, float]] = {
+    "Model 1": (Scenario(), 20.0),
+    "to rest, sliding friction": (Scenario.rest(), 20.5),
+    DISSIPATED: (
+        Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3, pivoting=5e-5)),
+        11.9,
+    ),
+}
+"""Scenarios of the passages and how long they run in s."""
+
+LEVERS = (1e-5, 2e-5, 4e-5, 8e-5)
+"""Levers in m of the pivoting friction that slows the disk at different rates."""
+
+EVERY = 25
+"""Every so many samples of a passage are kept."""
+
+
+def passages() -> dict[str, tuple[str | float, Source]]:
+    """Ways through the critical speed: a scenario, or the lever that slows a disk."""
+    found: dict[str, tuple[str | float, Source]] = {name: (name, "in-house") for name in ENDS}
+    found[f"{DISSIPATED}, engine"] = (DISSIPATED, "engine")
+    return found | {f"slowed, {lever:g} m": (lever, "in-house") for lever in LEVERS}
+
+
+def pass_through(case: tuple[str | float, Source]) -> list[Row]:
+    """When and at which spin the inversion is lost, and the way there."""
+    what, source = case
+    if isinstance(what, str):
+        found = passage.follow(*ENDS[what], source)
+    else:
+        found = passage.slowed(what, source)
+    last = found.times.size - 1
+    kept = np.unique((*range(0, last, EVERY), int(np.argmin(found.spins)), last))
+    curves = told(found, "times", "spins", "deviations", "linear")
+    names = ("source", "hopf", "crossing", "lost", "predicted", "lowest_spin", "rate")
+    row = {"lever": None if isinstance(what, str) else what, **told(found, *names)}
+    return [{**row, **{name: curve[kept] for name, curve in curves.items()}}]
+
+
+PASSAGES = Study(name="passages", cases=passages, measure=pass_through)

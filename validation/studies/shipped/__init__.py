@@ -1,1 +1,0 @@
-"""Results that come with the package, one file for each section; see `validation.kit.shipped`."""
