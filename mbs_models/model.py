@@ -65,6 +65,10 @@ class Model(ABC):
     own_equations: ClassVar[tuple[float, ...]] = ()
     """Sizes of the terms of algebraic equations besides those of the constraints."""
 
+    has_exact_path: ClassVar[bool] = True
+    """Whether `path` is exact to the last digits, so that short differences along it may be taken.
+    """
+
     exponents: ClassVar[tuple[int, ...] | None] = None
     """Exponents of the step in the error expansion, if not those of the integrator."""
 

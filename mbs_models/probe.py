@@ -156,6 +156,7 @@ class Probe:
         matrix = self._saddle_matrix()
         right = np.zeros((n + m, 1 if self._load_equation is None else 2))
         if m:
+            quick = quick and self._model.has_exact_path
             right[n:, 0] = -(self._quick_residual_rate() if quick else self._residual_rate())
         contact = self._load_equation
         if contact is None:

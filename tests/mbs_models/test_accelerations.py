@@ -21,6 +21,8 @@ from analysis import (
 from analysis.data.constraint_set import set_name
 from mbs_models import EngineError, Integrator, Scene
 from mbs_models.integrators import ACCELERATED, FINEST_LOCAL
+from mbs_models.probe import Probe
+from mbs_models.scene import build
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
 
@@ -132,3 +134,17 @@ def test_contradicting_accuracies_are_refused(arguments: dict[str, Any], message
 def test_a_local_tolerance_within_their_noise_is_refused() -> None:
     with pytest.raises(ValueError, match=rf"local_tolerance must lie in \[{FINEST_LOCAL:g}, 1\)"):
         Integrator(name="Radau", local_tolerance=1e-14)
+
+
+@pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
+def test_quick_accelerations_lose_no_more_digits_than_they_say(formulation: Any) -> None:
+    random, scenario = np.random.default_rng(0), model(2, start=Start(spin=200.0))
+    probe = Probe(build(Scene(scenario, formulation)))
+    lost = []
+    for beta, gamma, alpha in random.uniform((0.2, -3.0, -3.0), (2.9, 3.0, 3.0), (100, 3)):
+        start = Start(beta=beta, gamma=gamma, alpha=alpha, spin=200.0)
+        state = start.state(scenario.constraints, scenario.disk)
+        probe.move_to(state.coordinates, state.rates)
+        quick, careful = probe.solved(quick=True)[0], probe.solved()[0]
+        lost.append(np.max(np.abs(quick - careful)) / np.max(np.abs(careful)))
+    assert np.median(lost) < 2e-11
