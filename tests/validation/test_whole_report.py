@@ -87,7 +87,7 @@ def test_a_second_call_takes_what_the_first_has_left(folder: Path) -> None:
     assert (folder / "checks.csv").read_bytes() == before
 
 
-@pytest.mark.parametrize("name", (*report.DISK, *report.METHOD))
+@pytest.mark.parametrize("name", [*report.DISK, *report.METHOD])
 def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder: Path) -> None:
     module = report.find(name)
     rows: Rows = {}

@@ -1,7 +1,7 @@
 """What varies in a sweep, and how its cases are laid out; every case is found by its number."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from math import prod
 from typing import Any, Literal, get_args
@@ -118,8 +118,7 @@ class Axis:
         """Plain data."""
         if self.values:
             return {"field": self.field, "values": list(self.values)}
-        names = ("field", "first", "last", "count", "log")
-        return {name: getattr(self, name) for name in names}
+        return {name: value for name, value in asdict(self).items() if name != "values"}
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any]) -> "Axis":
@@ -162,12 +161,9 @@ class Design:
                 raise ValueError(f"axis {name} is given twice")
         if type(self.seed) is not int or self.seed < 0:
             raise ValueError(f"seed must be a whole number, not negative, got {self.seed!r}")
-        if self.layout == "grid":
-            self._check_grid()
-        else:
+        if self.layout != "grid":
             self._check_drawn()
-
-    def _check_grid(self) -> None:
+            return
         if self.number is not None:
             raise ValueError(f"number belongs to drawn points, not to a grid, got {self.number}")
         for axis in self.axes:
@@ -206,17 +202,17 @@ class Design:
 
     def case(self, index: int) -> tuple[Value, ...]:
         """Values of the axes in a case, from 0 to `size` - 1."""
-        if self.layout != "grid":
-            block, row = divmod(index, _BLOCK)
-            return tuple(
-                axis.draw(part)
-                for axis, part in zip(self.axes, _drawn(self, block)[row].tolist(), strict=True)
-            )
-        places = []
-        for axis in reversed(self.axes):
-            index, place = divmod(index, axis.size or 1)
-            places.append(axis.at(place))
-        return tuple(reversed(places))
+        if self.layout == "grid":
+            found: list[Value] = []
+            for axis in reversed(self.axes):
+                index, place = divmod(index, axis.size or 1)
+                found.insert(0, axis.at(place))
+            return tuple(found)
+        # A Latin hypercube is drawn as a whole.
+        is_whole = self.layout == "latin-hypercube"
+        block, row = (0, index) if is_whole else divmod(index, _BLOCK)
+        parts = _drawn(self, block)[row].tolist()
+        return tuple(axis.draw(part) for axis, part in zip(self.axes, parts, strict=True))
 
     def values_of(self, index: int) -> dict[str, Value]:
         """The same by the names of the fields."""
@@ -224,12 +220,7 @@ class Design:
 
     def to_values(self) -> dict[str, Any]:
         """Plain data."""
-        return {
-            "axes": [axis.to_values() for axis in self.axes],
-            "layout": self.layout,
-            "number": self.number,
-            "seed": self.seed,
-        }
+        return {**asdict(self), "axes": [axis.to_values() for axis in self.axes]}
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any]) -> "Design":
@@ -241,30 +232,19 @@ class Design:
 @lru_cache(maxsize=2)
 def _drawn(design: Design, block: int) -> Array:
     """Random numbers from 0 to 1 of a block of cases, shape (n, axes)."""
-    axes = len(design.axes)
+    axes, seed = len(design.axes), design.seed
     if design.layout == "random":
-        random = np.random.default_rng([design.seed, block])
-        return random.random((_BLOCK, axes))
-    if design.layout == "sobol":
-        sobol = _qmc().Sobol(axes, rng=design.seed)
-        if block:
-            sobol.fast_forward(block * _BLOCK)
-        drawn: Array = sobol.random(_BLOCK)
-        return drawn
-    return _latin_hypercube(axes, design.size, design.seed)[block * _BLOCK :]
+        return np.random.default_rng([seed, block]).random((_BLOCK, axes))
+    from scipy.stats import qmc  # noqa: PLC0415 - a third of what a worker would take to start
 
-
-def _qmc() -> Any:
-    """The module `scipy.stats.qmc`, a third of what a worker would take to start."""
-    from scipy.stats import qmc  # noqa: PLC0415 - few designs need it
-
-    return qmc
-
-
-@lru_cache(maxsize=1)
-def _latin_hypercube(axes: int, size: int, seed: int) -> Array:
-    points: Array = _qmc().LatinHypercube(axes, rng=seed).random(size)
-    return points
+    if design.layout == "latin-hypercube":
+        whole: Array = qmc.LatinHypercube(axes, rng=seed).random(design.size)
+        return whole
+    sobol = qmc.Sobol(axes, rng=seed)
+    if block:
+        sobol.fast_forward(block * _BLOCK)
+    drawn: Array = sobol.random(_BLOCK)
+    return drawn
 
 
 def axis_from_text(text: str) -> Axis:

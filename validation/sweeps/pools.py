@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,7 +60,7 @@ def check_executor(name: str) -> str:
 
 @contextmanager
 def open_pool(kind: str, *, workers: int, scheduler: str | None = None) -> Iterator[Pool]:
-    """Workers for the time of a context.
+    """Workers for the time of a context; where it fails, the calls that are being made are lost.
 
     Parameters
     ----------
@@ -80,30 +80,23 @@ def open_pool(kind: str, *, workers: int, scheduler: str | None = None) -> Itera
     ValueError
         If what is needed is not installed or not started.
     """
-    opened = {"processes": _processes, "dask": _dask, "mpi": _mpi}.get(check_executor(kind))
-    with opened(workers, scheduler) if opened else _own(kind, workers) as pool:
-        yield pool
-
-
-@contextmanager
-def _ended_at_once(executor: Executor, workers: int) -> Iterator[Pool]:
-    """Its pool; where a context fails, the calls that are being made are lost."""
-    with executor:
+    if check_executor(kind) == "dask":
+        with _dask(workers, scheduler) as pool:
+            yield pool
+        return
+    if kind == "processes":
+        pool = Pool(Processes(workers), workers)
+    else:
+        pool = _mpi() if kind == "mpi" else _own(kind, workers)
+    with pool.executor:
         try:
-            yield Pool(executor, workers)
+            yield pool
         except BaseException:
-            executor.shutdown(wait=False, cancel_futures=True)
+            pool.executor.shutdown(wait=False, cancel_futures=True)
             raise
 
 
-@contextmanager
-def _processes(workers: int, _: str | None) -> Iterator[Pool]:
-    with _ended_at_once(Processes(workers), workers) as pool:
-        yield pool
-
-
-@contextmanager
-def _own(name: str, workers: int) -> Iterator[Pool]:
+def _own(name: str, workers: int) -> Pool:
     make = own_object("executor", name)
     executor = make() if callable(make) else make
     if not isinstance(executor, Executor):
@@ -111,39 +104,10 @@ def _own(name: str, workers: int) -> Iterator[Pool]:
             f"executor {name!r} must be a function that returns a concurrent.futures.Executor, "
             f"got {executor!r}"
         )
-    with _ended_at_once(executor, workers) as pool:
-        yield pool
+    return Pool(executor, workers)
 
 
-@contextmanager
-def _dask(workers: int, scheduler: str | None) -> Iterator[Pool]:
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError:
-        raise ValueError(
-            "the executor dask needs the extra: pip install 'tippedisk[dask]'"
-        ) from None
-    if scheduler is None:
-        # The engine and the watch over hung cases want a process for each case.
-        cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
-    else:
-        cluster = None
-    try:
-        client = Client(scheduler or cluster, timeout=_PATIENCE)
-    except (OSError, ValueError) as error:
-        raise OSError(f"the Dask scheduler {scheduler} does not answer: {error}") from None
-    try:
-        client.wait_for_workers(1, timeout=60)
-        executor = client.get_executor(pure=False)
-        yield Pool(executor, sum(client.ncores().values()), lambda: client.status != "running")
-    finally:
-        client.close()
-        if cluster is not None:
-            cluster.close()
-
-
-@contextmanager
-def _mpi(_: int, __: str | None) -> Iterator[Pool]:
+def _mpi() -> Pool:
     try:
         from mpi4py import MPI
         from mpi4py.futures import MPIPoolExecutor
@@ -159,7 +123,26 @@ def _mpi(_: int, __: str | None) -> Iterator[Pool]:
             "mpiexec -n 4 python -m mpi4py.futures -m validation sweep …"
         )
     executor = MPIPoolExecutor()
+    return Pool(executor, executor.num_workers)
+
+
+@contextmanager
+def _dask(workers: int, scheduler: str | None) -> Iterator[Pool]:
     try:
-        yield Pool(executor, executor.num_workers)
-    finally:
-        executor.shutdown(cancel_futures=True)
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise ValueError(
+            "the executor dask needs the extra: pip install 'tippedisk[dask]'"
+        ) from None
+    with ExitStack() as stack:
+        if scheduler is None:
+            # The engine and the watch over hung cases want a process for each case.
+            how = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
+            scheduler = stack.enter_context(LocalCluster(**how)).scheduler_address
+        try:
+            client = stack.enter_context(Client(scheduler, timeout=_PATIENCE))
+        except (OSError, ValueError) as error:
+            raise OSError(f"the Dask scheduler {scheduler} does not answer: {error}") from None
+        client.wait_for_workers(1, timeout=60)
+        executor = client.get_executor(pure=False)
+        yield Pool(executor, sum(client.ncores().values()), lambda: client.status != "running")

@@ -17,6 +17,7 @@ from PIL import Image
 from analysis.data.checks import Array, positive
 from analysis.data.limits import SLOWEST_FRAMES, WIDEST_PICTURE
 from validation.kit import snapshots
+from validation.kit.animation.body import circle, shape
 from validation.kit.animation.keyframes import Keyframes
 from validation.kit.progress import counted
 
@@ -125,6 +126,7 @@ class _Picture:
 
     def __init__(self, poses: Keyframes, width: int) -> None:
         self.poses, self.scale = poses, width / 480
+        self.shape = shape(poses.disk)
         self.figure = Figure(figsize=(width / _DPI, width / _DPI), dpi=_DPI)
         canvas: Any = FigureCanvasAgg(self.figure)  # its methods carry no types
         self.canvas = canvas
@@ -177,18 +179,12 @@ class _Picture:
             """Picture coordinates in radii, shape (n, 2)."""
             return snapshots.project((np.atleast_2d(points) - target) / disk.radius, _AZIMUTH)
 
-        def circle(radius: float, distance: float, lowest: float) -> Array:
-            """Part at x >= lowest of a circle in the plane of the disk, against its x axis."""
-            x, y, _ = snapshots.outline(radius, -distance).T
-            points: Array = place + np.outer(np.maximum(x, lowest), first) + np.outer(y, second)
+        def placed(outline: Array) -> Array:
+            points: Array = place + outline @ np.array([first, second])
             return points
 
-        def face(lowest: float) -> list[Array]:
-            hole = [] if disk.hole is None else [circle(*disk.hole, lowest)[::-1]]
-            return [circle(disk.radius, 0.0, lowest), *hole]
-
         yield from self._table(target, project)
-        whole = face(-disk.radius)
+        whole = [placed(outline) for outline in self.shape.face]
         shadow = [project(outline * (1.0, 1.0, 0.0)) for outline in whole]
         yield _filled(shadow, "#000000", alpha=0.13)
         yield _line(project(self._path(pose.times[0])), _PATH, 1.6 * scale)
@@ -196,25 +192,25 @@ class _Picture:
         counterclockwise = np.linalg.det(project(target + np.array([first, second]))) > 0.0
         light, heavy = FRONT if counterclockwise else BACK
         yield _filled([project(outline) for outline in whole], light)
-        if disk.eccentricity:
-            yield _filled([project(outline) for outline in face(0.0)], heavy)
+        if self.shape.heavy:
+            yield _filled([project(placed(outline)) for outline in self.shape.heavy], heavy)
         for outline, width in zip(whole, (2.0, 0.8), strict=False):
             yield _line(project(outline), heavy, width * scale)
-        cog = disk.eccentricity * first
         for point, marker, inner, edge in (
-            (place + disk.radius * first, "o", "white", "#222222"),
-            (place + cog, "o", "black", "white"),
-            (place, "+", "none", "#222222"),
+            (self.shape.mark, "o", "white", "#222222"),
+            (self.shape.cog, "o", "black", "white"),
+            ((0.0, 0.0), "+", "none", "#222222"),
         ):
             look: dict[str, Any] = {"ms": 7 * scale, "mew": scale, "mfc": inner, "mec": edge}
-            yield Line2D(*project(point).T, marker=marker, **look)
+            yield Line2D(*project(placed(np.array([point]))).T, marker=marker, **look)
         yield Text(-1.95, 1.78, _readout(pose), va="top", fontsize=9.0 * scale)
 
     def _table(self, target: Array, project: Callable[[Array], Array]) -> Iterator[Artist]:
         radius = self.poses.disk.radius
         reach, cell = 3.0 * radius, 0.5 * radius
         middle = np.array([target[0], target[1], 0.0])
-        yield _filled([project(snapshots.outline(reach) + middle)], "#f3f3f0")
+        edge = np.column_stack((circle(reach), np.zeros(len(circle(reach)))))
+        yield _filled([project(edge + middle)], "#f3f3f0")
         lines = []
         for axis in (0, 1):
             lowest = np.ceil((middle[axis] - reach) / cell)

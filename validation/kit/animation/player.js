@@ -1,20 +1,9 @@
-// Plays one motion of the disk; runs once per player, in a scope of its own.
-(() => {
+// What a page has been given of a motion: times, columns, the keyframe before a time, and poses.
+function diskMotion(data) {
   "use strict";
-  const root = document.currentScript.closest(".disk-player");
-  const find = (selector) => root.querySelector(selector);
-  const data = JSON.parse(find('script[type="application/json"]').textContent);
-  const COLOUR = {
-    front: ["#8cc6ee", "#0b5c97"], back: ["#f7cf86", "#b85300"], // light half, heavy half
-    table: "#f3f3f0", grid: "#d9d9d4", path: "#00795b", ink: "#222", faint: "#767676",
-  };
-  const TRAIL = 0.5; // seconds of the contact point's path that are shown
-
-  // ---- The motion -------------------------------------------------------------------------
-
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
   const times = Float64Array.from(new Float32Array(bytes(data.times)), (t) => t + data.begin);
-  const count = times.length, begin = times[0], end = times[count - 1];
+  const count = times.length;
   const integers = new Uint16Array(bytes(data.columns));
   const column = {};
   Object.keys(data.low).forEach((name, k) => {
@@ -52,9 +41,29 @@
     };
     result.beta = Math.atan2(Math.hypot(result.ez[0], result.ez[1]), result.ez[2]);
     result.gamma = Math.sin(result.beta) > 1e-3 ? Math.atan2(result.ex[2], result.ey[2]) : null;
-    result.height = result.centre[2] + data.eccentricity * result.ex[2];
+    result.inPlane = ([x, y]) => result.centre.map(
+      (value, k) => value + x * result.ex[k] + y * result.ey[k]);
+    result.height = result.inPlane(data.shape.cog)[2];
     return result;
   }
+
+  return { times, column, before, pose };
+}
+
+// Plays one motion of the disk; runs once per player, in a scope of its own.
+(() => {
+  "use strict";
+  if (typeof document === "undefined") return; // a test asks for poses alone
+  const root = document.currentScript.closest(".disk-player");
+  const find = (selector) => root.querySelector(selector);
+  const data = JSON.parse(find('script[type="application/json"]').textContent);
+  const COLOUR = {
+    front: ["#8cc6ee", "#0b5c97"], back: ["#f7cf86", "#b85300"], // light half, heavy half
+    table: "#f3f3f0", grid: "#d9d9d4", path: "#00795b", ink: "#222", faint: "#767676",
+  };
+  const TRAIL = 0.5; // seconds of the contact point's path that are shown
+  const { times, column, before, pose } = diskMotion(data);
+  const count = times.length, begin = times[0], end = times[count - 1];
 
   // ---- The picture ------------------------------------------------------------------------
 
@@ -96,7 +105,7 @@
 
   function drawScene(t) {
     const [pen, width, height] = fit(scene);
-    const now = pose(t), { centre, ex, ey, ez } = now;
+    const now = pose(t), { centre, ez, inPlane } = now;
     const target = [...(follows ? centre.slice(0, 2) : [(left + right) / 2, (near + far) / 2]),
       0.75 * R];
     const { project, eye } = projection(target, width, height);
@@ -116,14 +125,7 @@
       pen.lineWidth = thickness;
       pen.stroke();
     };
-    const circle = (first, last, place) => Array.from({ length: 73 }, (_, k) =>
-      place(first + (last - first) * k / 72));
-    const inPlane = (x, y) => centre.map((value, k) => value + x * ex[k] + y * ey[k]);
-    const rim = (angle) => inPlane(R * Math.cos(angle), R * Math.sin(angle));
-    const hole = (lowest) => data.hole ? [circle(0, 2 * Math.PI, (angle) => inPlane(
-      Math.max(lowest, data.hole[0] * Math.cos(angle) - data.hole[1]),
-      data.hole[0] * Math.sin(angle)))] : [];
-    const face = [circle(0, 2 * Math.PI, rim), ...hole(-R)];
+    const face = data.shape.face.map((outline) => outline.map(inPlane));
     const mark = (point, size, colour, edge) => {
       pen.beginPath();
       pen.arc(...project(point), size, 0, 2 * Math.PI);
@@ -133,8 +135,8 @@
     };
 
     // The table, its grid, the shadow and the path of the contact point; the disk hides them.
-    fill([circle(0, 2 * Math.PI, (a) =>
-      [target[0] + TABLE * Math.cos(a), target[1] + TABLE * Math.sin(a), 0])], COLOUR.table);
+    fill([Array.from({ length: 73 }, (_, k) => k * Math.PI / 36).map((angle) =>
+      [target[0] + TABLE * Math.cos(angle), target[1] + TABLE * Math.sin(angle), 0])], COLOUR.table);
     const cell = nice(0.4 * R);
     for (let axis = 0; axis < 2; axis++) {
       for (let k = Math.ceil((target[axis] - TABLE) / cell); k * cell < target[axis] + TABLE; k++) {
@@ -161,13 +163,13 @@
 
     const seen = dot(ez, eye) > dot(ez, centre) ? COLOUR.front : COLOUR.back;
     fill(face, seen[0]);
-    if (data.eccentricity) fill([circle(-Math.PI / 2, Math.PI / 2, rim), ...hole(0)], seen[1]);
+    fill(data.shape.heavy.map((outline) => outline.map(inPlane)), seen[1]);
     stroke(face[0], seen[1], 2.5);
     face.slice(1).forEach((outline) => stroke(outline, seen[1], 1));
     mark(now.contact, 3, COLOUR.path);
-    mark(rim(0), 5, "#fff", COLOUR.ink);
+    mark(inPlane(data.shape.mark), 5, "#fff", COLOUR.ink);
     const middle = project(centre);
-    mark(centre.map((value, k) => value + data.eccentricity * ex[k]), 4.5, "#000", "#fff");
+    mark(inPlane(data.shape.cog), 4.5, "#000", "#fff");
     pen.strokeStyle = COLOUR.ink;
     pen.lineWidth = 1.2;
     pen.beginPath();

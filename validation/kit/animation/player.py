@@ -10,12 +10,17 @@ first, and good to 6e-8 of the duration.
 import base64
 import html
 import json
+import os
 from dataclasses import dataclass
 from importlib.resources import files
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from analysis import StoredRun
+from analysis.data.files import whole_file
+from validation.kit.animation.body import shape
 from validation.kit.animation.keyframes import Keyframes, keyframes
 
 LEVELS = 65535
@@ -37,7 +42,7 @@ HEAVY_KEY = "Dark half: its heavy side. "
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Animation:
-    """A player that is ready to be put on a page.
+    """A player that is ready to be put on a page, to be shown in a notebook or to be saved.
 
     Parameters
     ----------
@@ -46,11 +51,17 @@ class Animation:
     title : str
     fragment : str
         HTML element with everything the player needs; several may share a page.
+    poses : Keyframes
+        What it plays.
+    speed : float, optional
+        As in `player`.
     """
 
     name: str
     title: str
     fragment: str
+    poses: Keyframes
+    speed: float | None = None
 
     @property
     def page(self) -> str:
@@ -64,6 +75,44 @@ class Animation:
             "max-width: 50rem; margin: 1rem auto; padding: 0 1rem; }</style></head><body>"
             f"{fragment}</body></html>\n"
         )
+
+    def _repr_html_(self) -> str:
+        # In a frame of its own, as notebooks do not run scripts where they stand.
+        return (
+            f'<iframe srcdoc="{html.escape(self.page)}" title="{html.escape(self.title)}" '
+            'style="width: 100%; height: 46rem; border: 0"></iframe>'
+        )
+
+    def save(self, path: str | os.PathLike[str], **how: Any) -> str:
+        """Write a page, or a GIF where the name ends in .gif; returns what was written, in words.
+
+        Parameters
+        ----------
+        path : path-like
+        **how
+            `fps` and `width` of `gif.write`.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        ValueError
+            If its name ends otherwise, or an argument is out of range.
+        """
+        suffix = Path(path).suffix.lower()
+        if suffix not in {".html", ".gif"} or (how and suffix != ".gif"):
+            raise ValueError(
+                "path must end in .html or .gif, and fps and width are those of a GIF, got "
+                f"{path} and {how}"
+            )
+        with whole_file(path) as stream:
+            if suffix == ".html":
+                size = stream.write(self.page.encode())
+                return f"{size / 1024:.0f} KB; open it in a browser"
+            from validation.kit.animation import gif  # noqa: PLC0415 - it loads matplotlib
+
+            frames = gif.write(self.poses, stream, speed=self.speed, **how)
+            return f"{frames} frames, {stream.tell() / 1024:.0f} KB"
 
 
 def player(
@@ -116,7 +165,7 @@ def player(
         f'<script type="application/json">{data}</script>'
         f"<script>{_asset('player.js')}</script></figure>"
     )
-    return Animation(name=name, title=title, fragment=fragment)
+    return Animation(name=name, title=title, fragment=fragment, poses=poses, speed=speed)
 
 
 def encode(poses: Keyframes) -> dict[str, object]:
@@ -127,8 +176,8 @@ def encode(poses: Keyframes) -> dict[str, object]:
     dict
         `begin` in s; `times`, base64 of little-endian 32-bit floats from there; `columns`, base64
         of little-endian 16-bit integers, one of `COLUMNS` after the other; `low` and `step`, so
-        that a value is low + step * integer; `radius` and `eccentricity` in m; `hole`, its
-        radius and distance in m, or None; `marks`.
+        that a value is low + step * integer; `radius` in m; `shape`, that of `body.shape`;
+        `marks`.
     """
     table = np.column_stack(
         (poses.positions, poses.quaternions, poses.contact_points, poses.spins)
@@ -142,8 +191,7 @@ def encode(poses: Keyframes) -> dict[str, object]:
         "low": dict(zip(COLUMNS, low.tolist(), strict=True)),
         "step": dict(zip(COLUMNS, step.tolist(), strict=True)),
         "radius": poses.disk.radius,
-        "eccentricity": poses.disk.eccentricity,
-        "hole": poses.disk.hole,
+        "shape": shape(poses.disk).to_values(),
         "marks": [list(mark) for mark in poses.marks],
     }
 
