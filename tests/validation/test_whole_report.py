@@ -15,7 +15,7 @@ from PIL import Image
 from tests.stated import missing, values
 from validation import report
 from validation import study as kit
-from validation.page.content import Rows
+from validation.page.content import Rows, StudyModule
 from validation.study import RESULTS, Check
 
 ROOT = Path(__file__).parents[2]
@@ -97,7 +97,7 @@ def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder
             rows = {**rows, study.name: kit.load(study, RESULTS)}
         else:
             kept = kit.Kept(study, folder / report.KEPT).rows
-            found = {(study.name, *key): made for key, made in kept.items()}
+            found: kit.Found = {(study.name, *key): made for key, made in kept.items()}
             rows = {**rows, study.name: kit.whole_table(study, found)}
     assert all(check.holds for check in module.present(rows).checks)
     for study in whole:
@@ -109,7 +109,7 @@ def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder
         assert fails(module, {**rows, study.name: table.iloc[:0]}), study.name
 
 
-def fails(module: report.StudyModule, rows: Rows) -> bool:
+def fails(module: StudyModule, rows: Rows) -> bool:
     """Whether a section from these rows has a check that fails, or cannot be made."""
     try:
         checks: list[Check] = list(module.present(rows).checks)
