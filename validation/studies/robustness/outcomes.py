@@ -32,8 +32,9 @@ ENGINE: tuple[IntegratorName, ...] = (
 )
 """Integrators of the engine that are tried where a problem says so; enter a further one here,"""
 
-EVERYWHERE: tuple[IntegratorName, ...] = ()
-"""and here if it is to be tried in each problem, beside the first that applies."""
+EVERYWHERE: tuple[IntegratorName | None, ...] = (None,)
+"""and here if it is to be tried in each problem, beside the first that applies; None is whatever
+the library chooses, which steps the engine's accelerations where that is faster."""
 
 IN_HOUSE: tuple[Method, ...] = ("DOP853", "Radau")
 """Methods of the in-house equations, of which stiff friction is left to the last one."""
@@ -107,7 +108,7 @@ def ways(problem: Problem) -> list[Way]:
         first = [each for each in available if each in ENGINE][:most]
         found += [
             Way(source="engine", formulation=formulation, integrator=each)
-            for each in available
+            for each in (*available, None)
             if each in {*first, *EVERYWHERE}
         ]
     if scenario.contact is not None:

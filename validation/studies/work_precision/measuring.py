@@ -18,6 +18,7 @@ import mbs_models
 from analysis import Trajectory
 from mbs_models import Integrator, Newton, Scene
 from mbs_models.extrapolation import Ladder
+from mbs_models.integrators import ACCELERATED
 from validation.kit.timing import in_turns
 from validation.studies.work_precision.problems import (
     PROBLEMS,
@@ -57,8 +58,9 @@ INTEGRATORS = {
         f"generalized-α {radius:g}": Integrator(name="GeneralizedAlpha", spectral_radius=radius)
         for radius in (1.0, 0.9, 0.6)
     },
+    **{f"accelerations, {name}": Integrator(name=name) for name in ACCELERATED},
 }
-"""Of the engine, by the name of the scheme."""
+"""Of the engine, by the name of the scheme: its own, and SciPy's that step its accelerations."""
 
 FINEST = {"RK45": 12, "DOP853": 13, "Radau": 11, "BDF": 12, "LSODA": 13}
 """Methods of SciPy, with the digits of their tightest local tolerance."""
@@ -75,6 +77,12 @@ class Curve(NamedTuple):
     def integrator(self) -> Integrator | None:
         """Of the engine; None in-house."""
         return None if self.formulation in IN_HOUSE else INTEGRATORS[self.scheme]
+
+    @property
+    def takes_tolerance(self) -> bool:
+        """Whether the library can be asked for a tolerance of the whole run."""
+        integrator = self.integrator
+        return self.fixed_step or (integrator is not None and integrator.steps_accelerations)
 
     @property
     def fixed_step(self) -> bool:
@@ -131,12 +139,15 @@ def curves() -> dict[str, Curve]:
 
 
 def _schemes(problem: str, formulation: str) -> list[str]:
-    varied = problem in VARIED
+    varied, stiff = problem in VARIED, problem == "stiff"
+    accelerated = [
+        f"accelerations, {name}" for name in (ACCELERATED if stiff else ACCELERATED[:1])
+    ]
     if formulation == "contact-tree":
         # There, the trapezoidal rule gives what it gives on the Euler tree.
-        return ["RK67", "RK44", "DOPRI5", *(["trapezoidal"] if varied else [])]
+        return ["RK67", "RK44", "DOPRI5", *(["trapezoidal"] if varied else []), *accelerated]
     radii = ("1", "0.9", "0.6") if varied else ("0.9",)
-    return ["trapezoidal", *(f"generalized-α {radius}" for radius in radii)]
+    return ["trapezoidal", *(f"generalized-α {radius}" for radius in radii), *accelerated]
 
 
 class Extrapolation:
@@ -182,7 +193,7 @@ def measure(curve: Curve) -> list[Row]:
         total = {name: sum(part[name] for part in parts) for name in ("seconds", "work", "steps")}
         joined.append({**row, **total, "kind": "extrapolated"})
     asked: list[Row] = []
-    if curve.fixed_step:
+    if curve.takes_tolerance:
         best = min((row["error"] for row in [*rungs, *joined] if not row["failure"]), default=inf)
         # Nothing is to run on without end: the library needs an estimate that is small, too.
         goals = [goal for goal in GOALS if max(best, known) <= goal]
