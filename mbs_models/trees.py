@@ -9,7 +9,8 @@ import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import MODELS, Constraint
+from analysis.data.constraint_set import MODELS
+from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
 from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_force, friction_load
 from mbs_models.loads import euler_tree_contact
@@ -22,6 +23,7 @@ class _Tree(Model):
     """A chain of massless links with the disk at its end."""
 
     has_euler_angles = True
+    has_exact_path = True
     _outputs: ClassVar[tuple[Any, ...]] = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t)
 
     _law: Callable[[Scenario, Load], Force]
