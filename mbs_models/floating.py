@@ -255,8 +255,6 @@ class FloatingLie(Floating):
 
     name = "floating-lie"
     own_equations = ()
-    # The engine's composition of rotations loses digits.
-    has_exact_path = False
     # A symmetric integrator is none on the Lie group, and has odd powers there, too.
     exponents = (2, 3, 4, 5)
 

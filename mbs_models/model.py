@@ -65,8 +65,10 @@ class Model(ABC):
     own_equations: ClassVar[tuple[float, ...]] = ()
     """Sizes of the terms of algebraic equations besides those of the constraints."""
 
-    has_exact_path: ClassVar[bool] = True
+    has_exact_path: ClassVar[bool] = False
     """Whether `path` is exact to the last digits, so that short differences along it may be taken.
+
+    Rotations that are composed, or parametrised by more than three numbers, lose some.
     """
 
     exponents: ClassVar[tuple[int, ...] | None] = None

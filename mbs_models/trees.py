@@ -23,6 +23,7 @@ class _Tree(Model):
     """A chain of massless links with the disk at its end."""
 
     has_euler_angles = True
+    has_exact_path = True
     _outputs: ClassVar[tuple[Any, ...]] = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t)
 
     _law: Callable[[Scenario, Load], Force]
