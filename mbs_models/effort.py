@@ -20,6 +20,9 @@ from mbs_models.scene import CLASSES, Scene
 HALVINGS = 13
 """Number of runs after which a tolerance-controlled run gives up; the last step is some µs."""
 
+LATE = 5
+"""Halvings after which fixed steps are looked at, whether they lead anywhere."""
+
 _SECONDS = {"explicit": 5e-5, "implicit": 3e-4}
 """Processor time of a step of the engine's own integrators in s,"""
 
@@ -130,10 +133,12 @@ def simulation_effort(
     shortest = min(integrator.first_step, float(np.min(spacings)))
     halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
     doubt = ""
-    if halvings >= HALVINGS and may_change:
-        # Two runs or three, of steps about as much longer.
-        steps = float(times[-1] - times[0]) / needed
-        return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}")
+    if halvings > LATE and may_change:
+        # Steps of the accelerations take over after the first runs.
+        stepping = stepping_integrator(scene, times, tolerance)
+        found = _stepping_effort(scene, times, stepping, inf, tolerance)
+        before = first * (2.0**LATE - 1.0)
+        return replace(found, steps=found.steps + before, seconds=found.seconds + before * cost)
     if halvings >= HALVINGS:
         halvings = HALVINGS - 1
         tried = shortest / 2.0**halvings

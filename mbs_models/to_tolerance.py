@@ -9,7 +9,7 @@ from analysis.data.agreement import needed
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.data.state import FlatError
-from mbs_models.effort import HALVINGS
+from mbs_models.effort import HALVINGS, LATE
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import Integrator
 from mbs_models.runs import EngineError
@@ -19,11 +19,8 @@ from mbs_models.scene import Scene
 PATIENCE = 6
 """Halvings of the step in a row after which a disk that lies all but flat is given up."""
 
-LATE = 5
-"""Halvings after which fixed steps are looked at,"""
-
 HOPELESS = 100.0
-"""and the estimated error over the tolerance from which on they lead to nothing."""
+"""Estimated error over the tolerance from which on fixed steps lead to nothing."""
 
 Run = Callable[[Integrator, float, int], Sampled]
 """From an integrator, the longest step in s and the number of its halvings to a motion."""

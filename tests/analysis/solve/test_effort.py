@@ -142,12 +142,12 @@ def test_endless_in_house_run_is_refused(fields: dict[str, Any], end: float, mes
         (
             scene_of(3),
             {"times": [0.0, 5e5, 1e6]},
-            "tolerance 1e-08 rad up to t = 1e.06 s",
+            "tolerance 1e-08 up to t = 1e.06 s",
         ),
         (Scene(), {"times": [0.0, 1e9], "step": 1.0}, "step 1 s up to t = 1e.09 s would take"),
         (
             scene_of(friction=SmoothCoulomb(smoothing=1e-10)),
-            {"times": [0.0, 1e4]},
+            {"times": [0.0, 1e4], "integrator": "DOP853"},
             r"friction gradient 3e\+09 s/m .* would take about",
         ),
     ],
