@@ -90,5 +90,7 @@ def commit(folder: Path | None = None) -> str:
     top = ask("rev-parse", "--show-toplevel")
     if not top or Path(top).resolve() != folder.resolve():
         return ""
-    changed = ask("status", "--porcelain", "--untracked-files=no")
+    # Tables of results are no sources: measuring several in a row changes those.
+    sources = ("--", ".", ":(exclude)validation/results")
+    changed = ask("status", "--porcelain", "--untracked-files=no", *sources)
     return ask("rev-parse", "--short=10", "HEAD") + ("+changes" if changed else "")
