@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, as_completed
 from dataclasses import dataclass, field
-from math import inf, isnan
+from math import inf, isfinite, isnan
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -481,7 +481,7 @@ def _apart(one: Any, other: Any, stored: Row, limit: Limit | None) -> tuple[floa
     if here.shape != there.shape:
         return inf, allowed
     apart = float(np.max(np.abs(here - there), initial=0.0))
-    return (inf if isnan(apart) else apart), allowed
+    return (apart, allowed) if isfinite(apart) and isfinite(allowed) else (inf, 0.0)
 
 
 def _is_missing(value: Any) -> bool:
