@@ -23,7 +23,7 @@ commands:
 _EXAMPLES = """\
 
 examples:
-  tippedisk report                                   everything, as one page in ./report
+  tippedisk report                                   everything, as two pages in ./report
   tippedisk simulate --model 1 --out engine.npz      the engine, from the paper's start
   tippedisk simulate --model 1 --source in-house --out equations.npz
   tippedisk show engine.npz equations.npz --plot compare.png
