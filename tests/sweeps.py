@@ -1,28 +1,14 @@
 """Sweeps that several tests run, and a pool that runs them at once."""
 
-from collections.abc import Callable
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor
 from typing import Any
 
 from analysis import MODELS, Scenario
+from validation.kit.processes import Here
 from validation.sweeps.axes import Design, axis_from_text
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import Pool
 from validation.sweeps.sweep import Sweep
-
-
-class Here(Executor):
-    """Makes calls at once, in this process."""
-
-    def submit(
-        self, function: Callable[..., Any], /, *arguments: Any, **named: Any
-    ) -> "Future[Any]":
-        future: Future[Any] = Future()
-        try:
-            future.set_result(function(*arguments, **named))
-        except Exception as error:  # noqa: BLE001 - as every executor does
-            future.set_exception(error)
-        return future
 
 
 def direct(workers: int = 1, executor: Executor | None = None) -> Pool:

@@ -122,34 +122,12 @@ def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
         "late": int(late.sum()),
         "very_stiff": VERY_STIFF,
         "stiff": int((late & (finest <= VERY_STIFF)).sum()),
-        "chosen": _as_chosen(table, late),
         "asked": TOLERANCE,
         "tolerances": table["tolerance"],
         "ended": int((table["axis"] == ended.AXIS).sum()),
         "told": len(told),
         "beyond": int((told["error"] > told["estimate"] + told["doubt"]).sum()),
         "untold": int((table["estimate"].isna() & table["error"].notna()).sum()),
-    }
-
-
-def _as_chosen(table: pd.DataFrame, late: "pd.Series[bool]") -> dict[str, int]:
-    """What becomes of runs for which the library chooses the integrator.
-
-    `helped` are those with an accurate result where one of the engine's own integrators, in the
-    same formulation, takes too many steps or Newton's iteration fails; `hard` are all of these.
-    """
-    own = table["case"] + table["way"].str.partition(",")[0]
-    chosen = table["way"].str.endswith("as chosen")
-    good = table["verdict"].isin(GOOD)
-    engine = ~table["way"].str.startswith(("index-1", "reduced"))
-    hard = own[late & ~chosen & engine].unique()
-    among = own.isin(hard) & chosen
-    return {
-        "runs": int(chosen.sum()),
-        "good": int((chosen & good).sum()),
-        "late": int((chosen & late).sum()),
-        "hard": int(among.sum()),
-        "helped": int((among & good).sum()),
     }
 
 

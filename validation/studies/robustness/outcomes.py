@@ -32,7 +32,7 @@ ENGINE: tuple[IntegratorName, ...] = (
 )
 """Integrators of the engine that are tried where a problem says so; enter a further one here,"""
 
-EVERYWHERE: tuple[IntegratorName | None, ...] = (None,)
+EVERYWHERE: tuple[IntegratorName | None, ...] = ()
 """and here if it is to be tried in each problem, beside the first that applies; None is whatever
 the library chooses, which steps the engine's accelerations where that is faster."""
 
