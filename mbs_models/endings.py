@@ -12,7 +12,7 @@ from typing import NamedTuple
 import exudyn as exu
 import numpy as np
 
-from analysis.data.checks import Array
+from analysis.data.checks import Array, ToleranceError
 from analysis.data.endings import CONTACT_WOULD_PULL, Condition
 from analysis.data.limits import LEAST_TILT
 from analysis.data.watch import Watch
@@ -27,6 +27,9 @@ from mbs_models.solving import solving
 
 LOCAL = 1e-11
 """Error in a step with which endings are located."""
+
+MOST_STEPS_OF_A_SEARCH = 1000
+"""Of the accelerations; between two records some ten are usual."""
 
 Says = Callable[[Array], float]
 """From a record to a number; the run ends where that turns negative."""
@@ -146,7 +149,8 @@ class Records:
         # Runs differ by their errors: what one shows to be negative may be so later in another.
         end = self.period * (place.width + bool(place.reason))
         times = np.array([0.0, end])
-        watch = Watch()
+        # On a stiff contact a search may be endless, and a run that broke off has then no ending.
+        watch = Watch(most=MOST_STEPS_OF_A_SEARCH)
         try:
             with solving(motion.model.system):
                 if must_not_pull and problem.normal_force(problem.start) < 0.0:
@@ -161,6 +165,11 @@ class Records:
                 )
                 last = motion.samples(found.states[-1:])[0]
         except (SolverError, SingularError, exu.ExudynError):
+            return None
+        except ToleranceError:
+            # Where a condition is known to be negative, an ending must not be passed over.
+            if place.reason:
+                raise
             return None
         work.update(steps=found.steps, right_hand_sides=found.evaluations)
         if found.ended is not None:
