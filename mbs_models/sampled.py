@@ -18,7 +18,6 @@ FORCES = slice(12, None)
 
 ALPHA, BETA, GAMMA = 3, 4, 5
 TURNING = [ALPHA, GAMMA]
-BETA_RATE = 10
 NORMAL_FORCE = 12
 
 ANGLES, ANGLE_RATES = slice(4, 6), slice(10, 12)

@@ -27,10 +27,6 @@ QUICK = 3e-12
 FINE = 3e-9
 """Tolerance in rad from which on a first run allows a step less of it."""
 
-COARSEST = 1e-5
-"""Error in a step from which on runs take the longest steps there are, whatever is asked for: two
-of them agree without being right."""
-
 
 def stepped(
     scene: Scene,
@@ -104,7 +100,7 @@ def stepped(
                 found = run(local or FINEST_LOCAL, 1.0)
             else:
                 # The error of a motion falls more slowly than that of a step.
-                first = min(tolerance / (3.0 if tolerance > FINE else 20.0), COARSEST)
+                first = tolerance / (3.0 if tolerance > FINE else 20.0)
                 rungs = tighter_and_tighter(first, FINEST_LOCAL)
                 found, local, estimate = run_to(run, problem, tolerance, rungs, integrator.name)
             values = motion.samples(found.states)

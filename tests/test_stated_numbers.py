@@ -11,7 +11,7 @@ from analysis.stability.critical import critical_speeds
 from analysis.stability.linear_reduced import critical_speed
 from tests.helpers import not_none
 from tests.stated import chapter, missing, numbers, rows_below, stands, values
-from validation.studies import robustness
+from validation.studies.robustness import section as robustness
 from validation.studies.robustness.outcomes import CASES
 from validation.study import load
 

@@ -135,12 +135,14 @@ def find(name: str) -> StudyModule:
     if "." not in name and name not in (known := (*DISK, *METHOD)):
         raise ValueError(f"study must be one of {', '.join(known)}, got {name!r}")
     module: Any = import_module(name if "." in name else f"validation.studies.{name}")
+    if hasattr(module, "__path__"):
+        module = import_module(f"{module.__name__}.section")
     return module  # type: ignore[no-any-return]
 
 
 def short(module: StudyModule) -> str:
     """Name of a study in pages, files and on the command line."""
-    return module.__name__.rpartition(".")[2].replace("_", "-")
+    return module.__name__.removesuffix(".section").rpartition(".")[2].replace("_", "-")
 
 
 def make(
@@ -251,10 +253,8 @@ def make_section(name: str, found: Found, results: Path) -> MadeSection:
     for study in module.STUDIES:
         try:
             if study.is_stored:
-                rows[study.name], about[study.name] = (
-                    kit.load(study, results),
-                    kit.about(study, results),
-                )
+                rows[study.name] = kit.load(study, results)
+                about[study.name] = kit.about(study, results)
                 checks += kit.confirm(study, found, rows[study.name])
             else:
                 rows[study.name] = kit.whole_table(study, found)
@@ -300,8 +300,7 @@ def _broken(module: StudyModule, reason: str, checks: Sequence[Check] = ()) -> M
 
 def _text(module: StudyModule) -> Path:
     """The text of a study's section, beside its module or in its folder."""
-    path = Path(module.__file__)
-    return path.parent / f"{module.__name__.rpartition('.')[2]}.md"
+    return Path(module.__file__).parent / f"{short(module).replace('-', '_')}.md"
 
 
 def _identity(module: StudyModule, found: Found, results: Path) -> str:
@@ -310,9 +309,8 @@ def _identity(module: StudyModule, found: Found, results: Path) -> str:
     told += [_surroundings(), _text(module).read_text("utf-8")]
     told += [[*key, rows if isinstance(rows, list) else repr(rows)] for key, rows in found.items()]
     for study in module.STUDIES:
-        path = results / f"{study.name}.csv"
-        if study.is_stored and path.is_file():
-            told.append(sha256(path.read_bytes()).hexdigest())
+        paths = [results / f"{study.name}.{kind}" for kind in ("csv", "json")]
+        told += [sha256(p.read_bytes()).hexdigest() for p in paths if p.is_file()]
     return sha256(json.dumps(told).encode()).hexdigest()
 
 
@@ -398,10 +396,6 @@ def _write(
 def _put(path: Path, content: bytes) -> None:
     with whole_file(path) as stream:
         stream.write(content)
-
-
-def _names(names: Sequence[str]) -> list[str]:
-    return [name.replace("_", "-") for name in names]
 
 
 def _earlier(folder: Path) -> set[str]:

@@ -203,11 +203,14 @@ class Kept:
         self.rows: dict[tuple[str, int], list[Row]] = {}
         head = json.dumps(identity(study))
         # What follows the last end of a line was being written when a run was interrupted.
-        lines = self.path.read_text("utf-8").split("\n")[:-1] if self.path.is_file() else []
+        lines = self.path.read_text("utf-8").split("\n") if self.path.is_file() else [""]
+        partly = lines.pop()
         if lines and lines[0] == head:
             self.rows = {
                 (label, number): rows for label, number, rows in map(json.loads, lines[1:])
             }
+            if not partly:
+                return
         folder.mkdir(parents=True, exist_ok=True)
         with whole_file(self.path) as stream:
             whole = [head, *(json.dumps([*key, rows]) for key, rows in self.rows.items())]

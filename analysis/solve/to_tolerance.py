@@ -17,6 +17,9 @@ ROUNDING = 1e-14
 CAUTION = 2.0
 """Estimated error over the difference of two runs that it is taken from."""
 
+COARSEST = 1e-5
+"""Error in a step from which on runs take the longest steps there are, whatever is asked for."""
+
 _MOMENT = 1e-7
 """Time in s over which rates are told by a difference."""
 
@@ -131,7 +134,7 @@ def tighter_and_tighter(first: float, tightest: float) -> list[float]:
 
     Two runs of nearly the same one would agree without being right.
     """
-    local = max(min(first, 1e-3), 10.0 * tightest)
+    local = max(min(first, COARSEST), 10.0 * tightest)
     tolerances = [local]
     while local >= 3.0 * tightest:
         local /= 10.0

@@ -1,18 +1,13 @@
 """What figures share: colours and line styles that stay apart in grey and for the colour-blind."""
 
-import io
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
-from PIL import Image
 
 from analysis import SpatialMotion, StoredRun
 from analysis.data.checks import Array
@@ -45,33 +40,6 @@ _RC: Any = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Picture:
-    """A rendered figure with its caption.
-
-    Parameters
-    ----------
-    name : str
-        Used for its files.
-    title, caption : str
-    png : bytes
-    svg : str
-    paper : str
-        The figure of the paper that it shows: "Fig. 7".
-    panels : sequence of bytes
-        PNGs of its legend and panels alone, which a page lays side by side as far as there is
-        room; without them it shows the whole.
-    """
-
-    name: str
-    title: str
-    caption: str
-    png: bytes
-    svg: str
-    paper: str = ""
-    panels: Sequence[bytes] = ()
-
-
 def new_figure(
     rows: int = 1,
     *,
@@ -85,65 +53,6 @@ def new_figure(
         figure = Figure(figsize=(width, height))
         axes = figure.subplots(rows, columns, sharex="col" if share else False)
     return figure, axes
-
-
-def render(
-    figure: Figure, *, name: str, title: str, caption: str, paper: str = "", stacked: bool = False
-) -> Picture:
-    """Render a figure to PNG and SVG.
-
-    Parameters
-    ----------
-    figure : Figure
-    name, title, caption, paper : str
-        Those of the `Picture`.
-    stacked : bool
-        Whether it also gets its panels one by one, as one with several in a row needs on a narrow
-        screen.
-    """
-    png, svg = io.BytesIO(), io.StringIO()
-    with mpl.rc_context(_RC):
-        figure.savefig(png, format="png", dpi=_DPI)
-        # Not `savefig`, which would draw once more to lay out what is laid out.
-        figure.set_layout_engine("none")
-        canvas: Any = FigureCanvasSVG(figure)
-        canvas.print_svg(svg, metadata={"Date": None})
-    with Image.open(png) as drawn:
-        picture = drawn.convert("RGB")
-    return Picture(
-        name=name,
-        title=title,
-        caption=caption,
-        png=_compressed(picture),
-        svg=svg.getvalue(),
-        paper=paper,
-        panels=_panels(figure, picture) if stacked else (),
-    )
-
-
-def _compressed(picture: Image.Image) -> bytes:
-    """PNG of a drawing, which needs few colours."""
-    stream = io.BytesIO()
-    palette = picture.quantize(_PALETTE, dither=Image.Dither.NONE)
-    palette.save(stream, format="png", optimize=True)
-    return stream.getvalue()
-
-
-def _panels(figure: Figure, picture: Image.Image) -> list[bytes]:
-    """The legends of a rendered figure and its panels, cut out of it."""
-    renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
-    drawn = [axes for axes in figure.axes if axes.axison or axes.get_legend() is not None]
-    scale = _DPI / figure.dpi
-    found = []
-    for part in (*figure.legends, *drawn):
-        box = part.get_tightbbox(renderer)
-        if box is None:
-            continue
-        left, right = scale * box.x0 - _EDGE, scale * box.x1 + _EDGE
-        top, bottom = picture.height - scale * box.y1 - _EDGE, picture.height - scale * box.y0
-        place = (max(left, 0.0), max(top, 0.0), right, bottom + _EDGE)
-        found.append(_compressed(picture.crop(tuple(round(each) for each in place))))
-    return found
 
 
 def legend_above(axes: Axes, columns: int = 4, size: float | None = None) -> None:

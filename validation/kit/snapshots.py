@@ -10,16 +10,9 @@ from analysis import Trajectory
 from analysis.data import frames
 from analysis.data.checks import Array
 from validation.kit import figures
+from validation.kit.animation import body
 
 _VIEW_ELEVATION = np.radians(14.0)
-
-
-def outline(radius: float, centre: float = 0.0) -> Array:
-    """Points of a circle in the disk's plane, shape (n, 3); its centre lies on the x axis."""
-    angle = np.linspace(0.0, 2 * np.pi, 121)
-    return np.column_stack(
-        (centre + radius * np.cos(angle), radius * np.sin(angle), np.zeros_like(angle))
-    )
 
 
 def project(points: Array, azimuth: float) -> Array:
@@ -48,16 +41,16 @@ def draw_disk(trajectory: Trajectory, index: int, axes: Any) -> Any:
     centre = np.array([0.0, 0.0, position[0, 2]])
 
     def place(points: Array) -> Array:
-        return project(points @ rotation[0].T + centre, azimuth)
+        """Points in the plane of the disk, shape (n, 2), in the picture."""
+        return project(points @ rotation[0, :, :2].T + centre, azimuth)
 
-    edge = place(outline(disk.radius))
-    middle = place(np.zeros((1, 3)))[0]
-    cog = place(np.array([[disk.eccentricity, 0.0, 0.0]]))[0]
-    table = project(outline(1.6 * disk.radius), azimuth)
+    drawn = body.shape(disk)
+    edge, *holes = map(place, drawn.face)
+    middle, cog = place(np.array([[0.0, 0.0], drawn.cog]))
+    table = project(np.pad(body.circle(1.6 * disk.radius), ((0, 0), (0, 1))), azimuth)
     axes.fill(*table.T, color="#eeeeee", zorder=0)
     axes.fill(*edge.T, facecolor="#9fc5e8", edgecolor="#0b3d61", linewidth=1.2)
-    if disk.hole is not None:
-        hole = place(outline(disk.hole[0], -disk.hole[1]))
+    for hole in holes:
         axes.fill(*hole.T, facecolor="white", edgecolor="#0b3d61", linewidth=0.8)
     axes.plot(*middle, marker="+", color="#0b3d61", markersize=6)
     axes.plot(*cog, marker="o", color="black", markersize=5)

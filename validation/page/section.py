@@ -110,21 +110,19 @@ class Section:
         digits : int
             Significant digits that are shown.
         """
-        link = self.file(name)
-        shown, title = self._shown(name, title, worst, rows)
+        shown = _as_frame(self._content.tables[name])
+        if (total := len(shown)) > max(LONG, rows):
+            chosen = _sizes(shown[worst]).nlargest(rows).index if worst else shown.index[:rows]
+            shown = shown.loc[chosen].sort_index()
+            which = f"with the largest: {worst}" if worst else "the first"
+            title = f"{title} ({rows} of {total} rows, {which})"
+        return self._table(name, shown, title, note, digits)
+
+    def _table(self, name: str, shown: pd.DataFrame, title: str, note: str, digits: int) -> str:
         return _block(
             f'<div class="table" id="{self.name}-{name}">{table_html(shown, title, digits)}</div>'
-            f'<p class="note">{_inline(note)} <span class="files">{link}</span></p>'
+            f'<p class="note">{_inline(note)} <span class="files">{self.file(name)}</span></p>'
         )
-
-    def _shown(self, name: str, title: str, worst: str, rows: int) -> tuple[pd.DataFrame, str]:
-        """The rows of a table that are shown, and its title with which these are."""
-        table = _as_frame(self._content.tables[name])
-        if len(table) <= max(LONG, rows):
-            return table, title
-        chosen = _sizes(table[worst]).nlargest(rows).index if worst else table.index[:rows]
-        which = f"with the largest: {worst}" if worst else "the first"
-        return table.loc[chosen].sort_index(), f"{title} ({rows} of {len(table)} rows, {which})"
 
     def file(self, name: str) -> str:
         """Put a whole table beside the page; a link to it."""
@@ -135,16 +133,19 @@ class Section:
         self, name: str, title: str, caption: str = "", paper: str = "", wide: bool = False
     ) -> str:
         """A figure, embedded; `paper` is the figure of the paper that it shows."""
+        beside = f" (paper: {paper})" if paper else ""
+        return self._figure(name, f"{title}{beside}", caption, wide)
+
+    def _figure(self, name: str, title: str, caption: str, wide: bool) -> str:
         png, svg = drawn(self._content.figures[name])
         links = self._linked(name, f"{self.name}-{name}.png", png)
         links += ", " + self._linked(name, f"{self.name}-{name}.svg", svg)
         data = base64.b64encode(png).decode()
         kind = ' class="wide"' if wide else ""
-        beside = f" (paper: {html.escape(paper)})" if paper else ""
         return _block(
             f'<figure id="{self.name}-{name}"{kind}>'
             f'<img alt="{html.escape(title)}" src="data:image/png;base64,{data}">'
-            f"<figcaption><b>{html.escape(title)}{beside}.</b> {_inline(caption)} "
+            f"<figcaption><b>{html.escape(title)}.</b> {_inline(caption)} "
             f'<span class="files">{links}</span></figcaption></figure>'
         )
 
@@ -176,19 +177,8 @@ _KINDS = ("table", "file", "figure", "drawing", "animation")
 class PlainSection(Section):
     """The same for a page of Markdown by itself, which has no files beside it."""
 
-    def table(
-        self,
-        name: str,
-        title: str,
-        note: str = "",
-        *,
-        worst: str = "",
-        rows: int = SHOWN,
-        digits: int = 4,
-    ) -> str:
-        """A table as Markdown has it."""
+    def _table(self, name: str, shown: pd.DataFrame, title: str, note: str, digits: int) -> str:
         self._left.discard(name)
-        shown, title = self._shown(name, title, worst, rows)
         lines = [list(map(str, shown.columns)), ["---"] * shown.shape[1]]
         lines += [[show(_value(cell), digits) for cell in row] for row in _cells(shown)]
         body = "\n".join(f"| {' | '.join(c.replace('|', '∣') for c in line)} |" for line in lines)
@@ -199,22 +189,14 @@ class PlainSection(Section):
         self._left.discard(name)
         return f"`{self.name}-{name}.csv`"
 
-    def figure(
-        self,
-        name: str,
-        title: str,
-        caption: str = "",
-        paper: str = "",
-        wide: bool = False,  # noqa: ARG002 # there is nothing to be wide
-    ) -> str:
-        """The title of a figure and what it is about."""
+    def _figure(self, name: str, title: str, caption: str, wide: bool) -> str:  # noqa: ARG002
+        # Nothing is wide in a page of text.
         self._left.discard(name)
-        beside = f" (paper: {paper})" if paper else ""
-        return f"\n\n*Figure in the report: {title}{beside}.* {caption}\n\n"
+        return f"\n\n*Figure in the report: {title}.* {caption}\n\n"
 
     def drawing(self, name: str, title: str, caption: str = "") -> str:
-        """The same of a drawing."""
-        return self.figure(name, title, caption)
+        """The title of a drawing and what it is about."""
+        return self._figure(name, title, caption, wide=False)
 
     def animation(self, name: str) -> str:
         """Nothing: a page of text does not move."""

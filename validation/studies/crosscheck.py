@@ -7,6 +7,7 @@ motion from the scenario's own start, and the eigenvalues of both stationary spi
 
 from collections import Counter
 from collections.abc import Sequence
+from math import ceil, floor, inf, log10
 from typing import NamedTuple
 
 import pandas as pd
@@ -14,7 +15,6 @@ import pandas as pd
 import mbs_models
 from analysis import LEVELS, LOADS, MODELS, MOTIONS, POSSIBLE_SETS, Scenario, SmoothCoulomb
 from mbs_models import Formulation, Scene
-from validation.kit import tables
 from validation.kit.limits import holds, largest
 from validation.kit.progress import counted
 from validation.kit.tables import Table
@@ -210,7 +210,7 @@ def present(rows: Rows) -> Content:
             checks.append(equal(f"{name}, states with a solution", row["states"], states))
     of_models = worst.loc[MODELS_OF_PAPER, "difference"]
     most = {
-        name: tables.at_most(largest(of_models.get(each) for each in quantities))
+        name: _rounded_up(largest(of_models.get(each) for each in quantities))
         for name, quantities in {
             "accelerations": ("accelerations", "constraint forces"),
             "motions": (MOTION,),
@@ -259,3 +259,13 @@ def _by_scene(found: pd.DataFrame, scene: list[str]) -> pd.DataFrame:
     """A row for each scene with its largest difference of every quantity."""
     largest_ones = found.groupby([*scene, "quantity"], sort=False)["difference"].agg(largest)
     return largest_ones.unstack(sort=False).reset_index()
+
+
+def _rounded_up(value: float) -> str:
+    """One digit that is not exceeded: "8e-10"."""
+    if not 0.0 < value < inf:
+        return f"{value:g}"
+    exponent = floor(log10(value))
+    # Rounding to some digits first keeps 2e-7 what it is.
+    digit = ceil(round(value / 10.0**exponent, 6))
+    return f"{digit}e{exponent}" if digit < 10 else f"1e{exponent + 1}"

@@ -20,7 +20,7 @@ from mbs_models.model import Model
 from mbs_models.runs import run
 from mbs_models.scene import build
 from validation.kit.limits import largest
-from validation.kit.timing import in_turns, ratio
+from validation.kit.timing import in_turns, interval
 from validation.page.content import Content, Rows
 from validation.study import Row, Study, at_most
 
@@ -140,7 +140,7 @@ def price(pair: Pair) -> list[Row]:
     both = (pair.carried, pair.left_out)
     calls = [partial(timed, make) for make in both]
     carried, left_out = in_turns(*calls, pairs=PAIRS, clock=lambda: spent)
-    middle, low, high = ratio(carried, left_out)
+    middle, low, high = interval([a / b for a, b in zip(carried, left_out, strict=True)])
     change = np.max(np.abs(ends[both[0]] - ends[both[1]])) if pair.same else None
     return [
         {

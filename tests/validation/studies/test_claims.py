@@ -13,8 +13,9 @@ from analysis import LEVELS, Load, Scenario, SmoothCoulomb, Trajectory, simulate
 from analysis.data.trajectory import SOURCES
 from analysis.mechanics.recorded import accelerations
 from tests.helpers import random_trajectory
-from validation.studies import claims, inversion
+from validation.studies import inversion
 from validation.studies.claims import contact_matrix, motion, orders, pure_rolling, starts
+from validation.studies.claims import section as claims
 from validation.studies.claims.grades import grade, within
 from validation.studies.claims.starts import LEAST_SPINS, RANDOM_STARTS, Starts
 from validation.study import Check, confirm, load

@@ -19,7 +19,6 @@ from validation import study as kit
 from validation.kit.figures import new_figure
 from validation.page.content import Content
 from validation.page.section import Section
-from validation.studies import nonlinear
 from validation.studies.nonlinear import figures, measured, portraits, section
 from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, ROTATING, SLOW, SWINGING
 from validation.studies.nonlinear.section import SAME_CYCLE, present
@@ -83,7 +82,7 @@ def rows() -> dict[str, pd.DataFrame]:
         for label in portraits.cases()
     ]
     found = (_families(), engine, connections, stationary, _passages(), curves)
-    names = (study.name for study in nonlinear.STUDIES)
+    names = (study.name for study in section.STUDIES)
     return dict(zip(names, map(kit.frame, found), strict=True))
 
 
@@ -94,7 +93,7 @@ def failing(content: Content) -> set[str]:
 def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.DataFrame]) -> None:
     content = present(rows)
     assert not failing(content)
-    text = Path(nonlinear.__file__).parent / "nonlinear.md"
+    text = Path(section.__file__).parent / "nonlinear.md"
     page = " ".join(Section("nonlinear", content).html({}, text).split())
     assert "Model 1 at held spin: stable at 0.1 rad, unstable at 0.2 rad" in page
     assert "Of 3 cycles" in page

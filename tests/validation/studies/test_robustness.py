@@ -20,8 +20,8 @@ from validation import study as kit
 from validation.kit.references import Reference, reference
 from validation.kit.ways import StepLimit, Way
 from validation.page.content import Rows
-from validation.studies import robustness
 from validation.studies.robustness import ended, outcomes, penalty, random_scenarios, steps
+from validation.studies.robustness import section as robustness
 from validation.studies.robustness.checks import NEAR, checks
 from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
 from validation.studies.robustness.conservation import measure as long_run

@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 
 from validation import study as kit
-from validation.studies import work_precision as wp
 from validation.studies.work_precision import measuring, tables
+from validation.studies.work_precision import section as wp
 from validation.studies.work_precision.measuring import Curve, ladder_end
 from validation.studies.work_precision.problems import PROBLEMS, SPACING, TIMES, errors, reference
 from validation.study import Row, Task

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from validation.kit.timing import ratio
+from validation.kit.timing import interval
 from validation.page.section import power, sig
 from validation.studies.work_precision.measuring import CONSTRAINED, GOALS, IN_HOUSE, USEFUL
 from validation.studies.work_precision.problems import SAFETY, TIMES, TITLES
@@ -241,7 +241,7 @@ def price_table(pairs: pd.DataFrame) -> pd.DataFrame:
     """Median ratio of each comparison, with its interval."""
     rows = []
     for (what, formulation, problem), group in pairs.groupby(["what", "formulation", "problem"]):
-        middle, low, high = ratio(group["ratio"].tolist(), [1.0] * len(group))
+        middle, low, high = interval(group["ratio"].tolist())
         rows.append(
             {
                 "what": what,

@@ -1,0 +1,159 @@
+"""Hard cases: whether stiff and extreme motions keep their promise, and what fails says so."""
+
+from typing import Any
+
+import pandas as pd
+
+from validation.kit import located, references
+from validation.page.content import Content, Rows, Verdict
+from validation.studies.robustness import checks, conservation, ended, figures, outcomes, steps
+from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
+from validation.studies.robustness.outcomes import CASES, GOOD, VERDICTS, cases
+from validation.studies.robustness.penalty import PENALTY
+from validation.studies.robustness.problems import TOLERANCE
+from validation.studies.robustness.refusals import REFUSALS
+from validation.studies.robustness.steps import STEPS
+
+TITLE = "Hard cases"
+STUDIES = (CASES, STEPS, CONSERVATION, PENALTY, REFUSALS)
+
+VERY_STIFF = 1e-4
+"""Finest speed of friction in m/s from which on most runs take too many steps."""
+
+_LARGEST = {
+    "error": "largest error in rad",
+    "drift": "drift / radius",
+    "energy": "energy error, relative",
+}
+
+_DRIFT = {
+    "case": "constraints met on",
+    "position": "largest position residual in m",
+    "allowed": "allowed in m",
+    "at_end": "at the end in m",
+    "growth": "second half over first",
+    "velocity": "largest velocity residual in m/s",
+    "energy": "energy residual / (weight · radius)",
+}
+
+_CONSERVED = {
+    "case": "formulation, integrator",
+    "energy": "energy / (weight · radius)",
+    "momentum": "horizontal momentum / (mass · rim speed)",
+    "spin": "vertical angular momentum about the COG, relative",
+    "allowed": "each allowed",
+}
+
+
+def present(rows: Rows) -> Content:
+    """What there is to show, from the tables of `STUDIES`."""
+    table, limits = rows["robustness"], rows["robustness-steps"]
+    long = rows["robustness-conservation"].set_index("case", drop=False)
+    penalty, refusals = rows["robustness-penalty"], rows["robustness-refusals"]
+    counts, numbers = by_axis(table), case_numbers(table)
+    worst = table.groupby("axis")[list(_LARGEST)].max().rename(columns=_LARGEST)
+    wrong = table[~table["verdict"].isin(GOOD)]
+    return Content(
+        numbers={
+            **numbers,
+            **_step_numbers(limits),
+            **{each.__name__.rpartition(".")[2]: each for each in _SETTINGS},
+            "growing": long[long.index.str.startswith("acceleration level")],
+            "held": long.loc[[name for name, each in DRIFTING.items() if each.held]],
+            "minimal": long[long.index.str.startswith("minimal coordinates")],
+            "penalty": penalty,
+            "requests": len(refusals),
+            "refused": int(refusals["at_once"].sum()),
+        },
+        tables={
+            "outcomes": counts.join(worst).rename_axis("what is extreme").reset_index(),
+            "causes": _causes(table),
+            "cases": table.drop(columns="case").rename(columns=CASES.columns),
+            "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
+            "steps": limits.drop(columns="case"),
+            "drift": long.loc[list(DRIFTING), list(_DRIFT)].rename(columns=_DRIFT),
+            "conserved": long.loc[list(FREE), list(_CONSERVED)].rename(columns=_CONSERVED),
+            "penalty": penalty.drop(columns="case"),
+            "refusals": refusals.drop(columns="seconds"),
+        },
+        figures={"outcomes": figures.matrix(counts), "steps": figures.steps(limits)},
+        checks=list(checks.checks(rows)),
+        verdicts=[_verdict(numbers)],
+    )
+
+
+_SETTINGS = (checks, conservation, located, outcomes, references, steps)
+"""Modules whose limits the text names."""
+
+
+def by_axis(table: pd.DataFrame) -> pd.DataFrame:
+    """Number of cases by what is extreme about them, and by verdict."""
+    counts = pd.crosstab(table["axis"], table["verdict"])
+    # That none crashed has to be seen as well.
+    shown = [each for each in VERDICTS if each in counts or each == "crashed"]
+    return counts.reindex(index=table["axis"].unique(), columns=shown, fill_value=0)
+
+
+def _causes(table: pd.DataFrame) -> pd.DataFrame:
+    """Number of cases without an accurate result, by cause, and where they lie."""
+    found = table[table["cause"] != ""].groupby(["verdict", "cause"])["axis"]
+    where = found.agg(
+        lambda axes: ", ".join(f"{axis} ({n})" for axis, n in axes.value_counts().items())
+    )
+    told = pd.DataFrame({"cases": found.size(), "what is extreme (cases)": where})
+    return told.sort_values("cases", ascending=False, kind="stable").reset_index()
+
+
+def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
+    """Numbers of the hard cases that the text, the verdict and the manual state."""
+    counts = {verdict: int((table["verdict"] == verdict).sum()) for verdict in VERDICTS}
+    late = table["cause"].isin(["too many steps", "Newton's iteration does not converge"])
+    finest = table["case"].map(lambda name: cases()[name].scenario.friction.finest_speed)
+    told = table.dropna(subset=["error", "estimate"])
+    return {
+        "problems": table["case"].nunique(),
+        "sampled": len(CASES.sample),
+        "total": len(table),
+        "counts": counts,
+        "ends": sum(counts[each] for each in GOOD[1:]),
+        "without": int((~table["verdict"].isin(GOOD)).sum()),
+        "broken": checks.broken(table),
+        "causes": table["cause"].value_counts().to_dict(),
+        "late": int(late.sum()),
+        "very_stiff": VERY_STIFF,
+        "stiff": int((late & (finest <= VERY_STIFF)).sum()),
+        "asked": TOLERANCE,
+        "tolerances": table["tolerance"],
+        "ended": int((table["axis"] == ended.AXIS).sum()),
+        "told": len(told),
+        "beyond": int((told["error"] > told["estimate"] + told["doubt"]).sum()),
+        "untold": int((table["estimate"].isna() & table["error"].notna()).sum()),
+    }
+
+
+def _step_numbers(limits: pd.DataFrame) -> dict[str, Any]:
+    """Stable steps over predicted ones, and accurate ones over the stiffness."""
+    stable = limits[limits["kind"] == "stable"].dropna(subset="predicted")
+    accurate = limits[(limits["kind"] == "accurate") & (limits["over"] == "stiffness")]
+    explicit = accurate["integrator"].isin(steps.EXPLICIT)
+    return {
+        "apart": float((stable["step"] / stable["predicted"] - 1.0).abs().max()),
+        "places": stable.groupby("over")["value"].agg(["min", "max"]).to_dict("index"),
+        "explicit": accurate[explicit]["step"],
+        "implicit": accurate[~explicit]["step"],
+    }
+
+
+def _verdict(numbers: dict[str, Any]) -> Verdict:
+    asked, broken = numbers["tolerances"], numbers["broken"]
+    return Verdict(
+        statement="No stiff or extreme case crashes or breaks its promise of accuracy.",
+        answer="no" if broken else "yes",
+        numbers=f"Of {numbers['total']} cases asked for {asked.min():g} to {asked.max():g} rad, "
+        f"{numbers['counts']['accurate']} are accurate and {numbers['ends']} end early, "
+        f"accurately; {numbers['without']} give no accurate result, for reasons that are "
+        f"counted; {broken or 'none'} crashed or broke the promise.",
+        criterion="angles and the time of an ending within what was asked for, and its reason, "
+        "beside two runs by other methods; said of these cases alone.",
+        good=not broken,
+    )

@@ -1,0 +1,208 @@
+"""Error against work and run time of every formulation and integrator.
+
+Every method runs every problem on a ladder of steps or tolerances. What a run costs is counted
+in evaluations and measured in processor time; what it is worth is its largest deviation from a
+reference that two different methods agree on.
+"""
+
+from functools import cache
+from typing import Any
+
+import pandas as pd
+
+from validation.page.content import Content, Rows, Verdict
+from validation.page.section import span
+from validation.studies.work_precision import figures, tables
+from validation.studies.work_precision.measuring import (
+    CONSTRAINED,
+    GOALS,
+    curves,
+    measure,
+    measure_price,
+    prices,
+)
+from validation.studies.work_precision.problems import PROBLEMS, SPACING, TIMES, measure_reference
+from validation.studies.work_precision.tables import NAMES
+from validation.study import Check, Row, Study, at_most, load, relative
+
+TITLE = "Error against run time"
+
+
+def _problems() -> dict[str, str]:
+    return {name: name for name in PROBLEMS}
+
+
+REFERENCES = Study(
+    name="work-precision-references",
+    cases=_problems,
+    measure=measure_reference,
+    keys=("other",),
+    confirm={"difference": 1e-11},
+    sample=("model-1", "model-3"),
+    columns={"difference": "largest difference from the reference in rad"},
+)
+
+
+@cache
+def _floors() -> dict[str, float]:
+    return tables.floors(load(REFERENCES).assign(problem=lambda table: table["case"]))
+
+
+def _near_floor(stored: Row) -> float:
+    """Allowed difference of errors: 5 % and what the references leave open."""
+    return float(0.05 * stored["error"] + _floors()[stored["problem"]])
+
+
+CURVES = Study(
+    name="work-precision",
+    cases=curves,
+    measure=measure,
+    keys=("kind", "setting"),
+    confirm={"work": relative("work", 0.01), "error": _near_floor, "end": None},
+    sample=(
+        "model-1, contact-tree, RK67",
+        "model-1, contact-tree, RK44",
+        "model-1, index-1, DOP853",
+        "model-3, euler-tree, trapezoidal",
+        "stiff, contact-tree, RK67",
+    ),
+    timed=("seconds",),
+    columns={
+        "kind": "what is asked for: a step, a tolerance of each step, of the whole run, or steps "
+        "down to one, extrapolated",
+        "setting": "step in s or tolerance",
+        "seconds": "processor time in s of the integration; to a tolerance, of the whole call",
+        "work": "evaluations of the right-hand side, one per Newton iteration",
+        "error": "largest difference of β, γ in rad and of the centre of gravity over the radius",
+        "end": "why the ladder has no finer rungs",
+    },
+)
+PRICES = Study(
+    name="work-precision-prices",
+    cases=prices,
+    measure=measure_price,
+    keys=("pair",),
+    confirm={"work": relative("work", 0.01), "error": relative("error", 0.05)},
+    sample=("full for modified Newton, floating-lie, model-1",),
+    timed=("ratio",),
+)
+STUDIES = (REFERENCES, CURVES, PRICES)
+
+
+def present(rows: Rows) -> Content:
+    """Tables, diagrams and the lesson."""
+    references = rows[REFERENCES.name].assign(problem=lambda table: table["case"])
+    runs, floors = tables.prepared(rows[CURVES.name]), tables.floors(references)
+    told = tables.orders(runs, floors)
+    paid = tables.price_table(rows[PRICES.name])
+    asked = tables.asked(runs)
+    return Content(
+        numbers=_lesson(runs, paid, asked),
+        tables={
+            "ways": tables.ways(runs),
+            "formulations": tables.formulation_ways(runs),
+            "tolerances": tables.tolerances(runs),
+            "prices": paid,
+            "references": _reference_table(references, floors),
+            "orders": tables.order_table(told),
+            "failures": tables.failures(runs),
+            "every-way": tables.every_way(runs),
+            "runs": rows[CURVES.name],
+        },
+        figures={
+            "fronts": figures.fronts(runs, floors),
+            "orders": figures.orders(runs, floors),
+        },
+        checks=_checks(asked, floors),
+        verdicts=[_verdict(runs)],
+    )
+
+
+def _reference_table(references: pd.DataFrame, floors: dict[str, float]) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "problem": references["problem"],
+            "compared with": references["other"],
+            "step or tolerance": references["setting"],
+            "largest difference in rad": references["difference"],
+            "errors count from": references["problem"].map(floors),
+        }
+    )
+
+
+def _checks(asked: pd.DataFrame, floors: dict[str, float]) -> list[Check]:
+    """That the references can judge the finest goal, and runs to a tolerance keep it."""
+    found = [
+        at_most(f"work-precision: floor of {problem}", floor, GOALS[-1], "stored")
+        for problem, floor in floors.items()
+    ]
+    kept = asked[~asked["failed"]]
+    for (problem, formulation), group in kept.groupby(["problem", "formulation"]):
+        name = f"work-precision: error over tolerance, {problem}, {formulation}"
+        found.append(at_most(name, float(group["over"].max()), 1.0, "stored"))
+    return found
+
+
+def _lesson(runs: pd.DataFrame, paid: pd.DataFrame, asked: pd.DataFrame) -> dict[str, Any]:
+    """Numbers of the text beside the tables."""
+    held = runs[runs["formulation"].isin(CONSTRAINED)]
+    free = tables.cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
+    best = tables.cheapest(held, ["problem"])
+    own = tables.cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
+    ladders = held[held["kind"] == "step"]
+    plain = runs[runs["kind"].isin(["step", "local tolerance"]) & (runs["error"] <= GOALS[0])]
+    return {
+        "spacing": SPACING,
+        "end": float(TIMES[-1]),
+        "goals": GOALS,
+        "names": NAMES,
+        "topology": (best["seconds"] / free).dropna(),
+        "won": {g: tables.ranked(best.loc[best["goal"] == g, "formulation"]) for g in GOALS},
+        "gains": {g: tables.extrapolation_gain(runs, g) for g in (1e-2, 1e-3, 1e-4, 1e-6)},
+        "failing": {
+            scheme: (int(group["failed"].sum()), len(group))
+            for scheme, group in ladders.groupby("scheme")
+        },
+        "paid": {
+            what: (group["time, median ratio"], int((group["so"] == "within scatter").sum()))
+            for what, group in paid.groupby("what")
+        },
+        "careful": {
+            setting: (1.0 / group["over"].median(), group["excess"].median())
+            for setting, group in asked.groupby("setting", sort=False)
+        },
+        "stiff": _stiff(runs),
+        "drift": {
+            formulation: float(group["drift"].max())
+            for formulation, group in plain.groupby("formulation", sort=False)
+        },
+        "own": tables.ranked(own["scheme"]),
+        "spread": runs["spread"],
+    }
+
+
+def _stiff(runs: pd.DataFrame) -> dict[str, Any]:
+    """The rungs of RK67 around its limit of stability on the stiff problem, and DOPRI5 there."""
+    tree = runs[(runs["problem"] == "stiff") & (runs["formulation"] == "contact-tree")]
+    rungs = tree[(tree["scheme"] == "RK67") & (tree["kind"] == "step")]
+    good = (rungs["error"] <= GOALS[-1]).to_numpy()
+    first = int(good.argmax()) if good.any() else len(rungs) - 1
+    control = tables.cheapest(tree[tree["scheme"] == "DOPRI5"], ["scheme"]).iloc[0]
+    return {"unstable": rungs.iloc[first - 1], "stable": rungs.iloc[first], "control": control}
+
+
+def _verdict(runs: pd.DataFrame) -> Verdict:
+    """Whether closing the contact by topology is the fastest way in the engine, for all goals."""
+    free = tables.cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
+    held = runs[runs["formulation"].isin(CONSTRAINED)]
+    ratios = (tables.cheapest(held, ["problem"])["seconds"] / free).dropna()
+    faster = int((ratios > 1.0).sum())
+    answer = "yes" if faster == len(ratios) else "partly" if faster else "no"
+    return Verdict(
+        statement="Closing the contact by topology is the fastest way to run Model 1.",
+        answer=answer,
+        numbers=f"The fastest formulation that keeps a constraint takes {span(ratios)} times as "
+        f"long, in {faster} of {len(ratios)} cases of problem and goal more.",
+        criterion="yes if it is so for every problem and every goal that both reach.",
+        good=answer == "yes",
+    )
