@@ -72,6 +72,8 @@ class Study:
         that is a result; otherwise it is a crash.
     columns : mapping
         What columns mean, with their units.
+    rests_on : str
+        Digest of what its rows rest on besides code, versions and machine.
     """
 
     name: str
@@ -85,6 +87,7 @@ class Study:
     limit: float = inf
     failed: Callable[[Any, str], list[Row]] | None = None
     columns: Mapping[str, str] = field(default_factory=dict)
+    rests_on: str = ""
 
     @property
     def is_stored(self) -> bool:
@@ -230,6 +233,7 @@ def identity(study: Study) -> Row:
         "versions": versions(*PACKAGES),
         "machine": machine(),
         "engine": os.environ.get("EXUDYN_MODULE", ""),
+        "rests on": study.rests_on,
     }
 
 

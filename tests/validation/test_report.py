@@ -45,7 +45,6 @@ def test_a_second_call_measures_and_draws_nothing(
         raise AssertionError
 
     monkeypatch.setattr(kit, "_run", lambda tasks, *_: iter(()) if not tasks else none())
-    monkeypatch.setattr(report, "make_section", none)
     assert (
         report.make(tmp_path, results=results, pages=PAGES, workers=0).sections == first.sections
     )

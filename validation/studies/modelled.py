@@ -20,7 +20,6 @@ from analysis.data.disk import STEEL_RING
 from analysis.models.forms import FORMS
 from mbs_models import FORMULATIONS, Scene, formulations
 from validation.page.content import Content, Rows
-from validation.studies.coordinates import sketch
 from validation.studies.rest.runs import CASES
 from validation.study import Study, equal
 
@@ -81,10 +80,9 @@ COLUMNS = ["of", "parameter", "symbol", "value", "unit"]
 
 
 def present(rows: Rows) -> Content:
-    """The sketch and the tables; nothing is measured."""
+    """The tables; nothing is measured."""
     del rows
     return Content(
-        drawings={"coordinates": sketch()},
         tables={
             "models": pd.DataFrame(
                 [(f"Model {level}", *ADDED[level]) for level in LEVELS],
