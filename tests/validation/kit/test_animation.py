@@ -33,6 +33,7 @@ from tests.calls import refusal, run
 from tests.helpers import not_none, random_trajectory
 from validation import animate
 from validation.kit.animation import gif as animation_gif
+from validation.kit.animation import picture as drawing
 from validation.kit.animation.body import shape
 from validation.kit.animation.keyframes import keyframes
 from validation.kit.animation.player import Animation, player
@@ -301,7 +302,7 @@ def test_gif_shows_the_heavy_half_low_and_then_high() -> None:
         for index in (0, picture.n_frames - 1):
             picture.seek(index)
             pixels = np.asarray(picture.convert("RGB"), dtype=int)
-            halves = [[animation_gif.FRONT[k], animation_gif.BACK[k]] for k in (0, 1)]
+            halves = [[drawing.FRONT[k], drawing.BACK[k]] for k in (0, 1)]
             light, heavy = (
                 np.concatenate([_rows(pixels, colour) for colour in colours]).mean()
                 for colours in halves
