@@ -279,7 +279,7 @@ def make_section(name: str, found: Found, results: Path) -> MadeSection:
             checks.append(Check(f"{study.name}: table", str(error), "is there", "fresh", False))
     try:
         content = module.present(rows)
-        section = Section(short(module), content)
+        section = Section(short(module), content, vars(module))
         html, text = section.filled(about, _text(module))
     except Exception as error:  # noqa: BLE001
         # A section that cannot be made says so, and the report fails.

@@ -43,6 +43,8 @@ class Section:
     name : str
         Of the study's module, and in front of the names of its files.
     content : Content
+    known : mapping
+        What its text may name beside the content's numbers: what the module knows.
 
     Attributes
     ----------
@@ -50,8 +52,11 @@ class Section:
         From names to contents of all that lies beside the page.
     """
 
-    def __init__(self, name: str, content: Content) -> None:
+    def __init__(
+        self, name: str, content: Content, known: Mapping[str, Any] | None = None
+    ) -> None:
         self.name = name
+        self._known = known or {}
         self.files: dict[str, bytes] = {}
         self._content = content
         self._left = {*content.tables, *content.figures, *content.animations}
@@ -77,6 +82,7 @@ class Section:
         self._folder = text.parent
         kinds = ("table", "file", "figure", "drawing", "animation")
         names = {
+            **self._known,
             **self._content.numbers,
             "about": about,
             "tables": self._content.tables,
