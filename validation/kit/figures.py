@@ -1,7 +1,7 @@
 """What figures share: colours and line styles that stay apart in grey and for the colour-blind."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -53,96 +53,6 @@ def new_figure(
         figure = Figure(figsize=(width, height))
         axes = figure.subplots(rows, columns, sharex="col" if share else False)
     return figure, axes
-
-
-class Curve(NamedTuple):
-    """A curve of a panel.
-
-    Parameters
-    ----------
-    x, y : array_like, shape (n,)
-    label : str
-        Without one, the legend leaves it out.
-    how : mapping
-        What `Axes.plot` takes; with `yerr`, `Axes.errorbar`. See `look`.
-    """
-
-    x: Any
-    y: Any
-    label: str = ""
-    how: Mapping[str, Any] = {}
-
-
-class Panel(NamedTuple):
-    """A panel of a figure: curves, and grey lines by their labels.
-
-    Parameters
-    ----------
-    y : str
-        What its vertical axis shows, with the unit.
-    curves : sequence of Curve
-    across, upright : mapping
-        Heights of horizontal lines, and places of vertical ones.
-    strip : tuple of 2 float, optional
-        Places between which it is shaded.
-    quarters : bool
-        Whether the vertical axis is marked at multiples of a quarter of pi.
-    how : mapping
-        What `Axes.set` takes besides.
-    """
-
-    y: str
-    curves: Sequence[Curve]
-    across: Mapping[str, float] = {}
-    upright: Mapping[str, float] = {}
-    strip: tuple[float, float] | None = None
-    quarters: bool = False
-    how: Mapping[str, Any] = {}
-
-
-def look(index: int, **more: Any) -> dict[str, Any]:
-    """How a curve is drawn that is told from others by colour and line style."""
-    return {"color": COLOURS[index % 4], "linestyle": STYLES[index % 4], **more}
-
-
-def panels(
-    *shown: Panel, x: str, height: float = 4.2, columns: int = 4, legend: str = ""
-) -> Figure:
-    """Figure of panels below each other that share the horizontal axis.
-
-    Parameters
-    ----------
-    *shown : Panel
-    x : str
-        What the horizontal axis shows, with the unit.
-    height : float
-        In inches.
-    columns : int
-        Of the legends, which stand above the panels.
-    legend : str
-        Where they stand else, in matplotlib's words.
-    """
-    figure, found = new_figure(len(shown), height=height)
-    for panel, axes in zip(shown, np.atleast_1d(found), strict=True):
-        for curve in panel.curves:
-            draw = axes.errorbar if "yerr" in curve.how else axes.plot
-            draw(curve.x, curve.y, label=curve.label, **curve.how)
-        for lines, line in ((panel.across, axes.axhline), (panel.upright, axes.axvline)):
-            for label, value in lines.items():
-                line(value, color="#888888", linestyle=":", label=label.rstrip(), zorder=1)
-        if panel.strip is not None:
-            axes.axvspan(*panel.strip, color="#dddddd", zorder=0)
-        if panel.quarters:
-            angle_axis(axes)
-        axes.set(ylabel=panel.y, **panel.how)
-        if not axes.get_legend_handles_labels()[1]:
-            continue
-        if legend:
-            axes.legend(loc=legend)
-        else:
-            legend_above(axes, columns=columns)
-    axes.set(xlabel=x)
-    return figure
 
 
 def legend_above(axes: Axes, columns: int = 4, size: float | None = None) -> None:

@@ -131,14 +131,12 @@ def present(rows: Rows) -> Content:
     told = ", ".join(f"{time:.2f}" for time in times) or "–"
     return Content(
         numbers={
-            "definition": DEFINITION,
             "times": told,
             "short": np.pi / 2 - gamma[round(PRINTED_TIME / SPACING)],
             "beyond": np.max(gamma) - np.pi / 2,
             "force": np.max(np.abs(contact.normal_force / contact.scenario.weight - 1.0)),
             "change": np.max(np.abs(weight.coordinates - contact.coordinates)[:, 4:]),
             "spins": [whole[case, "engine"].rate("alpha")[-1] for case in models[:3]],
-            "tolerance": TOLERANCE,
         },
         tables={"agreement": apart},
         figures={

@@ -182,7 +182,6 @@ def present(rows: Rows) -> Content:
             "upright_spin": upright_rolling_spin(ON_TABLE),
             "upright_leans": leans[list(SOURCES)].max(axis=1).tolist(),
             "laws": laws,
-            "stage_fit": FIT,
         },
         tables={"closed": found.rename(columns={"difference": "largest relative difference"})},
         figures={"final": draw(laws)},

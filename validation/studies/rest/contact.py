@@ -123,7 +123,7 @@ def present(rows: Rows) -> Content:
         "step_error": "of it by the step",
     }
     return Content(
-        numbers={"contact_end": END, "contact_parts": PARTS, "contact_errors": finest},
+        numbers={"contact_errors": finest},
         tables={"contact": table[list(headings)].rename(columns=headings)},
         figures={"contact": draw(table)},
         checks=checks,

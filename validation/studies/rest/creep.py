@@ -163,11 +163,7 @@ def present(rows: Rows) -> Content:
         at_most("rest, creep: its first 10 s in rad", largest(same.tolist()), 1e-6, "stored"),
     ]  # fmt: skip
     return Content(
-        numbers={
-            "creep": table.iloc[0].tolist(),
-            "creep_range": (START, FAR),
-            "creep_times": TIMES,
-        },
+        numbers={"creep_law": table.iloc[0].tolist()},
         tables={"creep": table},
         figures={"creep": figure},
         checks=checks,
