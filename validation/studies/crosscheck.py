@@ -44,7 +44,7 @@ END = 2.0
 
 MODELS_OF_PAPER, SETS = "the paper's models", "sets of constraints"
 
-STATES = {MODELS_OF_PAPER: 1000, SETS: 50}
+STATES = {MODELS_OF_PAPER: 250, SETS: 50}
 """Random states of each scene."""
 
 
