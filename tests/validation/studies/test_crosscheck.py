@@ -35,7 +35,7 @@ from tests.helpers import mostly_slow, not_none
 from validation.kit.limits import holds
 from validation.run import run
 from validation.studies import comparisons, crosscheck
-from validation.studies.crosscheck import Case, Check
+from validation.studies.crosscheck import Check
 from validation.studies.stability.eigenvalue_check import distance
 
 SLOPE = Table(inclination=2 * pi / 180, downhill=0.7)
@@ -296,15 +296,14 @@ def test_eigenvalues_that_one_side_lacks_are_no_agreement(
 @cache
 def compared() -> pd.DataFrame:
     """Rows of the study, with a difference that a measurement of two states has found."""
-    one = crosscheck.measure(Case(Scenario(), 2, 0.01))
-    by_quantity = {row["quantity"]: row for row in one if row["formulation"] == "floating"}
+    checks = crosscheck.check_formulation(Scenario(), "floating", states=2, end=0.01)
     rows = [
-        {"case": label, **row, "formulation": formulation}
-        | ({"counted": case.states} if row["counted"] else {})
+        {"case": label, "kind": case.kind, **check._asdict(), "formulation": formulation}
+        | ({"counted": crosscheck.STATES[case.kind]} if check.counted else {})
         for label, case in crosscheck.cases().items()
         for formulation in mbs_models.formulations(case.scenario)
-        for row in by_quantity.values()
-        if case.end is not None or "motion" not in row["quantity"]
+        for check in checks
+        if case.end is not None or "motion" not in check.quantity
     ]
     return pd.DataFrame(rows)
 
