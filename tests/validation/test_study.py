@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import partial
-from math import inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -71,19 +70,6 @@ def test_whatever_goes_wrong_on_the_spot_fails_a_check(
     case: str, failing: str, results: Path, tmp_path: Path
 ) -> None:
     assert failing in fails(of(case), tmp_path, results)
-
-
-@pytest.mark.parametrize("planted", [nan, inf, 1.0 + 1e-6, "none"])
-def test_whatever_is_wrong_in_the_table_fails_a_check(
-    planted: object, results: Path, tmp_path: Path
-) -> None:
-    table = kit.load(STUDY, results)
-    if planted == "none":
-        table = table.drop(index=0)
-    else:
-        table.loc[0, "value"] = planted
-    found = kit.measured(STUDY.tasks(whole=False), tmp_path, workers=0)
-    assert not all(check.holds for check in kit.confirm(STUDY, found, table))
 
 
 def test_a_case_that_hangs_is_ended_and_is_a_result_where_the_study_says_so(

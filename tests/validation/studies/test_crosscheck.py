@@ -1,5 +1,6 @@
 """Engine against in-house equations, for any scenario."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
@@ -52,12 +53,8 @@ def failed(checks: list[Check]) -> list[Check]:
     return [check for check in checks if check.verdict is not True]
 
 
-@pytest.mark.parametrize(
-    "constraints",
-    mostly_slow(POSSIBLE_SETS, (MODELS[1], MODELS[4], POSSIBLE_SETS[-1])),
-    ids=" + ".join,
-)
-def test_every_possible_set_agrees(constraints: ConstraintSet) -> None:
+@pytest.mark.parametrize("constraints", [MODELS[1], MODELS[4], POSSIBLE_SETS[-1]], ids=" + ".join)
+def test_every_formulation_of_a_set_agrees(constraints: ConstraintSet) -> None:
     scenario = Scenario(constraints=constraints)
     best, *others = mbs_models.formulations(scenario)
     checks = crosscheck.check_formulation(scenario, best, states=10, end=0.1)
@@ -133,14 +130,6 @@ def driving(friction: Any) -> Any:
     return backwards
 
 
-def turned(free: Any) -> Any:
-    def backwards(disk: Any, gravity: Any, moving: Any) -> Any:
-        linear, turning = free(disk, gravity, moving._replace(spin=-moving.spin))
-        return linear, scaled(-1.0, turning)
-
-    return backwards
-
-
 def uphill(numbers: Any) -> Any:
     return lambda scenario: (*(found := numbers(scenario))[:7], -found[7], found[8])
 
@@ -156,7 +145,6 @@ def pushing(touch: Any) -> Any:
 YIELDING = Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK))
 
 WRONG: dict[str, tuple[Any, str, Callable[[Any], Any], Scenario]] = {
-    "gyroscopic forces": (newton_euler, "free_acceleration", turned, Scenario()),
     "friction": (newton_euler, "friction", driving, Scenario()),
     "slope": (recorded, "numbers", uphill, Scenario(table=SLOPE)),
     "penalty": (penalty.YieldingTable, "touch", pushing, YIELDING),
@@ -172,12 +160,8 @@ def test_wrong_sign_on_one_side_is_found(name: str, monkeypatch: pytest.MonkeyPa
     formulation = mbs_models.formulations(scenario)[0]
     checks = crosscheck.check_formulation(scenario, formulation, states=5, end=0.05)
     recorded.formula.cache_clear()
-    has_spectra = scenario == Scenario()
-    for check in checks:
-        if check.quantity != "constraint forces" and (
-            has_spectra or not check.quantity.startswith("eigenvalues")
-        ):
-            assert check.verdict is False
+    wrong = [each for each in checks if re.search("accelerations|motion in", each.quantity)]
+    assert [check.verdict for check in wrong] == [False, False]
 
 
 def altered(monkeypatch: pytest.MonkeyPatch, change: Callable[..., Trajectory]) -> None:
@@ -274,20 +258,15 @@ VALUES = np.array([1.0 + 2.0j, 1.0 - 2.0j, -3.0])
 
 
 @pytest.mark.parametrize(
-    "found",
-    [VALUES[:2], np.append(VALUES, -5.0), VALUES[:0], [1.0, 2.0, nan], [1.0, 2.0, inf]],
-    ids=["fewer", "more", "none", "nan", "inf"],
+    "found", [VALUES[:2], np.append(VALUES, -5.0), VALUES[:0], nan * VALUES, inf * VALUES.real]
 )
 def test_eigenvalues_that_one_side_lacks_are_no_agreement(
     found: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = np.asarray(found, dtype=complex)
     assert distance(VALUES[::-1], VALUES) == 0.0
-    assert distance(found, VALUES) == inf
-    assert distance(found[:0], VALUES[:0]) == inf
+    assert distance(found, VALUES) == distance(found[:0], VALUES[:0]) == inf
     monkeypatch.setattr(mbs_models, "eigenvalues", lambda _: found)
-    for motion in MOTIONS:
-        assert comparisons.eigenvalue_difference(Scene(), motion)[0] == inf
+    assert comparisons.eigenvalue_difference(Scene(), MOTIONS[0])[0] == inf
 
 
 # --- The study ----------------------------------------------------------------------------------
