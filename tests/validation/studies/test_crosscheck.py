@@ -28,7 +28,6 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.mechanics import newton_euler, penalty, recorded
-from analysis.mechanics.constraints import Direction
 from analysis.mechanics.vectors import scaled
 from mbs_models import Scene
 from tests.helpers import mostly_slow, not_none
@@ -144,13 +143,13 @@ def bent(name: str, monkeypatch: pytest.MonkeyPatch) -> Scenario:
 
         monkeypatch.setattr(newton_euler, "free_acceleration", backwards)
     if name == "friction":
-        per_load = newton_euler.friction
+        against = recorded._friction
 
         def driving(*given: Any) -> Any:
-            force, moment, _ = per_load(*given)
-            return Direction(scaled(-1.0, force), scaled(-1.0, moment))
+            along, across = against(*given)
+            return -along, -across
 
-        monkeypatch.setattr(newton_euler, "friction", driving)
+        monkeypatch.setattr(recorded, "_friction", driving)
     if name == "slope":
         numbers = recorded.numbers
         monkeypatch.setattr(
