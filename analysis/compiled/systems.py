@@ -81,6 +81,11 @@ class Structure:
     ) -> "Structure":
         """Structure of the runs of a scenario, or of members that are alike in it."""
         law = scenario.friction
+        if not law.is_simple:
+            raise CannotCompileError(
+                "method 'taylor' takes friction that is isotropic and in proportion to the load, "
+                f"got {type(law).__name__}"
+            )
         values = ((name, getattr(law, name)) for name in _names(type(law)))
         return cls(
             form=form,
@@ -283,6 +288,7 @@ def _solution(
             cos=library.cos,
             speed=speed,
             per_speed=scenario.friction.per_speed,
+            force=None,
             contact_load=contact_load,
         )(*variables)
     except (TypeError, ValueError, AttributeError) as error:

@@ -157,6 +157,12 @@ def call(name: str, *operands: Any) -> Symbol:
     return recorder.keep(f"{name}({', '.join('{}' for _ in operands)})", *operands)
 
 
+def pair(name: str, *operands: Any) -> tuple[Symbol, Symbol]:
+    """Symbols for the two numbers that the function of this name returns."""
+    both = call(name, *operands)
+    return both.recorder.keep("{}[0]", both), both.recorder.keep("{}[1]", both)
+
+
 def _plain(operand: Any) -> Any:
     return operand if isinstance(operand, Symbol) else float(operand)
 

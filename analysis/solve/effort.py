@@ -91,7 +91,7 @@ def simulation_effort(
     if local_tolerance is not None:
         name, wanted = "local_tolerance", local_tolerance
     wanted = positive(name, wanted)
-    start, gradient = scenario.initial_state, scenario.friction.gradient
+    start, gradient = scenario.initial_state, scenario.friction_gradient
     spin = abs(start.rates[3])
     turning = sum(abs(rate) for rate in start.rates[3:])
     sharpness = wanted ** (-1.0 / (used.order))

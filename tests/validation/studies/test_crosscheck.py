@@ -28,9 +28,7 @@ from analysis import (
     Trajectory,
 )
 from analysis.data.checks import Array
-from analysis.mechanics import newton_euler, penalty, recorded
-from analysis.mechanics.constraints import Direction
-from analysis.mechanics.vectors import scaled
+from analysis.mechanics import penalty, recorded
 from mbs_models import Scene
 from tests.helpers import mostly_slow, not_none
 from validation.kit.limits import holds
@@ -124,8 +122,8 @@ def test_constrained_scenes_are_stepped_by_a_solver_of_the_engine() -> None:
 
 def driving(friction: Any) -> Any:
     def backwards(*given: Any) -> Any:
-        force, moment, _ = friction(*given)
-        return Direction(scaled(-1.0, force), scaled(-1.0, moment))
+        along, across = friction(*given)
+        return -along, -across
 
     return backwards
 
@@ -145,7 +143,7 @@ def pushing(touch: Any) -> Any:
 YIELDING = Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK))
 
 WRONG: dict[str, tuple[Any, str, Callable[[Any], Any], Scenario]] = {
-    "friction": (newton_euler, "friction", driving, Scenario()),
+    "friction": (recorded, "_friction", driving, Scenario()),
     "slope": (recorded, "numbers", uphill, Scenario(table=SLOPE)),
     "penalty": (penalty.YieldingTable, "touch", pushing, YIELDING),
 }
