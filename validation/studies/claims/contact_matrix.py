@@ -122,7 +122,7 @@ def judge(table: pd.DataFrame) -> Judged:
     """Section 4.1: A_0 is not guaranteed to be invertible."""
     (row,) = table.to_dict("records")
     lost = [row[side] < STRONGEST for side in ("engine", "in_house")]
-    return {"row": row, "strongest": STRONGEST, "verdict": grade(yes=all(lost), partly=any(lost))}
+    return {"row": row, "verdict": grade(yes=all(lost), partly=any(lost))}
 
 
 def checks(table: pd.DataFrame) -> list[Check]:

@@ -95,8 +95,6 @@ def judge(table: pd.DataFrame) -> Judged:
     rolled = table[table["gradient"].isna()]
     stays = (rolled["outcome"] == "not inverted").groupby(rolled["spin"]).all()
     return within(len(SPINS) - int(stays.sum()), 0, len(SPINS) - 1) | {
-        "spins": SPINS,
-        "end": TIMES[-1],
         "highest": rolled.groupby("spin")["highest"].max().tolist(),
         "longest": rolled["longest_up"].max(),
     }
