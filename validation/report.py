@@ -236,7 +236,8 @@ def _drawing(module: StudyModule, found: Found, results: Path) -> Study:
     own = {key: rows for key, rows in found.items() if key[0] in names}
     stored = [results / f"{name}.{kind}" for name in sorted(names) for kind in ("csv", "json")]
     told = [behind(module.__name__), repr(sorted(own.items(), key=lambda each: each[0]))]
-    told += [path.read_text("utf-8") for path in (_text(module), *stored) if path.is_file()]
+    beside = [_text(module), *sorted(_text(module).parent.glob("*.svg")), *stored]
+    told += [path.read_text("utf-8") for path in beside if path.is_file()]
     return Study(
         name=f"section-{short(module)}",
         cases=lambda: {"section": (module.__name__, own, results)},

@@ -40,8 +40,8 @@ ACCELERATION_LIMIT = 1e-8
 
 MOTION = "β and γ of the motion in rad"
 
-END = 2.0
-"""End in s of the motions that are compared, if the scenario allows so long a one."""
+END = 1.0
+"""End in s of the motions that are compared, past the inversion, if the scenario allows it."""
 
 MODELS_OF_PAPER, SETS = "the paper's models", "sets of constraints"
 

@@ -176,19 +176,11 @@ def judge_attraction(found: pd.DataFrame) -> Judged:
 def draw(found: pd.DataFrame) -> Figure:
     """Share of the starts that are inverted over the spin, with intervals."""
     figure, axes = figures.new_figure(height=4.0)
-    for index, ((model, tilt), group) in enumerate(found.groupby(["model", "starts"], sort=False)):
-        share = group["inverted in %"]
-        axes.errorbar(
-            group["spin"],
-            share,
-            yerr=(share - group["from"], group["to"] - share),
-            color=figures.COLOURS[index],
-            linestyle=figures.STYLES[index],
-            marker=figures.MARKERS[index],
-            markersize=4,
-            capsize=2.5,
-            label=f"{model}, {tilt}",
-        )
+    groups = found.groupby(["model", "starts"], sort=False)
+    for ((model, tilt), group), look in zip(groups, figures.MARKED, strict=False):
+        share, label = group["inverted in %"], f"{model}, {tilt}"
+        bars = (share - group["from"], group["to"] - share)
+        axes.errorbar(group["spin"], share, bars, markersize=4, capsize=2.5, label=label, **look)
     axes.axvline(critical_speed(), color="#999999", linewidth=0.8, label="$Ω_{crit}$ (126)")
     axes.axhline(100 * NEARLY_ALL, color="#999999", linewidth=0.8, linestyle=":")
     axes.set(xlabel="spin at the start in rad/s", ylabel="inverted in %", ylim=(-3.0, 103.0))
