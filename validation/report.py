@@ -17,6 +17,7 @@ import pandas as pd
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
 from validation import study as kit
+from validation.kit.animation import play
 from validation.kit.progress import say
 from validation.kit.provenance import PACKAGES, Provenance, machine
 from validation.kit.sources import behind
@@ -319,6 +320,7 @@ def _write(
     files = {name: text for section in sections for name, text in section.files.items()}
     table = pd.DataFrame(checks, columns=list(Check._fields))
     files["checks.csv"] = table.to_csv(index=False, lineterminator="\n").encode()
+    files["play.html"] = play.page().encode()
     template = environment(Path(__file__).parent / "page").get_template("page.html")
     shown = []
     for path, title, names in pages:

@@ -56,7 +56,21 @@ def disk_of(values: Numbers) -> Any:
 
 
 @cache
-def formula(
+def formula(*structure: Any, **more: Any) -> Callable[..., Callable[..., tuple[Any, ...]]]:
+    """Code of `recording`, whose parameters these are.
+
+    Returns
+    -------
+    callable
+        From `numbers` and, by keyword, `speed`, `per_speed`, `force`, `contact_load` and `sin`
+        and `cos` of these kinds of numbers, to a function of the 12 numbers of a state; that one
+        returns the results.
+    """
+    recorder, results = recording(*structure, **more)
+    return recorder.code(results)
+
+
+def recording(
     held: ConstraintSet,
     load: Load | None,
     *,
@@ -64,8 +78,8 @@ def formula(
     law: type[FrictionLaw] = FrictionLaw,
     slowing: bool = False,
     chart: type[EulerAngles] = EulerAngles,
-) -> Callable[..., Callable[..., tuple[Any, ...]]]:
-    """Code of `IdealContact.derivative` for a structure.
+) -> tuple[Recorder, list[Any]]:
+    """Symbols of `IdealContact.derivative` for a structure.
 
     Parameters
     ----------
@@ -84,10 +98,10 @@ def formula(
 
     Returns
     -------
-    callable
-        From `numbers` and, by keyword, `speed`, `per_speed`, `force`, `contact_load` and `sin`
-        and `cos` of these kinds of numbers, to a function of the 12 numbers of a state; that one
-        returns the derivative and the multipliers, 12 + n numbers, and what `slowing` asks for.
+    recorder : Recorder
+        With `NUMBERS` as constants and `STATE` as variables.
+    results : list
+        The derivative and the multipliers, 12 + n, and what `slowing` asks for.
     """
     recorder = Recorder(NUMBERS, STATE, _FUNCTIONS)
     along, across, down = recorder.constants[6:]
@@ -102,7 +116,7 @@ def formula(
         chart=chart,
     )
     derivative, multipliers, slower = contact.derivative(recorder.variables)
-    return recorder.code([*derivative, *multipliers, *([slower] if slowing else [])])
+    return recorder, [*derivative, *multipliers, *([slower] if slowing else [])]
 
 
 def _friction(along: Any, across: Any, load: Any) -> tuple[Any, Any]:

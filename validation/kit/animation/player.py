@@ -140,19 +140,35 @@ def player(
     # Within a script element, only "</" could end it early.
     told = encode(poses) | _playback(poses, speed)
     data = json.dumps(told, default=lambda outline: outline.round(6).tolist())
-    data = data.replace("</", "<\\/")
-    template = Environment(autoescape=True).from_string(_asset("player.html"))
-    fragment = template.render(
+    fragment = frame(
         name=name,
         title=title,
         caption=caption,
         source=poses.source,
         is_heavy=bool(poses.disk.eccentricity),
-        style=Markup(_asset("player.css")),  # noqa: S704 # they are this package's own
-        data=Markup(data),  # noqa: S704
-        script=Markup(_asset("player.js")),  # noqa: S704
+        data=Markup(data.replace("</", "<\\/")),  # noqa: S704 # it is JSON
     )
     return Animation(name=name, title=title, fragment=fragment, poses=poses, speed=speed)
+
+
+def frame(*, name: str, title: str, **about: Any) -> str:
+    """Element with the player, for a motion or, without `data`, for what a page's code gives it.
+
+    Parameters
+    ----------
+    name, title : str
+        As in `player`.
+    **about
+        What else `player.html` names.
+    """
+    template = Environment(autoescape=True).from_string(_asset("player.html"))
+    return template.render(
+        name=name,
+        title=title,
+        style=Markup(_asset("player.css")),  # noqa: S704 # they are this package's own
+        script=Markup(_asset("player.js")),  # noqa: S704
+        **about,
+    )
 
 
 def encode(poses: Keyframes) -> dict[str, object]:
