@@ -15,17 +15,17 @@ from validation.run import run
 class Way:
     """A way to compute a motion: formulation and integrator, or in-house form and method.
 
-    Without an integrator, the side chooses one.
+    What is left out, the side chooses.
     """
 
     source: Source
-    formulation: Formulation | Form
+    formulation: Formulation | Form | None = None
     integrator: IntegratorName | Method | None = None
 
     @property
     def name(self) -> str:
         """Formulation and integrator."""
-        return f"{self.formulation}, {self.integrator or 'as chosen'}"
+        return ", ".join(filter(None, (self.formulation, self.integrator or "as chosen")))
 
     def run(self, scenario: Scenario, times: Array, **how: Any) -> Trajectory:
         """Run a scenario this way; the further arguments are those of `validation.run.run`.

@@ -8,14 +8,21 @@ from validation.kit import located, references
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.robustness import checks, conservation, ended, figures, outcomes, steps
 from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
-from validation.studies.robustness.outcomes import CASES, GOOD, VERDICTS, cases
+from validation.studies.robustness.outcomes import (
+    CASES,
+    CHOSEN,
+    GOOD,
+    UNFINISHED,
+    VERDICTS,
+    cases,
+)
 from validation.studies.robustness.penalty import PENALTY
 from validation.studies.robustness.problems import TOLERANCE
 from validation.studies.robustness.refusals import REFUSALS
 from validation.studies.robustness.steps import STEPS
 
 TITLE = "Hard cases"
-STUDIES = (CASES, STEPS, CONSERVATION, PENALTY, REFUSALS)
+STUDIES = (CASES, CHOSEN, STEPS, CONSERVATION, PENALTY, REFUSALS)
 
 VERY_STIFF = 1e-4
 """Finest speed of friction in m/s from which on most runs take too many steps."""
@@ -24,6 +31,16 @@ _LARGEST = {
     "error": "largest error in rad",
     "drift": "drift / radius",
     "energy": "energy error, relative",
+}
+
+_CHOSEN = {
+    "case": "motion",
+    "verdict": "verdict",
+    "cause": "why not",
+    "error": "error in rad",
+    "doubt": "doubt in rad",
+    "estimate": "its own estimate in rad",
+    "seconds": "time in s",
 }
 
 _DRIFT = {
@@ -50,12 +67,16 @@ def present(rows: Rows) -> Content:
     table, limits = rows["robustness"], rows["robustness-steps"]
     long = rows["robustness-conservation"].set_index("case", drop=False)
     penalty, refusals = rows["robustness-penalty"], rows["robustness-refusals"]
-    counts, numbers = by_axis(table), case_numbers(table)
+    counts, numbers, chosen = by_axis(table), case_numbers(table), rows["robustness-chosen"]
     worst = table.groupby("axis")[list(_LARGEST)].max().rename(columns=_LARGEST)
     wrong = table[~table["verdict"].isin(GOOD)]
     return Content(
         numbers={
             **numbers,
+            "chosen": chosen,
+            "left": int((~chosen["verdict"].isin(GOOD)).sum()),
+            "chosen_broken": checks.broken(chosen),
+            "sampled_chosen": len(CHOSEN.sample),
             **_step_numbers(limits),
             **{each.__name__.rpartition(".")[2]: each for each in _SETTINGS},
             "growing": long[long.index.str.startswith("acceleration level")],
@@ -70,6 +91,7 @@ def present(rows: Rows) -> Content:
             "causes": _causes(table),
             "cases": table.drop(columns="case").rename(columns=CASES.columns),
             "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
+            "chosen": chosen[list(_CHOSEN)].rename(columns=_CHOSEN),
             "steps": limits.drop(columns="case"),
             "drift": long.loc[list(DRIFTING), list(_DRIFT)].rename(columns=_DRIFT),
             "conserved": long.loc[list(FREE), list(_CONSERVED)].rename(columns=_CONSERVED),
@@ -107,7 +129,7 @@ def _causes(table: pd.DataFrame) -> pd.DataFrame:
 def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the hard cases that the text, the verdict and the manual state."""
     counts = {verdict: int((table["verdict"] == verdict).sum()) for verdict in VERDICTS}
-    late = table["cause"].isin(["too many steps", "Newton's iteration does not converge"])
+    late = table["cause"].isin(UNFINISHED)
     finest = table["case"].map(lambda name: cases()[name].scenario.friction.finest_speed)
     told = table.dropna(subset=["error", "estimate"])
     return {
