@@ -95,7 +95,8 @@ def measure(place: Place) -> list[Row]:
             | {"step": largest_accurate(Scene(scenario, formulation), integrator, truth)}
             for formulation, integrator in WAYS[axis]
         ]
-    return [{"over": axis, "value": value, "predicted": None, **row} for row in rows]
+    where = {"over": axis, "value": value}
+    return [where | row | {"predicted": row.get("predicted")} for row in rows]
 
 
 def _scenarios(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
