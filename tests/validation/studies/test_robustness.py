@@ -20,7 +20,7 @@ from validation import study as kit
 from validation.kit.references import Reference, reference
 from validation.kit.ways import StepLimit, Way
 from validation.page.content import Rows
-from validation.studies.robustness import ended, outcomes, penalty, random_scenarios, steps
+from validation.studies.robustness import ended, outcomes, penalty, steps
 from validation.studies.robustness import section as robustness
 from validation.studies.robustness.checks import NEAR, checks
 from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
@@ -30,10 +30,10 @@ from validation.studies.robustness.problems import TOLERANCE, Problem
 from validation.studies.robustness.refusals import REFUSALS, REQUESTS
 from validation.studies.robustness.refusals import measure as ask
 
-TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
-EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")
-DOP853 = Way(source="in-house", formulation="index-1", integrator="DOP853")
-CHOSEN_WAY = Way(source="engine")
+TREE = Way("engine", "contact-tree", "RK67")
+EULER = Way("engine", "euler-tree", "TrapezoidalIndex2")
+DOP853 = Way("in-house", "index-1", "DOP853")
+CHOSEN_WAY = Way("engine")
 
 EASY = Problem(axis="none", label="", scenario=Scenario(), end=0.1, samples=11)
 FAST = replace(EASY, scenario=Scenario(start=Start(spin=300.0)))
@@ -91,26 +91,6 @@ def test_scaled_disk_makes_the_same_motion(radius: str) -> None:
         for each, end in ((problem.scenario, problem.end), (Scenario(), 0.5))
     )
     np.testing.assert_allclose(run.coordinates[:, 3:], original.coordinates[:, 3:], atol=1e-7)
-
-
-def test_random_draws_are_those_of_their_seed_and_within_their_ranges() -> None:
-    drawn = random_scenarios.draws(40, 3)
-    assert drawn == random_scenarios.draws(40, 3)
-    assert drawn[0] != random_scenarios.draws(1, 4)[0]
-    assert {problem.scenario.constraints for problem, _ in drawn} == set(MODELS.values())
-    for problem, way in drawn:
-        assert way.formulation in mbs_models.formulations(problem.scenario)
-        assert 1e-8 <= problem.tolerance <= 1e-3
-
-
-@pytest.mark.parametrize("broken", [False, True])
-def test_random_motion_that_breaks_its_promise_fails(
-    broken: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    row = dict.fromkeys(outcomes.COLUMNS) | {"verdict": "accurate", "reason": "", "broken": broken}
-    monkeypatch.setattr(random_scenarios, "reference_or_error", lambda _: None)
-    monkeypatch.setattr(random_scenarios, "outcome", lambda *_: row)
-    assert random_scenarios.main(["--number", "2"]) == broken
 
 
 # --- What they are called -----------------------------------------------------------------------

@@ -12,7 +12,7 @@ import analysis
 import mbs_models
 from analysis import Form, Method, Trajectory
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
-from mbs_models import IntegratorName, Scene
+from mbs_models import Scene
 from validation.kit.limits import holds, largest
 from validation.kit.references import (
     STIFF,
@@ -26,12 +26,6 @@ from validation.kit.ways import StepLimit, Way, WorkLimitError
 from validation.studies.robustness.ended import ended
 from validation.studies.robustness.problems import Problem, problems
 from validation.study import Row, Study, load
-
-ENGINE: tuple[IntegratorName, ...] = (
-    *("RK67", "RK44", "DOPRI5"),
-    *("TrapezoidalIndex2", "GeneralizedAlpha"),
-)
-"""Integrators of the engine that are tried; enter a further one here."""
 
 IN_HOUSE: tuple[Method, ...] = ("DOP853", "Radau")
 """Methods of the in-house equations, of which stiff friction is left to the last one."""
@@ -74,12 +68,12 @@ COLUMNS = {
     "verdict": "see the text of the section",
     "broken": "whether it crashed, broke its promise or, run again, gave other bits",
     "cause": "why there is no accurate result",
-    "error": "largest deviation of beta and gamma from the reference in rad",
-    "ending_error": "deviation of the time at which it ends in s; infinite for another reason",
-    "doubt": "deviation of two references by different methods, in rad or s",
-    "estimate": "the run's own error estimate in rad",
-    "drift": "largest residual of the position-level constraints over the radius",
-    "energy": "largest deviation of the energy from the reference over its largest value",
+    "error": "largest error of β and γ in rad",
+    "ending_error": "error of the time at which it ends in s; infinite for another reason",
+    "doubt": "difference of both references in rad or s",
+    "estimate": "the run's own estimate of its error in rad",
+    "drift": "drift / radius",
+    "energy": "energy error, relative",
     "repeatable": "whether a second run gives the same bits",
     "steps": "of all passes",
     "seconds": "by the clock",
@@ -99,28 +93,21 @@ def ways(problem: Problem) -> list[Way]:
     On a penalty contact those of the engine: the formulations are compared with each other.
     """
     if problem.cover == "chosen":
-        return [Way(source="engine")]
+        return [Way("engine")]
     scenario, found = problem.scenario, []
     most = None if problem.cover == "all" else 1
     formulations = mbs_models.formulations(scenario)
     for formulation in formulations[: 1 if problem.cover == "fastest" else None]:
         constrained = Scene(scenario, formulation).has_constraints
-        available = mbs_models.integrators(formulation, constrained=constrained)
-        found += [
-            Way(source="engine", formulation=formulation, integrator=each)
-            for each in [each for each in available if each in ENGINE][:most]
-        ]
+        integrators = mbs_models.integrators(formulation, constrained=constrained)
+        found += [Way("engine", formulation, each) for each in integrators[:most]]
     if scenario.contact is not None:
         return found
     methods = IN_HOUSE[-1:] if scenario.friction.finest_speed < STIFF else IN_HOUSE[:most]
     by_weight = scenario.friction.load == "weight"
     is_reduced = scenario.model == 4 and by_weight and scenario.table.is_horizontal
     forms: tuple[Form, ...] = ("index-1", "reduced") if is_reduced else ("index-1",)
-    return found + [
-        Way(source="in-house", formulation=form, integrator=method)
-        for form in forms
-        for method in methods
-    ]
+    return found + [Way("in-house", form, method) for form in forms for method in methods]
 
 
 # --- Running ------------------------------------------------------------------------------------

@@ -27,39 +27,10 @@ STUDIES = (CASES, CHOSEN, STEPS, CONSERVATION, PENALTY, REFUSALS)
 VERY_STIFF = 1e-4
 """Finest speed of friction in m/s from which on most runs take too many steps."""
 
-_LARGEST = {
-    "error": "largest error in rad",
-    "drift": "drift / radius",
-    "energy": "energy error, relative",
-}
-
-_CHOSEN = {
-    "case": "motion",
-    "verdict": "verdict",
-    "cause": "why not",
-    "error": "error in rad",
-    "doubt": "doubt in rad",
-    "estimate": "its own estimate in rad",
-    "seconds": "time in s",
-}
-
-_DRIFT = {
-    "case": "constraints met on",
-    "position": "largest position residual in m",
-    "allowed": "allowed in m",
-    "at_end": "at the end in m",
-    "growth": "second half over first",
-    "velocity": "largest velocity residual in m/s",
-    "energy": "energy residual / (weight · radius)",
-}
-
-_CONSERVED = {
-    "case": "formulation, integrator",
-    "energy": "energy / (weight · radius)",
-    "momentum": "horizontal momentum / (mass · rim speed)",
-    "spin": "vertical angular momentum about the COG, relative",
-    "allowed": "each allowed",
-}
+_LARGEST = ["error", "drift", "energy"]
+_CHOSEN = ["case", "verdict", "cause", "error", "doubt", "estimate", "seconds"]
+_DRIFT = ["case", "position", "allowed", "at_end", "growth", "velocity", "energy"]
+_CONSERVED = ["case", "energy", "momentum", "spin", "allowed"]
 
 
 def present(rows: Rows) -> Content:
@@ -68,7 +39,7 @@ def present(rows: Rows) -> Content:
     long = rows["robustness-conservation"].set_index("case", drop=False)
     penalty, refusals = rows["robustness-penalty"], rows["robustness-refusals"]
     counts, numbers, chosen = by_axis(table), case_numbers(table), rows["robustness-chosen"]
-    worst = table.groupby("axis")[list(_LARGEST)].max().rename(columns=_LARGEST)
+    worst = table.groupby("axis")[_LARGEST].max().rename(columns=CASES.columns)
     wrong = table[~table["verdict"].isin(GOOD)]
     return Content(
         numbers={
@@ -91,10 +62,10 @@ def present(rows: Rows) -> Content:
             "causes": _causes(table),
             "cases": table.drop(columns="case").rename(columns=CASES.columns),
             "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
-            "chosen": chosen[list(_CHOSEN)].rename(columns=_CHOSEN),
+            "chosen": chosen[_CHOSEN].rename(columns=CASES.columns),
             "steps": limits.drop(columns="case"),
-            "drift": long.loc[list(DRIFTING), list(_DRIFT)].rename(columns=_DRIFT),
-            "conserved": long.loc[list(FREE), list(_CONSERVED)].rename(columns=_CONSERVED),
+            "drift": long.loc[list(DRIFTING), _DRIFT].rename(columns=CONSERVATION.columns),
+            "conserved": long.loc[list(FREE), _CONSERVED].rename(columns=CONSERVATION.columns),
             "penalty": penalty.drop(columns="case"),
             "refusals": refusals.drop(columns="seconds"),
         },

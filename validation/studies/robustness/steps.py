@@ -88,8 +88,8 @@ def measure(place: Place) -> list[Row]:
     ]
     if axis == "stiffness" or value >= STIFFEST:
         method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
-        equations = Way(source="in-house", formulation="index-1", integrator=method)
-        truth = equations.run(ideal, np.linspace(0.0, END, 5), local_tolerance=1e-8)
+        times = np.linspace(0.0, END, 5)
+        truth = Way("in-house", "index-1", method).run(ideal, times, local_tolerance=1e-8)
         rows += [
             {"kind": "accurate", "formulation": formulation, "integrator": integrator}
             | {"step": largest_accurate(Scene(scenario, formulation), integrator, truth)}

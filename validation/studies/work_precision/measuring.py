@@ -115,9 +115,9 @@ class Curve(NamedTuple):
         else:
             integrator = replace(integrator, local_tolerance=setting)
         way = Way(
-            source="in-house" if integrator is None else "engine",
-            formulation=cast("Any", self.formulation),
-            integrator=cast("Any", integrator or self.scheme),
+            "in-house" if integrator is None else "engine",
+            cast("Any", self.formulation),
+            cast("Any", integrator or self.scheme),
         )
         begin = time.process_time()
         run = way.run(PROBLEMS[self.problem], TIMES, **how)
