@@ -98,8 +98,9 @@ def _name(panel: Panel, panels: Sequence[Panel], axes: Axes) -> None:
     up, right = (label(axis.field) for axis in panel.sweep.design.axes)
     axes.set(xlabel=right, ylabel=up)
     if len(panels) > 1:
-        of_models = panel.problem is None or len({each.problem for each in panels}) == 1
-        title = panel.sweep.scenario.name if of_models else panel.problem.title
+        is_one = len({each.problem for each in panels}) == 1
+        asked = None if is_one else panel.problem
+        title = panel.sweep.scenario.name if asked is None else asked.title
         axes.set_title(fill(title, _LINE), fontsize=10, loc="left")
 
 

@@ -84,16 +84,23 @@ def _drawn(rng: np.random.Generator, number: int) -> Problem:
 
 
 def _problem(
-    scenario: Scenario, condition: Condition | None, digits: int, **asked: Any
+    scenario: Scenario,
+    condition: Condition | None,
+    digits: int,
+    samples: int = 2,
+    end: float = 1.5,
+    **asked: Any,
 ) -> Problem:
-    asked = {"samples": 2, "end": 1.5, "cover": "fastest"} | asked
     name = condition or "pull" if isinstance(condition, str | None) else condition.__name__
-    sampled = " sampled" if asked["samples"] > 2 else ""
+    spin = f"{scenario.initial_state.rates[3]:.4g} rad/s"
+    sampled = " sampled" if samples > 2 else ""
     return Problem(
         axis=AXIS,
-        label=f"{name.replace('_', ' ')} {scenario.start.spin:.4g} rad/s 1e-{digits}{sampled}",
+        label=f"{name.replace('_', ' ')} {spin} 1e-{digits}{sampled}",
         scenario=scenario,
+        end=end,
+        samples=samples,
         tolerance=10.0**-digits,
         stop_when=(condition,) if condition else (),
-        **asked,
+        **{"cover": "fastest", **asked},
     )
