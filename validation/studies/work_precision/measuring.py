@@ -15,6 +15,7 @@ import numpy as np
 
 import mbs_models
 from analysis import Trajectory
+from analysis.data.trajectory import Source
 from mbs_models import Integrator, Newton
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import ACCELERATED
@@ -76,15 +77,22 @@ class Curve(NamedTuple):
         return None if self.formulation in IN_HOUSE else INTEGRATORS[self.scheme]
 
     @property
+    def kind(self) -> str:
+        """What its ladder makes finer: "step" or "local tolerance"."""
+        fixed = self.integrator is not None and not self.integrator.controls_step
+        return "step" if fixed else "local tolerance"
+
+    @property
     def takes_tolerance(self) -> bool:
         """Whether the library can be asked for a tolerance of the whole run."""
         integrator = self.integrator
-        return self.fixed_step or (integrator is not None and integrator.steps_accelerations)
+        return integrator is not None and (self.kind == "step" or integrator.steps_accelerations)
 
     @property
-    def fixed_step(self) -> bool:
-        """Whether it is a step that its ladder halves, not a tolerance."""
-        return self.integrator is not None and not self.integrator.controls_step
+    def is_implicit(self) -> bool:
+        """Whether it has fixed steps of an implicit rule."""
+        integrator = self.integrator
+        return integrator is not None and self.kind == "step" and integrator.implicit
 
     def ladder(self) -> list[float]:
         """Steps in s or local tolerances, from coarse to fine."""
@@ -92,36 +100,34 @@ class Curve(NamedTuple):
             # Stability, not accuracy, gives explicit methods their steps there: all cost the same.
             bound = self.problem == "stiff" and self.scheme in {"RK45", "DOP853"}
             return [10.0**-k for k in range(3, FINEST[self.scheme] + 1, 3 if bound else 1)]
-        if not self.fixed_step:
+        if self.kind != "step":
             return [10.0**-k for k in range(3, 14)]
         damped = self.integrator.name == "GeneralizedAlpha"
         return [SPACING * 0.5**k for k in range(9 - damped + (self.problem == "fast"))]
 
-    def run(self, setting: float, *, to_tolerance: bool = False) -> tuple[Trajectory, float]:
+    def run(self, setting: float, kind: str = "") -> tuple[Trajectory, float]:
         """One run, and processor time in s of its integration, to a tolerance of the whole call.
+
+        Parameters
+        ----------
+        setting : float
+        kind : {"step", "local tolerance", "tolerance"}
+            Of the setting, by default that of the ladder.
 
         Raises
         ------
         ArithmeticError
             If it fails.
         """
-        integrator, how = self.integrator, {}
-        if to_tolerance:
-            how = {"tolerance": setting}
-        elif self.fixed_step:
-            how = {"step": setting}
-        elif integrator is None:
-            how = {"local_tolerance": setting}
-        else:
-            integrator = replace(integrator, local_tolerance=setting)
-        way = Way(
-            "in-house" if integrator is None else "engine",
-            cast("Any", self.formulation),
-            cast("Any", integrator or self.scheme),
-        )
+        kind = kind or self.kind
+        integrator, how = self.integrator, {kind.replace(" ", "_"): setting}
+        if integrator is not None and kind == "local tolerance":
+            integrator, how = replace(integrator, local_tolerance=setting), {}
+        source: Source = "in-house" if integrator is None else "engine"
+        way = Way(source, cast("Any", self.formulation), cast("Any", integrator or self.scheme))
         begin = time.process_time()
         run = way.run(PROBLEMS[self.problem], TIMES, **how)
-        if to_tolerance or run.solver_seconds is None:
+        if kind == "tolerance" or run.solver_seconds is None:
             return run, time.process_time() - begin
         return run, run.solver_seconds
 
@@ -197,6 +203,11 @@ class Extrapolation:
         coordinates, rates, multipliers = np.split(self._ladder.best, (6, 12), axis=1)
         return replace(run, coordinates=coordinates, rates=rates, multipliers=multipliers)
 
+    def total(self) -> Row:
+        """What all runs took together."""
+        names = ("seconds", "work", "steps")
+        return {name: sum(row[name] for row in self.rows) for name in names}
+
 
 def measure(curve: Curve) -> list[Row]:
     """Run a method along its ladder, extrapolated and to tolerances beside it."""
@@ -216,25 +227,22 @@ def _ladder(curve: Curve) -> tuple[list[Row], str, float]:
     rungs: list[Row] = []
     extrapolated: list[Row] = []
     judged: list[float] = []
-    kind, integrator = ("step" if curve.fixed_step else "local tolerance"), curve.integrator
-    implicit = curve.fixed_step and integrator is not None and integrator.implicit
-    chain = Extrapolation(curve) if curve.fixed_step else None
+    fixed_step = curve.kind == "step"
+    chain = Extrapolation(curve) if fixed_step else None
     for setting in curve.ladder():
-        row, run = _attempt(curve, setting, kind)
+        row, run = _attempt(curve, setting, curve.kind)
         rungs.append(row)
         judged.append(inf if run is None else row["error"])
         if chain is not None and (better := chain.add(run, row)) is not None:
             found = errors(better, reference(curve.problem))
-            taken = ("seconds", "work", "steps")
-            total = {name: sum(part[name] for part in chain.rows) for name in taken}
-            extrapolated.append({**row, **found, **total, "kind": "extrapolated"})
+            extrapolated.append({**row, **found, **chain.total(), "kind": "extrapolated"})
             # Implicit rules are of second order and would take minutes to get there alone.
-            if implicit:
+            if curve.is_implicit:
                 judged[-1] = min(judged[-1], found["error"])
-        if (end := ladder_end(judged, fixed_step=curve.fixed_step)) is not None:
+        if (end := ladder_end(judged, fixed_step=fixed_step)) is not None:
             break
-    known = chain.estimate / NEAR if chain is not None and implicit else 0.0
-    return [*rungs, *extrapolated], end or ("work" if curve.fixed_step else "finest"), known
+    known = chain.estimate / NEAR if chain is not None and curve.is_implicit else 0.0
+    return [*rungs, *extrapolated], end or ("work" if fixed_step else "finest"), known
 
 
 def ladder_end(judged: Sequence[float], *, fixed_step: bool) -> str | None:
@@ -266,7 +274,7 @@ def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory |
     """Row of one run, and the run; None if it failed, which is a result with its reason."""
     row: Row = {**curve._asdict(), "kind": kind, "setting": setting, "failure": ""}
     try:
-        run, seconds = curve.run(setting, to_tolerance=kind == "tolerance")
+        run, seconds = curve.run(setting, kind)
         row |= errors(run, reference(curve.problem))
     except ArithmeticError as error:
         nothing = dict.fromkeys(("seconds", "work", "steps", *_ERRORS))
@@ -351,7 +359,7 @@ def _outcome(curve: Curve, steps: Sequence[float]) -> tuple[int, float]:
         if run is None:
             raise ArithmeticError(row["failure"])
         error = errors(chain.add(run, row) or run, reference(curve.problem))["error"]
-    return sum(row["work"] for row in chain.rows), error
+    return chain.total()["work"], error
 
 
 def _to_goal(curve: Curve, goal: float) -> tuple[_Side, _Side]:
