@@ -18,10 +18,10 @@ from validation.kit.located import up_to_ending
 from validation.kit.references import Reference, deviation, ending_error, energy_error, reference
 from validation.kit.ways import StepLimit, Way, WorkLimitError
 
-TREE = Way(source="engine", formulation="contact-tree", integrator="RK67")
-EULER = Way(source="engine", formulation="euler-tree", integrator="TrapezoidalIndex2")
-DOP853 = Way(source="in-house", formulation="index-1", integrator="DOP853")
-RADAU = Way(source="in-house", formulation="index-1", integrator="Radau")
+TREE = Way("engine", "contact-tree", "RK67")
+EULER = Way("engine", "euler-tree", "TrapezoidalIndex2")
+DOP853 = Way("in-house", "index-1", "DOP853")
+RADAU = Way("in-house", "index-1", "Radau")
 TIMES = np.linspace(0.0, 0.1, 11)
 BY_CONTACT = SmoothCoulomb(load="contact")
 

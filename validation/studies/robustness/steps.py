@@ -1,19 +1,19 @@
 """The largest step that works, over the smoothing of the friction and the contact's stiffness."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from math import inf, pi, sqrt
-from typing import Literal
+from dataclasses import replace
+from math import pi, sqrt
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 import mbs_models
 from analysis import STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
-from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import state_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
+from validation.kit.limits import holds
 from validation.kit.references import STIFF, deviation
 from validation.kit.ways import Way
 from validation.study import Row, Study
@@ -79,74 +79,79 @@ _LATE = slice(-8, None)
 def measure(place: Place) -> list[Row]:
     """Largest stable steps of explicit integrators, and largest accurate ones, at a place."""
     axis, value = place
-    disturbed = (_slipping if axis == "smoothing" else _bouncing)(value)
-    found = [("stable", TREES[axis], each, *_stable(disturbed, each)) for each in EXPLICIT]
+    ideal, scenario = _scenarios(axis, value)
+    disturbed = (_slipping if axis == "smoothing" else _bouncing)(ideal, scenario)
+    rows: list[Row] = [
+        {"kind": "stable", "formulation": TREES[axis], "integrator": each}
+        | _stable(disturbed, TREES[axis], each)
+        for each in EXPLICIT
+    ]
     if axis == "stiffness" or value >= STIFFEST:
-        ideal, scenario = _table_3(axis, value)
         method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
-        equations = Way(source="in-house", formulation="index-1", integrator=method)
-        truth = equations.run(ideal, np.linspace(0.0, END, 5), local_tolerance=1e-8)
-        for formulation, integrator in WAYS[axis]:
-            step = largest_accurate(Scene(scenario, formulation), integrator, truth)
-            found.append(("accurate", formulation, integrator, step, None))
-    names = ("over", "value", "kind", "formulation", "integrator", "step", "predicted")
-    return [dict(zip(names, (axis, value, *row), strict=True)) for row in found]
+        times = np.linspace(0.0, END, 5)
+        truth = Way("in-house", "index-1", method).run(ideal, times, local_tolerance=1e-8)
+        rows += [
+            {"kind": "accurate", "formulation": formulation, "integrator": integrator}
+            | {"step": largest_accurate(Scene(scenario, formulation), integrator, truth)}
+            for formulation, integrator in WAYS[axis]
+        ]
+    where = {"over": axis, "value": value}
+    return [where | row | {"predicted": row.get("predicted")} for row in rows]
+
+
+def _scenarios(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
+    """The scenario with an ideal contact, and the one to be run."""
+    if axis == "smoothing":
+        ideal = Scenario(friction=SmoothCoulomb(smoothing=value))
+        return ideal, ideal
+    ideal = Scenario(friction=SmoothCoulomb(load="contact"))
+    contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
+    return ideal, replace(ideal, contact=contact)
 
 
 # --- Stable: a small disturbance of inverted spinning does not grow ------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class _Disturbed:
+class Disturbed(NamedTuple):
     """Inverted spinning with a small disturbance.
 
     Parameters
     ----------
-    scene : Scene
+    scenario : Scenario
+    eigenvalues : ndarray, shape (n,)
+        Of the motion in 1/s.
     decays : list of complex
-        Eigenvalues of the disturbance in 1/s.
+        Those of the disturbance.
     growth : callable
         From a run to the disturbance over its start, shape (n,).
-    own : float
-        Rate in 1/s at which the spinning itself grows unstable.
     """
 
-    scene: Scene
+    scenario: Scenario
+    eigenvalues: Array
     decays: list[complex]
     growth: Callable[[Trajectory], Array]
-    own: float = -inf
 
 
-def _slipping(smoothing: float) -> _Disturbed:
+def _slipping(ideal: Scenario, _: Scenario) -> Disturbed:
     """With a small slip, in which friction is linear with a rate of one over the smoothing.
 
     Slip that grows does not blow up, since the friction force is bounded, but chatters.
     """
-    slip = _SMALL * smoothing
-    scenario = Scenario(
-        friction=SmoothCoulomb(smoothing=smoothing),
-        start=Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / STEEL_DISK.radius),
-    )
-    values = _eigenvalues(scenario)
-    return _Disturbed(
-        Scene(scenario, TREES["smoothing"]),
-        _fast(values),
-        lambda run: _slip(run) / slip,
-        own=float(np.max(values.real)),
-    )
+    slip = _SMALL * ideal.friction.finest_speed
+    start = Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / STEEL_DISK.radius)
+    values = np.linalg.eigvals(state_matrices(ideal, [SPIN], system="full")[0])
+    # The two whose decay is friction's; the slow ones need no small step.
+    fast = [complex(value) for value in values[np.argsort(values.real)[:2]]]
+    return Disturbed(replace(ideal, start=start), values, fast, lambda run: _slip(run) / slip)
 
 
-def _bouncing(stiffness: float) -> _Disturbed:
+def _bouncing(ideal: Scenario, scenario: Scenario) -> Disturbed:
     """On a damped penalty contact, with a small vertical speed."""
-    contact = PenaltyContact.damped(stiffness, STEEL_DISK, ratio=DAMPING_RATIO)
-    scenario = Scenario(
-        friction=SmoothCoulomb(load="contact"),
-        contact=contact,
-        start=Start.stationary(SPIN, "inverted"),
-    )
-    rate = sqrt(stiffness / scenario.disk.mass)
+    contact = scenario.contact
+    assert contact is not None
+    rate = sqrt(contact.stiffness / scenario.disk.mass)
     depth = contact.resting_penetration(scenario.weight)
-    resting = scenario.initial_state
+    resting = replace(scenario, start=Start.stationary(SPIN, "inverted")).initial_state
     along, across, _, *turning = resting.rates
     start = replace(resting, rates=(along, across, _SMALL * depth * rate, *turning))
 
@@ -155,40 +160,35 @@ def _bouncing(stiffness: float) -> _Disturbed:
         found: Array = np.abs(height + depth) / (_SMALL * depth)
         return found
 
-    bouncing = rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2))
-    decays = [bouncing, *_fast(_eigenvalues(replace(scenario, contact=None)))]
-    return _Disturbed(Scene(replace(scenario, start=start), TREES["stiffness"]), decays, growth)
+    bounce = rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2))
+    free = _slipping(ideal, ideal)
+    return Disturbed(
+        replace(scenario, start=start), free.eigenvalues, [bounce, *free.decays], growth
+    )
 
 
-def _stable(disturbed: _Disturbed, integrator: IntegratorName) -> tuple[float | None, ...]:
+def _stable(
+    disturbed: Disturbed, formulation: Formulation, integrator: IntegratorName
+) -> dict[str, float | None]:
     """Largest stable step by bisection, and its prediction.
 
     With much smoothing the inverted spinning itself is unstable about as fast as the step could
     make it; then there is no limit to be seen, and none is given.
     """
     predicted = min(largest_step(integrator, value) for value in disturbed.decays)
+    scene = Scene(disturbed.scenario, formulation)
 
     def stable(step: float) -> bool:
         times = step * np.linspace(0.0, _STEPS, 25)
         try:
-            run = mbs_models.simulate(disturbed.scene, times, step=step, integrator=integrator)
+            run = mbs_models.simulate(scene, times, step=step, integrator=integrator)
         except ArithmeticError:
             return False
         return run.ending is None and bool(np.max(disturbed.growth(run)[_LATE]) <= _GROWTH)
 
-    if np.exp(disturbed.own * _STEPS * predicted) > 0.5 * _GROWTH:
-        return None, None
-    return bisected(stable, predicted), predicted
-
-
-def _eigenvalues(scenario: Scenario) -> ComplexArray:
-    values = np.linalg.eigvals(state_matrices(scenario, [SPIN], system="full")[0])
-    return values.astype(complex)
-
-
-def _fast(values: ComplexArray) -> list[complex]:
-    """The two eigenvalues whose decay is friction's; the slow ones need no small step."""
-    return [complex(value) for value in values[np.argsort(values.real)[:2]]]
+    if np.exp(np.max(disturbed.eigenvalues.real) * _STEPS * predicted) > 0.5 * _GROWTH:
+        return {"step": None, "predicted": None}
+    return {"step": bisected(stable, predicted), "predicted": predicted}
 
 
 def _slip(run: Trajectory) -> Array:
@@ -223,16 +223,6 @@ def bisected(works: Callable[[float], bool], guess: float) -> float | None:
 # --- Accurate: the error from Table 3 stays small ------------------------------------------------
 
 
-def _table_3(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
-    """The scenario with an ideal contact, and the one to be run."""
-    if axis == "smoothing":
-        ideal = Scenario(friction=SmoothCoulomb(smoothing=value))
-        return ideal, ideal
-    ideal = Scenario(friction=SmoothCoulomb(load="contact"))
-    contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
-    return ideal, replace(ideal, contact=contact)
-
-
 def largest_accurate(scene: Scene, integrator: IntegratorName, truth: Trajectory) -> float | None:
     """Largest step of `LADDER` in s with which a run stays close to another; None without one."""
     for step in LADDER:
@@ -240,16 +230,14 @@ def largest_accurate(scene: Scene, integrator: IntegratorName, truth: Trajectory
             run = mbs_models.simulate(scene, truth.times, step=step, integrator=integrator)
         except ArithmeticError:
             continue
-        if run.ending is None and deviation(run, truth) <= ACCURACY:
+        if run.ending is None and holds(deviation(run, truth), ACCURACY):
             return step
     return None
 
 
 def _cases() -> Mapping[str, Place]:
-    found: dict[str, Place] = {
-        f"smoothing {each:g} m/s": ("smoothing", each) for each in SMOOTHINGS
-    }
-    return found | {f"stiffness {each:g} N/m": ("stiffness", each) for each in STIFFNESSES}
+    smoothings: dict[str, Place] = {f"smoothing {e:g} m/s": ("smoothing", e) for e in SMOOTHINGS}
+    return smoothings | {f"stiffness {e:g} N/m": ("stiffness", e) for e in STIFFNESSES}
 
 
 STEPS = Study(
