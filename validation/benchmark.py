@@ -200,7 +200,7 @@ def sweep_times(sweep: Sweep, repeats: int) -> tuple[float, float]:
     with TemporaryDirectory() as folder, Store(Path(folder) / "a.db", sweep) as store:
 
         def swept() -> None:
-            store.add(run_chunk(sweep.to_text(), numbers, 60.0, 200.0))
+            store.add(run_chunk(sweep, numbers, 60.0, 200.0))
 
         def single() -> None:
             for scenario in scenarios:

@@ -12,6 +12,7 @@ from tests.calls import refusal, run
 from tests.sweeps import sweep
 from tests.validation.cli.test_cli_scenario import chosen
 from validation.commands.sweep import chosen_design
+from validation.parser.top import parsed
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_sweep
 
@@ -40,12 +41,8 @@ def test_axes_come_from_a_file_as_well(tmp_path: Path) -> None:
         'layout = "sobol"\nnumber = 3\nseed = 5\n\n[axes]\nstart.spin = "30:40"\n'
         'friction.coefficient = "0.1:1:log"\nmodel = [1, 4]\n'
     )
-    # A failing step keeps the processes out of this: every case is refused.
-    assert run("sweep", "--axes", str(told), "gamma=0,1", "--out", str(out), "--step", "-1") == 2
-    assert not out.exists()
-    options = SimpleNamespace(axes=["gamma=0,1"], axes_file=str(told), layout=None, number=None)
-    options.seed = 6
-    design = chosen_design(options)  # type: ignore[arg-type]
+    words = ["sweep", "--axes", str(told), "gamma=0,1", "--seed", "6", "--out", str(out)]
+    design = chosen_design(parsed(words))
     assert (design.layout, design.number, design.seed) == ("sobol", 3, 6)
     assert [axis.field for axis in design.axes] == [
         "start.spin",
@@ -67,7 +64,7 @@ def test_axes_come_from_a_file_as_well(tmp_path: Path) -> None:
         ("mu=-2,-1", "coefficient must not be negative, got -2"),
         ("spin=1,2 --workers 0", "--workers: workers must be at least 1, got 0"),
         ("spin=1,2 --scheduler tcp://here:1", "--scheduler: scheduler needs --executor dask"),
-        ("spin=1,2 --witnesses -1", "witnesses must be a number of cases, got -1"),
+        ("spin=1,2 --witnesses -1", "--witnesses: witnesses must be at least 0, got -1"),
         ("spin=1,2 --end 0", "--end: end must be positive"),
         ("spin=1,2 --spacing 5", "spacing must be less than end"),
         ("spin=1,2 --formulation reduced", "form 'reduced' exists for Model 4 alone"),

@@ -10,16 +10,7 @@ import pytest
 from analysis import MODELS, Scenario, Start, Trajectory, simulate_to_rest
 from tests.sweeps import direct, sweep
 from validation.run import run
-from validation.sweeps import outcomes
-from validation.sweeps.outcomes import (
-    COLUMNS,
-    IN_ROW,
-    REST_SERIES,
-    SERIES,
-    TIME,
-    series,
-    series_named,
-)
+from validation.sweeps.outcomes import COLUMNS, REST_SERIES, SERIES, TIME, series, series_named
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store, expected_size
@@ -76,34 +67,9 @@ def test_case_without_a_motion_has_no_series(tmp_path: Path) -> None:
     assert np.all(np.isnan(beta[:, 1]))
 
 
-def test_store_without_series_says_so(tmp_path: Path) -> None:
-    wanted, path = sweep(*AXES), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct(), numbers=[0])
-    with pytest.raises(ValueError, match="holds no series: its sweep was told to keep none"):
-        Results.load(path).series(0)
-
-
 def test_force_that_a_case_does_not_have_is_left_out() -> None:
     pushed = motion(Scenario(), formulation="index-1")
-    kept = series(pushed, ("beta", "spin_torque"))
-    assert set(kept) == {IN_ROW.format(name) for name in (TIME, "beta")}
-
-
-def test_a_series_named_like_an_outcome_is_kept_beside_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    columns = Trajectory.columns
-    monkeypatch.setattr(outcomes, "SERIES", (*SERIES, "seconds"))
-    monkeypatch.setattr(
-        Trajectory, "columns", lambda run: columns(run) | {"seconds": columns(run)["time"]}
-    )
-    wanted, path = sweep("spin=30,40", keep=("seconds",)), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct())
-    results = Results.load(path)
-    assert np.all(np.isfinite(results.columns["seconds"]))
-    np.testing.assert_array_equal(results.series(0)["seconds"], results.series(0)["time"])
+    assert set(series(pushed, ("beta", "spin_torque"))) == {TIME, "beta"}
 
 
 def test_groups_stand_for_their_series_each_once() -> None:
