@@ -19,6 +19,7 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import MULTIPLIERS
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import Poses
+from analysis.data.members import Rows
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 
@@ -99,6 +100,10 @@ class Quantities(ABC):
         result: Array = angular[..., 0] * axis[..., 1] - angular[..., 1] * axis[..., 0]
         return result
 
+    def direction_rates(self, some: Rows) -> Array:
+        """Rate of `cog_direction` of some of many motions in 1/s, shape (k, n)."""
+        return np.atleast_2d(self.cog_direction_rate)[some]
+
     @quantity()
     def face(self) -> Array:
         """Vertical part of the unit vector normal to the disk, shape (n,)."""
@@ -137,6 +142,7 @@ class InCoordinates(Quantities):
 
     coordinates: Any
     rates: Any
+    multipliers: Any
 
     @property
     def poses(self) -> Poses:
@@ -170,6 +176,12 @@ class InCoordinates(Quantities):
         result: Array = self.rates[..., 3]
         return result
 
+    @quantity()
+    def normal_force(self) -> Array:
+        """Normal contact force lambda_N in N, shape (n,)."""
+        result: Array = self.multipliers[..., 0]
+        return result
+
     @quantity(FILLED["contact_points"])
     def contact_points(self) -> Array:
         """Lowest point of the disk, inertial, in m, shape (n, 3)."""
@@ -178,7 +190,8 @@ class InCoordinates(Quantities):
         height, flatness = _lowest(self._lengths, normal)
         arm = (flatness * normal[..., 2] / height)[..., None] * normal
         arm[..., 2] = -height
-        return positions + arm
+        result: Array = positions + arm
+        return result
 
     @property
     def _angles(self) -> tuple[Array, Array, Array]:

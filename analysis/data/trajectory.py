@@ -119,11 +119,6 @@ class Trajectory(InCoordinates, SampledMotion):
         names = multiplier_names(self.scenario.constraints)
         return self.multipliers[:, names.index(choice("multiplier", name, names))]
 
-    @property
-    def normal_force(self) -> Array:
-        """Normal contact force lambda_N over time in N, shape (n,)."""
-        return self.multipliers[:, 0]
-
     def state(self, index: int) -> State:
         """State at one sample."""
         return State(
