@@ -17,7 +17,7 @@ from analysis.data.ensemble import Ensemble
 from analysis.data.files import AnyArray
 from analysis.data.members import Rows, in_columns
 from analysis.data.scenario import Scenario
-from analysis.data.trajectories import BETA, Part, Samples
+from analysis.data.trajectories import Part, Samples
 from analysis.data.trajectory import Trajectory
 from analysis.mechanics import reduced
 from analysis.mechanics.states import paper_arrays, state_of
@@ -91,35 +91,25 @@ class CompiledPart:
         found: AnyArray = names[self.judged.reached.reasons]
         return found
 
-    def attitudes(self) -> Array:
-        """Angles beta and gamma, shape (k, n, 2)."""
-        states = self.judged.reached.states
-        return states[:, :, :2] if self.form == "reduced" else states[:, :, BETA : BETA + 2]
-
-    def kinematics(self) -> tuple[Array, Array]:
-        """Coordinates and rates, each shape (k, n, 6)."""
-        passed = np.broadcast_to(self.times - self.times[0], (len(self.rows), self.times.size))
-        return self._expanded(self.judged.reached.states, passed)
-
-    def last(self) -> tuple[Array, Array]:
-        """Coordinates and rates at the ends, each shape (k, 6)."""
-        passed = self.ends - self.times[0]
-        coordinates, rates = self._expanded(self.judged.reached.last[:, None], passed[:, None])
-        return coordinates[:, 0], rates[:, 0]
-
-    def at(self, rows: Rows, columns: Rows) -> tuple[Array, Array]:
-        """Coordinates and rates of rows, shape (j,), at samples, shape (j, p), as in `Samples`."""
-        reached, ends = self.judged.reached, self.ends[rows, None]
-        times = np.append(self.times, np.inf)[columns]
-        inner = np.minimum(columns, self.times.size - 1)
-        over = (times > ends)[..., None]
-        states = np.where(over, reached.last[rows, None], reached.states[rows[:, None], inner])
-        starts, numbers = (each[rows] for each in self.frame)
-        passed = np.minimum(times, ends) - self.times[0]
-        return _expanded(self.form, starts, numbers, states, passed)
+    def kinematics(self, some: slice) -> Samples:
+        """Samples of some at the times asked for, and at their ends, without forces."""
+        return self._sampled(some)[0]
 
     def samples(self, some: slice) -> Samples:
-        """Samples of some of them, with their ends and constraint forces."""
+        """The same with constraint forces."""
+        found, states = self._sampled(some)
+        numbers = self.frame[1][some]
+        if self.form == "reduced":
+            z, u = (np.moveaxis(each, 2, 0) for each in (found.coordinates, found.rates))
+            variables = np.stack(state_of(systems.disk_of(numbers[:, None]), z, u))
+        else:
+            variables = np.ascontiguousarray(np.moveaxis(states, 2, 0))
+        code = code_for(self.ensemble[0], self.form, self.conditions, allow_pulling=False)
+        forces = code.multipliers_of(variables, numbers)
+        return replace(found, multipliers=np.moveaxis(forces, 0, 2))
+
+    def _sampled(self, some: slice) -> tuple[Samples, Array]:
+        """Samples of some without forces, and the states that they come from."""
         judged, columns = self.judged.reached, np.arange(self.times.size + 1)
         ends = judged.ends[some, None]
         counts = np.searchsorted(self.times, judged.ends[some], side="right")
@@ -128,18 +118,8 @@ class CompiledPart:
         over = columns >= counts[:, None]
         states[over] = np.repeat(judged.last[some], over.sum(axis=1), axis=0)
         start, numbers = (each[some] for each in self.frame)
-        coordinates, rates = _expanded(self.form, start, numbers, states, times - self.times[0])
-        if self.form == "reduced":
-            z, u = (np.moveaxis(each, 2, 0) for each in (coordinates, rates))
-            variables = np.stack(state_of(systems.disk_of(numbers[:, None]), z, u))
-        else:
-            variables = np.ascontiguousarray(np.moveaxis(states, 2, 0))
-        code = code_for(self.ensemble[0], self.form, self.conditions, allow_pulling=False)
-        forces = code.multipliers_of(variables, numbers)
-        return Samples(times, coordinates, rates, np.moveaxis(forces, 0, 2))
-
-    def _expanded(self, states: Array, passed: Array) -> tuple[Array, Array]:
-        return _expanded(self.form, *self.frame, states, passed)
+        found = _expanded(self.form, start, numbers, states, times - self.times[0])
+        return Samples(times, *found, np.empty((*times.shape, 0))), states
 
     def trajectory(self, row: int) -> Trajectory:
         """Motion of one of them."""

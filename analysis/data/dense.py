@@ -82,24 +82,17 @@ def interpolate(
 
 
 def crossings(
-    times: Array,
-    values: Array,
-    level: float,
-    columns: Numbers,
-    rates_at: Callable[[Numbers, Numbers], Array],
+    times: Array, values: Array, rates: Array, level: float, columns: Numbers
 ) -> tuple[Array, Array]:
     """Times at which sampled quantities pass a level, by the polynomials of `interpolate`.
 
     Parameters
     ----------
-    times, values : ndarray, shape (k, n)
+    times, values, rates : ndarray, shape (k, n)
         A quantity in each row, of which the last sample may be repeated.
     level : float
     columns : ndarray of int, shape (k,)
         Each passes the level between this sample and the one before.
-    rates_at : callable
-        From numbers of rows, shape (j,), and of samples of each, shape (j, p), to the rates
-        there.
 
     Returns
     -------
@@ -111,7 +104,7 @@ def crossings(
     each, width = np.arange(len(columns)), min(times.shape[1], 2 * _REACH)
     begins = np.clip(columns - _REACH, 0, times.shape[1] - width)
     around = each[:, None], begins[:, None] + np.arange(width)
-    times, values, columns = times[around], values[around], columns - begins
+    times, values, rates, columns = times[around], values[around], rates[around], columns - begins
     order, counts, kept = _apart(times)
     before = np.cumsum(kept, axis=1)[each, columns - 1] - 1
     for count in np.unique(np.minimum(counts, NODES)).tolist():
@@ -121,15 +114,13 @@ def crossings(
             first = np.clip(before[rows] - (size // 2 - 1), 0, counts[rows] - size)
             near = np.take_along_axis(order[rows], first[:, None] + np.arange(size), axis=1)
             place = rows[:, None], near
-            rates = rates_at(rows, begins[rows, None] + near)
-            return _polynomials(times[place], values[place][..., None], rates[..., None])
+            return _polynomials(times[place], values[place][..., None], rates[place][..., None])
 
-        most = through(count)
-        fewer = [through(max(1, count - left_out)) for left_out in (2, 4)]
+        polynomials = [through(max(1, count - left_out)) for left_out in (0, 2, 4)]
         low, high = times[rows, columns[rows] - 1], times[rows, columns[rows]]
-        found[rows], slope = _solve(most, level, low, high)
+        found[rows], slope = _solve(polynomials[0], level, low, high)
         with np.errstate(divide="ignore", invalid="ignore"):
-            error = _error([most, *fewer], low, high) / np.abs(slope)
+            error = _error(polynomials, low, high) / np.abs(slope)
         errors[rows] = np.fmin(error, np.maximum(found[rows] - low, high - found[rows]))
     return found, errors
 

@@ -5,20 +5,19 @@ import sys
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from math import prod
 from pathlib import Path
 from shutil import copyfileobj
 from stat import S_IMODE, S_ISREG
-from typing import Any, BinaryIO, TypeVar, cast
+from typing import Any, BinaryIO, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.limits import LARGEST_STORAGE
 
-T = TypeVar("T")
 AnyArray = npt.NDArray[Any]
 
 STANDARD_OUTPUT = Path("/dev/stdout")
@@ -39,47 +38,35 @@ _HEADERS = {
 }
 
 
-def read_archive(
-    path: str | os.PathLike[str],
-    kind: str,
-    names: Iterable[str],
-    build: Callable[[Mapping[str, Any]], T],
-) -> T:
-    """Build an object from the named arrays of an `.npz` file, without pickle.
-
-    Parameters
-    ----------
-    path : path-like
-    kind : str
-        What the file should hold, for the message.
-    names : iterable of str
-    build : callable
-        From the arrays by name to the object; it may raise what wrong contents make it raise.
+@contextmanager
+def readable_archive(path: str | os.PathLike[str]) -> Iterator[zipfile.ZipFile]:
+    """Open the `.npz` file of a motion; whatever goes wrong with it is told with its path.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     ValueError
-        If the file is damaged, lacks an array, claims more than `LARGEST_STORAGE`, or holds
-        something else.
+        If the file is damaged, or what is done with its contents fails.
     """
     try:
         with zipfile.ZipFile(path) as archive:
-            arrays = {name: _read_array(archive, f"{name}.npy") for name in names}
-        return build(arrays)
+            yield archive
     except FileNotFoundError:
         raise
     except _UNREADABLE as error:
         cause = f"lacks {error}" if isinstance(error, KeyError) else str(error)
         cause = " ".join(cause.split()) or type(error).__name__
-        raise ValueError(f"{path} is not a readable {kind}: {cause}") from error
+        raise ValueError(f"{path} is not a readable motion: {cause}") from error
 
 
-def _read_array(archive: zipfile.ZipFile, member: str) -> AnyArray:
-    """One array; what its header claims is compared with the file before memory is taken."""
-    if member not in archive.namelist():
-        raise KeyError(member.removesuffix(".npy"))
+def read_array(archive: zipfile.ZipFile, name: str) -> AnyArray:
+    """One array of an `.npz` file, without pickle.
+
+    What its header claims is compared with the file, and with `LARGEST_STORAGE`, before memory is
+    taken.
+    """
+    member = f"{name}.npy"
     info = archive.getinfo(member)
     with archive.open(info) as stream:
         version = np.lib.format.read_magic(stream)

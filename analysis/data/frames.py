@@ -6,24 +6,24 @@ from analysis.data.checks import Array
 
 
 def turn_about_vertical(alpha: Array, vectors: Array) -> Array:
-    """Inertial components of vectors given in the R-frame; `alpha` (n,), `vectors` (n, 3).
+    """Inertial components of vectors given in the R-frame; `alpha` (...), `vectors` (..., 3).
 
     With -alpha it turns inertial components into those of the R-frame.
     """
     c, s = np.cos(alpha), np.sin(alpha)
-    x, y, z = vectors.T
-    return np.column_stack((c * x - s * y, s * x + c * y, z))
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    return np.stack((c * x - s * y, s * x + c * y, z), axis=-1)
 
 
 def poses(coordinates: Array) -> tuple[Array, Array]:
-    """Inertial position of G in m, shape (n, 3), and rotation matrix A_IB, shape (n, 3, 3).
+    """Inertial position of G in m, shape (..., 3), and rotation matrix A_IB, shape (..., 3, 3).
 
     Parameters
     ----------
-    coordinates : ndarray, shape (n, 6)
+    coordinates : ndarray, shape (..., 6)
         Co-rotating coordinates, Eq. (8).
     """
-    alpha, beta, gamma = coordinates[:, 3:].T
+    alpha, beta, gamma = np.moveaxis(coordinates[..., 3:], -1, 0)
     sa, ca = np.sin(alpha), np.cos(alpha)
     sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
     rotation = np.array(
@@ -33,15 +33,16 @@ def poses(coordinates: Array) -> tuple[Array, Array]:
             (sb * sg, sb * cg, cb),
         )
     )
-    return turn_about_vertical(alpha, coordinates[:, :3]), np.moveaxis(rotation, -1, 0)
+    place = turn_about_vertical(alpha, coordinates[..., :3])
+    return place, np.moveaxis(rotation, (0, 1), (-2, -1))
 
 
 def twists(coordinates: Array, rates: Array) -> tuple[Array, Array]:
-    """Inertial velocity of G in m/s and angular velocity in rad/s, each shape (n, 3)."""
-    x, y, _, alpha, beta, _ = coordinates.T
-    xd, yd, zd, ad, bd, gd = rates.T
-    velocity = np.column_stack((xd - ad * y, yd + ad * x, zd))
-    angular = np.column_stack((bd, -gd * np.sin(beta), ad + gd * np.cos(beta)))
+    """Inertial velocity of G in m/s and angular velocity in rad/s, each shape (..., 3)."""
+    x, y, _, alpha, beta, _ = np.moveaxis(coordinates, -1, 0)
+    xd, yd, zd, ad, bd, gd = np.moveaxis(rates, -1, 0)
+    velocity = np.stack((xd - ad * y, yd + ad * x, zd), axis=-1)
+    angular = np.stack((bd, -gd * np.sin(beta), ad + gd * np.cos(beta)), axis=-1)
     return turn_about_vertical(alpha, velocity), turn_about_vertical(alpha, angular)
 
 

@@ -60,9 +60,7 @@ class Inversion:
     lost_error: float | None = None
 
     @classmethod
-    def of_direction(
-        cls, times: Array, cog_direction: Array, rates: Array | None = None
-    ) -> "Inversion":
+    def of_direction(cls, times: Array, cog_direction: Array, rates: Array) -> "Inversion":
         """Judge by where the centre of gravity lies, seen from the geometric centre.
 
         Parameters
@@ -71,34 +69,22 @@ class Inversion:
             Strictly increasing times in s, dense against the oscillations of the disk.
         cog_direction : ndarray, shape (n,)
             Vertical part of the unit vector from the geometric centre to the centre of gravity.
-        rates : ndarray, shape (n,), optional
-            Its rate in 1/s. Without it, times are those of samples.
+        rates : ndarray, shape (n,)
+            Its rate in 1/s.
 
         Raises
         ------
         ValueError
             If the times do not increase.
         """
-        times = increasing_times(times)
-        slopes = None if rates is None else np.asarray(rates)[None]
-        found = inversions(
-            times[None],
-            np.asarray(cog_direction)[None],
-            None if slopes is None else lambda rows, columns: slopes[rows[:, None], columns],
-        )
-        told = {
-            "time": found.times,
-            "lost": found.lost,
-            "time_error": found.time_errors,
-            "lost_error": found.lost_errors,
-        }
-        numbers = {name: float(each[0]) for name, each in told.items() if not np.isnan(each[0])}
-        return cls(outcome=found.outcomes[0], **numbers)
+        arrays = (increasing_times(times), cog_direction, rates)
+        times, cog_direction, rates = (np.asarray(each)[None] for each in arrays)
+        return inversions(times, cog_direction, lambda rows: rates[rows])[0]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Inversions:
-    """What became of the inversion in many motions; see `Inversion`.
+    """What became of the inversion in many motions; `inversions[member]` is an `Inversion`.
 
     Parameters
     ----------
@@ -113,73 +99,61 @@ class Inversions:
     time_errors: Array
     lost_errors: Array
 
+    @property
+    def numbers(self) -> tuple[Array, Array, Array, Array]:
+        """All but the outcomes."""
+        return self.times, self.lost, self.time_errors, self.lost_errors
 
-def direction_rates(coordinates: Array, rates: Array) -> Array:
-    """Rate in 1/s of the height of the centre of gravity above G over the eccentricity.
-
-    Parameters
-    ----------
-    coordinates, rates : ndarray, shape (..., 6)
-        In the paper's coordinates.
-    """
-    beta, gamma = coordinates[..., 4], coordinates[..., 5]
-    found: Array = np.cos(beta) * np.sin(gamma) * rates[..., 4]
-    found += np.sin(beta) * np.cos(gamma) * rates[..., 5]
-    return found
+    def __getitem__(self, member: int) -> Inversion:
+        names = ("time", "lost", "time_error", "lost_error")
+        told = zip(names, (float(each[member]) for each in self.numbers), strict=True)
+        known = {name: value for name, value in told if value == value}  # noqa: PLR0124
+        return Inversion(outcome=self.outcomes[member], **known)
 
 
 def inversions(
     times: Array,
     cog_directions: Array,
-    rates_at: Callable[[Numbers, Numbers], Array] | None = None,
+    rates_of: Callable[[Numbers], Array],
+    eccentricities: Array | None = None,
 ) -> Inversions:
     """Judge many motions as `Inversion.of_direction` does one.
 
     Parameters
     ----------
     times, cog_directions : ndarray, shape (m, n)
-        See `Inversion.of_direction`; behind the end of a motion its last sample is repeated. All
-        of one that has failed is nan.
-    rates_at : callable, optional
-        From numbers of motions, shape (j,), and of samples of each, shape (j, p), to the rates of
-        the directions there. Without it, times are those of samples.
+        See `Inversion.of_direction`; behind the end of a motion its last sample is repeated.
+    rates_of : callable
+        From numbers of motions, shape (j,), to the rates of their directions, shape (j, n).
+    eccentricities : ndarray, shape (m,), optional
+        Of the disks in m; one without is never inverted.
     """
     size = len(cog_directions)
     outcomes = np.full(size, "not inverted", dtype=object)
     numbers = np.full((4, size), np.nan)
-    high = cog_directions >= REACHED - _LAST_DIGITS
-    rose = np.flatnonzero(high.any(axis=1))
+    is_high = (cog_directions >= REACHED - _LAST_DIGITS).any(axis=1)
+    rose = np.flatnonzero(is_high if eccentricities is None else is_high & (eccentricities > 0.0))
     if rose.size:
-        at = rates_at and (lambda rows, columns: rates_at(rose[rows], columns))
-        risen = _Risen(times[rose], cog_directions[rose], high[rose], at)
+        risen = _Risen(times[rose], cog_directions[rose], rates_of(rose))
         outcomes[rose[risen.is_up_at_end]] = "not decided"
         rows, found = risen.judged()
         outcomes[rose[rows]] = np.where(np.isnan(found[1]), "inverted", "lost")
         numbers[:, rose[rows]] = found
-    inverted, lost, errors, lost_errors = numbers
-    return Inversions(
-        outcomes=outcomes, times=inverted, lost=lost, time_errors=errors, lost_errors=lost_errors
-    )
+    return Inversions(outcomes, *numbers)
 
 
 class _Risen:
     """Motions whose centre of gravity rises to `REACHED` at some sample, shape (k, n)."""
 
-    def __init__(
-        self,
-        times: Array,
-        directions: Array,
-        high: npt.NDArray[np.bool_],
-        rates_at: Callable[[Numbers, Numbers], Array] | None,
-    ) -> None:
-        self._times, self._directions, self._rates_at = times, directions, rates_at
-        self._low, self._ends = directions < _LAST_DIGITS, times[:, -1]
-        falls = np.where(self._low, times, np.inf)
+    def __init__(self, times: Array, directions: Array, rates: Array) -> None:
+        self._times, self._directions, self._rates = times, directions, rates
+        self._ends, high = times[:, -1], directions >= REACHED - _LAST_DIGITS
+        falls = np.where(directions < _LAST_DIGITS, times, np.inf)
         self._next_fall = np.minimum.accumulate(falls[:, ::-1], axis=1)[:, ::-1]
         last = high.shape[1] - 1 - np.argmax(high[:, ::-1], axis=1)
         self.is_up_at_end = np.isinf(self._next_fall[np.arange(len(high)), last])
         # What has risen between two samples may have stayed since the earlier one.
-        since = times if rates_at is None else np.append(times[:, :1], times[:, :-1], axis=1)
+        since = np.append(times[:, :1], times[:, :-1], axis=1)
         until = np.minimum(self._next_fall, self._ends[:, None])
         self._may_stay = high & (until - since >= STAYING)
 
@@ -211,12 +185,11 @@ class _Risen:
         """
         errors = np.zeros(rows.size)
         coarse = np.max(np.abs(np.diff(self._directions[rows], axis=1)), axis=1) > _COARSE
-        if self._rates_at is None or not coarse.any():
+        if not coarse.any():
             return errors
         rows, risen = rows[coarse], risen[coarse, None]
-        times, directions = self._times[rows], self._directions[rows]
-        columns = np.broadcast_to(np.arange(times.shape[1]), times.shape)
-        lowest, highest = extremes(times, directions, self._rates_at(rows, columns))
+        times = self._times[rows]
+        lowest, highest = extremes(times, self._directions[rows], self._rates[rows])
         begins, ends, falls = times[:, :-1], times[:, 1:], self._next_fall[rows]
         # Up before, and not down since; or down within the time for which it has to stay up.
         before = (highest >= REACHED) & (ends <= risen) & (falls[:, 1:] > risen)
@@ -232,15 +205,11 @@ class _Risen:
         apart = np.abs(self._directions[rows, columns] - level) > _LAST_DIGITS
         some = np.flatnonzero((columns > 0) & apart)
         chosen = rows[some]
-        if self._rates_at is None:
-            errors[some] = found[some] - self._times[chosen, columns[some] - 1]
-        elif some.size:
-            at = self._rates_at
-            found[some], errors[some] = crossings(
-                self._times[chosen],
-                self._directions[chosen],
-                level,
-                columns[some],
-                lambda each, near: at(chosen[each], near),
-            )
+        found[some], errors[some] = crossings(
+            self._times[chosen],
+            self._directions[chosen],
+            self._rates[chosen],
+            level,
+            columns[some],
+        )
         return found, errors

@@ -2,9 +2,9 @@
 
 import json
 import os
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from html import escape
 from importlib import import_module
 from typing import Any, ClassVar, Self
@@ -17,28 +17,27 @@ from analysis.data.checks import (
     ToleranceError,
     choice,
     increasing_times,
+    not_negative,
     number,
     positive,
     real_array,
+    settings,
 )
+from analysis.data.constraint_set import multiplier_names
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
 from analysis.data.inversion import Inversion
-from analysis.data.own import foreign_names
-from analysis.data.scenario import Scenario
+from analysis.data.motion_quantities import Columns, Quantities, filled, quantities
 from analysis.data.state import State
 
-FORMAT = 2
+FORMAT = 3
 """Of the files of motions; the first held no whole scenario."""
-
-_META = ("source", "error_estimate", "method", "counts", "versions")
-"""What a file says of a motion in plain data, beside scenario and ending."""
 
 UNKNOWN_TOLERANCE = 1e-6
 """Error in rad between samples allowed to a run that was asked for none."""
 
 
-class SampledMotion(ABC):
+class SampledMotion(Quantities):
     """A motion sampled in time; `Trajectory` and `SpatialMotion` are the two kinds."""
 
     __slots__ = ()
@@ -47,33 +46,43 @@ class SampledMotion(ABC):
     """Unit of the error estimate, with a space before it; empty if it has none."""
 
     times: Array
-    scenario: Scenario
     source: Any
     method: Mapping[str, Any]
     error_estimate: float | None
     ending: Ending | None
 
-    @property
-    @abstractmethod
-    def cog_direction(self) -> Array:
-        """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
-
-    @property
-    @abstractmethod
-    def cog_direction_rate(self) -> Array:
-        """Rate of `cog_direction` in 1/s, shape (n,)."""
-
-    @abstractmethod
-    def columns(self) -> dict[str, tuple[Array, str]]:
-        """Every sampled quantity by name: its values, shape (n,), and its unit."""
-
-    @abstractmethod
-    def _state(self, wanted: Array, tolerance: float | None) -> tuple[Array, Array]:
-        """Co-rotating coordinates and rates at times within the samples, each shape (m, 6)."""
-
     @abstractmethod
     def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
         """What differs at times within the samples, shape (m,), and the error between these."""
+
+    @staticmethod
+    @abstractmethod
+    def _state_of(arrays: Mapping[str, Array]) -> tuple[Array, Array]:
+        """Co-rotating coordinates and rates, each shape (m, 6), of such arrays."""
+
+    def _check(self) -> None:
+        """Make the arrays and settings clean ones of this motion's own, or raise `ValueError`."""
+        size = increasing_times(self.times).size
+        for name in filled(type(self)):
+            values = real_array(name, getattr(self, name))
+            is_row = len(quantities(type(self))[name]) == 1
+            shape = (size,) if is_row else (size, len(self._columns(name)))
+            if values.shape != shape:
+                raise ValueError(f"{name} must have shape {shape}, got {values.shape}")
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+        for name in ("method", "counts", "versions"):
+            object.__setattr__(self, name, settings(name, getattr(self, name)))
+        if self.error_estimate is not None:
+            estimate = not_negative("error_estimate", self.error_estimate)
+            object.__setattr__(self, "error_estimate", estimate)
+
+    def _columns(self, name: str) -> Columns:
+        """Columns of a quantity of this motion."""
+        columns = quantities(type(self))[name]
+        if name != "multipliers":
+            return columns
+        return {each: columns[each] for each in multiplier_names(self.scenario.constraints)}
 
     @property
     def inversion(self) -> Inversion:
@@ -105,8 +114,9 @@ class SampledMotion(ABC):
         ToleranceError
             If the samples lie too far apart for the tolerance.
         """
-        coordinates, rates = self._state(self._wanted(number("time", time)), tolerance)
-        return State(coordinates=tuple(coordinates[0].tolist()), rates=tuple(rates[0].tolist()))
+        arrays, _ = self._arrays_at(self._wanted(number("time", time)), tolerance)
+        coordinates, rates = (each[0].tolist() for each in self._state_of(arrays))
+        return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
     def resampled(self, times: npt.ArrayLike, *, tolerance: float | None = None) -> Self:
         """The same motion at other times within its samples.
@@ -137,6 +147,15 @@ class SampledMotion(ABC):
         found: Self = replace(same, times=wanted, **arrays, error_estimate=estimate)
         return found
 
+    def columns(self) -> dict[str, tuple[Array, str]]:
+        """Every sampled quantity by name: its values, shape (n,), and its unit."""
+        found: dict[str, tuple[Array, str]] = {}
+        for name in quantities(type(self)):
+            values, columns = getattr(self, name), self._columns(name)
+            each = values.T if values.ndim > 1 else [values]
+            found |= dict(zip(columns, zip(each, columns.values(), strict=True), strict=True))
+        return found
+
     def to_dict(self) -> dict[str, Array]:
         """Every sampled quantity by name, each shape (n,), in SI units; the first is `time`."""
         return {name: values for name, (values, _) in self.columns().items()}
@@ -144,7 +163,11 @@ class SampledMotion(ABC):
     @property
     def units(self) -> dict[str, str]:
         """Unit of every quantity of `to_dict`."""
-        return {name: unit for name, (_, unit) in self.columns().items()}
+        return {
+            column: unit
+            for name in quantities(type(self))
+            for column, unit in self._columns(name).items()
+        }
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write `to_dict` as comma-separated columns below their names, whole or not at all.
@@ -256,15 +279,25 @@ class SampledMotion(ABC):
             "ending": "complete" if self.ending is None else str(self.ending),
         }
 
-    def _meta(self, **further: Any) -> str:
-        """What a file says of the motion beside its arrays; `stored_meta` reads it."""
-        meta = {
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the motion to an `.npz` file, whole or not at all, without pickle.
+
+        The file holds the arrays by their names, and `meta`, a JSON string with everything else;
+        `load_run` reads it.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        meta = {name: getattr(self, name) for name in described(type(self))} | {
             "format": FORMAT,
             "scenario": self.scenario.values(),
             "ending": None if self.ending is None else asdict(self.ending),
-            **{name: getattr(self, name) for name in _META},
         }
-        return json.dumps(meta | further, default=dict)
+        arrays = {name: getattr(self, name) for name in filled(type(self))}
+        with whole_file(path) as stream:
+            np.savez(stream, **arrays, meta=np.array(json.dumps(meta, default=dict)))
 
     def __repr__(self) -> str:
         said = self._told()
@@ -309,35 +342,10 @@ class SampledMotion(ABC):
         return float(error[worst])
 
 
-def stored_meta(text: Any, *further: str) -> dict[str, Any]:
-    """What a file says of its motion, with scenario and ending as such.
-
-    Raises
-    ------
-    KeyError
-        If something is missing.
-    ValueError
-        If it is of another format than `FORMAT`, or holds anything else.
-    """
-    meta = json.loads(str(text))
-    if not isinstance(meta, dict):
-        raise ValueError(f"meta must be a mapping, got {type(meta).__name__}")
-    found = meta.pop("format", 1)
-    if found != FORMAT:
-        age = "a newer" if isinstance(found, int) and found > FORMAT else "an older"
-        raise ValueError(
-            f"format must be {FORMAT}, got {found!r}: the file comes from {age} version of this "
-            "project"
-        )
-    names = (*_META, *further)
-    for name in meta:
-        choice("meta", name, (*names, "scenario", "ending"))
-    with foreign_names():
-        scenario = Scenario.from_values(meta["scenario"])
-    return {name: meta[name] for name in names} | {
-        "scenario": scenario,
-        "ending": None if meta["ending"] is None else Ending(**meta["ending"]),
-    }
+def described(kind: type[SampledMotion]) -> list[str]:
+    """What a file says of a motion beside its arrays; a run time is that of one call."""
+    left_out = (*filled(kind), "solver_seconds")
+    return [field.name for field in fields(kind) if field.name not in left_out]  # type: ignore[arg-type]
 
 
 def optional(package: str, wanted_by: str) -> Any:

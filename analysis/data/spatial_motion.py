@@ -1,6 +1,5 @@
 """Motions through every attitude, flat ones too: what a simulation until rest returns."""
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -8,39 +7,22 @@ from typing import Any, ClassVar
 import numpy as np
 
 from analysis.data import frames
-from analysis.data.checks import Array, choice, increasing_times, number, real_array, settings
+from analysis.data.checks import Array, choice, number
 from analysis.data.dense import between_neighbours, interpolate
 from analysis.data.dissipation import CAUSES
-from analysis.data.endings import Ending
-from analysis.data.files import whole_file
+from analysis.data.endings import Ending, Poses
+from analysis.data.motion_quantities import InSpace, filled, quantities
 from analysis.data.phases import Phases, flat_and_rolling
-from analysis.data.sampled import SampledMotion, stored_meta
+from analysis.data.sampled import SampledMotion
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import SOURCES, Setting, Source, Trajectory
-
-_COLUMNS = {
-    "positions": 3,
-    "quaternions": 4,
-    "velocities": 3,
-    "angular_velocities": 3,
-    "contact_points": 3,
-    "slip_speeds": 0,
-    "contour_speeds": 0,
-    "normal_force": 0,
-    "energies": 3,
-    "dissipated": len(CAUSES),
-}
-"""Sampled arrays and how many columns each has; none for 0."""
 
 _SAME_TIME = 1e-12
 """In s; times of one sample differ by rounding."""
 
-MOTION_COLUMNS = 1 + sum(max(1, columns) for columns in _COLUMNS.values())
-"""Numbers in each sample, the time included."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class SpatialMotion(SampledMotion):
+class SpatialMotion(InSpace, SampledMotion):
     """A motion of the disk in inertial coordinates, sampled in time, and what produced it.
 
     Parameters
@@ -92,8 +74,6 @@ class SpatialMotion(SampledMotion):
     """
 
     ERROR_UNIT: ClassVar[str] = ""
-    STORED_AS: ClassVar[str] = "spatial motion"
-    STORED_ARRAYS: ClassVar[tuple[str, ...]] = ("times", *_COLUMNS, "spatial_meta")
 
     times: Array
     positions: Array
@@ -116,26 +96,17 @@ class SpatialMotion(SampledMotion):
     versions: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        times = increasing_times(self.times)
-        for name, columns in {"times": 0, **_COLUMNS}.items():
-            values = real_array(name, getattr(self, name))
-            shape = (times.size, columns) if columns else (times.size,)
-            if values.shape != shape:
-                raise ValueError(f"{name} must have shape {shape}, got {values.shape}")
-            values.setflags(write=False)
-            object.__setattr__(self, name, values)
+        choice("source", self.source, SOURCES)
+        self._check()
         excess = float(np.max(np.abs(np.linalg.norm(self.quaternions, axis=1) - 1.0)))
         if excess > 1e-9:
             raise ValueError(f"quaternions must have unit length, got one off by {excess:.1e}")
-        choice("source", self.source, SOURCES)
-        for name in ("method", "counts", "versions"):
-            object.__setattr__(self, name, settings(name, getattr(self, name)))
         if self.rest_time is not None:
-            rest = number("rest_time", self.rest_time)
-            if not times[0] <= rest <= times[-1]:
+            rest, (first, last) = number("rest_time", self.rest_time), self.times[[0, -1]]
+            if not first <= rest <= last:
                 raise ValueError(
-                    f"rest_time must lie within the samples, from {times[0]:g} to {times[-1]:g} "
-                    f"s, got {rest:g}"
+                    f"rest_time must lie within the samples, from {first:g} to {last:g} s, "
+                    f"got {rest:g}"
                 )
             object.__setattr__(self, "rest_time", rest)
 
@@ -145,39 +116,9 @@ class SpatialMotion(SampledMotion):
         return frames.rotations(self.quaternions)
 
     @property
-    def tilt(self) -> Array:
-        """Inclination beta in rad from 0 to pi, both flat, shape (n,)."""
-        return frames.tilts(self.rotations)
-
-    @property
-    def leaning(self) -> Array:
-        """Angle in rad between the disk and the table, 0 flat on either face, shape (n,)."""
-        tilt = self.tilt
-        result: Array = np.minimum(tilt, np.pi - tilt)
-        return result
-
-    @property
-    def cog_height(self) -> Array:
-        """Height of the centre of gravity over the table in m, shape (n,)."""
-        result: Array = self.positions[:, 2] + self.scenario.disk.eccentricity * self.cog_direction
-        return result
-
-    @property
-    def cog_direction(self) -> Array:
-        """Vertical part of the unit vector from G to S, 1 upside down, shape (n,)."""
-        return self.rotations[:, 2, 0]
-
-    @property
-    def cog_direction_rate(self) -> Array:
-        """Rate of `cog_direction` in 1/s, shape (n,)."""
-        axis, angular = self.rotations[:, :, 0], self.angular_velocities
-        result: Array = angular[:, 0] * axis[:, 1] - angular[:, 1] * axis[:, 0]
-        return result
-
-    @property
-    def spin(self) -> Array:
-        """Vertical angular velocity in rad/s, shape (n,)."""
-        return self.angular_velocities[:, 2]
+    def poses(self) -> Poses:
+        """Pose and twist at every sample."""
+        return Poses(self.positions, self.rotations, self.velocities, self.angular_velocities)
 
     @property
     def phases(self) -> Phases:
@@ -250,20 +191,6 @@ class SpatialMotion(SampledMotion):
         return largest / float(self.energies[0].sum())
 
     def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
-        pose, error = self._between(wanted, tolerance)
-        names = ("positions", "quaternions", "velocities", "angular_velocities")
-        found: dict[str, Any] = dict(zip(names, pose, strict=True))
-        for name in _COLUMNS:
-            if name not in names:
-                found[name] = between_neighbours(self.times, getattr(self, name), wanted)
-        rest = self.rest_time
-        within = rest is not None and wanted[0] <= rest <= wanted[-1]
-        return found | {"rest_time": rest if within else None}, error
-
-    def _between(
-        self, wanted: Array, tolerance: float | None
-    ) -> tuple[tuple[Array, Array, Array, Array], float]:
-        """Position, quaternion, velocity and angular velocity between samples, and the error."""
         values = np.column_stack((self.positions, self.quaternions))
         turning = frames.quaternion_rates(self.quaternions, self.angular_velocities)
         rates = np.column_stack((self.velocities, turning))
@@ -273,36 +200,27 @@ class SpatialMotion(SampledMotion):
         worst = self._check_between(wanted, turned, tolerance)
         length = np.linalg.norm(values[:, 3:], axis=1, keepdims=True)
         quaternion = values[:, 3:] / length
-        angular = frames.angular_velocities(quaternion, rates[:, 3:] / length)
-        return (values[:, :3], quaternion, rates[:, :3], angular), worst
-
-    def columns(self) -> dict[str, tuple[Array, str]]:
-        """Every sampled quantity by name: its values, shape (n,), and its unit."""
-        found = {"time": (self.times, "s")}
-        for stem, values, parts, unit in (
-            ("position", self.positions, "xyz", "m"),
-            ("quaternion", self.quaternions, "wxyz", ""),
-            ("velocity", self.velocities, "xyz", "m/s"),
-            ("angular_velocity", self.angular_velocities, "xyz", "rad/s"),
-            ("contact", self.contact_points, "xyz", "m"),
-            ("taken_by", self.dissipated, CAUSES, "J"),
-        ):
-            for part, column in zip(parts, values.T, strict=True):
-                found[f"{stem}_{part}"] = (column, unit)
-        for name, column in zip(("kinetic", "potential", "elastic"), self.energies.T, strict=True):
-            found[f"{name}_energy"] = (column, "J")
-        found |= {
-            "slip_speed": (self.slip_speeds, "m/s"),
-            "contour_speed": (self.contour_speeds, "m/s"),
-            "normal_force": (self.normal_force, "N"),
-            "tilt": (self.tilt, "rad"),
-            "cog_height": (self.cog_height, "m"),
+        found: dict[str, Any] = {
+            "positions": values[:, :3],
+            "quaternions": quaternion,
+            "velocities": rates[:, :3],
+            "angular_velocities": frames.angular_velocities(quaternion, rates[:, 3:] / length),
         }
-        return found
+        for name in filled(SpatialMotion):
+            if name not in ("times", *found):
+                found[name] = between_neighbours(self.times, getattr(self, name), wanted)
+        rest = self.rest_time
+        within = rest is not None and wanted[0] <= rest <= wanted[-1]
+        return found | {"rest_time": rest if within else None}, worst
 
-    def _state(self, wanted: Array, tolerance: float | None) -> tuple[Array, Array]:
-        place, quaternion, velocity, angular = self._between(wanted, tolerance)[0]
-        return frames.from_poses(place, frames.rotations(quaternion), velocity, angular)
+    @staticmethod
+    def _state_of(arrays: Mapping[str, Array]) -> tuple[Array, Array]:
+        return frames.from_poses(
+            arrays["positions"],
+            frames.rotations(arrays["quaternions"]),
+            arrays["velocities"],
+            arrays["angular_velocities"],
+        )
 
     def to_trajectory(
         self, end: float | None = None, *, least_leaning: float = 1e-3
@@ -332,12 +250,7 @@ class SpatialMotion(SampledMotion):
                 f"end must lie before the disk lies flat (leaning below {least_leaning:g} rad) "
                 f"at t = {first:g} s"
             )
-        coordinates, rates = frames.from_poses(
-            self.positions[:count],
-            self.rotations[:count],
-            self.velocities[:count],
-            self.angular_velocities[:count],
-        )
+        coordinates, rates = frames.from_poses(*(each[:count] for each in self.poses))
         frames.follow_turns(self.times[:count], coordinates, rates)
         estimate = self.error_estimate
         return Trajectory(
@@ -354,23 +267,6 @@ class SpatialMotion(SampledMotion):
             versions=self.versions,
         )
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the motion to an `.npz` file, whole or not at all, without pickle.
 
-        Raises
-        ------
-        OSError
-            If the file cannot be written.
-        """
-        arrays = {name: getattr(self, name) for name in ("times", *_COLUMNS)}
-        with whole_file(path) as stream:
-            np.savez(stream, **arrays, spatial_meta=np.array(self._meta(rest_time=self.rest_time)))
-
-    @classmethod
-    def from_arrays(cls, stored: Mapping[str, Any]) -> "SpatialMotion":
-        """Motion from the arrays of a file; `load_run` reads one."""
-        meta = stored_meta(stored["spatial_meta"], "rest_time")
-        return cls(
-            **{name: stored[name] for name in ("times", *_COLUMNS)},
-            **meta,
-        )
+MOTION_COLUMNS = sum(len(quantities(SpatialMotion)[name]) for name in filled(SpatialMotion))
+"""Numbers in each sample, the time included."""

@@ -1,18 +1,24 @@
 """Stored runs of either kind: what `save` has written is read here."""
 
+import json
 import os
-import zipfile
 from typing import Any, TypeVar, overload
 
-from analysis.data.files import read_archive
+from analysis.data.checks import choice
+from analysis.data.endings import Ending
+from analysis.data.files import read_array, readable_archive
+from analysis.data.motion_quantities import filled
+from analysis.data.own import foreign_names
+from analysis.data.sampled import FORMAT, described
+from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.trajectory import Trajectory
 
 StoredRun = Trajectory | SpatialMotion
 """What a result file holds."""
 
-_NAMED = 3
-"""Most members of a foreign archive that an error names."""
+_OLDER = {"t": "times", "q": "coordinates", "u": "rates", "spatial_meta": "meta"}
+"""What format 2, which is otherwise the present one, called some arrays."""
 
 Kind = TypeVar("Kind", bound=StoredRun)
 
@@ -49,20 +55,34 @@ def load_run(path: str | os.PathLike[str], kind: Any = None) -> Any:
     >>> run.source, run.times.size
     ('in-house', 2)
     """
-    if kind is None:
-        kind = _kind(path)
-    return read_archive(path, kind.STORED_AS, kind.STORED_ARRAYS, kind.from_arrays)
+    with readable_archive(path) as archive:
+        held = [name.removesuffix(".npy") for name in archive.namelist()]
+        names = {_OLDER.get(name, name): name for name in held}
+        found = SpatialMotion if "quaternions" in names else Trajectory
+        if kind not in (None, found):
+            raise ValueError(f"kind must be {kind.__name__}, got {found.__name__}")
+        given = _description(str(read_array(archive, names["meta"])), found)
+        given |= {name: read_array(archive, names[name]) for name in filled(found)}
+        return found(**given)
 
 
-def _kind(path: str | os.PathLike[str]) -> type[StoredRun]:
-    """What a file says that it holds."""
-    try:
-        with zipfile.ZipFile(path) as stored:
-            names = stored.namelist()
-    except (zipfile.BadZipFile, EOFError, RuntimeError) as error:
-        raise ValueError(f"{path} is not a readable motion: {error}") from error
-    for kind in (SpatialMotion, Trajectory):
-        if f"{kind.STORED_ARRAYS[-1]}.npy" in names:
-            return kind
-    held = ", ".join(map(repr, names[:_NAMED])) + ("" if len(names) <= _NAMED else ", …")
-    raise ValueError(f"{path} is not a readable motion: it holds {held or 'nothing'}")
+def _description(text: str, kind: type[StoredRun]) -> dict[str, Any]:
+    """What a file says of its motion, with scenario and ending as such."""
+    meta = json.loads(text)
+    if not isinstance(meta, dict):
+        raise ValueError(f"meta must be a mapping, got {type(meta).__name__}")
+    written = meta.pop("format", 1)
+    if written not in (2, FORMAT):
+        age = "a newer" if isinstance(written, int) and written > FORMAT else "an older"
+        raise ValueError(
+            f"format must be {FORMAT}, got {written!r}: the file comes from {age} version of "
+            "this project"
+        )
+    for name in meta:
+        choice("meta", name, described(kind))
+    found = {name: meta[name] for name in described(kind)}
+    with foreign_names():
+        found["scenario"] = Scenario.from_values(found["scenario"])
+    if found["ending"] is not None:
+        found["ending"] = Ending(**found["ending"])
+    return found

@@ -10,16 +10,17 @@ import numpy as np
 from analysis.data.checks import Array
 from analysis.data.ensemble import Ensemble
 from analysis.data.files import AnyArray
-from analysis.data.inversion import Inversions, direction_rates, inversions
+from analysis.data.inversion import Inversions, inversions
 from analysis.data.members import Rows
+from analysis.data.motion_quantities import InCoordinates, lengths
 from analysis.data.trajectory import Trajectory
 
-BETA, GAMMA = 4, 5
-"""Columns of the coordinates."""
+_BLOCK = 2**14
+"""Samples of motions that are looked at at once: they take some 5 MB."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Samples:
+class Samples(InCoordinates):
     """Samples of k motions; behind the end of one its last sample is repeated.
 
     Parameters
@@ -33,6 +34,18 @@ class Samples:
     coordinates: Array
     rates: Array
     multipliers: Array
+
+    @classmethod
+    def of(cls, motion: Trajectory, count: int) -> "Samples":
+        """So many samples of one motion, k = 1."""
+        rows = np.minimum(np.arange(count), motion.times.size - 1)[None]
+        arrays = (motion.times, motion.coordinates, motion.rates, motion.multipliers)
+        return cls(*(each[rows] for each in arrays))
+
+    def direction_rates(self, some: Rows) -> Array:
+        """Rate of `cog_direction` of some of the motions in 1/s, shape (j, n)."""
+        kept = replace(self, coordinates=self.coordinates[some], rates=self.rates[some])
+        return kept.cog_direction_rate
 
 
 class Part(Protocol):
@@ -57,17 +70,8 @@ class Part(Protocol):
     def moved(self, by: int) -> "Part":
         """The same with larger numbers of members."""
 
-    def attitudes(self) -> Array:
-        """Angles beta and gamma, shape (k, n, 2)."""
-
-    def kinematics(self) -> tuple[Array, Array]:
-        """Coordinates and rates, each shape (k, n, 6)."""
-
-    def last(self) -> tuple[Array, Array]:
-        """Coordinates and rates at the ends, each shape (k, 6)."""
-
-    def at(self, rows: Rows, columns: Rows) -> tuple[Array, Array]:
-        """Coordinates and rates of rows, shape (j,), at samples, shape (j, p), as in `Samples`."""
+    def kinematics(self, some: slice) -> Samples:
+        """Samples of some at the n times asked for, and at their ends, without forces."""
 
     def trajectory(self, row: int) -> Trajectory:
         """Motion of one of them."""
@@ -75,7 +79,7 @@ class Part(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Listed:
-    """Motions that were run one by one; behind the end of one its arrays mean nothing."""
+    """Motions that were run one by one, at so many times asked for."""
 
     rows: Rows
     motions: Sequence[Trajectory]
@@ -93,8 +97,7 @@ class Listed:
     @property
     def error_estimates(self) -> Array:
         """Estimated errors in rad, or nan."""
-        estimates = [motion.error_estimate for motion in self.motions]
-        return np.array([np.nan if each is None else each for each in estimates])
+        return np.array([motion.error_estimate for motion in self.motions], dtype=float)
 
     @property
     def endings(self) -> AnyArray:
@@ -102,32 +105,15 @@ class Listed:
         endings = [motion.ending for motion in self.motions]
         return np.array([each and each.reason for each in endings], dtype=object)
 
-    def attitudes(self) -> Array:
-        """Angles beta and gamma, shape (k, n, 2)."""
-        return self.kinematics()[0][:, :, BETA:]
-
-    def kinematics(self) -> tuple[Array, Array]:
-        """Coordinates and rates, each shape (k, n, 6)."""
-        found = np.full((2, len(self.motions), self.samples, 6), np.nan)
-        for row, motion in enumerate(self.motions):
-            count = min(motion.times.size, self.samples)
-            found[0, row, :count] = motion.coordinates[:count]
-            found[1, row, :count] = motion.rates[:count]
-        return found[0], found[1]
-
-    def last(self) -> tuple[Array, Array]:
-        """Coordinates and rates at the ends, each shape (k, 6)."""
-        coordinates = np.array([motion.coordinates[-1] for motion in self.motions])
-        return coordinates, np.array([motion.rates[-1] for motion in self.motions])
-
-    def at(self, rows: Rows, columns: Rows) -> tuple[Array, Array]:
-        """Coordinates and rates of rows, shape (j,), at samples, shape (j, p), as in `Samples`."""
-        found = np.empty((2, *columns.shape, 6))
-        for place, row in enumerate(rows.tolist()):
-            motion = self.motions[row]
-            wanted = np.minimum(columns[place], motion.times.size - 1)
-            found[0, place], found[1, place] = motion.coordinates[wanted], motion.rates[wanted]
-        return found[0], found[1]
+    def kinematics(self, some: slice) -> Samples:
+        """Samples of some at the times asked for, and at their ends, without forces."""
+        each = [Samples.of(motion, self.samples + 1) for motion in self.motions[some]]
+        return Samples(
+            np.concatenate([one.times for one in each]),
+            np.concatenate([one.coordinates for one in each]),
+            np.concatenate([one.rates for one in each]),
+            np.empty((len(each), self.samples + 1, 0)),
+        )
 
     def trajectory(self, row: int) -> Trajectory:
         """Motion of one of them."""
@@ -135,10 +121,11 @@ class Listed:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Trajectories:
+class Trajectories(InCoordinates):
     """Motions of the members of an ensemble, each at the times asked for.
 
-    Where a member has failed or its motion has ended before, arrays hold nan.
+    Quantities are those of a `Trajectory`, of all members: `runs.cog_height` has the shape
+    (m, n). Where a member has failed or its motion has ended before, arrays hold nan.
     `trajectories[member]` is a `Trajectory` as `simulate` returns it, with constraint forces and
     all, or raises the error that ended that member.
 
@@ -207,26 +194,31 @@ class Trajectories:
         }
 
     @cached_property
+    def _lengths(self) -> tuple[Any, Any, Any]:
+        each = [self.ensemble.numbers(lambda one, n=n: lengths(one)[n]) for n in range(3)]  # type: ignore[misc]
+        return each[0][:, None], each[1][:, None], each[2][:, None]
+
+    @cached_property
     def ends(self) -> Array:
         """Time of the end of each motion in s, shape (m,)."""
-        return self._whole([part.ends for part in self.parts])
+        return self._whole("ends", np.nan)
 
     @cached_property
     def error_estimates(self) -> Array:
         """Estimated errors of beta and gamma in rad, shape (m,); nan where there is none."""
-        return self._whole([part.error_estimates for part in self.parts])
+        return self._whole("error_estimates", np.nan)
 
     @cached_property
     def endings(self) -> AnyArray:
         """Why motions ended before the last time asked for, or None, shape (m,); see `Ending`."""
-        return self._whole([part.endings for part in self.parts], empty=None)
+        return self._whole("endings", None)
 
-    @property
+    @cached_property
     def coordinates(self) -> Array:
         """Co-rotating coordinates, Eq. (8), in m and rad, shape (m, n, 6)."""
         return self._kinematics[0]
 
-    @property
+    @cached_property
     def rates(self) -> Array:
         """Time derivatives of the coordinates, shape (m, n, 6)."""
         return self._kinematics[1]
@@ -234,65 +226,55 @@ class Trajectories:
     @property
     def last_coordinates(self) -> Array:
         """Coordinates at the ends, shape (m, 6)."""
-        return self._last[0]
+        return self._kinematics[2]
 
     @property
     def last_rates(self) -> Array:
         """Rates at the ends, shape (m, 6)."""
-        return self._last[1]
+        return self._kinematics[3]
 
     @cached_property
     def inversions(self) -> Inversions:
         """What became of the inversion of each member; see `Trajectory.inversion`."""
-        eccentric = self.ensemble.numbers(lambda scenario: scenario.disk.eccentricity) > 0.0
-        sines = np.sin(self._during([part.attitudes() for part in self.parts], 2))
-        last = np.prod(np.sin(self.last_coordinates[:, BETA:]), axis=1)
-        directions = np.append(sines[:, :, 0] * sines[:, :, 1], last[:, None], axis=1)
-        times = np.append(self.times, np.inf)
-        np.copyto(directions, last[:, None], where=times > self.ends[:, None])
-        # The centre of gravity of a disk without eccentricity is never above the centre.
-        directions *= eccentric[:, None]
-        return inversions(np.minimum(times, self.ends[:, None]), directions, self._direction_rates)
+        outcomes = np.full(len(self), "not inverted", dtype=object)
+        numbers = np.full((4, len(self)), np.nan)
+        for rows, samples in self._blocks():
+            eccentricities = self._lengths[0][rows, 0]
+            found = inversions(
+                samples.times, samples.cog_direction, samples.direction_rates, eccentricities
+            )
+            outcomes[rows], numbers[:, rows] = found.outcomes, found.numbers
+        return Inversions(outcomes, *numbers)
 
-    def _direction_rates(self, members: Rows, columns: Rows) -> Array:
-        """Rates of where the centre of gravity lies, of members at samples as in `Samples`."""
-        found = np.empty(columns.shape)
+    @cached_property
+    def _kinematics(self) -> tuple[Array, Array, Array, Array]:
+        """Coordinates and rates at the times asked for, and at the ends."""
+        whole = np.full((2, len(self), self.times.size + 1, 6), np.nan)
+        for rows, samples in self._blocks():
+            whole[0, rows], whole[1, rows] = samples.coordinates, samples.rates
+        whole[:, :, :-1][:, self.times > self.ends[:, None]] = np.nan
+        whole.setflags(write=False)
+        return whole[0, :, :-1], whole[1, :, :-1], whole[0, :, -1], whole[1, :, -1]
+
+    def _blocks(self) -> Iterator[tuple[Rows, Samples]]:
+        """Numbers of some members at a time, and their samples, without forces."""
         for part in self.parts:
-            places = np.full(len(self), -1)
-            places[part.rows] = np.arange(len(part.rows))
-            some = np.flatnonzero(places[members] >= 0)
-            found[some] = direction_rates(*part.at(places[members[some]], columns[some]))
-        return found
+            for some in blocks(len(part.rows), self.times.size):
+                yield part.rows[some], part.kinematics(some)
 
-    @cached_property
-    def _kinematics(self) -> tuple[Array, Array]:
-        found = [part.kinematics() for part in self.parts]
-        return self._during([z for z, _ in found], 6), self._during([u for _, u in found], 6)
-
-    @cached_property
-    def _last(self) -> tuple[Array, Array]:
-        found = [part.last() for part in self.parts]
-        coordinates = self._whole([z for z, _ in found], (6,))
-        return coordinates, self._whole([u for _, u in found], (6,))
-
-    def _during(self, values: Sequence[Array], columns: int) -> Array:
-        """Samples of all members, nan behind their ends."""
-        whole = self._whole(values, (self.times.size, columns))
-        whole.setflags(write=True)
-        whole[self.times > self.ends[:, None]] = np.nan
+    def _whole(self, name: str, empty: float | None) -> AnyArray:
+        """What the parts tell of their members, of all of them."""
+        whole = np.full(len(self), empty)
+        for part in self.parts:
+            whole[part.rows] = getattr(part, name)
         whole.setflags(write=False)
         return whole
 
-    def _whole(
-        self, values: Sequence[AnyArray], shape: tuple[int, ...] = (), empty: float | None = np.nan
-    ) -> AnyArray:
-        """Values of all members from those of the parts."""
-        kind: Any = object if empty is None else float
-        whole = np.full((len(self), *shape), empty, dtype=kind)
-        for part, some in zip(self.parts, values, strict=True):
-            whole[part.rows] = some
-        whole.setflags(write=False)
-        return whole
+
+def blocks(rows: int, samples: int) -> Iterator[slice]:
+    """Rows with so many samples, some at a time."""
+    size = max(1, _BLOCK // samples)
+    return (slice(first, first + size) for first in range(0, rows, size))
 
 
 def joined(ensemble: Ensemble, pieces: Sequence[Trajectories]) -> Trajectories:

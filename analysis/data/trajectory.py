@@ -1,6 +1,5 @@
 """Trajectories: what every simulation of the study returns, whoever made it."""
 
-import os
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,22 +9,12 @@ from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
-from analysis.data import frames
-from analysis.data.checks import (
-    Array,
-    choice,
-    increasing_times,
-    not_negative,
-    number,
-    real_array,
-    settings,
-)
+from analysis.data.checks import Array, choice, number
 from analysis.data.constraint_set import multiplier_names
 from analysis.data.dense import interpolate, interpolate_values
 from analysis.data.endings import Ending
-from analysis.data.files import whole_file
-from analysis.data.inversion import direction_rates
-from analysis.data.sampled import SampledMotion, stored_meta
+from analysis.data.motion_quantities import InCoordinates
+from analysis.data.sampled import SampledMotion
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES, State
 
@@ -35,7 +24,7 @@ Setting = str | float | int | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Trajectory(SampledMotion):
+class Trajectory(InCoordinates, SampledMotion):
     """A motion of the disk, sampled in time, and what produced it.
 
     Parameters
@@ -85,10 +74,6 @@ class Trajectory(SampledMotion):
     """
 
     ERROR_UNIT: ClassVar[str] = " rad"
-    STORED_AS: ClassVar[str] = "trajectory"
-    STORED_ARRAYS: ClassVar[tuple[str, ...]] = (
-        "t", "q", "u", "normal_force", "multipliers", "meta",
-    )  # fmt: skip
 
     times: Array
     coordinates: Array
@@ -106,29 +91,14 @@ class Trajectory(SampledMotion):
 
     def __post_init__(self) -> None:
         choice("source", self.source, SOURCES)
-        times = increasing_times(self.times)
-        times.setflags(write=False)
-        object.__setattr__(self, "times", times)
-        shapes = {
-            "coordinates": (times.size, 6),
-            "rates": (times.size, 6),
-            "multipliers": (times.size, len(multiplier_names(self.scenario.constraints))),
-        }
-        for name, shape in shapes.items():
-            values = real_array(name, getattr(self, name))
-            if values.shape != shape:
-                raise ValueError(f"{name} must have shape {shape}, got {values.shape}")
-            values.setflags(write=False)
-            object.__setattr__(self, name, values)
-        for name in ("method", "counts", "versions"):
-            object.__setattr__(self, name, settings(name, getattr(self, name)))
-        if self.error_estimate is not None:
-            estimate = not_negative("error_estimate", self.error_estimate)
-            object.__setattr__(self, "error_estimate", estimate)
-        for interval in self.pulling:
-            first, last = (number("pulling", time) for time in interval)
+        self._check()
+        pulling = tuple(
+            (number("pulling", first), number("pulling", last)) for first, last in self.pulling
+        )
+        for first, last in pulling:
             if first > last:
                 raise ValueError(f"pulling must hold rising times, got {first:g} before {last:g}")
+        object.__setattr__(self, "pulling", pulling)
 
     def coordinate(self, name: str) -> Array:
         """Coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
@@ -149,39 +119,6 @@ class Trajectory(SampledMotion):
         names = multiplier_names(self.scenario.constraints)
         return self.multipliers[:, names.index(choice("multiplier", name, names))]
 
-    @property
-    def normal_force(self) -> Array:
-        """Normal contact force lambda_N over time in N, shape (n,)."""
-        return self.multipliers[:, 0]
-
-    @property
-    def cog_direction(self) -> Array:
-        """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
-        result: Array = np.sin(self.coordinate("beta")) * np.sin(self.coordinate("gamma"))
-        return result
-
-    @property
-    def cog_direction_rate(self) -> Array:
-        """Rate of `cog_direction` in 1/s, shape (n,)."""
-        return direction_rates(self.coordinates, self.rates)
-
-    @property
-    def cog_height(self) -> Array:
-        """Height of the centre of gravity over the table in m, shape (n,)."""
-        result: Array = self.coordinate("z") + self.scenario.disk.eccentricity * self.cog_direction
-        return result
-
-    @property
-    def contact_points(self) -> Array:
-        """Lowest point of the disk, inertial, in m, shape (n, 3)."""
-        x, y, z, alpha, beta, _ = self.coordinates.T
-        contact, r = self.scenario.contact, self.scenario.disk.radius
-        c = 0.0 if contact is None else contact.half_thickness
-        # The lowest point of a spheroid of semi-axes r, r, c; without thickness, of the rim.
-        height = np.hypot(r * np.sin(beta), c * np.cos(beta))
-        across = (r**2 - c**2) * np.sin(beta) * np.cos(beta) / height
-        return frames.turn_about_vertical(alpha, np.column_stack((x, y - across, z - height)))
-
     def state(self, index: int) -> State:
         """State at one sample."""
         return State(
@@ -190,72 +127,14 @@ class Trajectory(SampledMotion):
         )
 
     def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
-        coordinates, rates, error = self._between(wanted, tolerance)
-        multipliers = interpolate_values(self.times, self.multipliers, wanted)
-        return {"coordinates": coordinates, "rates": rates, "multipliers": multipliers}, error
-
-    def _between(self, wanted: Array, tolerance: float | None) -> tuple[Array, Array, float]:
         coordinates, rates, error = interpolate(self.times, self.coordinates, self.rates, wanted)
         worst = self._check_between(wanted, np.max(error[:, 4:], axis=1), tolerance)
-        return coordinates, rates, worst
+        multipliers = interpolate_values(self.times, self.multipliers, wanted)
+        return {"coordinates": coordinates, "rates": rates, "multipliers": multipliers}, worst
 
-    def columns(self) -> dict[str, tuple[Array, str]]:
-        """Every sampled quantity by name: its values, shape (n,), and its unit."""
-        lengths = dict.fromkeys(COORDINATES, "rad") | dict.fromkeys("xyz", "m")
-        found = {"time": (self.times, "s")}
-        found |= {name: (self.coordinate(name), lengths[name]) for name in COORDINATES}
-        found |= {f"{name}_rate": (self.rate(name), f"{lengths[name]}/s") for name in COORDINATES}
-        for name in multiplier_names(self.scenario.constraints):
-            found[name] = (self.multiplier(name), "N m" if name == "spin_torque" else "N")
-        found["cog_height"] = (self.cog_height, "m")
-        for axis, values in zip("xyz", self.contact_points.T, strict=True):
-            found[f"contact_{axis}"] = (values, "m")
-        return found
-
-    def _state(self, wanted: Array, tolerance: float | None) -> tuple[Array, Array]:
-        coordinates, rates, _ = self._between(wanted, tolerance)
-        return coordinates, rates
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the trajectory to an `.npz` file, whole or not at all, without pickle.
-
-        The file holds `t` (n,), `q` and `u` (n, 6), `normal_force` (n,), `multipliers` (n, k)
-        and `meta`, a JSON string with everything else.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written.
-        """
-        with whole_file(path) as stream:
-            np.savez(
-                stream,
-                t=self.times,
-                q=self.coordinates,
-                u=self.rates,
-                normal_force=self.normal_force,
-                multipliers=self.multipliers,
-                meta=np.array(self._meta(pulling=self.pulling)),
-            )
-
-    @classmethod
-    def from_arrays(cls, stored: Mapping[str, Any]) -> "Trajectory":
-        """Trajectory from the arrays of a file; `load_run` reads one."""
-        meta = stored_meta(stored["meta"], "pulling")
-        force, multipliers = stored["normal_force"], stored["multipliers"]
-        if not np.array_equal(force, multipliers[..., 0]):
-            raise ValueError(
-                f"normal_force must be the first of the multipliers, shape {multipliers.shape}, "
-                f"got shape {force.shape}"
-            )
-        return cls(
-            times=stored["t"],
-            coordinates=stored["q"],
-            rates=stored["u"],
-            multipliers=multipliers,
-            pulling=tuple((first, last) for first, last in meta.pop("pulling")),
-            **meta,
-        )
+    @staticmethod
+    def _state_of(arrays: Mapping[str, Array]) -> tuple[Array, Array]:
+        return arrays["coordinates"], arrays["rates"]
 
 
 def versions(*packages: str) -> dict[str, str]:

@@ -4,17 +4,10 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from analysis import (
-    CAUSES,
-    CONSTRAINTS,
-    SpatialMotion,
-    Trajectory,
-    multiplier_names,
-    outcomes,
-)
+from analysis import SpatialMotion, Trajectory, outcomes
 from analysis.data.checks import Array, choice
+from analysis.data.motion_quantities import quantities
 from analysis.data.outcomes import OUTCOMES, Row
-from analysis.data.state import COORDINATES
 
 COLUMNS: Mapping[str, str | None] = {
     **OUTCOMES,
@@ -35,30 +28,14 @@ both, or `SpatialMotion.deviation`; `code` names commit and sources that the row
 TIME = "time"
 """The series that goes with all others: times of the samples in s."""
 
-SERIES: tuple[str, ...] = (
-    *COORDINATES,
-    *(f"{name}_rate" for name in COORDINATES),
-    *multiplier_names(CONSTRAINTS),
-    "cog_height",
-    *(f"contact_{axis}" for axis in "xyz"),
-)
+SERIES = tuple(name for columns in quantities(Trajectory).values() for name in columns)[1:]
 """What can be kept of a trajectory; what a scenario does not have, such as a torque, is empty."""
 
-REST_SERIES: tuple[str, ...] = (
-    *(f"position_{axis}" for axis in "xyz"),
-    *(f"quaternion_{part}" for part in "wxyz"),
-    *(f"velocity_{axis}" for axis in "xyz"),
-    *(f"angular_velocity_{axis}" for axis in "xyz"),
-    *(f"contact_{axis}" for axis in "xyz"),
-    *(f"taken_by_{cause}" for cause in CAUSES),
-    *(f"{kind}_energy" for kind in ("kinetic", "potential", "elastic")),
-    *("slip_speed", "contour_speed", "normal_force", "tilt", "cog_height"),
-)
+REST_SERIES = tuple(name for columns in quantities(SpatialMotion).values() for name in columns)[1:]
 """What can be kept of a motion to rest."""
 
 GROUPS: Mapping[str, tuple[str, ...]] = {
-    "coordinates": COORDINATES,
-    "rates": tuple(f"{name}_rate" for name in COORDINATES),
+    name: tuple(quantities(Trajectory)[name]) for name in ("coordinates", "rates")
 }
 """Names for several series of a trajectory."""
 

@@ -21,77 +21,60 @@ from analysis.data.endings import REACHED
 from analysis.data.inversion import DEFINITION, STAYING
 from tests.helpers import model, not_none, random_trajectory
 
-TIMES = np.linspace(0.0, 4.0, 401)
+SPACING = 0.01
+TIMES = np.arange(0.0, 4.0 + SPACING / 2, SPACING)
 
 
-def judged(direction: Array, end: float = 4.0) -> Inversion:
+def risen(*stretches: tuple[float, float], low: float = -1.0, high: float = 1.0) -> Array:
+    """Directions that are high from each of these times to the next, and low otherwise."""
+    is_up = [(since - 1e-9 <= TIMES) & (until - 1e-9 > TIMES) for since, until in stretches]
+    return np.where(np.any(is_up, axis=0), high, low)
+
+
+@pytest.mark.parametrize(
+    ("direction", "end", "outcome", "time", "lost"),
+    [
+        (risen((0.5, 5.0)), 4.0, "inverted", 0.5, None),
+        (np.sin(2 * np.pi * TIMES), 3.9, "not inverted", None, None),
+        # The rise that lasts counts.
+        (risen((0.5, 0.7), (1.2, 5.0)), 4.0, "inverted", 1.2, None),
+        # To sink without coming below the centre is to stay.
+        (risen((0.5, 0.7), (0.9, 5.0), low=0.1), 4.0, "inverted", 0.5, None),
+        (risen((0.5, 5.0), high=0.89), 4.0, "not inverted", None, None),
+        (risen((0.5, 0.52 + STAYING)), 4.0, "lost", 0.5, 0.52 + STAYING),
+        (risen((0.5, 0.48 + STAYING)), 4.0, "not inverted", None, None),
+        (risen((0.5, 2.0)), 4.0, "lost", 0.5, 2.0),
+        (risen((0.5, 5.0)), 1.4, "not decided", None, None),
+        (risen((0.5, 5.0)), 1.5, "inverted", 0.5, None),
+        # What fell back before the end is decided.
+        (risen((0.5, 1.0)), 1.4, "not inverted", None, None),
+    ],
+)
+def test_disk_is_inverted_that_rises_and_stays_up(
+    direction: Array, end: float, outcome: str, time: float | None, lost: float | None
+) -> None:
     shown = end + 1e-9 >= TIMES
-    return Inversion.of_direction(TIMES[shown], direction[shown])
+    found = Inversion.of_direction(TIMES[shown], direction[shown], 0.0 * TIMES[shown])
+    assert found.outcome == outcome
+    assert found.time == (time if time is None else pytest.approx(time, abs=SPACING))
+    assert found.lost == (lost if lost is None else pytest.approx(lost, abs=SPACING))
 
 
-def risen(since: float, until: float = np.inf) -> Array:
-    return np.where((since - 1e-9 <= TIMES) & (until - 1e-9 > TIMES), 1.0, -1.0)
-
-
-def test_rising_for_good_is_inversion_at_the_first_time_up() -> None:
-    found = judged(risen(0.5))
-    assert found.outcome == "inverted"
-    assert found.time == pytest.approx(0.5)
-    assert found.lost is None
-
-
-def test_swinging_up_and_falling_back_is_no_inversion() -> None:
-    swinging = np.sin(2 * np.pi * TIMES)
-    assert np.max(swinging) > REACHED
-    assert judged(swinging, end=3.9) == Inversion(outcome="not inverted")
-
-
-def test_time_is_that_of_the_rise_that_lasts() -> None:
-    up = np.maximum(risen(0.5, 0.7), risen(1.2))
-    assert judged(up).time == pytest.approx(1.2)
-
-
-def test_sinking_below_nine_tenths_but_not_below_the_centre_is_staying() -> None:
-    up = np.where((TIMES > 0.7) & (TIMES < 0.9), 0.1, risen(0.5))
-    assert judged(up).time == pytest.approx(0.5)
-    assert judged(np.where((TIMES > 0.7) & (TIMES < 0.9), -0.1, up)).time == pytest.approx(0.9)
-
-
-def test_less_than_nine_tenths_is_not_up() -> None:
-    assert judged(0.89 * risen(0.5)).outcome == "not inverted"
-
-
-def test_motion_that_ends_where_it_is_up_is_so_whatever_its_last_digit() -> None:
-    for ending in (REACHED, np.nextafter(REACHED, 0.0)):
-        found = Inversion.of_direction(np.array([0.0, 0.5]), np.array([-1.0, ending]))
-        assert found.outcome == "not decided"
-
-
-@pytest.mark.parametrize("last", [-1e-14, 0.0, 1e-14])
-def test_motion_that_ends_where_it_is_lost_is_so_whatever_its_last_digit(last: float) -> None:
-    found = Inversion.of_direction(np.array([0.0, 0.5, 2.0]), np.array([-1.0, 1.0, last]))
-    assert (found.outcome, found.lost) == ("lost", 2.0)
-    short = Inversion.of_direction(np.array([0.0, 0.5, 1.0]), np.array([-1.0, 1.0, last]))
-    assert short.outcome == "not inverted"
-
-
-def test_staying_for_less_than_the_stated_time_is_no_inversion() -> None:
-    assert judged(risen(0.5, 0.5 + STAYING)).time == pytest.approx(0.5)
-    assert judged(risen(0.5, 0.49 + STAYING)).outcome == "not inverted"
-
-
-def test_inversion_that_ends_is_lost_at_the_first_time_below_the_centre() -> None:
-    found = judged(risen(0.5, 2.0))
-    assert found.outcome == "lost"
-    assert found.time == pytest.approx(0.5)
-    assert found.lost == pytest.approx(2.0)
-
-
-def test_motion_that_ends_before_the_disk_has_stayed_up_is_not_decided() -> None:
-    assert judged(risen(0.5), end=1.4) == Inversion(outcome="not decided")
-    assert judged(risen(0.5), end=1.5).outcome == "inverted"
-    # What fell back before the end is decided.
-    assert judged(risen(0.5, 1.0), end=1.4).outcome == "not inverted"
+@pytest.mark.parametrize(
+    ("last", "end", "outcome", "lost"),
+    [
+        *((last, 0.5, "not decided", None) for last in (REACHED, np.nextafter(REACHED, 0.0))),
+        *((last, 2.0, "lost", 2.0) for last in (-1e-14, 0.0, 1e-14)),
+        *((last, 1.0, "not inverted", None) for last in (-1e-14, 0.0, 1e-14)),
+    ],
+)
+def test_motion_that_ends_at_a_level_is_there_whatever_its_last_digit(
+    last: float, end: float, outcome: str, lost: float | None
+) -> None:
+    times = np.array([0.0, 0.5, end][: 2 + (end > 0.5)])
+    directions = np.array([-1.0, 1.0, last])[[0, -1] if end == 0.5 else [0, 1, 2]]
+    found = Inversion.of_direction(times, directions, np.zeros(times.size))
+    assert (found.outcome, found.lost) == (outcome, lost)
 
 
 def test_model_1_inverts_from_table_3_within_half_a_second() -> None:
@@ -184,12 +167,6 @@ def test_inversion_of_a_way_to_rest_is_that_in_the_papers_coordinates() -> None:
         found, expected = (getattr(each.inversion, name) for each in (motion, same))
         assert found == pytest.approx(expected, abs=1e-9)
     assert motion.phases.inversion == motion.inversion_time
-
-
-def test_trajectory_tells_where_its_centre_of_gravity_lies() -> None:
-    run = random_trajectory()
-    beta, gamma = run.coordinate("beta"), run.coordinate("gamma")
-    np.testing.assert_allclose(run.cog_direction, np.sin(beta) * np.sin(gamma))
 
 
 def test_disk_without_eccentricity_is_never_inverted() -> None:

@@ -20,7 +20,6 @@ from analysis import (
 from analysis.compiled import code
 from analysis.data.constraint_set import PRESCRIBED
 from analysis.data.outcomes import DONE, OUTCOMES, Row
-from analysis.models.outcomes import integrals
 from tests.helpers import model
 from tests.sweeps import sweep
 from validation.sweeps.case import run_chunk
@@ -50,17 +49,6 @@ def assert_alike(found: Row, expected: Row, relative: float) -> None:
             assert cell == pytest.approx(other, rel=relative, abs=tiny), name
         elif name not in ("seconds", "number"):
             assert cell == other, name
-
-
-@pytest.mark.parametrize("samples", range(2, 9))
-def test_integrals_are_those_of_scipy_however_long_a_row_is(samples: int) -> None:
-    random = np.random.default_rng(samples)
-    times = np.cumsum(random.uniform(0.1, 1.0, size=(3, 8)), axis=1)
-    values = random.normal(size=(3, 8))
-    for each in (times, values):
-        each[:, samples:] = each[:, samples - 1 : samples]
-    expected = simpson(values[:, :samples], x=times[:, :samples])
-    np.testing.assert_allclose(integrals(times, values), expected, rtol=1e-12)
 
 
 def test_outcomes_of_arrays_are_those_of_single_motions() -> None:

@@ -3,9 +3,7 @@
 # Wrong on purpose.
 # mypy: disable-error-code="arg-type, call-overload"
 
-import json
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +17,6 @@ from analysis import (
     PenaltyContact,
     Scenario,
     State,
-    load_run,
     simulate,
     simulate_many,
     simulate_to_rest,
@@ -31,7 +28,6 @@ from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import hopf_curves
 from analysis.stability.spectra import eigenvalues
 from mbs_models import Integrator, Newton, Scene
-from tests.helpers import random_trajectory
 
 TIMES = [0.0, 0.01]
 MODEL_4 = Scenario(constraints=MODELS[4])
@@ -117,20 +113,6 @@ WRONG = [
 def test_wrong_argument_is_named(side: str, name: str, value: Any, message: str) -> None:
     with pytest.raises(ValueError, match=f"^(start.)?{name} ?{message}"):
         CALLS[side](**{name: value})
-
-
-@pytest.mark.parametrize("change", [lambda force: force[:-1], lambda force: 2.0 * force])
-def test_stored_force_that_is_not_that_of_the_motion_is_refused(
-    change: Callable[[Any], Any], tmp_path: Path
-) -> None:
-    path = tmp_path / "run.npz"
-    random_trajectory().save(path)
-    with np.load(path) as stored:
-        arrays = dict(stored)
-    assert json.loads(str(arrays["meta"]))["source"]
-    np.savez(path, **arrays | {"normal_force": change(arrays["normal_force"])})
-    with pytest.raises(ValueError, match="normal_force must be the first of the multipliers"):
-        load_run(path)
 
 
 def test_truth_values_of_numpy_are_switches() -> None:

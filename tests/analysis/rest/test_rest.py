@@ -305,7 +305,7 @@ def test_file_gives_back_the_motion(tmp_path: Path) -> None:
     assert found.error_estimate == not_none(motion.error_estimate)
     assert found.ending == ending
     (tmp_path / "rest.npz").write_bytes(b"no archive")
-    with pytest.raises(ValueError, match="is not a readable spatial motion"):
+    with pytest.raises(ValueError, match="is not a readable motion"):
         load_run(tmp_path / "rest.npz", SpatialMotion)
 
 

@@ -20,9 +20,8 @@ def test_simulate_stores_arrays_and_all_parameters(source: str, tmp_path: Path) 
     call = f"simulate --source {source} --model 2 --mu 0.2 --eps 0.05 --spin 35 --end 0.2"
     assert run(*call.split(), "--samples", "21", "--tolerance", "1e-6", "--out", str(out)) == 0
     with np.load(out, allow_pickle=False) as stored:
-        assert stored["t"].shape == (21,)
-        assert stored["q"].shape == stored["u"].shape == (21, 6)
-        assert stored["normal_force"].shape == (21,)
+        assert stored["times"].shape == (21,)
+        assert stored["coordinates"].shape == stored["rates"].shape == (21, 6)
         meta = json.loads(str(stored["meta"]))
     assert meta["source"] == source
     assert meta["scenario"]["constraints"] == ["contact", "fixed-cog"]

@@ -16,6 +16,7 @@ from analysis import (
     SpatialMotion,
     Start,
 )
+from analysis.data.motion_quantities import filled
 from analysis.data.trajectory import SOURCES, Source
 from validation.run import run, run_to_rest
 from validation.study import Row, Study
@@ -113,7 +114,7 @@ def measure(case: Case | None) -> list[Row]:
     if case == Case(SLIDING):
         row |= losses(motion)
     if case == Case(SHOWN):
-        row |= {name: getattr(motion, name) for name in SpatialMotion.STORED_ARRAYS[:-1]}
+        row |= {name: getattr(motion, name) for name in filled(SpatialMotion)}
     return [row]
 
 

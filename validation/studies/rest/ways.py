@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from analysis import CAUSES, SpatialMotion
 from analysis.data.checks import Array
+from analysis.data.motion_quantities import filled
 from validation.kit.animation.player import player
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict
@@ -91,7 +92,7 @@ def present(rows: Rows) -> Content:
     table = pd.concat([rows[study.name] for study in STUDIES]).set_index("case")
     runs: dict[str, Row] = table.to_dict("index")
     base = runs[INHOUSE[SHOWN]]
-    arrays: dict[str, Any] = {n: np.array(base[n]) for n in SpatialMotion.STORED_ARRAYS[:-1]}
+    arrays: dict[str, Any] = {n: np.array(base[n]) for n in filled(SpatialMotion)}
     shown = SpatialMotion(
         scenario=made.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )

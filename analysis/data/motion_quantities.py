@@ -1,0 +1,251 @@
+"""What can be told of a motion: each quantity once, with its unit and how it is read off.
+
+`FILLED` has the arrays that a run fills in, and the classes below what follows from these. A
+quantity whose columns are named goes into everything that leaves a motion: its columns, files of
+numbers, tables, pictures, and the series that a sweep keeps. All of it holds for one motion, shape
+(n,) of samples, and for many, shape (m, n).
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from functools import cache
+from typing import Any, Self, overload
+
+import numpy as np
+
+from analysis.data import frames
+from analysis.data.checks import Array
+from analysis.data.constraint_set import MULTIPLIERS
+from analysis.data.dissipation import CAUSES
+from analysis.data.endings import Poses
+from analysis.data.members import Rows
+from analysis.data.scenario import Scenario
+from analysis.data.state import COORDINATES
+
+Columns = Mapping[str, str]
+"""Units of the columns of a quantity by their names; a quantity of one column has shape (n,)."""
+
+_LENGTHS = {name: "m" if name in "xyz" else "rad" for name in COORDINATES}
+
+
+def _named(stem: str, parts: tuple[str, ...] | str, unit: str) -> Columns:
+    return {f"{stem}_{part}": unit for part in parts}
+
+
+FILLED: Mapping[str, Columns] = {
+    "times": {"time": "s"},
+    "coordinates": _LENGTHS,
+    "rates": {f"{name}_rate": f"{unit}/s" for name, unit in _LENGTHS.items()},
+    "multipliers": {name: "N m" if name == "spin_torque" else "N" for name in MULTIPLIERS},
+    "positions": _named("position", "xyz", "m"),
+    "quaternions": _named("quaternion", "wxyz", ""),
+    "velocities": _named("velocity", "xyz", "m/s"),
+    "angular_velocities": _named("angular_velocity", "xyz", "rad/s"),
+    "contact_points": _named("contact", "xyz", "m"),
+    "dissipated": _named("taken_by", CAUSES, "J"),
+    "energies": {f"{kind}_energy": "J" for kind in ("kinetic", "potential", "elastic")},
+    "slip_speeds": {"slip_speed": "m/s"},
+    "contour_speeds": {"contour_speed": "m/s"},
+    "normal_force": {"normal_force": "N"},
+}
+"""Arrays of a motion, of which every kind has some; forces alone where a constraint has them."""
+
+
+class Quantity:
+    """A quantity that is read off a motion, as an attribute; without columns it is that alone."""
+
+    def __init__(self, read: Callable[[Any], Array], columns: Columns) -> None:
+        self.read, self.columns, self.__doc__ = read, columns, read.__doc__
+
+    @overload
+    def __get__(self, motion: None, kind: type) -> Self: ...
+    @overload
+    def __get__(self, motion: object, kind: type) -> Array: ...
+    def __get__(self, motion: object, kind: type) -> Any:
+        return self if motion is None else self.read(motion)
+
+
+def quantity(columns: Columns | None = None) -> Callable[[Callable[[Any], Array]], Quantity]:
+    """Make a method the way to read a quantity with these columns."""
+    return lambda read: Quantity(read, columns or {})
+
+
+class Quantities(ABC):
+    """Quantities of any motion, read off its poses and twists."""
+
+    __slots__ = ()
+
+    scenario: Scenario
+
+    @property
+    @abstractmethod
+    def poses(self) -> Poses:
+        """Pose and twist at every sample."""
+
+    @property
+    def _lengths(self) -> tuple[Any, Any, Any]:
+        """Eccentricity, radius and half thickness in m; shape (m, 1) each of many motions."""
+        return lengths(self.scenario)
+
+    @quantity()
+    def cog_direction(self) -> Array:
+        """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
+        return self.poses.rotations[..., 2, 0]
+
+    @quantity()
+    def cog_direction_rate(self) -> Array:
+        """Rate of `cog_direction` in 1/s, shape (n,)."""
+        axis, angular = self.poses.rotations[..., 0], self.poses.angular_velocities
+        result: Array = angular[..., 0] * axis[..., 1] - angular[..., 1] * axis[..., 0]
+        return result
+
+    def direction_rates(self, some: Rows) -> Array:
+        """Rate of `cog_direction` of some of many motions in 1/s, shape (k, n)."""
+        return np.atleast_2d(self.cog_direction_rate)[some]
+
+    @quantity()
+    def face(self) -> Array:
+        """Vertical part of the unit vector normal to the disk, shape (n,)."""
+        return self.poses.rotations[..., 2, 2]
+
+    @quantity()
+    def spin(self) -> Array:
+        """Vertical angular velocity in rad/s, shape (n,)."""
+        return self.poses.angular_velocities[..., 2]
+
+    @quantity({"cog_height": "m"})
+    def cog_height(self) -> Array:
+        """Height of the centre of gravity over the table in m, shape (n,)."""
+        result: Array = self.poses.positions[..., 2] + self._lengths[0] * self.cog_direction
+        return result
+
+    @quantity({"contact_speed": "m/s"})
+    def contact_speed(self) -> Array:
+        """Speed with which the contact point moves along the table in m/s, shape (n,)."""
+        _, rotations, velocities, angular = self.poses
+        normal = rotations[..., 2]
+        turning = np.cross(angular, normal)
+        height, flatness = _lowest(self._lengths, normal)
+        slope = flatness * normal[..., 2] / height
+        steeper = flatness * turning[..., 2] / height * (1.0 + slope * normal[..., 2] / height)
+        moved = steeper[..., None] * normal + slope[..., None] * turning
+        along = velocities[..., :2] + moved[..., :2]
+        result: Array = np.hypot(along[..., 0], along[..., 1])
+        return result
+
+
+class InCoordinates(Quantities):
+    """Quantities of motions in the paper's coordinates."""
+
+    __slots__ = ()
+
+    coordinates: Any
+    rates: Any
+    multipliers: Any
+
+    @property
+    def poses(self) -> Poses:
+        """Pose and twist at every sample."""
+        return Poses(*frames.poses(self.coordinates), *frames.twists(self.coordinates, self.rates))
+
+    @quantity()
+    def cog_direction(self) -> Array:
+        """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
+        _, beta, gamma = self._angles
+        result: Array = np.sin(beta) * np.sin(gamma)
+        return result
+
+    @quantity()
+    def cog_direction_rate(self) -> Array:
+        """Rate of `cog_direction` in 1/s, shape (n,)."""
+        (_, beta, gamma), rates = self._angles, self.rates
+        found: Array = np.cos(beta) * np.sin(gamma) * rates[..., 4]
+        found += np.sin(beta) * np.cos(gamma) * rates[..., 5]
+        return found
+
+    @quantity()
+    def face(self) -> Array:
+        """Vertical part of the unit vector normal to the disk, shape (n,)."""
+        result: Array = np.cos(self.coordinates[..., 4])
+        return result
+
+    @quantity()
+    def spin(self) -> Array:
+        """Rate of alpha in rad/s, shape (n,)."""
+        result: Array = self.rates[..., 3]
+        return result
+
+    @quantity()
+    def normal_force(self) -> Array:
+        """Normal contact force lambda_N in N, shape (n,)."""
+        result: Array = self.multipliers[..., 0]
+        return result
+
+    @quantity(FILLED["contact_points"])
+    def contact_points(self) -> Array:
+        """Lowest point of the disk, inertial, in m, shape (n, 3)."""
+        positions, rotations, *_ = self.poses
+        normal = rotations[..., 2]
+        height, flatness = _lowest(self._lengths, normal)
+        arm = (flatness * normal[..., 2] / height)[..., None] * normal
+        arm[..., 2] = -height
+        result: Array = positions + arm
+        return result
+
+    @property
+    def _angles(self) -> tuple[Array, Array, Array]:
+        alpha, beta, gamma = np.moveaxis(self.coordinates[..., 3:], -1, 0)
+        return alpha, beta, gamma
+
+
+class InSpace(Quantities):
+    """Quantities of motions through every attitude."""
+
+    __slots__ = ()
+
+    @quantity({"tilt": "rad"})
+    def tilt(self) -> Array:
+        """Inclination beta in rad from 0 to pi, both flat, shape (n,)."""
+        return frames.tilts(self.poses.rotations)
+
+    @quantity()
+    def leaning(self) -> Array:
+        """Angle in rad between the disk and the table, 0 flat on either face, shape (n,)."""
+        tilt = self.tilt
+        result: Array = np.minimum(tilt, np.pi - tilt)
+        return result
+
+
+@cache
+def filled(kind: type) -> tuple[str, ...]:
+    """Those of `FILLED` that a kind of motion has as its fields."""
+    held = {field.name for field in fields(kind)}
+    return tuple(name for name in FILLED if name in held)
+
+
+@cache
+def quantities(kind: type) -> Mapping[str, Columns]:
+    """Columns of every quantity of a kind of motion that has some, by its attribute."""
+    found = {name: FILLED[name] for name in filled(kind)}
+    for each in reversed(kind.__mro__):
+        read = {name: row for name, row in vars(each).items() if isinstance(row, Quantity)}
+        found |= {name: row.columns for name, row in read.items() if row.columns}
+    return found
+
+
+def lengths(scenario: Scenario) -> tuple[float, float, float]:
+    """Eccentricity, radius and half thickness of the disk in m."""
+    disk, contact = scenario.disk, scenario.contact
+    return disk.eccentricity, disk.radius, 0.0 if contact is None else contact.half_thickness
+
+
+def _lowest(lengths: tuple[Any, Any, Any], normal: Array) -> tuple[Array, Any]:
+    """Height of G over the lowest point, and how that moves out, of a leaning disk.
+
+    It is a spheroid of semi-axes r, r, c, or without thickness a rim: seen from G the lowest
+    point lies at (r² - c²) n_z / h along the horizontal part of the normal n, h below it.
+    """
+    _, r, c = lengths
+    across = np.hypot(normal[..., 0], normal[..., 1])
+    return np.hypot(r * across, c * normal[..., 2]), r**2 - c**2

@@ -1,0 +1,375 @@
+"""Files of motions: exact, free of pickle, whole or not at all, and read with suspicion."""
+
+import errno
+import io
+import json
+import os
+import zipfile
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import LEVELS, Scenario, SpatialMotion, StoredRun, Trajectory, load_run
+from analysis.data.files import whole_file
+from analysis.data.limits import LARGEST_STORAGE
+from tests.calls import refusal
+from tests.helpers import random_trajectory
+
+Stored = dict[str, Any]
+Change = Callable[[Stored], Stored]
+
+SAMPLES = 5
+
+
+def still_motion() -> SpatialMotion:
+    """A disk that lies still."""
+    vectors, numbers = np.zeros((SAMPLES, 3)), np.zeros(SAMPLES)
+    return SpatialMotion(
+        times=np.arange(float(SAMPLES)),
+        positions=vectors,
+        quaternions=np.tile([1.0, 0.0, 0.0, 0.0], (SAMPLES, 1)),
+        velocities=vectors,
+        angular_velocities=vectors,
+        contact_points=vectors,
+        slip_speeds=numbers,
+        contour_speeds=numbers,
+        normal_force=numbers,
+        energies=vectors,
+        dissipated=np.zeros((SAMPLES, 6)),
+        scenario=Scenario.rest(),
+        source="in-house",
+        rest_time=0.0,
+        method={"method": "LSODA"},
+        counts={"right_hand_sides": 1},
+        versions={"numpy": "2"},
+    )
+
+
+MOTIONS = [*(random_trajectory(level) for level in LEVELS), still_motion()]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """File of a trajectory."""
+    random_trajectory().save(tmp_path / "run.npz")
+    return tmp_path / "run.npz"
+
+
+def members(path: Path) -> Stored:
+    with np.load(path, allow_pickle=False) as stored:
+        return dict(stored)
+
+
+def assert_same(found: StoredRun, saved: StoredRun) -> None:
+    assert type(found) is type(saved)
+    for field in fields(saved):
+        np.testing.assert_equal(getattr(found, field.name), getattr(saved, field.name))
+
+
+@pytest.mark.parametrize("saved", MOTIONS, ids=repr)
+def test_file_gives_back_exactly_what_was_saved(saved: StoredRun, tmp_path: Path) -> None:
+    saved.save(tmp_path / "motion")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["motion"]
+    assert_same(load_run(tmp_path / "motion", type(saved)), saved)
+    for array in members(tmp_path / "motion").values():
+        assert not array.dtype.hasobject
+
+
+@pytest.mark.parametrize("saved", [random_trajectory(4), still_motion()], ids=repr)
+def test_file_of_format_2_loads(saved: StoredRun, path: Path) -> None:
+    saved.save(path)
+    arrays = described(format=2)(members(path))
+    if isinstance(saved, Trajectory):
+        older = {"times": "t", "coordinates": "q", "rates": "u"}
+        arrays = {older.get(name, name): values for name, values in arrays.items()}
+        arrays["normal_force"] = saved.normal_force
+    else:
+        arrays["spatial_meta"] = arrays.pop("meta")
+    np.savez(path, **arrays)
+    assert_same(load_run(path), saved)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions follow the umask on POSIX alone")
+def test_file_has_the_permissions_of_any_new_file(path: Path) -> None:
+    (path.parent / "plain").touch()
+    assert path.stat().st_mode == (path.parent / "plain").stat().st_mode
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
+@pytest.mark.parametrize("before", [None, b"an older result"])
+def test_interrupted_save_leaves_the_folder_as_it_was(
+    error: type[BaseException],
+    before: bytes | None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path = tmp_path / "motion.npz"
+    if before is not None:
+        path.write_bytes(before)
+
+    def stop_half_way(stream: Any, **_: Any) -> None:
+        stream.write(b"half of the file")
+        raise error
+
+    monkeypatch.setattr(np, "savez", stop_half_way)
+    with pytest.raises(error):
+        random_trajectory().save(path)
+    left = {entry.name: entry.read_bytes() for entry in tmp_path.iterdir()}
+    assert left == ({} if before is None else {"motion.npz": before})
+
+
+def test_new_file_replaces_the_old_one(path: Path) -> None:
+    random_trajectory(2).save(path)
+    assert load_run(path).scenario.model == 2
+    assert len(list(path.parent.iterdir())) == 1
+
+
+def test_a_full_disk_is_told_with_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    full = OSError(errno.ENOSPC, "No space left on device")
+    with pytest.raises(OSError, match=rf"No space .*: '.*{path.name}'$"), whole_file(path):
+        raise full
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_missing_files_and_folders_are_missing(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        load_run(tmp_path / "nothing.npz")
+    with pytest.raises(FileNotFoundError):
+        random_trajectory().save(tmp_path / "nowhere" / "motion.npz")
+
+
+def assert_refused(path: Path, cause: str = ".") -> None:
+    with pytest.raises(ValueError, match=rf"run\.npz is not a readable motion: {cause}") as found:
+        load_run(path)
+    assert "\n" not in str(found.value)
+
+
+def flagged(offset: int, value: int) -> Callable[[bytes], bytes]:
+    """Set a byte of the archive's own directory."""
+
+    def change(content: bytes) -> bytes:
+        place = content.index(b"PK\x01\x02") + offset
+        return content[:place] + bytes([value]) + content[place + 1 :]
+
+    return change
+
+
+def with_a_flipped_bit(content: bytes) -> bytes:
+    place = content.index(random_trajectory().rates.tobytes()) + 17
+    return content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :]
+
+
+DAMAGED: dict[str, Callable[[bytes], bytes]] = {
+    "nothing": lambda _: b"",
+    **{
+        f"cut at {part}": lambda whole, part=part: whole[: int(part * len(whole))]  # type: ignore[misc]
+        for part in (0.01, 0.6, 0.999)
+    },
+    "random bytes": lambda _: np.random.default_rng(0).bytes(3000),
+    # `zipfile` answers with errors that say neither OSError nor BadZipFile.
+    "encrypted": flagged(8, 1),
+    "of a later ZIP": flagged(6, 255),
+    "bit flipped": with_a_flipped_bit,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGED.values(), ids=DAMAGED)
+def test_damaged_file_is_refused(damage: Callable[[bytes], bytes], path: Path) -> None:
+    path.write_bytes(damage(path.read_bytes()))
+    assert_refused(path)
+
+
+def described(**changes: Any) -> Change:
+    """A change of the description that a file carries; None of a dotted name takes it out."""
+
+    def change(arrays: Stored) -> Stored:
+        description = json.loads(str(arrays["meta"]))
+        for name, value in changes.items():
+            *outer, last = name.split("__")
+            place = description
+            for each in outer:
+                place = place[each]
+            place[last] = value
+        return arrays | {"meta": np.array(json.dumps(description))}
+
+    return change
+
+
+def lacking(name: str) -> Change:
+    def change(arrays: Stored) -> Stored:
+        description = json.loads(str(arrays["meta"]))
+        if name in description:
+            del description[name]
+            return arrays | {"meta": np.array(json.dumps(description))}
+        return {each: values for each, values in arrays.items() if each != name}
+
+    return change
+
+
+def sampled(name: str, convert: Callable[[Any], Any]) -> Change:
+    return lambda arrays: arrays | {name: convert(arrays[name])}
+
+
+def last_is(value: float) -> Callable[[Any], Any]:
+    """Replace the last number of an array."""
+
+    def change(values: Any) -> Any:
+        values.flat[-1] = value
+        return values
+
+    return change
+
+
+def text(meta: Any) -> Change:
+    return lambda arrays: arrays | {"meta": np.array(meta)}
+
+
+REAL = "must be an array of real numbers, got"
+NUMBER = "must be a finite number, got"
+IN_SCENARIO = "scenario__friction__"
+
+TRAJECTORIES: dict[str, tuple[Change, str]] = {
+    **{
+        f"lacks {name}": (lacking(name), f"lacks '{name}'")
+        for name in ("times", "coordinates", "multipliers", "meta", "scenario", "counts")
+    },
+    "complex coordinates": (sampled("coordinates", lambda q: q + 1j), f"coordinates {REAL} compl"),
+    "rates as text": (sampled("rates", lambda u: u.astype(str)), f"rates {REAL} <U"),
+    "dates": (sampled("times", lambda t: t.astype("datetime64[s]")), f"times {REAL} datetime64"),
+    "nan": (sampled("coordinates", last_is(np.nan)), "coordinates must be finite"),
+    "huge": (sampled("rates", last_is(-1e300)), r"rates must not exceed 1e\+100"),
+    "times that fall": (sampled("times", lambda t: t[::-1]), "times must increase strictly"),
+    "no sample": (sampled("times", lambda t: t[:0]), "times must be one-dimensional with at lea"),
+    "lost column": (sampled("coordinates", lambda q: q[:, 1:]), r"coordinates must have shape"),
+    "method is text": (described(method="RK44"), "method must be a mapping, got str"),
+    "list in method": (described(method__step=[1.0]), r"method\['step'\] must be text, a number"),
+    "nan in method": (described(method__step=np.nan), r"method\['step'\] .* got nan"),
+    "error as text": (described(error_estimate="small"), f"error_estimate {NUMBER}"),
+    "negative error": (described(error_estimate=-1.0), "error_estimate must not be negative"),
+    "unknown source": (described(source="me"), "source must be one of engine, in-house"),
+    "constraints are text": (
+        described(scenario__constraints="contact"),
+        "constraints must be a list of names, got 'contact'",
+    ),
+    "unknown constraint": (
+        described(scenario__constraints=["contact", "glue"]),
+        "constraints must be one of contact, fixed-cog",
+    ),
+    "no scenario": (described(scenario=None), "."),
+    "foreign part of the scenario": (described(scenario__wind=3), "scenario must be one of"),
+    "foreign piece of a part": (described(**{f"{IN_SCENARIO}colour": "red"}), ".*colour"),
+    "start is null": (described(scenario__start=None), "start must be a table, got None"),
+    "radius as text": (described(scenario__disk__radius="0.045"), f"radius {NUMBER} '0.045'"),
+    "huge mass": (described(scenario__disk__mass=10**400), "mass must be a finite number"),
+    "mass is true": (described(scenario__disk__mass=True), f"mass {NUMBER} True"),
+    "unknown load": (described(**{f"{IN_SCENARIO}load": "none"}), "load must be one of"),
+    "pulling as text": (described(pulling=["ab"]), f"pulling {NUMBER} 'a'"),
+    "pulling backwards": (described(pulling=[[2, 1]]), "pulling must hold rising times"),
+    "ending is text": (described(ending="soon"), "."),
+    "ending without reason": (
+        described(ending={"reason": 3, "time": 1.0, "value": 0.0}),
+        "reason must be text, got 3",
+    ),
+    "newer format": (described(format=99), "format must be 3, got 99: .* from a newer version"),
+    "older format": (described(format=1), "format must be 3, got 1: .* from an older version"),
+    "no format": (text("{}"), "format must be 3, got 1: the file comes from an older version"),
+    "description is a list": (text("[]"), "meta must be a mapping, got list"),
+    "half a description": (text("{"), "."),
+    "deep description": (text("[" * 100_000), "."),
+}
+
+REST: dict[str, tuple[Change, str]] = {
+    "lacks energies": (lacking("energies"), "lacks 'energies'"),
+    "complex positions": (sampled("positions", lambda p: p + 1j), f"positions {REAL} complex"),
+    "rest time as text": (described(rest_time="soon"), f"rest_time {NUMBER}"),
+    "rest time outside": (
+        described(rest_time=99.0),
+        "rest_time must lie within the samples, from 0 to 4 s, got 99",
+    ),
+    "unit lost": (sampled("quaternions", lambda q: 2.0 * q), "quaternions must have unit length"),
+    "negative error": (described(error_estimate=-1.0), "error_estimate must not be negative"),
+    "bilateral as text": (
+        described(scenario__contact__bilateral="no"),
+        "bilateral must be True or False, got 'no'",
+    ),
+    "foreign piece": (described(colour="red"), ".*colour"),
+}
+
+
+@pytest.mark.parametrize(
+    ("saved", "change", "cause"),
+    [
+        pytest.param(motion, *case, id=f"{type(motion).__name__}: {name}")
+        for motion, cases in ((random_trajectory(), TRAJECTORIES), (still_motion(), REST))
+        for name, case in cases.items()
+    ],
+)
+def test_foreign_file_is_refused_with_its_cause(
+    saved: StoredRun, change: Change, cause: str, path: Path
+) -> None:
+    saved.save(path)
+    np.savez(path, **change(members(path)))
+    assert_refused(path, cause)
+
+
+def test_file_of_something_else_is_refused(path: Path) -> None:
+    with pytest.raises(ValueError, match="kind must be SpatialMotion, got Trajectory"):
+        load_run(path, SpatialMotion)
+    times = np.array(list(random_trajectory().times), dtype=object)
+    np.savez(path, allow_pickle=True, **(members(path) | {"times": times}))
+    assert_refused(path, ".*allow_pickle")
+    with path.open("wb") as stream:
+        np.save(stream, np.arange(3.0))
+    assert_refused(path)
+
+
+@pytest.mark.parametrize(
+    ("count", "cause"),
+    [
+        (10**30, r"times\.npy claims 8e\+30 bytes, and at most 2e\+09 are read"),
+        (LARGEST_STORAGE // 8, r"times\.npy claims 2000000000 bytes and holds 40"),
+        (6, r"times\.npy claims 48 bytes and holds 40"),
+    ],
+)
+def test_header_that_claims_more_than_there_is_takes_no_memory(
+    count: int, cause: str, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with zipfile.ZipFile(path) as archive:
+        contents = {name: archive.read(name) for name in archive.namelist()}
+    header = io.BytesIO()
+    claimed = {"descr": "<f8", "fortran_order": False, "shape": (count,)}
+    np.lib.format.write_array_header_1_0(header, claimed)
+    contents["times.npy"] = header.getvalue() + bytes(8 * SAMPLES)
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in contents.items():
+            archive.writestr(name, content)
+    read = np.lib.format.read_array
+
+    def honest_ones(stream: Any, **options: Any) -> Any:
+        assert stream.name != "times.npy", "memory was taken for what a header claims"
+        return read(stream, **options)
+
+    monkeypatch.setattr(np.lib.format, "read_array", honest_ones)
+    assert_refused(path, cause)
+
+
+@pytest.mark.parametrize("command", ["show {0} --plot {0}.png", "animate {0}"])
+def test_commands_answer_a_foreign_file_in_one_line(
+    command: str, path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    np.savez(path, **described(method="RK44")(members(path)))
+    assert "run.npz is not a readable motion" in refusal(capsys, command.format(path))
+    assert [entry.name for entry in path.parent.iterdir()] == ["run.npz"]
+
+
+def test_disk_that_turns_too_often_between_samples_is_not_animated(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    np.savez(path, **sampled("coordinates", last_is(1e15))(members(path)))
+    said = refusal(capsys, "animate", str(path))
+    assert "the disk turns by 1e+15 rad between two samples" in said
