@@ -5,7 +5,7 @@ special; or the spin is given.
 """
 
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.linalg import eigvals
@@ -14,10 +14,8 @@ from scipy.integrate import solve_bvp
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.nonlinear import flow
-from analysis.nonlinear.cycle import INVERTED, Cycle, Ends, PeriodicMotion
-from analysis.stability.linear_reduced import critical_speed
-
-M = TypeVar("M", bound=PeriodicMotion)
+from analysis.nonlinear.motions import INVERTED, Ends, PeriodicMotion
+from analysis.stability.printed import critical_speed
 
 TOLERANCE = 1e-9
 """Relative residual of the collocation polynomials."""
@@ -49,32 +47,31 @@ def require_collocation(scenario: Scenario) -> None:
     flow.require_steepness(scenario, _STEEPEST)
 
 
-def hopf_cycle(scenario: Scenario) -> Cycle:
+def hopf_cycle(scenario: Scenario) -> PeriodicMotion:
     """The cycle of vanishing amplitude at the Hopf point, to begin with."""
     hopf = critical_speed(scenario)
     phases = np.linspace(0.0, np.pi, _FIRST_NODES)
     tilt = hopf.frequency / hopf.spin
     shape = (-tilt * np.sin(phases), np.cos(phases), -tilt * hopf.frequency * np.cos(phases))
-    return Cycle(
+    return PeriodicMotion(
         scenario=scenario,
+        kind="symmetric",
         spin=hopf.spin,
-        amplitude=_SMALL,
+        value=_SMALL,
         period=2.0 * np.pi / hopf.frequency,
         times=phases / hopf.frequency,
         states=INVERTED + _SMALL * np.transpose(shape),
-        half_multiplier=1.0,
-        log_strong=-np.inf,
     )
 
 
 def solve(
     scenario: Scenario,
     value: float,
-    start: M,
+    start: PeriodicMotion,
     *,
     spin: float | None = None,
     tolerance: float = TOLERANCE,
-) -> M:
+) -> PeriodicMotion:
     """Find the periodic motion of the kind of another one with a given amplitude or tilt.
 
     Parameters
@@ -105,20 +102,21 @@ def solve(
     why = f"the collocation ended with {found.x.size} nodes and a residual of {residual:.1e}"
     if found.status == 0 and np.min(found.p) > 0.0 and value < _FURTHEST * reached:
         larger, strong = multipliers(variations(scenario, speed, times, states), ends)
-        motion = type(start).of(
-            reached,
-            larger,
+        motion = PeriodicMotion(
             scenario=scenario,
+            kind=start.kind,
             spin=speed,
+            value=reached,
             period=stretches * duration,
             times=times,
             states=states,
+            larger=larger,
             log_strong=stretches * strong,
         )
         if motion.flaw is None:
             return motion
         why = motion.flaw
-    raise NoCycleError(f"no {start.noun} of {value:.9g} rad found: {why}")
+    raise NoCycleError(f"no {ends.noun} of {value:.9g} rad found: {why}")
 
 
 def _collocated(
@@ -237,13 +235,13 @@ def multipliers(found: Variations, ends: Ends) -> tuple[float, float]:
     return larger, found.log_determinant - float(np.log(abs(larger)))
 
 
-def breaking_mode(cycle: Cycle) -> Array:
+def breaking_mode(cycle: PeriodicMotion) -> Array:
     """Deviation that comes back as its mirror image, of 1 rad in gamma at first, shape (n, 3).
 
     Parameters
     ----------
-    cycle : Cycle
-        Where cycles lose their symmetry.
+    cycle : PeriodicMotion
+        A symmetric one where cycles lose their symmetry.
     """
     found = variations(cycle.scenario, cycle.spin, cycle.times, cycle.states)
     # Whatever it begins with, after half a period the strong direction is gone.

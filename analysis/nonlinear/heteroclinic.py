@@ -20,10 +20,10 @@ from analysis.data.checks import local_tolerance as one_step
 from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
-from analysis.nonlinear.cycle import Cycle
+from analysis.nonlinear.motions import PeriodicMotion
 from analysis.stability.continuation import nearest_change
-from analysis.stability.linear_reduced import critical_speed, reduced_matrices
 from analysis.stability.linearisation import ComplexArray
+from analysis.stability.printed import critical_speed, reduced_matrices
 
 Ending = Callable[[float, Array], float]
 
@@ -262,50 +262,37 @@ def last_amplitude(scenario: Scenario) -> float:
     return max(float(np.pi), overshoot - np.pi / 2)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PeriodGrowth:
-    """How the period of cycles grows towards the connection, by least squares.
+def period_growth(cycles: Sequence[PeriodicMotion], connection: Connection) -> dict[str, float]:
+    """How the period of the last cycles of a family grows towards the connection, fitted.
 
     Parameters
     ----------
-    by_spin, predicted_by_spin : float
-        Of the period over the logarithm of the distance to the connection's spin, in s, and
-        -2 / growth.
-    by_amplitude, predicted_by_amplitude : float
-        Of the period over the logarithm of what the amplitude lacks to pi, in s, and
-        -2 (1 / growth + 1 / slow decay).
-    """
-
-    by_spin: float
-    predicted_by_spin: float
-    by_amplitude: float
-    predicted_by_amplitude: float
-
-
-def period_growth(cycles: Sequence[Cycle], connection: Connection) -> PeriodGrowth:
-    """Fit the period of the last cycles of a family.
-
-    Parameters
-    ----------
-    cycles : sequence of Cycle
+    cycles : sequence of PeriodicMotion
         Of the connection's scenario. Those are used that lack 0.01 to 3e-5 rad to an amplitude
         of pi; nearer ones are closer to its spin than that is known.
     connection : Connection
+
+    Returns
+    -------
+    dict
+        "by_spin": the period over the logarithm of the distance to the connection's spin, in s;
+        "by_amplitude": over that of what the amplitude lacks to pi; and what is predicted of
+        both: -2 / growth, and -2 (1 / growth + 1 / slow decay).
 
     Raises
     ------
     ValueError
         If there are less than 4 of them.
     """
-    lacking = np.array([np.pi - cycle.amplitude for cycle in cycles])
+    lacking = np.array([np.pi - cycle.value for cycle in cycles])
     used = (lacking < 1e-2) & (lacking > 3e-5)
     if np.sum(used) < 4:
         raise ValueError(f"cycles must hold 4 with 0.01 to 3e-5 rad to pi, got {np.sum(used)}")
     periods = np.array([cycle.period for cycle in cycles])[used]
     away = np.array([abs(cycle.spin - connection.spin) for cycle in cycles])[used]
-    return PeriodGrowth(
-        by_spin=float(np.polyfit(np.log(away), periods, 1)[0]),
-        predicted_by_spin=-2.0 / connection.growing,
-        by_amplitude=float(np.polyfit(np.log(lacking[used]), periods, 1)[0]),
-        predicted_by_amplitude=-2.0 * (1.0 / connection.growing - 1.0 / connection.slow),
-    )
+    return {
+        "by_spin": float(np.polyfit(np.log(away), periods, 1)[0]),
+        "predicted_by_spin": -2.0 / connection.growing,
+        "by_amplitude": float(np.polyfit(np.log(lacking[used]), periods, 1)[0]),
+        "predicted_by_amplitude": -2.0 * (1.0 / connection.growing - 1.0 / connection.slow),
+    }

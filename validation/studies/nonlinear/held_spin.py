@@ -19,7 +19,7 @@ import numpy.typing as npt
 from analysis import MODELS, ConstraintSet, Scenario, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import Source
-from analysis.nonlinear.cycle import Cycle, is_stable
+from analysis.nonlinear.motions import PeriodicMotion, is_stable
 from analysis.stability.critical import critical_speeds
 from validation.run import run
 
@@ -110,14 +110,20 @@ class HeldCycle:
         pairs = self.half_multipliers[np.abs(self.half_multipliers.imag) > 1e-6]
         return float(np.max(np.abs(pairs))) if pairs.size else None
 
+    def told(self) -> dict[str, Any]:
+        """What tables and files tell of it, as plain data by names."""
+        own = ("amplitude", "half_multiplier", "complex_multiplier")
+        names = (*own, "spin", "period", "multiplier", "stable")
+        return {name: getattr(self, name) for name in names}
+
 
 class NoHeldCycleError(ArithmeticError):
     """Shooting has not converged."""
 
 
-def beginning(cycle: Cycle) -> Array:
+def beginning(cycle: PeriodicMotion) -> Array:
     """What tells a cycle of the reduced system."""
-    return np.array((cycle.spin, cycle.period / 2.0, cycle.amplitude, *cycle.states[0, 2:]))
+    return np.array((cycle.spin, cycle.period / 2.0, cycle.value, *cycle.states[0, 2:]))
 
 
 def family(name: str, amplitudes: Sequence[float]) -> list[HeldCycle]:

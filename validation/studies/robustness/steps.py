@@ -11,7 +11,7 @@ import mbs_models
 from analysis import STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.stability.linearisation import ComplexArray
-from analysis.stability.spectra import state_matrices
+from analysis.stability.printed import full_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
 from validation.kit.references import STIFF, deviation
@@ -182,7 +182,7 @@ def _stable(disturbed: _Disturbed, integrator: IntegratorName) -> tuple[float | 
 
 
 def _eigenvalues(scenario: Scenario) -> ComplexArray:
-    values = np.linalg.eigvals(state_matrices(scenario, [SPIN], system="full")[0])
+    values = np.linalg.eigvals(full_matrices(scenario, [SPIN], drift=True)[0])
     return values.astype(complex)
 
 

@@ -13,13 +13,14 @@ from matplotlib.figure import Figure
 
 from analysis import MODELS, Scenario
 from analysis.data.checks import Array
-from analysis.stability import linear_reduced, spectra
-from analysis.stability.chart import stability_chart, static_gradient
+from analysis.stability import spectra
+from analysis.stability.chart import stability_chart
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linear_variants import PRINTED
+from analysis.stability.printed import closed_form, static_gradient
 from validation.kit.figures import legend_above, new_figure
 from validation.studies.stability.eigenvalue_check import ComplexArray
 from validation.studies.stability.measured import PAPER_GRADIENT
+from validation.studies.stability.variants import PRINTED
 
 Engine = tuple[Array, ComplexArray]
 """Spins in rad/s, shape (n,), and eigenvalues of the engine there in 1/s, shape (n, k)."""
@@ -130,7 +131,7 @@ def figure_10(engine: Engine, critical: float, frequency: float, born: float) ->
     branches = spectra.branches(REDUCED, SPINS)
     here = critical_speeds(REDUCED, (SPINS[0], SPINS[-1]))
     crossing, birth = here.hopf[0], here.pair_changes[0]
-    closed = linear_reduced.closed_form(REDUCED, SPINS).eigenvalues[:, :2]
+    closed = closed_form(REDUCED, SPINS).eigenvalues[:, :2]
     figure, axes = new_figure(2, height=7.0)
     for each, part in zip(axes, PARTS, strict=True):
         panel(each, part, branches, engine, {0: "$λ_{1,2}$"})
