@@ -224,28 +224,11 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     )
 
 
-class TimeScales(NamedTuple):
-    """How fast a motion is drawn to the slow manifold, and how fast it goes there.
+def separation(scenario: Scenario, spin: float) -> float:
+    """How much faster a motion is drawn to the slow manifold than it goes there.
 
-    Parameters
-    ----------
-    fast : float
-        Real eigenvalue in 1/s, negative (paper: lambda_3).
-    slow : float
-        Size of the complex pair in 1/s (paper: lambda_1, lambda_2).
-    """
-
-    fast: float
-    slow: float
-
-    @property
-    def separation(self) -> float:
-        """Fast over slow rate."""
-        return -self.fast / self.slow
-
-
-def time_scales(scenario: Scenario, spin: float) -> TimeScales:
-    """Time scales at inverted spinning.
+    The size of the real eigenvalue of inverted spinning over that of the complex pair (paper:
+    lambda_3, and lambda_1 and lambda_2).
 
     Raises
     ------
@@ -262,7 +245,7 @@ def time_scales(scenario: Scenario, spin: float) -> TimeScales:
             "spin must be one with a complex pair beside a real eigenvalue, got "
             f"{spin:g}, with {', '.join(f'{v:.4g}' for v in values)} 1/s"
         )
-    return TimeScales(fast=float(real[0].real), slow=float(abs(pair[0])))
+    return float(abs(real[0]) / abs(pair[0]))
 
 
 def distances(scenarios: Sequence[Scenario], spin: float) -> Array:

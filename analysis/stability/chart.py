@@ -4,7 +4,7 @@ The linear system depends on friction through the gradient mu / epsilon of the f
 zero slip alone.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -17,27 +17,6 @@ from analysis.stability.linearisation import ROUND_OFF, spin_array
 from analysis.stability.printed import full_matrices
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class StabilityChart:
-    """Number of unstable eigenvalues over a grid.
-
-    Parameters
-    ----------
-    motion : {"inverted", "noninverted"}
-    spins : ndarray, shape (n,)
-        Spinning speeds in rad/s.
-    gradients : ndarray, shape (m,)
-        Friction gradients mu / epsilon in s/m.
-    unstable : ndarray of int, shape (m, n)
-        Eigenvalues with positive real part; the drift pair +-i spin is no part of the count.
-    """
-
-    motion: Motion
-    spins: Array
-    gradients: Array
-    unstable: npt.NDArray[np.int_]
-
-
 def with_gradient(scenario: Scenario, gradient: float) -> Scenario:
     """Scenario with a friction law of this gradient mu / epsilon in s/m at zero slip."""
     return replace(scenario, friction=ViscousFriction(viscosity=gradient))
@@ -48,7 +27,7 @@ def stability_chart(
     spins: npt.ArrayLike,
     gradients: npt.ArrayLike,
     motion: Motion = "inverted",
-) -> StabilityChart:
+) -> npt.NDArray[np.int_]:
     """Count the unstable eigenvalues of the full system over spin and friction gradient.
 
     Parameters
@@ -60,6 +39,11 @@ def stability_chart(
     gradients : array_like, shape (m,)
         Friction gradients mu / epsilon in s/m, not negative.
     motion : {"inverted", "noninverted"}
+
+    Returns
+    -------
+    ndarray of int, shape (m, n)
+        Eigenvalues with positive real part; the drift pair +-i spin is no part of the count.
 
     Raises
     ------
@@ -75,7 +59,7 @@ def stability_chart(
         values = np.linalg.eigvals(matrices)
         floor = ROUND_OFF * np.max(np.abs(values), axis=1, keepdims=True)
         unstable[row] = np.sum(values.real > floor, axis=1)
-    return StabilityChart(motion=motion, spins=spins, gradients=gradients, unstable=unstable)
+    return unstable
 
 
 def _gradient_array(gradients: npt.ArrayLike) -> Array:

@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import pi
 from typing import Any
 
@@ -13,9 +13,13 @@ from analysis.data.names import ArgumentError
 from analysis.data.written import is_text, unit
 from analysis.nonlinear import families
 from analysis.nonlinear.families import Family
-from analysis.nonlinear.heteroclinic import NoConnectionError, fall, heteroclinic_connection
+from analysis.nonlinear.heteroclinic import (
+    Connection,
+    NoConnectionError,
+    fall,
+    heteroclinic_connection,
+)
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.nonlinear.motions import Event
 from analysis.stability.printed import critical_speed
 from validation.commands.options import chosen_end, parse_spins, run_options
 from validation.commands.output import Result
@@ -51,51 +55,43 @@ def cycles(options: argparse.Namespace) -> Result:
     return find[chosen[0]](scenario) if chosen else _symmetric(scenario)
 
 
-def _told(
-    family: Family,
-    rows: Sequence[Motion],
-    draw: Callable[[Any], Any],
-    *,
-    first: tuple[str, str] | None = None,
-    found: Sequence[Event] | None = None,
-    more: Sequence[Table] = (),
-    **values: Any,
-) -> Result:
-    """What is told of periodic motions of any kind.
+def _drawn(draw: Callable[[Any], Any]) -> Callable[[], Any]:
+    """What makes a figure, given the module of figures, which is loaded when one is wanted."""
+
+    def figure() -> Any:
+        from validation.nonlinear import figures
+
+        return draw(figures)
+
+    return figure
+
+
+def _told(family: Family, draw: Callable[[Any], Any], **more: Any) -> Result:
+    """What is told of a family: its motions, what happens along it, and its picture.
 
     Parameters
     ----------
     family : Family
-    rows : sequence of Motion
-        Its motions as the table has them.
     draw : callable
-        Makes axes of the picture, given the module of figures.
-    first : tuple of 2 str, optional
-        What else the table tells of each; see `motion_table`.
-    found : sequence of Event, optional
-        What happens along the family.
-    more : sequence of Table
-        Further ones to print.
-    **values
+        Makes the figure, given the module of figures.
+    **more
         What JSON is told besides.
     """
-
-    def picture() -> Any:
-        from validation.nonlinear import figures
-
-        return draw(figures).figure
-
-    shown = [tables.motion_table(rows, family.motions[0].kind, first), *more]
-    if found is not None:
-        shown.append(tables.event_table(found, family.motions))
-    happened = [{"kind": kind, **motion.told()} for kind, motion in found or ()]
-    reason = family.reason
+    rows, found = _rows(family), families.events(family)
+    happened = [{"kind": kind, **motion.told()} for kind, motion in found]
     return Result(
-        tables=shown,
-        values={"motions": rows, "events": happened, "reason": reason, **values},
-        draw=picture,
-        notes=[] if reason is None else [f"The family ends early: {reason}."],
+        tables=[
+            tables.motion_table(rows, family.motions[0].kind),
+            tables.event_table(found, family.motions),
+        ],
+        values={"motions": rows, "events": happened, "reason": family.reason, **more},
+        draw=_drawn(draw),
+        notes=_ending(family),
     )
+
+
+def _ending(family: Family) -> list[str]:
+    return [] if family.reason is None else [f"The family ends early: {family.reason}."]
 
 
 def _rows(family: Family) -> list[Motion]:
@@ -103,10 +99,14 @@ def _rows(family: Family) -> list[Motion]:
 
 
 def _at(scenario: Scenario, spins: Sequence[float]) -> Result:
-    found = tuple(families.cycle_at(scenario, spin) for spin in counted(spins, "spins"))
+    found = [families.cycle_at(scenario, spin) for spin in counted(spins, "spins")]
     named = [(f"{cycle.spin:.6g} rad/s", cycle.whole[1]) for cycle in found]
-    family = Family(motions=found, begins=critical_speed(scenario).spin)
-    return _told(family, _rows(family), lambda figures: figures.portrait(named))
+    rows = [each.told() for each in found]
+    return Result(
+        tables=[tables.motion_table(rows)],
+        values={"motions": rows, "events": [], "reason": None},
+        draw=_drawn(lambda figures: figures.portrait(named)),
+    )
 
 
 def _followed(scenario: Scenario) -> Family:
@@ -127,26 +127,21 @@ def _symmetric(scenario: Scenario) -> Result:
         figures.period_diagram(rows, hopf, axes=axes[1:])
         return figures.bifurcation_diagram(rows, hopf, axes=axes[0])
 
-    return _told(
+    told = _told(
         family,
-        rows,
         draw,
-        found=families.events(family),
-        more=[tables.hopf_table(normal, growth)],
         hopf={**asdict(normal), "kind": normal.kind, "curvature": normal.curvature},
         growth=None if growth is None else growth._asdict(),
     )
+    return replace(told, tables=[*told.tables, tables.hopf_table(normal, growth)])
 
 
 def _rotating(scenario: Scenario) -> Result:
     with progress_bar("rotating motion {n:.0f} of {total:.0f}") as progress:
         family = families.rotating_family(scenario, progress=progress)
-    rows = _rows(family)
     return _told(
         family,
-        rows,
-        lambda figures: figures.rotation_diagram(rows, family.begins),
-        found=families.events(family),
+        lambda figures: figures.rotation_diagram(_rows(family), family.begins),
         connection=family.begins,
     )
 
@@ -155,12 +150,9 @@ def _asymmetric(scenario: Scenario) -> Result:
     symmetric = _followed(scenario)
     with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
         family = families.first_asymmetric_family(symmetric, progress=progress)
-    rows, found = _rows(family), families.events(family)
     return _told(
         family,
-        rows,
-        lambda figures: figures.asymmetric_diagram(rows, _rows(symmetric), found[0].motion.told()),
-        found=found,
+        lambda figures: figures.asymmetric_diagram(_rows(family), _rows(symmetric), family.begins),
     )
 
 
@@ -172,10 +164,15 @@ def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | 
     held = {"amplitude": options.amplitude} if spins is None else {"spin": spins[0]}
     found = families.cycles_over(scenarios, **held)
     rows = [{axis.field: value, **row} for value, row in zip(values, _rows(found), strict=False)]
-    shown = (tables.HEADS["spin" if spins is None else "amplitude"], tables.HEADS["multiplier"])
     table = tables.motion_table(rows, first=(axis.field, _head(axis)))
-    return _told(
-        found, rows, lambda _: _draw_over(table, axis, shown), first=(axis.field, _head(axis))
+    shown = [
+        tables.HEADS[name] for name in ("spin" if spins is None else "amplitude", "multiplier")
+    ]
+    return Result(
+        tables=[table],
+        values={"motions": rows, "events": [], "reason": found.reason},
+        draw=lambda: _draw_over(table, axis, shown),
+        notes=_ending(found),
     )
 
 
@@ -190,66 +187,64 @@ def heteroclinic(options: argparse.Namespace) -> Result:
     found = heteroclinic_connection(scenario)
     slow = tables.prediction(scenario)
 
-    def picture() -> Any:
-        from validation.nonlinear import figures
-
+    def draw(figures: Any) -> Any:
         spins = [found.spin + side for side in (-_SIDE, 0.0, _SIDE)]
         named = [(f"{spin:.6f} rad/s", fall(scenario, spin).states) for spin in spins]
-        return figures.portrait(named, saddles=(-pi / 2, 1.5 * pi)).figure
+        return figures.portrait(named, saddles=(-pi / 2, 1.5 * pi))
 
     return Result(
         tables=[tables.connection_table(found, slow)],
-        values={
-            **asdict(found),
-            "saddle_index": found.saddle_index,
-            "prediction": None if slow is None else slow.spin,
-        },
-        draw=picture,
+        values={**_of_connection(found), "prediction": None if slow is None else slow.spin},
+        draw=_drawn(draw),
     )
+
+
+def _of_connection(found: Connection) -> dict[str, float]:
+    return {**asdict(found), "saddle_index": found.saddle_index}
 
 
 def _connections_over(options: argparse.Namespace, scenario: Scenario) -> Result:
     axis = _axis(options)
-    rows, told, reasons = [], [], []
-    pairs = list(zip(*_scenarios(scenario, axis), strict=True))
-    for value, each in counted(pairs, axis.field):
-        connection, reason = None, None
-        try:
-            connection = heteroclinic_connection(each)
-        except NoConnectionError as error:
-            reason = str(error)
-            reasons.append(f"{axis.field} = {value:g}: {reason}.")
-        hopf, slow = critical_speed(each).spin, tables.prediction(each)
-        predicted = None if slow is None else slow.spin
-        found = (None, None) if connection is None else (connection.spin, connection.saddle_index)
-        rows.append((value, hopf, found[0], predicted, found[1]))
-        told.append(
-            {
-                axis.field: value,
-                "hopf": hopf,
-                "connection": None if connection is None else asdict(connection),
-                "prediction": predicted,
-                "reason": reason,
-            }
-        )
-    table = Table(
+    values, scenarios = _scenarios(scenario, axis)
+    ends = [_ends(each) for each in counted(scenarios, axis.field)]
+    rows = [{axis.field: value, **end} for value, end in zip(values, ends, strict=True)]
+    table = Table.of(
+        rows,
+        {
+            _head(axis): lambda row: row[axis.field],
+            "Hopf point in rad/s": lambda row: row["hopf"],
+            "connection in rad/s": lambda row: (row["connection"] or {}).get("spin"),
+            "first-order prediction in rad/s": lambda row: row["prediction"],
+            "saddle index": lambda row: (row["connection"] or {}).get("saddle_index"),
+        },
         name="ends_over",
         title=f"Hopf point and heteroclinic connection over {axis.field}",
-        columns=(
-            _head(axis),
-            "Hopf point in rad/s",
-            "connection in rad/s",
-            "first-order prediction in rad/s",
-            "saddle index",
+        note=" ".join(
+            f"{axis.field} = {row[axis.field]:g}: {row['reason']}."
+            for row in rows
+            if row["reason"]
         ),
-        rows=rows,
-        note=" ".join(reasons),
     )
     return Result(
         tables=[table],
-        values={"ends": told},
-        draw=lambda: _draw_over(table, axis, table.columns[1:4]).figure,
+        values={"ends": rows},
+        draw=lambda: _draw_over(table, axis, table.columns[1:4]),
     )
+
+
+def _ends(scenario: Scenario) -> dict[str, Any]:
+    """Where the cycles of a scenario begin and end, and why not where they do not."""
+    connection, reason = None, None
+    try:
+        connection = _of_connection(heteroclinic_connection(scenario))
+    except NoConnectionError as error:
+        reason = str(error)
+    return {
+        "hopf": critical_speed(scenario).spin,
+        "connection": connection,
+        "prediction": getattr(tables.prediction(scenario), "spin", None),
+        "reason": reason,
+    }
 
 
 # --- Over a parameter ---------------------------------------------------------------------------
@@ -304,7 +299,7 @@ def _draw_over(table: Table, axis: Any, columns: Sequence[str]) -> Any:
             axes.plot(*zip(*points, strict=True), marker=".", label=name, **look)
     axes.set(xlabel=table.columns[0], xscale="log" if axis.log else "linear")
     figures.legend_above(axes)
-    return axes
+    return axes.figure
 
 
 # --- Passage ------------------------------------------------------------------------------------
@@ -318,18 +313,12 @@ def passage(options: argparse.Namespace) -> Result:
     scenario = chosen_scenario(options, rest=options.rest)
     found = follow(scenario, end, run_options(options)["source"])
     named = [(found.pair.scenario.name, found)]
-
-    def picture() -> Any:
-        from validation.nonlinear import figures
-
-        return figures.passage_diagram(named)[0].figure
-
     own = ("crossing", "lost", "predicted", "lowest_spin", "rate")
     return Result(
         tables=[passage_table(named)],
         values={"hopf": found.pair.spin, "frequency": found.pair.frequency}
         | {name: getattr(found, name) for name in own},
-        draw=picture,
+        draw=_drawn(lambda figures: figures.passage_diagram(named)),
     )
 
 

@@ -76,9 +76,9 @@ def lines(
             )
 
 
-def _mark_connection(axes: Any, spin: float | None) -> None:
+def _mark(axes: Any, spin: float | None, label: str = "heteroclinic") -> None:
     if spin is not None:
-        axes.axvline(spin, color=GREY, linestyle="-.", label="heteroclinic", zorder=0)
+        axes.axvline(spin, color=GREY, linestyle="-.", label=label, zorder=0)
 
 
 def bifurcation_diagram(
@@ -117,13 +117,13 @@ def bifurcation_diagram(
     axes.plot(hopf.spin, 0.0, "D", color="black", label="Hopf point", zorder=5)
     if slow:
         axes.plot(*zip(*slow, strict=True), ":", color=figures.COLOURS[3], label="slow manifold")
-    _mark_connection(axes, connection)
+    _mark(axes, connection)
     if engine:
         axes.plot(*zip(*engine, strict=True), label="engine", **ENGINE)
     axes.set(xlabel=SPIN, ylabel="amplitude max |γ − π/2| in rad", xlim=(low, high))
     figures.angle_axis(axes)
     figures.legend_above(axes, columns=3)
-    return axes
+    return axes.figure
 
 
 def period_diagram(
@@ -141,7 +141,7 @@ def period_diagram(
     lines(axes[1], motions, multipliers, "cycles", first=(hopf.spin, 1.0))
     lines(axes[2], motions, _values(motions, "log_strong") / np.log(10.0), "cycles")
     for each in axes:
-        _mark_connection(each, connection)
+        _mark(each, connection)
     axes[0].set(ylabel="period in s")
     axes[1].set(ylabel="larger Floquet multiplier")
     axes[1].axhline(1.0, color=GREY, linewidth=0.8, zorder=0)
@@ -149,7 +149,7 @@ def period_diagram(
         axes[1].set(yscale="log", ylabel="larger Floquet multiplier, logarithmic")
     axes[2].set(ylabel="log10 of the smaller one", xlabel=SPIN)
     figures.legend_above(axes[0], columns=3)
-    return axes
+    return axes[0].figure
 
 
 def rotation_diagram(motions: Sequence[Motion], connection: float) -> Any:
@@ -157,18 +157,18 @@ def rotation_diagram(motions: Sequence[Motion], connection: float) -> Any:
     axes = figures.new_figure(height=4.6)[1]
     for name, label, colour in (("largest_tilt", "largest", 2), ("tilt", "noninverted", 1)):
         lines(axes, motions, _values(motions, name), label, colours=(colour, colour))
-    _mark_connection(axes, connection)
+    _mark(axes, connection)
     spins, largest = (_values(motions, name) for name in ("spin", "largest_tilt"))
     # Where the disk is nearly flat the spin has no bounds.
     last = min(float(np.max(spins)), connection + _SHOWN)
     axes.set(xlabel=SPIN, ylabel="β − π/2 in rad", xlim=(np.min(spins) - 0.05 * _SHOWN, last))
     axes.set_ylim(0.0, 1.1 * np.max(largest[spins <= last]))
     figures.legend_above(axes, columns=2)
-    return axes
+    return axes.figure
 
 
 def asymmetric_diagram(
-    motions: Sequence[Motion], symmetric: Sequence[Motion], born: Motion
+    motions: Sequence[Motion], symmetric: Sequence[Motion], begins: float
 ) -> Any:
     """Largest deviations to either side of cycles without symmetry over the spin."""
     axes = figures.new_figure(height=4.6)[1]
@@ -178,12 +178,10 @@ def asymmetric_diagram(
     axes.plot(_values(near, "spin"), _values(near, "amplitude"), **look)
     lines(axes, motions, largest, "to one side", colours=(2, 2))
     lines(axes, motions, -least, "to the other", colours=(1, 1))
-    axes.plot(
-        born["spin"], born["amplitude"], "D", color="black", label="symmetry breaks", zorder=5
-    )
+    _mark(axes, begins, "symmetry breaks")
     axes.set(xlabel=SPIN, ylabel="largest deviation of γ in rad")
     figures.legend_above(axes, columns=2)
-    return axes
+    return axes.figure
 
 
 def portrait(named: Sequence[tuple[str, Array]], saddles: Sequence[float] = ()) -> Any:
@@ -203,7 +201,7 @@ def portrait(named: Sequence[tuple[str, Array]], saddles: Sequence[float] = ()) 
     axes.set(xlabel="γ in rad", ylabel="β in rad")
     figures.legend_above(axes)
     axes.plot(saddles, [np.pi / 2] * len(saddles), "s", color="black")
-    return axes
+    return axes.figure
 
 
 def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
@@ -238,4 +236,4 @@ def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
     axes[0].plot([], [], "s", color="black", label="inversion lost")
     for each in axes:
         figures.legend_above(each, columns=2)
-    return axes
+    return axes[0].figure

@@ -15,7 +15,7 @@ from analysis.nonlinear.heteroclinic import (
     period_growth,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.nonlinear.slow_manifold import distances, slow_cycle, time_scales
+from analysis.nonlinear.slow_manifold import distances, separation, slow_cycle
 from analysis.nonlinear.stationary import stationary_motions
 from analysis.stability import spectra
 from validation.nonlinear import passage
@@ -91,9 +91,11 @@ def _slow() -> list[Row]:
     rows: list[Row] = [{"kind": "motion", **told(each, "amplitude", "spin")} for each in cycles]
     laws = [SmoothCoulomb(smoothing=each) for each in SMOOTHING]
     near = distances([Scenario(constraints=MODELS[4], friction=law) for law in laws], 30.5)
-    separation = time_scales(PAPER, hopf_type(PAPER).spin).separation
     orders = dict(zip(("surface", "corrected"), near.tolist(), strict=True))
-    return [*rows, {"kind": "slow", "separation": separation, **orders}]
+    return [
+        *rows,
+        {"kind": "slow", "separation": separation(PAPER, hopf_type(PAPER).spin), **orders},
+    ]
 
 
 def _whole(found: Family) -> list[Row]:

@@ -91,16 +91,16 @@ def present(rows: Rows) -> Content:
                 connection=connection["spin"],
                 slow=_places(families[(families.case == SLOW) & (families.kind == "motion")]),
                 engine=_places(engine[(engine.source == "engine") & engine.case.isin(on_model_4)]),
-            ).figure,
+            ),
             "periods": figures.period_diagram(cycles, hopf, connection=connection["spin"])[
                 0
             ].figure,
             "portraits": portraits.draw(curves),
             "plane": _plane(hopf.spin, connections),
-            "rotations": figures.rotation_diagram(rotations, connection["spin"]).figure,
+            "rotations": figures.rotation_diagram(rotations, connection["spin"]),
             "passages": figures.passage_diagram(
                 [(p.case, p) for p in followed[followed.source == "in-house"].itertuples()]
-            )[0].figure,
+            ),
             "delays": delay.delay_diagram(slowed.rate, delays),
         },
         checks=[
