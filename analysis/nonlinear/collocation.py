@@ -17,7 +17,7 @@ from analysis.nonlinear import flow
 from analysis.nonlinear.motions import INVERTED, Ends, PeriodicMotion
 from analysis.stability.printed import critical_speed
 
-TOLERANCE = 1e-9
+_TOLERANCE = 1e-9
 """Relative residual of the collocation polynomials."""
 
 _MOST_NODES = 40_000
@@ -70,7 +70,6 @@ def solve(
     start: PeriodicMotion,
     *,
     spin: float | None = None,
-    tolerance: float = TOLERANCE,
 ) -> PeriodicMotion:
     """Find the periodic motion of the kind of another one with a given amplitude or tilt.
 
@@ -84,8 +83,6 @@ def solve(
         One near it.
     spin : float, optional
         In rad/s, for cycles alone; the amplitude is then found.
-    tolerance : float
-        Relative residual.
 
     Raises
     ------
@@ -93,7 +90,7 @@ def solve(
         If the iteration does not converge, or to something else.
     """
     ends, stretches = start.ends, 2.0 if start.ends.mirrored else 1.0
-    found, unit = _collocated(scenario, value, start, spin, tolerance)
+    found, unit = _collocated(scenario, value, start, spin)
     *spins, duration = found.p.tolist()
     speed = spins[0] if spin is None else spin
     times, states = duration * found.x, (unit[:, None] * found.y).T + INVERTED
@@ -120,7 +117,7 @@ def solve(
 
 
 def _collocated(
-    scenario: Scenario, value: float, start: PeriodicMotion, spin: float | None, tolerance: float
+    scenario: Scenario, value: float, start: PeriodicMotion, spin: float | None
 ) -> tuple[Any, Array]:
     """Result of `solve_bvp`, and the units of its deviations, shape (3,)."""
     ends, every = start.ends, max(1, start.times.size // _RESTART_NODES)
@@ -156,7 +153,7 @@ def _collocated(
                 values,
                 (start.spin, duration) if spin is None else (duration,),
                 fun_jac=slopes,
-                tol=tolerance,
+                tol=_TOLERANCE,
                 bc_tol=_BOUNDARY,
                 max_nodes=_MOST_NODES,
             )

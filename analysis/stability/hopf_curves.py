@@ -20,7 +20,7 @@ from math import log
 
 import numpy as np
 
-from analysis.data.checks import Array, choice, number, positive, whole
+from analysis.data.checks import Array, choice, number, positive
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.chart import with_gradient
@@ -28,6 +28,9 @@ from analysis.stability.continuation import Bound, Curve
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linearisation import ComplexArray, require_spinning, spin_scale
 from analysis.stability.printed import full_matrices
+
+_SEEDS = 9
+"""Lines of constant gradient, equally spaced in its logarithm, on which curves are looked for."""
 
 _FIRST_STEP, _LARGEST_STEP = 0.02, 0.1
 _LEAST_FREQUENCY = 1e-3
@@ -125,11 +128,10 @@ def hopf_curves(
     *,
     spins: tuple[float, float] = (0.0, 100.0),
     gradients: tuple[float, float] = (0.1, 1000.0),
-    seeds: int = 9,
 ) -> tuple[HopfCurve, ...]:
     """Trace the Hopf curves of the full system inside a rectangle.
 
-    Curves start at the Hopf points found on `seeds` lines of constant gradient, so a closed curve
+    Curves start at the Hopf points found on 9 lines of constant gradient, so a closed curve
     between two of those lines would be missed.
 
     Parameters
@@ -141,8 +143,6 @@ def hopf_curves(
         Lowest, not negative, and highest spin in rad/s.
     gradients : tuple of 2 floats
         Lowest, positive, and highest friction gradient mu / epsilon in s/m.
-    seeds : int
-        Number of lines, equally spaced in the logarithm of the gradient.
 
     Returns
     -------
@@ -158,10 +158,9 @@ def hopf_curves(
     """
     require_spinning(scenario, "the full system", 1)
     choice("motion", motion, MOTIONS)
-    seeds = whole("seeds", seeds)
     bounds, scale = _bounds(scenario, spins, gradients), spin_scale(scenario)
     curves: list[tuple[Array, tuple[str, str]]] = []
-    for gradient in np.geomspace(*gradients, seeds + 2)[1:-1].tolist():
+    for gradient in np.geomspace(*gradients, _SEEDS + 2)[1:-1].tolist():
         found = critical_speeds(with_gradient(scenario, gradient), spins, "full", motion)
         for each in found.hopf:
             seed = np.array((each.spin / scale, log(gradient), each.frequency / scale))

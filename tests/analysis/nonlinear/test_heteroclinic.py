@@ -159,11 +159,6 @@ def test_time_scales_lie_an_order_apart() -> None:
             ValueError,
             r"gradient of at most 100000 s/m .* got 300000",
         ),
-        (
-            lambda: heteroclinic_connection(PAPER, accuracy=1e-15),
-            ValueError,
-            "accuracy must be at",
-        ),
         (lambda: fall(model(2), 30.0), ValueError, "Model 4"),
         (lambda: fall(PAPER, -30.0), ValueError, "spin must be positive"),
         (lambda: distances([PAPER], 30.0), ValueError, "scenarios must be 2 or more"),

@@ -92,9 +92,7 @@ def present(rows: Rows) -> Content:
                 slow=_places(families[(families.case == SLOW) & (families.kind == "motion")]),
                 engine=_places(engine[(engine.source == "engine") & engine.case.isin(on_model_4)]),
             ),
-            "periods": figures.period_diagram(cycles, hopf, connection=connection["spin"])[
-                0
-            ].figure,
+            "periods": figures.period_diagram(cycles, hopf, connection=connection["spin"]),
             "portraits": portraits.draw(curves),
             "plane": _plane(hopf.spin, connections),
             "rotations": figures.rotation_diagram(rotations, connection["spin"]),
