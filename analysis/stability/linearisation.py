@@ -1,6 +1,6 @@
 """Any scenario linearised about a stationary motion, along its constraint manifold.
 
-Independent of the printed matrices of `linear_full` and `linear_reduced`: the nonlinear index-1
+Independent of the paper's matrices in `printed`: the nonlinear index-1
 system s' = F(s) in the states of `mechanics.states` is differentiated by dual numbers along the
 tangent space T of the states that meet every constraint on position and velocity level. Its
 Jacobian maps T into itself, so that it is told by the numbers of a state that are free in T.

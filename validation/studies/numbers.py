@@ -19,15 +19,20 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.mechanics import paper
-from analysis.stability import linear_reduced
-from analysis.stability.linear_full import FullLinearSystem, paper_numbers, printed_matrices
-from analysis.stability.linear_variants import MATRIX_CHANGES
+from analysis.stability.printed import (
+    critical_speed,
+    first_order,
+    paper_numbers,
+    printed_matrices,
+    reduced_matrices,
+)
 from validation.page.content import Content, Rows, Verdict
 from validation.run import run
 from validation.studies.comparisons import random_state
 from validation.studies.stability import measured
 from validation.studies.stability.eigenvalue_check import ComplexArray, spinning
 from validation.studies.stability.measured import rounds_to
+from validation.studies.stability.variants import MATRIX_CHANGES
 from validation.study import Check, Row, Study, at_most, equal
 
 TITLE = "The numbers the paper prints"
@@ -82,7 +87,7 @@ def _pair_gap(spin: float) -> float:
 def engine_numbers(_: Any) -> list[Row]:
     """Numbers of Sections 3 and 6 from the engine's eigenvalues, and the bound of λ₃."""
     spins = np.linspace(0.0, 50.0, 26)
-    critical = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
+    critical = critical_speed(Scenario(constraints=MODELS[4])).spin
     # The error of the limit is of the order of the squared smoothing.
     coarse, fine = (
         float(_spectrum(4, measured.SPIN, each)[0].real) * each / 0.1 for each in (1e-2, 1e-3)
@@ -95,7 +100,7 @@ def engine_numbers(_: Any) -> list[Row]:
     for names, smoothing in ((RUBBING[:2], 0.1), (RUBBING[2:], 0.01)):
         eighth, seventh = _spectrum(1, measured.SPIN, smoothing)[:2].real.tolist()
         found |= dict(zip(names, (seventh, eighth), strict=True))
-    third = linear_reduced.reduced_matrices(Scenario(constraints=MODELS[4]), spins)
+    third = reduced_matrices(Scenario(constraints=MODELS[4]), spins)
     here = float(np.max(np.min(np.linalg.eigvals(third).real, axis=1)))
     engine = max(float(_spectrum(4, spin)[0].real) for spin in spins.tolist())
     rows: list[Row] = [{"quantity": name, "engine": value} for name, value in found.items()]
@@ -128,8 +133,7 @@ def _linear_friction() -> tuple[float, float]:
     force = scenario.friction.gradient * scenario.weight
     engine = mbs_models.state_matrix(spinning(scenario, *spin))
     one, other = (
-        np.max(np.abs(FullLinearSystem.of(each, spin, force).state_matrices[0] - engine))
-        / np.max(np.abs(engine))
+        np.max(np.abs(first_order(each, spin, force)[0] - engine)) / np.max(np.abs(engine))
         for each in (printed, right)
     )
     return one, other
@@ -208,7 +212,7 @@ def present(rows: Rows) -> Content:
     printed = _beside(rows[measured.NUMBERS.name], engine["engine"])
     wrong = rows[MISPRINTS.name].drop(columns="case")
     agree = printed[DIGITS] == "yes"
-    critical = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
+    critical = critical_speed(Scenario(constraints=MODELS[4])).spin
     return Content(
         numbers={
             "printed": printed.to_dict("records"),

@@ -217,8 +217,7 @@ def test_linear_stability_depends_on_the_gradient_alone(law: FrictionLaw, system
     papers = SmoothCoulomb(coefficient=law.gradient, smoothing=1.0)
     spins = np.linspace(10.0, 50.0, 9)
     found, expected = (
-        spectra.state_matrices(model(level, friction=each), spins, system)
-        for each in (law, papers)
+        spectra.eigenvalues(model(level, friction=each), spins, system) for each in (law, papers)
     )
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-9)
 

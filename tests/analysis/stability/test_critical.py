@@ -27,13 +27,14 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import set_name
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import CriticalSpeeds, critical_speeds
-from analysis.stability.linear_reduced import critical_speed
-from analysis.stability.linear_variants import PRINTED, hopf_speeds, reproduces, variants
+from analysis.stability.printed import critical_speed
 from analysis.stability.spectra import System, matrices_over_spin
-from analysis.stability.stable_spins import stable_spins
 from tests.helpers import not_none
 
 PAPER = Scenario()
+REDUCED = Scenario(constraints=MODELS[4])
+MILD = Scenario(friction=SmoothCoulomb(smoothing=0.2))
+"""With this friction inverted spinning is stable somewhere in the full system."""
 
 
 def model(level: Level, disk: Disk = STEEL_DISK) -> Scenario:
@@ -164,31 +165,6 @@ def test_an_interval_without_crossing_says_so() -> None:
     assert noninverted.crossings == ()
 
 
-def test_no_obvious_choice_reproduces_the_printed_critical_speeds() -> None:
-    found = variants()
-    assert len(found) > 25
-    assert not any(reproduces(crossings) for crossings in found.values())
-
-
-def test_printed_signs_give_the_same_speeds_in_the_wrong_directions() -> None:
-    found = variants()
-    right = found["equations as they are"]
-    printed = found["(53) and (54) with the printed signs"]
-    np.testing.assert_allclose([c.spin for c in printed], [c.spin for c in right], rtol=1e-10)
-    assert [crossing.stable_side for crossing in printed] == ["above", "below"]
-
-
-def test_variants_start_from_the_full_system() -> None:
-    expected = critical_speeds(model(1)).hopf
-    np.testing.assert_allclose(
-        [c.spin for c in hopf_speeds()], [c.spin for c in expected], rtol=1e-10
-    )
-    shifted = tuple(
-        replace(crossing, spin=spin) for crossing, spin in zip(expected, PRINTED, strict=True)
-    )
-    assert reproduces(shifted)
-
-
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
 def test_a_round_disk_has_no_event_out_of_rounding(constraints: ConstraintSet) -> None:
     found = critical_speeds(
@@ -207,6 +183,36 @@ def test_two_eigenvalues_that_meet_at_zero_undamped_are_no_crossing() -> None:
     assert change.complex_side == "above"
 
 
+def test_inverted_spinning_is_stable_nowhere_in_the_full_system() -> None:
+    assert critical_speeds(PAPER).stable == ()
+
+
+def test_inverted_spinning_is_stable_above_the_closed_form_in_the_reduced_system() -> None:
+    closed = critical_speed(REDUCED).spin
+    ((low, high),) = critical_speeds(REDUCED).stable
+    assert low == pytest.approx(closed, abs=1e-6)
+    assert high == 60.0
+
+
+@pytest.mark.parametrize("level", [1, 2, 4])
+@pytest.mark.parametrize("motion", ["inverted", "noninverted"])
+def test_every_eigenvalue_decays_inside_and_one_grows_outside(
+    level: Level, motion: Motion
+) -> None:
+    scenario = replace(MILD, constraints=MODELS[level])
+    found = critical_speeds(scenario, (0.0, 50.0), motion=motion).stable
+    for spin in np.linspace(0.3, 49.7, 20).tolist():
+        values = matrices_over_spin(scenario, motion=motion)(np.array([spin]))[0]
+        inside = any(low < spin < high for low, high in found)
+        assert (np.max(np.linalg.eigvals(values).real) < 0.0) == inside
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_nothing_is_stable_without_friction(constraints: ConstraintSet) -> None:
+    frictionless = Scenario(constraints=constraints, friction=SmoothCoulomb(coefficient=0.0))
+    assert critical_speeds(frictionless, (25.0, 35.0)).stable == ()
+
+
 @pytest.mark.parametrize(
     ("scenario", "interval", "options", "message"),
     [
@@ -223,6 +229,5 @@ def test_two_eigenvalues_that_meet_at_zero_undamped_are_no_crossing() -> None:
 def test_bad_calls_are_refused(
     scenario: Scenario, interval: tuple[float, float], options: dict[str, Any], message: str
 ) -> None:
-    for function in (critical_speeds, stable_spins):
-        with pytest.raises(ValueError, match=message):
-            function(scenario, interval, **options)
+    with pytest.raises(ValueError, match=message):
+        critical_speeds(scenario, interval, **options)

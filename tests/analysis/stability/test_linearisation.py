@@ -30,12 +30,17 @@ from analysis.mechanics import paper
 from analysis.mechanics.states import paper_of
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linear_full import full_system, signed_eccentricity
 from analysis.stability.linearisation import (
     ComplexArray,
     Linearisation,
     spinning,
     upright,
+)
+from analysis.stability.printed import (
+    full_matrices,
+    paper_numbers,
+    printed_matrices,
+    signed_eccentricity,
 )
 from analysis.stability.spectra import System, eigenvalues
 from tests.helpers import jacobian, mostly_slow, random_disk
@@ -59,14 +64,14 @@ def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
     The forces that hold the slip or the centre of gravity are zero in the stationary motion, so
     that they act along their directions there, and add no stiffness.
     """
-    free = replace(scenario, constraints=MODELS[1])
-    system = full_system(with_gradient(free, 0.0), spin, motion)
+    free = with_gradient(replace(scenario, constraints=MODELS[1]), 0.0)
+    mass: Array = np.array(printed_matrices(**paper_numbers(free, motion))["M"])
     r, e = scenario.disk.radius, signed_eccentricity(scenario.disk, motion)
     slips = (
         ("no-slip-along", (1.0, 0.0, 0.0, r), (0.0, -spin, -r * spin, 0.0)),
         ("no-slip-across", (0.0, 1.0, r, 0.0), (spin, 0.0, 0.0, 0.0)),
     )
-    forces = -np.hstack((system.by_place[0], system.by_rate[0]))
+    forces = mass @ full_matrices(free, spin, motion, drift=True)[0, 4:]
     rows, terms = [], []
     for name, by_rate, by_place in slips:
         if name in scenario.constraints:
@@ -80,7 +85,7 @@ def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
         terms += [np.zeros(8), np.zeros(8)]
     count = len(rows)
     W, chi = np.reshape(rows, (count, 4)), np.reshape(terms, (count, 8))
-    matrix = np.block([[system.mass, -W.T], [W, np.zeros((count, count))]])
+    matrix = np.block([[mass, -W.T], [W, np.zeros((count, count))]])
     accelerations = np.linalg.solve(matrix, np.vstack((forces, -chi)))[:4]
     return np.vstack((np.hstack((np.zeros((4, 4)), np.eye(4))), accelerations))
 

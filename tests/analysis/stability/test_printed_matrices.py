@@ -20,13 +20,20 @@ from analysis import (
     Table,
 )
 from analysis.data.checks import Array
-from analysis.stability.chart import stability_chart, static_gradient
+from analysis.stability.chart import stability_chart
 from analysis.stability.hopf_curves import hopf_curves
-from analysis.stability.linear_full import full_system, paper_numbers, printed_matrices
-from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices
 from analysis.stability.linearisation import spinning
+from analysis.stability.printed import (
+    closed_form,
+    critical_speed,
+    full_matrices,
+    paper_numbers,
+    printed_matrices,
+    reduced_matrices,
+    static_gradient,
+)
 from analysis.stability.sensitivities import closed_form_sensitivities, full_sensitivities
-from analysis.stability.spectra import branches, eigenvalues, state_matrices
+from analysis.stability.spectra import branches, eigenvalues
 
 FULL = Scenario()
 PAPER = Scenario(constraints=MODELS[4])
@@ -52,7 +59,7 @@ def test_a_disk_spinning_elsewhere_circles_in_the_rotating_frame(
     disk: Disk, motion: Motion, gradient: float
 ) -> None:
     friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
-    matrix = full_system(Scenario(disk=disk, friction=friction), 7.0, motion).state_matrices[0]
+    matrix = full_matrices(Scenario(disk=disk, friction=friction), 7.0, motion, drift=True)[0]
     shifted_along_x = np.array([1.0, 0.0, 0.0, 0.0, 0.0, -7.0, 0.0, 0.0])
     shifted_along_y = np.array([0.0, 1.0, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0])
     tolerance = 1e-13 * np.max(np.abs(matrix))
@@ -61,8 +68,8 @@ def test_a_disk_spinning_elsewhere_circles_in_the_rotating_frame(
 
 
 def test_without_drift_leaves_the_six_other_eigenvalues() -> None:
-    matrices = full_system(FULL, SPINS).state_matrices
-    six = np.linalg.eigvals(full_system(FULL, SPINS).relevant_matrices).astype(complex)
+    matrices = full_matrices(FULL, SPINS, drift=True)
+    six = np.linalg.eigvals(full_matrices(FULL, SPINS)).astype(complex)
     with_pair = np.column_stack((six, 1j * SPINS, -1j * SPINS))
     for found, expected in zip(with_pair, np.linalg.eigvals(matrices), strict=True):
         np.testing.assert_allclose(np.sort(found.real), np.sort(expected.real), atol=1e-6)
@@ -71,9 +78,7 @@ def test_without_drift_leaves_the_six_other_eigenvalues() -> None:
 
 def test_fast_eigenvalues_are_those_printed_for_the_tenth_smoothing() -> None:
     for smoothing, expected in ((0.1, (-156.418, -93.940)), (0.01, (-1584.48, -915.874))):
-        matrix = full_system(
-            Scenario(friction=SmoothCoulomb(smoothing=smoothing)), 30.0
-        ).state_matrices
+        matrix = full_matrices(Scenario(friction=SmoothCoulomb(smoothing=smoothing)), 30.0)
         slowest = np.sort(np.linalg.eigvals(matrix[0]).real)[:2]
         np.testing.assert_allclose(slowest, expected, rtol=1e-5)
 
@@ -145,12 +150,11 @@ def test_without_eccentricity_the_critical_speed_is_finite_and_static() -> None:
 
 
 CALLS: dict[str, tuple[str, Any]] = {
-    "full matrices": ("full", full_system),
+    "full matrices": ("full", full_matrices),
     "reduced matrices": ("reduced", reduced_matrices),
     "closed form": ("closed", closed_form),
     "spectra": ("any", eigenvalues),
     "branches": ("any", branches),
-    "state matrices": ("any", state_matrices),
     "chart": ("full", lambda s, spins, **more: stability_chart(s, spins, [1.0], **more)),
     "static": ("full", static_gradient),
     "hopf curves": ("full", lambda s, _, **more: hopf_curves(s, **more)),

@@ -24,7 +24,7 @@ from analysis.stability.spectra import (
     branches,
     eigenvalues,
     follow,
-    state_matrices,
+    matrices_over_spin,
 )
 
 PAPER = Scenario()
@@ -64,7 +64,7 @@ def test_eigenvalues_and_branches_are_those_of_the_matrices(
 ) -> None:
     spins = np.array([2.0, 17.0, 29.0, 43.0])
     scenario = Scenario(constraints=MODELS[level])
-    matrices = state_matrices(scenario, spins, system, motion)
+    matrices = matrices_over_spin(scenario, system, motion, drift=True)(spins)
     assert matrices.shape == (4, size, size)
     found = eigenvalues(scenario, spins, system, motion)
     followed = branches(scenario, spins, system, motion)

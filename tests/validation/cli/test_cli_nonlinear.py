@@ -43,13 +43,13 @@ def test_a_cycle_is_followed_over_a_parameter(
 def test_cycles_without_symmetry_are_followed_from_where_they_are_born(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("analysis.nonlinear.family._amplitudes", lambda _: (0.5, 1.0, 1.5, 1.9))
-    monkeypatch.setattr("analysis.nonlinear.asymmetric.BEYOND", np.array((0.2, 0.4, 0.6)))
+    monkeypatch.setattr("analysis.nonlinear.families._amplitudes", lambda _: (0.5, 1.0, 1.5, 1.9))
+    monkeypatch.setattr("analysis.nonlinear.families.BEYOND", np.array((0.2, 0.4, 0.6)))
     picture = tmp_path / "asymmetric.svg"
     call = "cycles --asymmetric --mu 0.1 --eps 0.4"
     found = json.loads(printed(capsys, f"{call} --json --plot {picture}"))
     born, change = found["events"]
-    assert (born["kind"], round(born["amplitude"], 5)) == ("symmetry breaking", 1.78157)
+    assert (born["kind"], round(born["amplitude"], 5)) == ("symmetry-breaking", 1.78157)
     assert [each["stable"] for each in found["motions"]] == [True, True, False]
     assert (change["kind"], round(change["spin"], 3)) == ("period-doubling", 29.969)
     assert "<svg" in picture.read_text()
@@ -91,7 +91,7 @@ def test_bad_calls_say_why(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("analysis.nonlinear.family.AMPLITUDES", [0.3])
+    monkeypatch.setattr("analysis.nonlinear.families.AMPLITUDES", [0.3])
     assert message in refusal(capsys, call)
 
 
@@ -110,7 +110,7 @@ def test_the_connection_is_printed_beside_its_prediction(
 def test_the_whole_family_is_printed_and_drawn(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("analysis.nonlinear.family.AMPLITUDES", [0.2, 0.4, 0.6, 0.8, 1.0])
+    monkeypatch.setattr("analysis.nonlinear.families.AMPLITUDES", [0.2, 0.4, 0.6, 0.8, 1.0])
     text = printed(capsys, "cycles")
     assert "Hopf bifurcation of inverted spinning is supercritical" in text
     assert "stability does not change" in text

@@ -13,7 +13,7 @@ import pytest
 
 from analysis import MODELS, Scenario
 from analysis.data.checks import Array
-from analysis.stability.linear_reduced import critical_speed
+from analysis.stability.printed import critical_speed
 from tests.calls import refusal, run
 from tests.sweeps import direct
 from validation.maps import panel as room

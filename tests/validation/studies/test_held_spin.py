@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, Start, simulate
-from analysis.nonlinear.cycle import Cycle
-from analysis.nonlinear.family import cycle_family
+from analysis.nonlinear.families import cycle_family
+from analysis.nonlinear.motions import PeriodicMotion
 from analysis.stability import spectra
-from analysis.stability.linear_reduced import critical_speed
+from analysis.stability.printed import critical_speed
 from tests.helpers import model
 from validation.studies.nonlinear.held_spin import (
     AMPLITUDE,
@@ -26,18 +26,18 @@ PAPER = model(4)
 
 
 @pytest.fixture(scope="module")
-def cycle() -> Cycle:
-    return cycle_family(PAPER, (0.5,)).cycles[-1]
+def cycle() -> PeriodicMotion:
+    return cycle_family(PAPER, (0.5,)).motions[-1]
 
 
 @pytest.mark.parametrize("source", ["in-house", pytest.param("engine", marks=pytest.mark.slow)])
-def test_runs_have_the_cycle_of_the_reduced_system(cycle: Cycle, source: str) -> None:
+def test_runs_have_the_cycle_of_the_reduced_system(cycle: PeriodicMotion, source: str) -> None:
     guess = beginning(cycle) * (1.0, 1.01, 1.01, 0.99)
     found = find(PAPER, guess, source=source)  # type: ignore[arg-type]
-    assert found.amplitude == pytest.approx(cycle.amplitude, abs=1e-8)
+    assert found.amplitude == pytest.approx(cycle.value, abs=1e-8)
     assert found.period == pytest.approx(cycle.period, abs=1e-8)
     assert found.multiplier == pytest.approx(cycle.multiplier, abs=1e-6)
-    assert found.half_multiplier == pytest.approx(cycle.half_multiplier, abs=1e-6)
+    assert found.half_multiplier == pytest.approx(cycle.larger, abs=1e-6)
 
 
 def test_cycles_are_born_along_the_critical_direction() -> None:

@@ -2,24 +2,20 @@
 
 from math import inf, nan
 from pathlib import Path
-from typing import Any
 from unittest.mock import MagicMock
 
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.axes import Axes
 
-from analysis import SmoothCoulomb
-from analysis.nonlinear.family import CycleFamily, cycle_family
 from analysis.nonlinear.heteroclinic import NoConnectionError
-from tests.helpers import model
 from validation import report
 from validation import study as kit
 from validation.kit.figures import new_figure
+from validation.nonlinear import figures
 from validation.page.content import Content
 from validation.page.section import Section
-from validation.studies.nonlinear import figures, measured, portraits, section
+from validation.studies.nonlinear import delay, measured, portraits, section
 from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, ROTATING, SLOW, SWINGING
 from validation.studies.nonlinear.section import SAME_CYCLE, present
 from validation.study import Row
@@ -104,7 +100,8 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.Dat
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(section, "figures", MagicMock())
-    monkeypatch.setattr(portraits, "draw", MagicMock())
+    for module, name in ((portraits, "draw"), (portraits, "plane"), (delay, "delay_diagram")):
+        monkeypatch.setattr(module, name, MagicMock())
 
 
 WRONG = [
@@ -164,23 +161,17 @@ def test_verdicts_come_out_otherwise_when_the_disk_behaves_otherwise(
     assert "2 of 3 cycles" in present(rows).verdicts[0].numbers
 
 
-@pytest.fixture(scope="module")
-def family() -> CycleFamily:
-    """Of friction so weak and smooth that its larger cycles are unstable."""
-    weak = SmoothCoulomb(coefficient=0.1, smoothing=0.4)
-    return cycle_family(model(4, friction=weak), (0.5, 1.2, 1.7, 1.9))
-
-
-def _lines(axes: Axes, style: str) -> list[Any]:
-    return [line for line in axes.get_lines() if line.get_linestyle() == style]
-
-
-def test_stable_cycles_are_solid_and_unstable_ones_dashed(family: CycleFamily) -> None:
-    axes = new_figure()[1]
-    figures.lines(axes, family.cycles, family.values("amplitude"), "cycles", first=(30.9, 0.0))
-    (solid,), (dashed,) = _lines(axes, "-"), _lines(axes, "--")
-    np.testing.assert_equal(solid.get_ydata(), [0.0, 0.5, 1.2, 1.7, np.nan])
-    np.testing.assert_equal(dashed.get_ydata(), [np.nan, np.nan, np.nan, 1.7, 1.9])
+def test_stable_cycles_are_solid_and_unstable_ones_dashed() -> None:
+    axes, stable = new_figure()[1], (True, True, False, False)
+    cycles = [{"spin": 30.0, "stable": each} for each in stable]
+    values = np.array((0.5, 1.2, 1.7, 1.9))
+    figures.lines(axes, cycles, values, "cycles", first=(30.9, 0.0))
+    (solid,), (dashed,) = (
+        [line for line in axes.get_lines() if line.get_linestyle() == style]
+        for style in ("-", "--")
+    )
+    np.testing.assert_equal(solid.get_ydata(), [0.0, 0.5, 1.2, np.nan, np.nan])
+    np.testing.assert_equal(dashed.get_ydata(), [np.nan, np.nan, 1.2, 1.7, 1.9])
 
 
 def test_curves_are_broken_where_they_leave_the_cylinder() -> None:

@@ -1,5 +1,6 @@
 """The study of linear stability: engine against in-house, and what its page says of that."""
 
+from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,9 @@ from matplotlib.figure import Figure
 import mbs_models
 from analysis import MODELS, POSSIBLE_SETS, ConstraintSet, Scenario, SmoothCoulomb
 from analysis.data.constraint_set import set_name
-from analysis.stability import linear_reduced, spectra
+from analysis.stability import spectra
+from analysis.stability.critical import Crossing, critical_speeds
+from analysis.stability.printed import critical_speed
 from validation import report
 from validation import study as kit
 from validation.page.content import Content
@@ -24,6 +27,7 @@ from validation.studies.stability.eigenvalue_check import (
     spinning,
 )
 from validation.studies.stability.section import STUDIES, present
+from validation.studies.stability.variants import PRINTED, hopf_speeds, reproduces, variants
 
 PAPER = Scenario()
 VALUES = np.array([1.0 + 2.0j, 1.0 - 2.0j, -3.0])
@@ -59,7 +63,32 @@ def test_small_smoothing_does_not_spoil_the_derivatives() -> None:
 
 def test_engine_finds_the_closed_form_critical_speed() -> None:
     found = measured.engine_critical_spin(4, 30.0, 32.0, 7.1)
-    assert found == pytest.approx(linear_reduced.critical_speed(PAPER).spin, rel=1e-7)
+    assert found == pytest.approx(critical_speed(PAPER).spin, rel=1e-7)
+
+
+@pytest.fixture(scope="module")
+def tried() -> dict[str, tuple[Crossing, ...]]:
+    return variants()
+
+
+def test_no_obvious_choice_reproduces_the_printed_critical_speeds(
+    tried: dict[str, tuple[Crossing, ...]],
+) -> None:
+    assert len(tried) > 25
+    assert not any(reproduces(crossings) for crossings in tried.values())
+    right = tried["equations as they are"]
+    shifted = (replace(each, spin=spin) for each, spin in zip(right, PRINTED, strict=True))
+    assert reproduces(tuple(shifted))
+
+
+def test_printed_signs_give_the_speeds_of_the_full_system_in_the_wrong_directions(
+    tried: dict[str, tuple[Crossing, ...]],
+) -> None:
+    printed = tried["(53) and (54) with the printed signs"]
+    expected = [each.spin for each in critical_speeds(PAPER).hopf]
+    for found in (printed, hopf_speeds()):
+        np.testing.assert_allclose([each.spin for each in found], expected, rtol=1e-10)
+    assert [crossing.stable_side for crossing in printed] == ["above", "below"]
 
 
 def test_unknown_motions_and_spins_are_refused() -> None:

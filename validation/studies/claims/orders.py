@@ -5,7 +5,7 @@ import pandas as pd
 
 from analysis import MODELS, Scenario, SmoothCoulomb
 from analysis.data.checks import Array
-from analysis.stability.linear_reduced import closed_form, reduced_matrices
+from analysis.stability.printed import closed_form, reduced_matrices
 from validation.studies.claims.grades import Judged, within
 from validation.study import Row, Study
 

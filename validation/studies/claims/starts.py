@@ -17,7 +17,7 @@ from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
 from analysis.data.inversion import OUTCOMES as DECIDED
 from analysis.data.inversion import STAYING
 from analysis.data.trajectory import Source
-from analysis.stability import linear_reduced
+from analysis.stability import printed
 from analysis.stability.critical import critical_speeds
 from validation.kit import figures
 from validation.run import run
@@ -51,7 +51,7 @@ def inverts(result: str) -> bool:
 
 def critical_speed() -> float:
     """That of the reduced system in closed form, in rad/s."""
-    return linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
+    return printed.critical_speed(Scenario(constraints=MODELS[4])).spin
 
 
 # --- Random starts ------------------------------------------------------------------------------

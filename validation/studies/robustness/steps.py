@@ -10,7 +10,7 @@ import numpy as np
 import mbs_models
 from analysis import STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data.checks import Array
-from analysis.stability.spectra import state_matrices
+from analysis.stability.printed import full_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
 from validation.kit.limits import holds
@@ -139,7 +139,7 @@ def _slipping(ideal: Scenario, _: Scenario) -> Disturbed:
     """
     slip = _SMALL * ideal.friction.finest_speed
     start = Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / STEEL_DISK.radius)
-    values = np.linalg.eigvals(state_matrices(ideal, [SPIN], system="full")[0])
+    values = np.linalg.eigvals(full_matrices(ideal, [SPIN], drift=True)[0])
     # The two whose decay is friction's; the slow ones need no small step.
     fast = [complex(value) for value in values[np.argsort(values.real)[:2]]]
     return Disturbed(replace(ideal, start=start), values, fast, lambda run: _slip(run) / slip)
