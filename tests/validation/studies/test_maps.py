@@ -90,16 +90,14 @@ def test_repeated_cells_that_come_out_otherwise_or_not_at_all_are_not_confirmed(
     rows: list[Any] = [
         {name: None if pd.isna(value) else value for name, value in row.items()} for row in known
     ]
-    assert all(check.holds for check in confirm(study, {("maps", label, 0): rows}, stored))
+    assert all(check.holds for check in confirm(study, {("maps", label): rows}, stored))
     for wrong in (
         [rows[0] | {"outcome": "lost"}, *rows[1:]],
         [rows[0] | {"difference": np.nan}, *rows[1:]],
         [rows[0] | {"alike": False}, *rows[1:]],
         rows[1:],
     ):
-        assert not all(
-            check.holds for check in confirm(study, {("maps", label, 0): wrong}, stored)
-        )
+        assert not all(check.holds for check in confirm(study, {("maps", label): wrong}, stored))
 
 
 def test_table_of_the_docs_is_that_of_the_stored_maps(stored: pd.DataFrame) -> None:

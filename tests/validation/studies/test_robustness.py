@@ -504,11 +504,11 @@ def test_sample_that_comes_out_otherwise_fails(spoil: Any) -> None:
     found: kit.Found = {}
     for name in CASES.sample:
         own = stored[stored["case"] == name].drop(columns="case").to_dict("records")
-        found[CASES.name, name, 0] = [
+        found[CASES.name, name] = [
             {key: None if value != value else value for key, value in row.items()}  # noqa: PLR0124
             for row in own
         ]
     assert all(check.holds for check in kit.confirm(CASES, found, stored))
-    key = (CASES.name, CASES.sample[0], 0)
+    key = (CASES.name, CASES.sample[0])
     found[key] = spoil(found[key])
     assert not all(check.holds for check in kit.confirm(CASES, found, stored))

@@ -104,10 +104,10 @@ def test_runs_that_come_out_otherwise_are_not_confirmed(rows: dict[str, pd.DataF
     label = wp.CURVES.sample[0]
     stored = rows["work-precision"]
     fresh: list[Row] = stored[stored["case"] == label].to_dict("records")
-    found: kit.Found = {Task(wp.CURVES, name, 0).key: [] for name in wp.CURVES.sample}
+    found: kit.Found = {Task(wp.CURVES, name).key: [] for name in wp.CURVES.sample}
 
     def failing(changed: list[Row]) -> list[str]:
-        checks = kit.confirm(wp.CURVES, {**found, ("work-precision", label, 0): changed}, stored)
+        checks = kit.confirm(wp.CURVES, {**found, ("work-precision", label): changed}, stored)
         return [c.name for c in checks if not c.holds and label in c.name]
 
     assert failing(fresh) == []
@@ -154,5 +154,5 @@ def test_a_curve_comes_out_as_it_is_stored(label: str, rows: dict[str, pd.DataFr
     fresh = kit.rows_of(measuring.measure, measuring.curves()[label])
     stored = rows["work-precision"]
     study = replace(wp.CURVES, sample=(label,))
-    found: kit.Found = {("work-precision", label, 0): fresh}
+    found: kit.Found = {("work-precision", label): fresh}
     assert [c for c in kit.confirm(study, found, stored) if not c.holds] == []

@@ -1,8 +1,5 @@
 """The way to rest: losses, phases, creep, contact, closed forms and other starts."""
 
-from functools import reduce
-from operator import or_
-
 from validation.page.content import Content, Rows
 from validation.studies.rest import closed_forms, contact, creep, starts, ways
 
@@ -14,4 +11,7 @@ STUDIES = tuple(study for part in _PARTS for study in part.STUDIES)
 
 def present(rows: Rows) -> Content:
     """What all parts show."""
-    return reduce(or_, (part.present(rows) for part in _PARTS))
+    shown, *others = (part.present(rows) for part in _PARTS)
+    for other in others:
+        shown |= other
+    return shown
