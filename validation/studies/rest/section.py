@@ -1,5 +1,7 @@
 """The way to rest: losses, phases, creep, contact, closed forms and other starts."""
 
+from functools import reduce
+
 from validation.page.content import Content, Rows
 from validation.studies.rest import closed_forms, contact, creep, starts, ways
 
@@ -11,7 +13,5 @@ STUDIES = tuple(study for part in _PARTS for study in part.STUDIES)
 
 def present(rows: Rows) -> Content:
     """What all parts show."""
-    shown, *others = (part.present(rows) for part in _PARTS)
-    for other in others:
-        shown |= other
-    return shown
+    contents: list[Content] = [part.present(rows) for part in _PARTS]
+    return reduce(Content.__or__, contents)
