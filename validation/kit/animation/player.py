@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 from jinja2 import Environment
-from markupsafe import Markup
 
 from analysis import StoredRun
 from analysis.data.files import whole_file
@@ -148,9 +147,9 @@ def player(
         caption=caption,
         source=poses.source,
         is_heavy=bool(poses.disk.eccentricity),
-        style=Markup(_asset("player.css")),  # noqa: S704 # they are this package's own
-        data=Markup(data),  # noqa: S704
-        script=Markup(_asset("player.js")),  # noqa: S704
+        style=_asset("player.css"),
+        data=data,
+        script=_asset("player.js"),
     )
     return Animation(name=name, title=title, fragment=fragment, poses=poses, speed=speed)
 
