@@ -28,6 +28,7 @@ def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
 ) -> None:
     made = report.make(tmp_path, results=results, pages=PAGES, workers=0)
     assert made.holds
+    assert {"toy: one: rows", "toy: largest"} < {check.name for check in made.checks}
     page = made.page.read_text()
     assert "<em>Toy</em>: the largest is 4," in page
     for shown in ("Of <em>two</em> numbers.", "It grows.", "paper: Fig. 1", "M0,0 L9,9"):
