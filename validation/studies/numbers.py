@@ -149,7 +149,7 @@ def _contact_rate() -> tuple[float, float]:
 
 def _frame() -> tuple[float, float]:
     e_x, e_y, e_z = np.eye(3)
-    return _sizes(np.cross(e_z, e_x) - axis for axis in (e_x, e_y))
+    return _sizes(np.linalg.norm(np.cross(e_z, e_x) - axis) for axis in (e_x, e_y))
 
 
 def _velocities() -> tuple[float, float]:
