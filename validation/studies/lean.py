@@ -26,7 +26,8 @@ from validation.study import Row, Study, at_most
 
 TITLE = "Lean scenes"
 
-TREE, FREE = "euler-tree", "floating"
+TREE: Formulation = "euler-tree"
+FREE: Formulation = "floating"
 
 COSTLIER: tuple[tuple[str, tuple[Level, Formulation], tuple[Level, Formulation]], ...] = (
     ("contact as a constraint, not by topology", (1, TREE), (1, "contact-tree")),
@@ -68,8 +69,8 @@ def pairs() -> dict[str, Pair]:
     for part, one, other in COSTLIER:
         name = " and ".join(dict.fromkeys((one[1], other[1])))
         name += f", Model {one[0]}" if one[0] == other[0] else ""
-        builds = (partial(build, scene(*each)) for each in (one, other))
-        made.append(Pair(part, name, *builds, same=False))
+        carried, left_out = (partial(build, scene(*each)) for each in (one, other))
+        made.append(Pair(part, name, carried, left_out, same=False))
     return {f"{pair.part}: {pair.scene}": pair for pair in made}
 
 

@@ -320,8 +320,8 @@ def rows() -> dict[str, pd.DataFrame]:
     stored = load(RANDOM_STARTS)
     first = stored["outcomes"].map(lambda outcomes: outcomes[: starts.AGAIN])
     again = stored.assign(outcomes=first)[stored["case"].isin(starts.IN_ENGINE.cases())]
-    names = ("bound", "engine", "in_house", "beta", "gamma", "of_motion")
-    names += ("worst_early", "worst", "slip_early", "slip")
+    names = ["bound", "engine", "in_house", "beta", "gamma", "of_motion"]
+    names += ["worst_early", "worst", "slip_early", "slip"]
     return {
         "inversion": pd.DataFrame(figures),
         "long-runs": pd.DataFrame(longs),

@@ -134,7 +134,7 @@ def uphill(numbers: Any) -> Any:
 
 def pushing(touch: Any) -> Any:
     def backwards(self: penalty.YieldingTable, moving: Any) -> penalty.Touch:
-        found = touch(self, moving)
+        found: penalty.Touch = touch(self, moving)
         return found._replace(slip=tuple(-part for part in found.slip))
 
     return backwards

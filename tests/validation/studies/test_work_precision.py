@@ -130,6 +130,6 @@ def test_errors_forgive_whole_turns_and_see_everything_else() -> None:
 def test_a_curve_comes_out_as_it_is_stored(label: str, rows: dict[str, pd.DataFrame]) -> None:
     fresh = kit.rows_of(measuring.measure, measuring.curves()[label])
     study = replace(wp.CURVES, sample=(label,))
-    found: kit.Found = {("work-precision", label, 0): fresh}
+    found: kit.Found = {("work-precision", label): fresh}
     checks = kit.confirm(study, found, rows["work-precision"])
     assert [check for check in checks if not check.holds] == []

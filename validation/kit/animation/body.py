@@ -1,4 +1,4 @@
-"""What is drawn of a body: the one description for the player, the GIF and snapshots."""
+"""What is drawn of a body: the one description for the player, the GIF and pictures."""
 
 from typing import NamedTuple
 

@@ -170,10 +170,11 @@ class _Picture:
 
 def _readout(pose: Keyframes) -> str:
     lift = 1e3 * float(pose.cog_height[0] - pose.positions[0, 2])
-    flat = np.sin(pose.tilt[0]) < 1e-3
-    gamma = "–" if flat else f"{pose.gamma[0]:.2f} rad"
+    sine, cosine, up = pose.rotations[0, 2]
+    gamma = "–" if np.hypot(sine, cosine) < 1e-3 else f"{np.arctan2(sine, cosine):.2f} rad"
+    beta = np.arccos(np.clip(up, -1.0, 1.0))
     return (
-        f"t = {pose.times[0]:.3f} s,  β = {pose.tilt[0]:.2f} rad,  γ = {gamma},  "
+        f"t = {pose.times[0]:.3f} s,  β = {beta:.2f} rad,  γ = {gamma},  "
         f"spin {pose.spins[0]:.1f} rad/s\n"
         f"COG {abs(lift):.1f} mm {'above' if lift >= 0.0 else 'below'} the centre"
     )

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, make_interp_spline
+from scipy.interpolate import CubicHermiteSpline
 
 from analysis import Disk, SpatialMotion, StoredRun, Trajectory
 from analysis.data import frames
@@ -70,17 +70,6 @@ class Keyframes:
         return frames.rotations(self.table[:, _ATTITUDE])
 
     @property
-    def tilt(self) -> Array:
-        """Inclination beta in rad, shape (n,)."""
-        return frames.tilts(self.rotations)
-
-    @property
-    def gamma(self) -> Array:
-        """Rotation angle gamma in rad from -pi to pi, shape (n,); without meaning if flat."""
-        result: Array = np.arctan2(self.rotations[:, 2, 0], self.rotations[:, 2, 1])
-        return result
-
-    @property
     def cog_height(self) -> Array:
         """Height of the centre of gravity in m, shape (n,)."""
         result: Array = self.positions[:, 2] + self.disk.eccentricity * self.rotations[:, 2, 0]
@@ -91,7 +80,10 @@ class Keyframes:
 
         Linear in all values, with quaternions brought back to unit length, as in the player.
         """
-        table = make_interp_spline(self.times, self.table, k=1)(times)
+        row = np.clip(np.searchsorted(self.times, times, "right") - 1, 0, self.times.size - 2)
+        begin, end = self.times[row], self.times[row + 1]
+        part = ((times - begin) / (end - begin))[:, None]
+        table = self.table[row] + part * (self.table[row + 1] - self.table[row])
         table[:, _ATTITUDE] /= np.linalg.norm(table[:, _ATTITUDE], axis=1)[:, None]
         return replace(self, times=times, table=table)
 

@@ -10,7 +10,6 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from jinja2 import Environment
-from markupsafe import Markup
 
 from analysis import MODELS, Disk, Scenario, SmoothCoulomb, Start
 from analysis.data.elementary import cos, sin
@@ -148,10 +147,10 @@ def page() -> str:
     return template.render(
         sliders=SLIDERS,
         # Begins to play when the page is opened.
-        player=Markup(frame.replace("<figure ", "<figure data-alone ", 1)),  # noqa: S704
-        data=Markup(data),  # noqa: S704
-        equations=Markup(equations()),  # noqa: S704
-        script=Markup(_asset("play.js")),  # noqa: S704
+        player=frame.replace("<figure ", "<figure data-alone ", 1),
+        data=data,
+        equations=equations(),
+        script=_asset("play.js"),
     )
 
 

@@ -55,7 +55,7 @@ def measure(case: Case) -> list[Row]:
     if not rolls:
         held = {"friction": SmoothCoulomb(coefficient=case.coefficient)}
     scenario = replace(scenario, **held)
-    accuracy = {"tolerance": ENGINE_TOLERANCE} if rolls else {"step": ENGINE_STEP}
+    accuracy: dict[str, Any] = {"tolerance": ENGINE_TOLERANCE} if rolls else {"step": ENGINE_STEP}
     method = "DOP853" if rolls else "LSODA"
     runs = (
         run(scenario, TIMES, formulation="euler-tree", **accuracy),

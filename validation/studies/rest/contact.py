@@ -80,7 +80,6 @@ STUDY = Study(
         "step_error": relative("step_error", 0.05, 1e-10),
     },
     timed=("seconds",),
-    rounds=2,
     columns={
         "stiffness": "in N/m",
         "half_thickness": "of the rim in m",

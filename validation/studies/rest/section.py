@@ -1,7 +1,6 @@
 """The way to rest: losses, phases, creep, contact, closed forms and other starts."""
 
 from functools import reduce
-from operator import or_
 
 from validation.page.content import Content, Rows
 from validation.studies.rest import closed_forms, contact, creep, starts, ways
@@ -14,4 +13,5 @@ STUDIES = tuple(study for part in _PARTS for study in part.STUDIES)
 
 def present(rows: Rows) -> Content:
     """What all parts show."""
-    return reduce(or_, (part.present(rows) for part in _PARTS))
+    contents: list[Content] = [part.present(rows) for part in _PARTS]
+    return reduce(Content.__or__, contents)

@@ -174,7 +174,6 @@ def _lesson(runs: pd.DataFrame, paid: pd.DataFrame, asked: pd.DataFrame) -> dict
             for formulation, group in plain.groupby("formulation", sort=False)
         },
         "own": tables.ranked(own["scheme"]),
-        "spread": runs["spread"],
     }
 
 
