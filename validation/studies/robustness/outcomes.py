@@ -65,7 +65,7 @@ COLUMNS = {
     "model": "of the paper; none for another set of constraints",
     "way": "formulation and integrator",
     "tolerance": "error asked for in rad, and of the time of an ending in s",
-    "verdict": "see the text of the section",
+    "verdict": "verdict",
     "broken": "whether it crashed, broke its promise or, run again, gave other bits",
     "cause": "why there is no accurate result",
     "error": "largest error of β and γ in rad",
@@ -76,7 +76,7 @@ COLUMNS = {
     "energy": "energy error, relative",
     "repeatable": "whether a second run gives the same bits",
     "steps": "of all passes",
-    "seconds": "by the clock",
+    "seconds": "time in s by the clock",
     "reason": "what the run said",
 }
 
