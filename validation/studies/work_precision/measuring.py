@@ -20,7 +20,7 @@ from mbs_models import Integrator, Newton
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import ACCELERATED
 from validation.kit.timing import in_turns
-from validation.kit.ways import Way
+from validation.kit.ways import Way, forms
 from validation.studies.work_precision.problems import (
     PROBLEMS,
     SPACING,
@@ -134,18 +134,18 @@ class Curve(NamedTuple):
 
 def curves() -> dict[str, Curve]:
     """Every method on every problem that it can take."""
-    found = []
-    for problem, scenario in PROBLEMS.items():
-        for formulation in mbs_models.formulations(scenario):
-            found += [
-                Curve(problem, formulation, scheme) for scheme in _schemes(problem, formulation)
-            ]
-        for form in IN_HOUSE if scenario.model == 4 else IN_HOUSE[:1]:
-            found += [Curve(problem, form, scheme) for scheme in FINEST]
+    found = [
+        Curve(problem, formulation, scheme)
+        for problem, scenario in PROBLEMS.items()
+        for formulation in (*mbs_models.formulations(scenario), *forms(scenario))
+        for scheme in _schemes(problem, formulation)
+    ]
     return {", ".join(curve): curve for curve in found}
 
 
 def _schemes(problem: str, formulation: str) -> list[str]:
+    if formulation in IN_HOUSE:
+        return list(FINEST)
     varied, stiff = problem in VARIED, problem == "stiff"
     accelerated: Sequence[str] = ACCELERATED[:1]
     if stiff:
