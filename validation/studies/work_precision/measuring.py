@@ -8,6 +8,7 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import product
 from math import inf, nan
 from typing import Any, NamedTuple, cast
 
@@ -305,22 +306,19 @@ class Price(NamedTuple):
 def prices() -> dict[str, Price]:
     """All comparisons."""
     found = []
-    for problem in VARIED:
-        for formulation in CONSTRAINED:
-            plain = Curve(problem, formulation, "trapezoidal")
-            full = plain._replace(scheme="trapezoidal, full Newton")
-            damped = plain._replace(scheme="generalized-α 0.9")
-            found.append(Price("full for modified Newton", full, plain))
-            found.append(Price("generalized-α 0.9 for the trapezoidal rule", damped, plain))
-            found.append(Price(EXTRAPOLATED, plain, plain))
-        usual = Curve(problem, "floating", "trapezoidal")
-        for formulation in ("euler-tree", "floating-lie"):
-            other = usual._replace(formulation=formulation)
-            found.append(Price("instead of floating with Euler parameters", other, usual))
-    for formulation in CONSTRAINED:
-        plain = Curve("model-1", formulation, "trapezoidal")
-        knowing = plain._replace(problem="contact-load")
-        found.append(Price("friction that knows the contact force", knowing, plain))
+    for problem, formulation in product(VARIED, CONSTRAINED):
+        plain = Curve(problem, formulation, "trapezoidal")
+        full = plain._replace(scheme="trapezoidal, full Newton")
+        damped = plain._replace(scheme="generalized-α 0.9")
+        found.append(Price("full for modified Newton", full, plain))
+        found.append(Price("generalized-α 0.9 for the trapezoidal rule", damped, plain))
+        found.append(Price(EXTRAPOLATED, plain, plain))
+        if formulation != "floating":
+            usual = plain._replace(formulation="floating")
+            found.append(Price("instead of floating with Euler parameters", plain, usual))
+        if problem == "model-1":
+            knowing = plain._replace(problem="contact-load")
+            found.append(Price("friction that knows the contact force", knowing, plain))
     return {f"{p.what}, {p.one.formulation}, {p.one.problem}": p for p in found}
 
 
