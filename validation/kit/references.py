@@ -92,7 +92,7 @@ def ending_error(run: Trajectory, other: Trajectory) -> float:
 def energy_error(run: Trajectory, other: Trajectory) -> float:
     """Largest deviation of the energy over what two runs have in common, relative."""
     rows = _common(run, other)
-    total, expected = (_energy(each)[:rows] for each in (run, other))
+    total, expected = (energy(each)[:rows] for each in (run, other))
     return float(np.max(np.abs(total - expected)) / np.max(expected))
 
 
@@ -102,7 +102,8 @@ def _common(run: Trajectory, other: Trajectory) -> int:
     return min(run.times.size, other.times.size) - early
 
 
-def _energy(run: Trajectory) -> Array:
+def energy(run: Trajectory) -> Array:
+    """Kinetic and potential energy in J, shape (n,)."""
     result: Array = sum(analysis.energies(run.scenario, run.coordinates, run.rates), np.zeros(1))
     return result
 

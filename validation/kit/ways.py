@@ -39,6 +39,23 @@ class Way:
             return run(scenario, times, source=self.source, formulation=self.formulation, **how)
 
 
+def forms(scenario: Scenario) -> tuple[Form, ...]:
+    """In-house forms that know what is in a scenario, as `mbs_models.formulations` has them.
+
+    Examples
+    --------
+    >>> from analysis import MODELS, Scenario
+    >>> forms(Scenario(constraints=MODELS[4]))
+    ('index-1', 'reduced')
+    """
+    if scenario.contact is not None:
+        return ("free-body",)
+    by_weight = scenario.friction.load == "weight"
+    if scenario.model == 4 and by_weight and scenario.table.is_horizontal:
+        return ("index-1", "reduced")
+    return ("index-1",)
+
+
 class WorkLimitError(ArithmeticError):
     """A run has taken all the steps it may take."""
 

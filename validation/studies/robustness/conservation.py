@@ -133,7 +133,7 @@ CONSERVATION = Study(
     cases=lambda: DRIFTING | FREE,
     measure=measure,
     columns={
-        "case": "constraints met on, or formulation and integrator",
+        "case": "way",
         "position": "largest position residual in m",
         "at_end": "at the end in m",
         "growth": "second half of the time over first",
@@ -141,6 +141,6 @@ CONSERVATION = Study(
         "energy": "energy residual / (weight · radius)",
         "momentum": "horizontal momentum / (mass · rim speed)",
         "spin": "vertical angular momentum about the COG, relative",
-        "allowed": "allowed: position in m, or each",
+        "allowed": "allowed",
     },
 )

@@ -10,7 +10,7 @@ import numpy as np
 
 import analysis
 import mbs_models
-from analysis import Form, Method, Trajectory
+from analysis import Method, Trajectory
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
 from mbs_models import Scene
 from validation.kit.limits import holds, largest
@@ -22,7 +22,7 @@ from validation.kit.references import (
     energy_error,
     reference,
 )
-from validation.kit.ways import StepLimit, Way, WorkLimitError
+from validation.kit.ways import StepLimit, Way, WorkLimitError, forms
 from validation.studies.robustness.ended import ended
 from validation.studies.robustness.problems import Problem, problems
 from validation.study import Row, Study, load
@@ -65,7 +65,7 @@ COLUMNS = {
     "model": "of the paper; none for another set of constraints",
     "way": "formulation and integrator",
     "tolerance": "error asked for in rad, and of the time of an ending in s",
-    "verdict": "see the text of the section",
+    "verdict": "verdict",
     "broken": "whether it crashed, broke its promise or, run again, gave other bits",
     "cause": "why there is no accurate result",
     "error": "largest error of β and γ in rad",
@@ -76,7 +76,7 @@ COLUMNS = {
     "energy": "energy error, relative",
     "repeatable": "whether a second run gives the same bits",
     "steps": "of all passes",
-    "seconds": "by the clock",
+    "seconds": "time in s by the clock",
     "reason": "what the run said",
 }
 
@@ -104,10 +104,9 @@ def ways(problem: Problem) -> list[Way]:
     if scenario.contact is not None:
         return found
     methods = IN_HOUSE[-1:] if scenario.friction.finest_speed < STIFF else IN_HOUSE[:most]
-    by_weight = scenario.friction.load == "weight"
-    is_reduced = scenario.model == 4 and by_weight and scenario.table.is_horizontal
-    forms: tuple[Form, ...] = ("index-1", "reduced") if is_reduced else ("index-1",)
-    return found + [Way("in-house", form, method) for form in forms for method in methods]
+    return found + [
+        Way("in-house", form, method) for form in forms(scenario) for method in methods
+    ]
 
 
 # --- Running ------------------------------------------------------------------------------------

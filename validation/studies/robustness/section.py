@@ -62,7 +62,7 @@ def present(rows: Rows) -> Content:
             "causes": _causes(table),
             "cases": table.drop(columns="case").rename(columns=CASES.columns),
             "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
-            "chosen": chosen[_CHOSEN].rename(columns=CASES.columns),
+            "chosen": chosen[_CHOSEN].rename(columns={"case": "motion", **CASES.columns}),
             "steps": limits.drop(columns="case"),
             "drift": long.loc[list(DRIFTING), _DRIFT].rename(columns=CONSERVATION.columns),
             "conserved": long.loc[list(FREE), _CONSERVED].rename(columns=CONSERVATION.columns),

@@ -1,14 +1,24 @@
 """The largest step that works, over the smoothing of the friction and the contact's stiffness."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from math import pi, sqrt
-from typing import Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
 import mbs_models
-from analysis import STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
+from analysis import (
+    STEEL_DISK,
+    Method,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    State,
+    Trajectory,
+)
 from analysis.data.checks import Array
 from analysis.stability.printed import full_matrices
 from mbs_models import Formulation, IntegratorName, Scene
@@ -80,23 +90,16 @@ def measure(place: Place) -> list[Row]:
     """Largest stable steps of explicit integrators, and largest accurate ones, at a place."""
     axis, value = place
     ideal, scenario = _scenarios(axis, value)
-    disturbed = (_slipping if axis == "smoothing" else _bouncing)(ideal, scenario)
-    rows: list[Row] = [
-        {"kind": "stable", "formulation": TREES[axis], "integrator": each}
-        | _stable(disturbed, TREES[axis], each)
-        for each in EXPLICIT
-    ]
+    rows = list(_stable(axis, ideal, scenario))
     if axis == "stiffness" or value >= STIFFEST:
         method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
         times = np.linspace(0.0, END, 5)
         truth = Way("in-house", "index-1", method).run(ideal, times, local_tolerance=1e-8)
-        rows += [
-            {"kind": "accurate", "formulation": formulation, "integrator": integrator}
-            | {"step": largest_accurate(Scene(scenario, formulation), integrator, truth)}
-            for formulation, integrator in WAYS[axis]
-        ]
-    where = {"over": axis, "value": value}
-    return [where | row | {"predicted": row.get("predicted")} for row in rows]
+        for formulation, integrator in WAYS[axis]:
+            step = largest_accurate(Scene(scenario, formulation), integrator, truth)
+            rows.append(("accurate", formulation, integrator, step, None))
+    names = ("over", "value", "kind", "formulation", "integrator", "step", "predicted")
+    return [dict(zip(names, (axis, value, *row), strict=True)) for row in rows]
 
 
 def _scenarios(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
@@ -112,83 +115,67 @@ def _scenarios(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
 # --- Stable: a small disturbance of inverted spinning does not grow ------------------------------
 
 
-class Disturbed(NamedTuple):
-    """Inverted spinning with a small disturbance.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    eigenvalues : ndarray, shape (n,)
-        Of the motion in 1/s.
-    decays : list of complex
-        Those of the disturbance.
-    growth : callable
-        From a run to the disturbance over its start, shape (n,).
-    """
-
-    scenario: Scenario
-    eigenvalues: Array
-    decays: list[complex]
-    growth: Callable[[Trajectory], Array]
+Growth = Callable[[Trajectory], Array]
+"""From a run to a disturbance over its start, shape (n,)."""
 
 
-def _slipping(ideal: Scenario, _: Scenario) -> Disturbed:
-    """With a small slip, in which friction is linear with a rate of one over the smoothing.
-
-    Slip that grows does not blow up, since the friction force is bounded, but chatters.
-    """
-    slip = _SMALL * ideal.friction.finest_speed
-    start = Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / STEEL_DISK.radius)
-    values = np.linalg.eigvals(full_matrices(ideal, [SPIN], drift=True)[0])
-    # The two whose decay is friction's; the slow ones need no small step.
-    fast = [complex(value) for value in values[np.argsort(values.real)[:2]]]
-    return Disturbed(replace(ideal, start=start), values, fast, lambda run: _slip(run) / slip)
-
-
-def _bouncing(ideal: Scenario, scenario: Scenario) -> Disturbed:
-    """On a damped penalty contact, with a small vertical speed."""
-    contact = scenario.contact
-    assert contact is not None
-    rate = sqrt(contact.stiffness / scenario.disk.mass)
-    depth = contact.resting_penetration(scenario.weight)
-    resting = replace(scenario, start=Start.stationary(SPIN, "inverted")).initial_state
-    along, across, _, *turning = resting.rates
-    start = replace(resting, rates=(along, across, _SMALL * depth * rate, *turning))
-
-    def growth(run: Trajectory) -> Array:
-        height = run.coordinate("z") - run.scenario.disk.radius * np.sin(run.coordinate("beta"))
-        found: Array = np.abs(height + depth) / (_SMALL * depth)
-        return found
-
-    bounce = rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2))
-    free = _slipping(ideal, ideal)
-    return Disturbed(
-        replace(scenario, start=start), free.eigenvalues, [bounce, *free.decays], growth
-    )
-
-
-def _stable(
-    disturbed: Disturbed, formulation: Formulation, integrator: IntegratorName
-) -> dict[str, float | None]:
-    """Largest stable step by bisection, and its prediction.
+def _stable(axis: Axis, ideal: Scenario, scenario: Scenario) -> Iterator[tuple[Any, ...]]:
+    """Largest stable steps by bisection, and their prediction.
 
     With much smoothing the inverted spinning itself is unstable about as fast as the step could
     make it; then there is no limit to be seen, and none is given.
     """
-    predicted = min(largest_step(integrator, value) for value in disturbed.decays)
-    scene = Scene(disturbed.scenario, formulation)
+    values = np.linalg.eigvals(full_matrices(ideal, [SPIN], drift=True)[0])
+    # Those of which the decay is friction's; the slow ones need no small step.
+    decays = [complex(value) for value in values[np.argsort(values.real)[:2]]]
+    start, growth = _slipping(ideal) if axis == "smoothing" else _bouncing(scenario)
+    if scenario.contact is not None:
+        rate = sqrt(scenario.contact.stiffness / scenario.disk.mass)
+        decays.append(rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2)))
+    scene = Scene(replace(scenario, start=start), TREES[axis])
+    for integrator in EXPLICIT:
+        predicted = min(largest_step(integrator, value) for value in decays)
+        limits: tuple[float | None, float | None] = (None, None)
+        if np.exp(np.max(values.real) * _STEPS * predicted) <= 0.5 * _GROWTH:
+            works = partial(_is_stable, scene, integrator, growth)
+            limits = bisected(works, predicted), predicted
+        yield "stable", TREES[axis], integrator, *limits
 
-    def stable(step: float) -> bool:
-        times = step * np.linspace(0.0, _STEPS, 25)
-        try:
-            run = mbs_models.simulate(scene, times, step=step, integrator=integrator)
-        except ArithmeticError:
-            return False
-        return run.ending is None and bool(np.max(disturbed.growth(run)[_LATE]) <= _GROWTH)
 
-    if np.exp(np.max(disturbed.eigenvalues.real) * _STEPS * predicted) > 0.5 * _GROWTH:
-        return {"step": None, "predicted": None}
-    return {"step": bisected(stable, predicted), "predicted": predicted}
+def _is_stable(scene: Scene, integrator: IntegratorName, growth: Growth, step: float) -> bool:
+    times = step * np.linspace(0.0, _STEPS, 25)
+    try:
+        run = mbs_models.simulate(scene, times, step=step, integrator=integrator)
+    except ArithmeticError:
+        return False
+    return run.ending is None and bool(np.max(growth(run)[_LATE]) <= _GROWTH)
+
+
+def _slipping(scenario: Scenario) -> tuple[Start, Growth]:
+    """With a small slip, in which friction is linear with a rate of one over the smoothing.
+
+    Slip that grows does not blow up, since the friction force is bounded, but chatters.
+    """
+    slip = _SMALL * scenario.friction.finest_speed
+    start = Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / scenario.disk.radius)
+    return start, lambda run: _slip(run) / slip
+
+
+def _bouncing(scenario: Scenario) -> tuple[State, Growth]:
+    """On a damped penalty contact, with a small vertical speed."""
+    contact, disk = scenario.contact, scenario.disk
+    assert contact is not None
+    depth = contact.resting_penetration(scenario.weight)
+    resting = replace(scenario, start=Start.stationary(SPIN, "inverted")).initial_state
+    along, across, _, *turning = resting.rates
+    speed = _SMALL * depth * sqrt(contact.stiffness / disk.mass)
+
+    def growth(run: Trajectory) -> Array:
+        height = run.coordinate("z") - disk.radius * np.sin(run.coordinate("beta"))
+        found: Array = np.abs(height + depth) / (_SMALL * depth)
+        return found
+
+    return replace(resting, rates=(along, across, speed, *turning)), growth
 
 
 def _slip(run: Trajectory) -> Array:

@@ -6,8 +6,8 @@ that every machine makes the same runs.
 
 import time
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
+from itertools import product
 from math import inf, nan
 from typing import Any, NamedTuple, cast
 
@@ -20,7 +20,7 @@ from mbs_models import Integrator, Newton
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import ACCELERATED
 from validation.kit.timing import in_turns
-from validation.kit.ways import Way
+from validation.kit.ways import Way, forms
 from validation.studies.work_precision.problems import (
     PROBLEMS,
     SPACING,
@@ -134,18 +134,18 @@ class Curve(NamedTuple):
 
 def curves() -> dict[str, Curve]:
     """Every method on every problem that it can take."""
-    found = []
-    for problem, scenario in PROBLEMS.items():
-        for formulation in mbs_models.formulations(scenario):
-            found += [
-                Curve(problem, formulation, scheme) for scheme in _schemes(problem, formulation)
-            ]
-        for form in IN_HOUSE if scenario.model == 4 else IN_HOUSE[:1]:
-            found += [Curve(problem, form, scheme) for scheme in FINEST]
+    found = [
+        Curve(problem, formulation, scheme)
+        for problem, scenario in PROBLEMS.items()
+        for formulation in (*mbs_models.formulations(scenario), *forms(scenario))
+        for scheme in _schemes(problem, formulation)
+    ]
     return {", ".join(curve): curve for curve in found}
 
 
 def _schemes(problem: str, formulation: str) -> list[str]:
+    if formulation in IN_HOUSE:
+        return list(FINEST)
     varied, stiff = problem in VARIED, problem == "stiff"
     accelerated: Sequence[str] = ACCELERATED[:1]
     if stiff:
@@ -210,10 +210,16 @@ class Extrapolation:
 
 
 def measure(curve: Curve) -> list[Row]:
+    """Rows of a method, with the lesser time of two sweeps: no disturbance meets both."""
+    rows, again = _sweep(curve), _sweep(curve)
+    for row, other in zip(rows, again, strict=True):
+        if not row["failure"]:
+            row["seconds"] = min(row["seconds"], other["seconds"])
+    return rows
+
+
+def _sweep(curve: Curve) -> list[Row]:
     """Run a method along its ladder, extrapolated and to tolerances beside it."""
-    coarsest, *_ = curve.ladder()
-    with suppress(ArithmeticError):
-        curve.run(coarsest)
     rows, end, known = _ladder(curve)
     best = min((row["error"] for row in rows if not row["failure"]), default=inf)
     # Nothing is to run on without end: the library needs an estimate that is small, too.
@@ -305,22 +311,19 @@ class Price(NamedTuple):
 def prices() -> dict[str, Price]:
     """All comparisons."""
     found = []
-    for problem in VARIED:
-        for formulation in CONSTRAINED:
-            plain = Curve(problem, formulation, "trapezoidal")
-            full = plain._replace(scheme="trapezoidal, full Newton")
-            damped = plain._replace(scheme="generalized-α 0.9")
-            found.append(Price("full for modified Newton", full, plain))
-            found.append(Price("generalized-α 0.9 for the trapezoidal rule", damped, plain))
-            found.append(Price(EXTRAPOLATED, plain, plain))
-        usual = Curve(problem, "floating", "trapezoidal")
-        for formulation in ("euler-tree", "floating-lie"):
-            other = usual._replace(formulation=formulation)
-            found.append(Price("instead of floating with Euler parameters", other, usual))
-    for formulation in CONSTRAINED:
-        plain = Curve("model-1", formulation, "trapezoidal")
-        knowing = plain._replace(problem="contact-load")
-        found.append(Price("friction that knows the contact force", knowing, plain))
+    for problem, formulation in product(VARIED, CONSTRAINED):
+        plain = Curve(problem, formulation, "trapezoidal")
+        full = plain._replace(scheme="trapezoidal, full Newton")
+        damped = plain._replace(scheme="generalized-α 0.9")
+        found.append(Price("full for modified Newton", full, plain))
+        found.append(Price("generalized-α 0.9 for the trapezoidal rule", damped, plain))
+        found.append(Price(EXTRAPOLATED, plain, plain))
+        if formulation != "floating":
+            usual = plain._replace(formulation="floating")
+            found.append(Price("instead of floating with Euler parameters", plain, usual))
+        if problem == "model-1":
+            knowing = plain._replace(problem="contact-load")
+            found.append(Price("friction that knows the contact force", knowing, plain))
     return {f"{p.what}, {p.one.formulation}, {p.one.problem}": p for p in found}
 
 

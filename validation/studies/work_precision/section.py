@@ -72,7 +72,6 @@ CURVES = Study(
         "stiff, contact-tree, RK67",
     ),
     timed=("seconds",),
-    rounds=2,
     columns={
         "kind": "what is asked for: a step, a tolerance of each step, of the whole run, or steps "
         "down to one, extrapolated",
