@@ -84,6 +84,11 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **how: Any) -> None:
         super().__init__(allow_abbrev=False, **how)
 
+    @property
+    def actions(self) -> list[argparse.Action]:
+        """Options and arguments of the command."""
+        return self._actions
+
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Options of a call, all of which must be known."""
         options, left = super().parse_known_args(args, namespace)

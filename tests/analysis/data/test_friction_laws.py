@@ -37,7 +37,6 @@ from analysis.stability import spectra
 from analysis.stability.spectra import SYSTEMS, System
 from mbs_models import Scene, formulations
 from mbs_models.friction import per_speed
-from tests.calls import refusal
 from tests.helpers import derivative, model
 from validation import cli
 
@@ -284,17 +283,3 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     assert tippedisk("sweep", *cases, "--out=own.db").stdout == "own.db: 2 cases\n"
     cases = ("law=tanh,rough:SquareRoot", "--model=4", "--end=0.1", "--workers=1")
     assert tippedisk("sweep", *cases, "--out=laws.db").stdout == "laws.db: 2 cases\n"
-
-
-@pytest.mark.parametrize(
-    ("law", "message"),
-    [
-        ("glue", "friction law must be one of smooth-coulomb"),
-        ("tanh,0.4", "--law: law must hold parameter=value behind its name, got '0.4'"),
-        ("tanh,coefficient=much", "coefficient must be a number, got 'much'"),
-    ],
-)
-def test_bad_law_on_the_command_line_is_one_line(
-    law: str, message: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    assert message in refusal(capsys, "simulate --law", law, f"--out={tmp_path / 'x.npz'}")

@@ -30,6 +30,7 @@ from analysis.data.scenario_file import load_scenario
 from analysis.data.scenario_text import scenario_text
 from tests.calls import printed, refusal
 from tests.scenario_texts import with_key
+from tests.validation.cli.test_refusals import RING
 from validation import cli
 from validation.commands.scenarios import chosen_scenario
 from validation.parser.top import parsed
@@ -37,7 +38,6 @@ from validation.studies import crosscheck
 
 ROOT = Path(__file__).parents[3]
 PAPER = Scenario()
-RING = "--radius 0.05 --hole-radius 0.02 --hole-distance 0.02 --thickness 0.01 --density 7700"
 STATE = State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.1), rates=(0.0,) * 6)
 SOFT = PenaltyContact(stiffness=1e5, damping=3.0, half_thickness=1e-4)
 TANH = TanhCoulomb(coefficient=0.7, load="contact")
@@ -140,34 +140,6 @@ def test_way_to_rest_has_its_own_defaults(
     )
     assert chosen(f"{file(PAPER)}", rest=True) == PAPER
     assert printed(capsys, "scenario", "--rest") == scenario_text(Scenario.rest())
-
-
-REFUSED = [
-    ("--disk steel-rounded --radius 0.04", "--radius: radius varies the paper's ring alone, of"),
-    (f"{RING} --disk steel-rounded", "--radius: radius varies the paper's ring alone, of which"),
-    (f"{RING} --mass 1", "--mass: mass does not go together with radius, from which it follows"),
-    ("--constraints glue", "--constraints: constraints must be one of contact, fixed-cog"),
-    ("--constraints fixed-cog", "--constraints: constraints must hold 'contact'"),
-    ("--model 1 --constraints contact", "--constraints: constraints do not go together with"),
-    ("--law viscous --mu 1", "--mu: coefficient is no parameter of the friction law viscous"),
-    ("--law tanh,coefficient=1,coefficient=2", "--law: law tells coefficient, which is told"),
-    ("--law tanh,coefficient=1 --mu 2", "--law: law tells coefficient, which is told twice"),
-    ("--damping 1", "--damping: damping needs a penalty contact, told by its stiffness, got 1"),
-    ("--bilateral", "--bilateral: bilateral needs a penalty contact, told by its stiffness"),
-    ("--rolling 1e-3", "dissipation acts on a penalty contact alone"),
-    ("--height 1", "--height: height must be 0 or left out on an ideal contact"),
-    ("--model 2 --stiffness 1e5", "contact must be left out, or constraints be those of Model 1"),
-    ("--model 2 --x 1", "--x: x must be -0.000249584 in Model 2"),
-    ("no-such.toml", "must be a file that exists, got 'no-such.toml'"),
-    ("no-such.npz", "must be a file that exists, got 'no-such.npz'"),
-]
-
-
-@pytest.mark.parametrize(("words", "message"), REFUSED, ids=[words for words, _ in REFUSED])
-def test_options_that_do_not_fit_are_refused_in_one_line(
-    words: str, message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert message in refusal(capsys, "scenario", words)
 
 
 def test_a_law_named_again_keeps_its_parameters(file: Callable[[Scenario], str]) -> None:

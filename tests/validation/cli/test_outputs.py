@@ -170,12 +170,6 @@ def test_what_else_is_printed_goes_beside_a_file_on_standard_output(
     assert load_run(tmp_path / "run.npz").times.size == 3
 
 
-def test_file_lies_in_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "file").touch()
-    said = refusal(capsys, SPINS, "--csv", str(tmp_path / "file" / "table.csv"))
-    assert "--csv: must lie in an existing folder" in said
-
-
 @posix
 def test_store_is_no_pipe(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     os.mkfifo(tmp_path / "sweep.db")
