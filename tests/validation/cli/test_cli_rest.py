@@ -20,7 +20,7 @@ def test_command_simulates_stores_and_draws(
     motion = load_run(out, SpatialMotion)
     assert motion.source == source
     assert motion.times[-1] == pytest.approx(1.6)
-    assert plot.read_bytes().startswith(b"\x89PNG")
+    assert plot.stat().st_size > 1000
     printed = capsys.readouterr().out
     assert re.search(r"^inversion +0\.4", printed, re.MULTILINE)
     assert re.search(r"^estimated error +\d", printed, re.MULTILINE)

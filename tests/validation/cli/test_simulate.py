@@ -36,16 +36,6 @@ def test_simulate_stores_arrays_and_all_parameters(source: str, tmp_path: Path) 
     assert "numpy" in meta["versions"]
 
 
-def test_engine_and_in_house_files_agree(tmp_path: Path) -> None:
-    found = []
-    for source in runs.SOURCES:
-        out = tmp_path / f"{source}.npz"
-        assert run("simulate", "--source", source, "--end", "0.3", "--out", str(out)) == 0
-        found.append(load_run(out, Trajectory))
-    np.testing.assert_allclose(found[0].coordinates, found[1].coordinates, atol=3e-8)
-    np.testing.assert_allclose(found[0].normal_force, found[1].normal_force, atol=1e-6)
-
-
 @pytest.mark.parametrize("source", ["engine", "in-house"])
 def test_run_from_an_unstable_stationary_motion_says_so(
     source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
