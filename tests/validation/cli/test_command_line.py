@@ -64,7 +64,7 @@ def test_choices_are_those_of_the_packages() -> None:
 
 def options_of(command: Command) -> list[Action]:
     """Options of a command but --help."""
-    return [each for each in command.parser()._actions if each.option_strings][1:]
+    return [each for each in command.parser().actions if each.option_strings][1:]
 
 
 @pytest.fixture(autouse=True)
@@ -96,6 +96,9 @@ def test_help_says_what_every_option_means(
     command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shown = printed(capsys, command.name, "--help")
+    usage = shown.partition("\n")[0].partition("[OPTION ...]")[2]
+    arguments = [each for each in command.parser().actions if not each.option_strings]
+    assert usage.replace(" ...", "").split() == [each.metavar for each in arguments]
     for action in options_of(command):
         assert action.option_strings[0] in shown
         assert action.help
