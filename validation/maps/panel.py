@@ -72,21 +72,6 @@ class Panel:
         parts = pd.Series(self.outcomes.ravel()).value_counts(normalize=True)
         return ", ".join(f"{name} {100.0 * part:.0f} %" for name, part in parts.items())
 
-    def text(self) -> str:
-        """What it holds, in a line, and in another one what the other side says of it."""
-        told = (
-            f"{self.sweep.scenario.name}: {self.shares}; {len(self.cells)} runs in place of "
-            f"{self.sweep.design.size}, {self.cells['seconds'].sum():.0f} s"
-        )
-        seen = self.seen
-        if seen.empty:
-            return told
-        apart = seen["difference"].astype(float)
-        return (
-            f"{told}\n  other side: {seen['alike'].sum()} of {len(seen)} alike, difference "
-            f"{apart.median():.1e} rad in the median, {apart.max():.1e} at most"
-        )
-
     def places(self, cells: pd.DataFrame) -> AnyArray:
         """Row and column of some cells on the finest grid, shape (n, 2)."""
         return np.column_stack(np.divmod(cells["number"].to_numpy(int), self.shape[1]))

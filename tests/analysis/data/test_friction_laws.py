@@ -42,9 +42,7 @@ from analysis.stability import spectra
 from analysis.stability.spectra import SYSTEMS, System
 from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
-from tests.calls import refusal
 from tests.helpers import derivative, model
-from validation import cli
 
 TIMES = np.linspace(0.0, 0.2, 21)
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
@@ -250,27 +248,6 @@ def test_file_runs_no_module_that_it_names() -> None:
     assert "this" not in sys.modules
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        (
-            {"law": "glue"},
-            "must be one of smooth-coulomb, stribeck, tanh, viscous, anisotropic, power-law",
-        ),
-        (
-            {"law": "tanh", "viscosity": 1.0},
-            "viscosity is no parameter of the friction law tanh, which takes load",
-        ),
-        ({"law": "stribeck", "static": 0.1}, "kinetic must not exceed static = 0.1, got 0.3"),
-        ({"law": "no.such.module:Law"}, "cannot be loaded"),
-        ({"law": "math:sin"}, "must be a class derived from FrictionLaw"),
-    ],
-)
-def test_bad_law_is_refused(values: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        law_from(values)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answering(FrictionLaw):
     """Law that answers with what it is given."""
@@ -349,22 +326,6 @@ def test_yielding_table_knows_every_law_on_both_sides(law: FrictionLaw) -> None:
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-7)
 
 
-@pytest.mark.parametrize(
-    "law", ["stribeck,static=0.5", "tanh,coefficient=0.4,smoothing=0.05", "viscous"]
-)
-def test_command_line_takes_a_law(law: str, tmp_path: Path) -> None:
-    runs = []
-    for source in ("engine", "in-house"):
-        out = tmp_path / f"{source}.npz"
-        call = ["simulate", "--source", source, "--law", law, "--end", "0.2", "--samples", "21"]
-        assert cli.main([*call, "--tolerance", "1e-7", "--out", str(out)]) == 0
-        runs.append(load_run(out, Trajectory))
-    assert runs[0].scenario == runs[1].scenario
-    assert type(runs[0].scenario.friction) is LAWS[law.partition(",")[0]]
-    np.testing.assert_allclose(runs[0].coordinates, runs[1].coordinates, atol=2e-7)
-    assert cli.main(["critical", "--system", "reduced", "--law", law]) == 0
-
-
 @pytest.mark.slow
 def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     text = (Path(__file__).parents[3] / "docs" / "extending.md").read_text()
@@ -396,17 +357,3 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     assert tippedisk("sweep", *cases, "--out=own.db").stdout == "own.db: 2 cases\n"
     cases = ("law=tanh,rough:SquareRoot", "--model=4", "--end=0.1", "--workers=1")
     assert tippedisk("sweep", *cases, "--out=laws.db").stdout == "laws.db: 2 cases\n"
-
-
-@pytest.mark.parametrize(
-    ("law", "message"),
-    [
-        ("glue", "friction law must be one of smooth-coulomb"),
-        ("tanh,0.4", "--law: law must hold parameter=value behind its name, got '0.4'"),
-        ("tanh,coefficient=much", "coefficient must be a number, got 'much'"),
-    ],
-)
-def test_bad_law_on_the_command_line_is_one_line(
-    law: str, message: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    assert message in refusal(capsys, "simulate --law", law, f"--out={tmp_path / 'x.npz'}")

@@ -214,7 +214,7 @@ def test_pairs_are_run_and_fitted_where_they_are_decided(tmp_path: Path) -> None
     [
         ("spin-friction --cells 0", "cells must lie from 1 to 10000, got 0"),
         ("spin-friction --levels -1", "levels must lie from 0 to 12, got -1"),
-        ("rest --pairs -1", "--pairs: pairs must be a number of starts, got -1"),
+        ("rest --pairs -1", "--pairs: pairs must be at least 0, got -1"),
         ("spin-mu", "invalid choice"),
         ("rest --end -1", "--end: end must be positive"),
     ],
@@ -235,11 +235,13 @@ def test_map_is_drawn_and_told(
     name: str, stores: int, seen: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     call = f"map {name} --out {tmp_path} --cells 1 --levels 1 --end 1.2 --witnesses {seen}"
+    call += f" --csv {tmp_path}/map.csv"
     assert run(*call.split()) == 0
     said, beside = capsys.readouterr()
     assert re.match(rf"tippedisk map: some {9 * stores} cases, roughly \S+ \w+ on ", beside)
-    assert said.count("runs in place of 9") == stores
-    assert ("  other side: " in said) == (seen > 0)
+    rows = pd.read_csv(tmp_path / "map.csv")
+    assert rows["in place of"].tolist() == [9] * stores
+    assert (rows["seen by the other side"].sum() > 0) == (seen > 0)
     assert f"{tmp_path / name}.png" in said
     assert (tmp_path / f"{name}.svg").stat().st_size > 5000
     assert len(list(tmp_path.glob("*.db"))) == stores
