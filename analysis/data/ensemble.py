@@ -160,14 +160,19 @@ class Ensemble:
 
             yield from alike(call, numbers, rows)
 
+    def groups(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T]]:
+        """The same, with those that end in an error called for one by one, which may raise it."""
+        for rows, result in self.alike(function):
+            if isinstance(result, Exception):
+                yield from ((np.array([row]), function(self[row])) for row in rows.tolist())
+            else:
+                yield rows, result
+
     def numbers(self, function: Callable[[Scenario], float]) -> Array:
         """Number of each member that a function tells of its scenario, shape (m,)."""
         found = np.empty(len(self))
-        for rows, told in self.alike(function):
-            if isinstance(told, Exception):
-                found[rows] = [function(self[row]) for row in rows.tolist()]
-            else:
-                found[rows] = told
+        for rows, told in self.groups(function):
+            found[rows] = told
         return found
 
     def _told(self, member: int) -> dict[str, Value]:

@@ -163,11 +163,7 @@ class SampledMotion(Quantities):
     @property
     def units(self) -> dict[str, str]:
         """Unit of every quantity of `to_dict`."""
-        return {
-            column: unit
-            for name in quantities(type(self))
-            for column, unit in self._columns(name).items()
-        }
+        return {name: unit for name, (_, unit) in self.columns().items()}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write `to_dict` as comma-separated columns below their names, whole or not at all.

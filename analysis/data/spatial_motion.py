@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.checks import Array, choice, number
-from analysis.data.dense import between_neighbours, interpolate
+from analysis.data.dense import interpolate
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import Ending, Poses
 from analysis.data.motion_quantities import InSpace, filled, quantities
@@ -208,7 +208,10 @@ class SpatialMotion(InSpace, SampledMotion):
         }
         for name in filled(SpatialMotion):
             if name not in ("times", *found):
-                found[name] = between_neighbours(self.times, getattr(self, name), wanted)
+                # Impacts make these jump.
+                columns = np.atleast_2d(getattr(self, name).T)
+                values = np.transpose([np.interp(wanted, self.times, each) for each in columns])
+                found[name] = values[:, 0] if len(columns) == 1 else values
         rest = self.rest_time
         within = rest is not None and wanted[0] <= rest <= wanted[-1]
         return found | {"rest_time": rest if within else None}, worst
