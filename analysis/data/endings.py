@@ -234,14 +234,11 @@ def ending_met(
 
     def least(time: float) -> tuple[float, str]:
         said = said_at(time)
-        return min(((said[name], name) for name in armed), default=_LYING) if said else _LYING
-
-    def says(time: float) -> float:
-        return least(time)[0]
+        return min(((said[name], name) for name in armed if said), default=_LYING)
 
     time = end
-    if says(end) < 0.0:
-        time = float(brentq(says, begin, end, xtol=_CLOSE, rtol=_CLOSE))
+    if least(end)[0] < 0.0:
+        time = float(brentq(lambda t: least(t)[0], begin, end, xtol=_CLOSE, rtol=_CLOSE))
         if not said_at(time):
             # It lay flat until then, and the condition is negative at once.
             time = min(end, time + 4.0 * _CLOSE * (1.0 + time))

@@ -114,6 +114,18 @@ class Quantities(ABC):
         """Vertical angular velocity in rad/s, shape (n,)."""
         return self.poses.angular_velocities[..., 2]
 
+    @quantity({"tilt": "rad"})
+    def tilt(self) -> Array:
+        """Inclination beta in rad from 0 to pi, both flat, shape (n,)."""
+        return frames.tilts(self.poses.rotations)
+
+    @quantity()
+    def leaning(self) -> Array:
+        """Angle in rad between the disk and the table, 0 flat on either face, shape (n,)."""
+        tilt = self.tilt
+        result: Array = np.minimum(tilt, np.pi - tilt)
+        return result
+
     @quantity({"cog_height": "m"})
     def cog_height(self) -> Array:
         """Height of the centre of gravity over the table in m, shape (n,)."""
@@ -197,24 +209,6 @@ class InCoordinates(Quantities):
     def _angles(self) -> tuple[Array, Array, Array]:
         alpha, beta, gamma = np.moveaxis(self.coordinates[..., 3:], -1, 0)
         return alpha, beta, gamma
-
-
-class InSpace(Quantities):
-    """Quantities of motions through every attitude."""
-
-    __slots__ = ()
-
-    @quantity({"tilt": "rad"})
-    def tilt(self) -> Array:
-        """Inclination beta in rad from 0 to pi, both flat, shape (n,)."""
-        return frames.tilts(self.poses.rotations)
-
-    @quantity()
-    def leaning(self) -> Array:
-        """Angle in rad between the disk and the table, 0 flat on either face, shape (n,)."""
-        tilt = self.tilt
-        result: Array = np.minimum(tilt, np.pi - tilt)
-        return result
 
 
 @cache

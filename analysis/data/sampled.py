@@ -246,10 +246,9 @@ class SampledMotion(Quantities):
         names, units = names or ("cog_height",), self.units
         unit = units[choice("names", names[0], units)]
         for name in names[1:]:
-            if units[choice("names", name, units)] != unit:
+            if (other := units[choice("names", name, units)]) != unit:
                 raise ValueError(
-                    f"names must have one unit, got {names[0]} in {unit} and {name} in "
-                    f"{units[name]}"
+                    f"names must have one unit, got {names[0]} in {unit} and {name} in {other}"
                 )
         if ax is None:
             ax = optional("matplotlib.figure", "plot").Figure(layout="constrained").subplots()

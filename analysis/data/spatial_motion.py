@@ -11,7 +11,7 @@ from analysis.data.checks import Array, choice, number
 from analysis.data.dense import interpolate
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import Ending, Poses
-from analysis.data.motion_quantities import InSpace, filled, quantities
+from analysis.data.motion_quantities import filled, quantities
 from analysis.data.phases import Phases, flat_and_rolling
 from analysis.data.sampled import SampledMotion
 from analysis.data.scenario import Scenario
@@ -22,7 +22,7 @@ _SAME_TIME = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class SpatialMotion(InSpace, SampledMotion):
+class SpatialMotion(SampledMotion):
     """A motion of the disk in inertial coordinates, sampled in time, and what produced it.
 
     Parameters
