@@ -160,14 +160,11 @@ def _named(given: str | Condition) -> tuple[str, Condition]:
 class Met(NamedTuple):
     """Where a condition turned negative.
 
-    `row` is the number of the pose there, `before` that of the pose at which it was asked before,
-    `reason` its name and `value` what it says.
+    `row` is the number of the pose there, `before` that of the pose at which it was asked before.
     """
 
     row: int
     before: int
-    reason: str
-    value: float
 
 
 class Poses(NamedTuple):
@@ -201,9 +198,8 @@ def first_met(
     before: dict[str, float] = {}
     asked = -1
     for row, values in _said(conditions, poses):
-        for name, value in values.items():
-            if value < 0.0 <= before.get(name, -1.0):
-                return Met(row, asked, name, value)
+        if any(value < 0.0 <= before.get(name, -1.0) for name, value in values.items()):
+            return Met(row, asked)
         before, asked = values, row
     return None
 

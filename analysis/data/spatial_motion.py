@@ -12,7 +12,7 @@ from analysis.data.dense import interpolate
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import Ending, Poses
 from analysis.data.motion_quantities import filled, quantities
-from analysis.data.phases import Phases, flat_and_rolling
+from analysis.data.phases import Phases, phases_of
 from analysis.data.sampled import SampledMotion
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import SOURCES, Setting, Source, Trajectory
@@ -123,21 +123,7 @@ class SpatialMotion(SampledMotion):
     @property
     def phases(self) -> Phases:
         """When each phase of the motion until rest begins."""
-        flat, rolling = flat_and_rolling(
-            self.scenario,
-            self.times,
-            leaning=self.leaning,
-            slip_speeds=self.slip_speeds,
-            contour_speeds=self.contour_speeds,
-        )
-        inversion = self.inversion
-        return Phases(
-            inversion=inversion.time,
-            inversion_lost=inversion.lost,
-            rolling=rolling,
-            flat=flat,
-            rest=self.rest_time,
-        )
+        return phases_of(self)
 
     def energy_taken(self, cause: str) -> Array:
         """Energy in J taken by this one of `CAUSES` over time, shape (n,)."""
