@@ -261,6 +261,7 @@ TRAJECTORIES: dict[str, tuple[Change, str]] = {
         described(ending={"reason": 3, "time": 1.0, "value": 0.0}),
         "reason must be text, got 3",
     ),
+    "foreign piece": (described(colour="red"), "meta must be one of .*colour"),
     "newer format": (described(format=99), "format must be 3, got 99: .* from a newer version"),
     "no format": (text("{}"), "format must be 3, got 1: the file comes from an older version"),
     "description is a list": (text("[]"), "meta must be a mapping, got list"),
