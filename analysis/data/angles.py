@@ -7,11 +7,10 @@ from typing import Any
 from analysis.data.checks import number
 from analysis.data.names import ArgumentError
 
-_WORD = re.compile(
-    r"(?P<n>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<p>pi)|(?P<d>deg)|[-+*/]", re.ASCII
-)
-_SUM = re.compile(r"[-+]?(?:n[pd]?|p)(?:[-+*/](?:n[pd]?|p))*")
-"""Sums of products, in one letter for each word."""
+_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_FACTOR = rf"(?:{_NUMBER}\s*(?:pi|deg)?|pi)"
+_SUM = re.compile(rf"\s*[-+]?\s*{_FACTOR}(?:\s*[-+*/]\s*{_FACTOR})*\s*", re.ASCII)
+_STEP = re.compile(rf"([-+*/]?)\s*({_NUMBER}|pi)\s*(pi|deg)?", re.ASCII)
 
 _SPELLED = ("pi/2", "-pi/2", "-pi/2 + 0.1", *(f"{part}deg" for part in range(1, 91)))
 
@@ -34,15 +33,13 @@ def angle(name: str, value: Any) -> float:
     """
     if not isinstance(value, str):
         return number(name, value)
-    words = list(_WORD.finditer(value))
-    shape = "".join(word.lastgroup or word[0] for word in words)
-    if _WORD.sub("", value).strip() or not _SUM.fullmatch(shape):
+    if not _SUM.fullmatch(value):
         raise ArgumentError(
             name,
             f"must be an angle: a number in rad, or text such as pi/2 or 90deg, got {value!r}",
         )
     try:
-        result = _evaluated([word[0] for word in words])
+        result = _evaluated(value)
     except ZeroDivisionError:
         raise ArgumentError(name, f"must be finite, got {value!r}") from None
     return number(name, result)
@@ -53,18 +50,14 @@ def spelled_angle(value: float) -> str | None:
     return next((text for text in _SPELLED if angle("angle", text) == value), None)
 
 
-def _evaluated(words: list[str]) -> float:
-    total, term, divides, begun = 0.0, 1.0, False, False
-    for word in words:
-        if word in "+-":
-            total += term if begun else 0.0
-            term, divides = (-1.0 if word == "-" else 1.0), False
-        elif word in "*/":
-            divides = word == "/"
-        elif word == "deg":
-            term = term * pi / 180.0
+def _evaluated(text: str) -> float:
+    total = term = 0.0
+    for sign, digits, unit in _STEP.findall(text):
+        factor = pi if digits == "pi" else float(digits)
+        if sign in ("*", "/"):
+            term = term * factor if sign == "*" else term / factor
         else:
-            factor = pi if word == "pi" else float(word)
-            term, divides = (term / factor if divides else term * factor), False
-        begun = True
+            total, term = total + term, -factor if sign == "-" else factor
+        if unit:
+            term = term * pi / 180.0 if unit == "deg" else term * pi
     return total + term

@@ -41,7 +41,7 @@ _STEPS = 60
 
 
 def interpolate(
-    times: Array, values: Array, rates: Array, wanted: Array
+    times: Array, values: Array, rates: Array, wanted: Array, nodes: int = NODES
 ) -> tuple[Array, Array, Array]:
     """Values and rates between samples by Hermite interpolation, and the error to expect.
 
@@ -52,6 +52,8 @@ def interpolate(
     values, rates : ndarray, shape (n, k)
     wanted : ndarray, shape (m,)
         Times within the samples.
+    nodes : int
+        Samples that a polynomial goes through at most.
 
     Returns
     -------
@@ -63,7 +65,7 @@ def interpolate(
     kept = np.append(spacing >= _CLOSE * np.median(spacing), True)
     kept[0] = True
     times, values, rates = times[kept], values[kept], rates[kept]
-    high = min(NODES, times.size)
+    high = min(nodes, times.size)
     low = max(1, high - 2)
     interval = np.clip(np.searchsorted(times, wanted, side="right") - 1, 0, times.size - 2)
 
@@ -187,23 +189,6 @@ def _solve(polynomial: Polynomials, level: float, low: Array, high: Array) -> tu
         if np.all(moved <= 4.0 * np.spacing(np.abs(place))):
             break
     return place, slope
-
-
-def interpolate_values(times: Array, values: Array, wanted: Array) -> Array:
-    """Values, shape (m, k), where no rates are known, by cubic Hermite interpolation.
-
-    The slopes come from neighbouring samples. The arguments are those of `interpolate`.
-    """
-    slopes: Array = np.gradient(values, times, axis=0, edge_order=2 if times.size > 2 else 1)
-    interval = np.clip(np.searchsorted(times, wanted, side="right") - 1, 0, times.size - 2)
-    near = interval[:, None] + np.arange(2)
-    return _polynomials(times[near], values[near], slopes[near])(wanted)[0]
-
-
-def between_neighbours(times: Array, values: Array, wanted: Array) -> Array:
-    """Linear interpolation of one or more columns, for what may jump, such as at impacts."""
-    columns = [np.interp(wanted, times, column) for column in np.atleast_2d(values.T)]
-    return columns[0] if values.ndim == 1 else np.column_stack(columns)
 
 
 def _polynomials(nodes: Array, values: Array, rates: Array) -> Polynomials:

@@ -160,14 +160,11 @@ def _named(given: str | Condition) -> tuple[str, Condition]:
 class Met(NamedTuple):
     """Where a condition turned negative.
 
-    `row` is the number of the pose there, `before` that of the pose at which it was asked before,
-    `reason` its name and `value` what it says.
+    `row` is the number of the pose there, `before` that of the pose at which it was asked before.
     """
 
     row: int
     before: int
-    reason: str
-    value: float
 
 
 class Poses(NamedTuple):
@@ -201,9 +198,8 @@ def first_met(
     before: dict[str, float] = {}
     asked = -1
     for row, values in _said(conditions, poses):
-        for name, value in values.items():
-            if value < 0.0 <= before.get(name, -1.0):
-                return Met(row, asked, name, value)
+        if any(value < 0.0 <= before.get(name, -1.0) for name, value in values.items()):
+            return Met(row, asked)
         before, asked = values, row
     return None
 
@@ -234,14 +230,11 @@ def ending_met(
 
     def least(time: float) -> tuple[float, str]:
         said = said_at(time)
-        return min(((said[name], name) for name in armed), default=_LYING) if said else _LYING
-
-    def says(time: float) -> float:
-        return least(time)[0]
+        return min(((said[name], name) for name in armed if said), default=_LYING)
 
     time = end
-    if says(end) < 0.0:
-        time = float(brentq(says, begin, end, xtol=_CLOSE, rtol=_CLOSE))
+    if least(end)[0] < 0.0:
+        time = float(brentq(lambda t: least(t)[0], begin, end, xtol=_CLOSE, rtol=_CLOSE))
         if not said_at(time):
             # It lay flat until then, and the condition is negative at once.
             time = min(end, time + 4.0 * _CLOSE * (1.0 + time))

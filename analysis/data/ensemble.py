@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from analysis.data.changes import changed, check_field
 from analysis.data.checks import Array, unmasked
-from analysis.data.members import Members, Rows, alike
+from analysis.data.members import DividedError, Members, Rows
 from analysis.data.names import full_name
 from analysis.data.scenario import Scenario
 from analysis.data.written import Value, is_word, read_value
@@ -108,13 +108,18 @@ class Ensemble:
         dict
             From the others to why they are none.
         """
-        whole = object.__new__(cls)
-        object.__setattr__(whole, "scenario", scenario)
         found = {name: _values(name, values) for name, values in fields.items()}
-        object.__setattr__(whole, "fields", found)
-        refused = dict(whole._refused())
+        whole = cls._unchecked(scenario, found)
+        refused = dict(cls._refused(whole))
         rows = np.array([row for row in range(len(whole)) if row not in refused], dtype=int)
         return whole.part(rows), rows, refused
+
+    @classmethod
+    def _unchecked(cls, scenario: Scenario, fields: Mapping[str, Values]) -> "Ensemble":
+        whole = object.__new__(cls)
+        object.__setattr__(whole, "scenario", scenario)
+        object.__setattr__(whole, "fields", fields)
+        return whole
 
     def __len__(self) -> int:
         return len(next(iter(self.fields.values())))
@@ -131,11 +136,8 @@ class Ensemble:
 
     def part(self, rows: Rows | slice) -> "Ensemble":
         """Ensemble of some of the members, which need no further check."""
-        some = object.__new__(Ensemble)
-        object.__setattr__(some, "scenario", self.scenario)
         fields = {name: values[rows] for name, values in self.fields.items()}
-        object.__setattr__(some, "fields", fields)
-        return some
+        return self._unchecked(self.scenario, fields)
 
     def alike(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T | Exception]]:
         """Call a function for the scenarios of members that go the same way in it.
@@ -153,21 +155,34 @@ class Ensemble:
             Of the function, or the error that it ended in.
         """
         numbers = {name: each for name, each in self.fields.items() if each.dtype.kind == "f"}
-        for words, rows in self._by_words():
+        pending = list(self._by_words())
+        while pending:
+            words, rows = pending.pop()
+            some = {name: each[rows].view(Members) for name, each in numbers.items()}
+            try:
+                # What overflows is looked at member by member.
+                with np.errstate(over="raise", divide="raise", invalid="raise"):
+                    result = function(changed(self.scenario, {**words, **some}))
+            except DividedError as divided:
+                pending += [(words, rows[~divided.mask]), (words, rows[divided.mask])]
+            except (ArithmeticError, TypeError, ValueError) as error:
+                yield rows, error
+            else:
+                yield rows, result
 
-            def call(some: Mapping[str, Members], words: Words = words) -> T:
-                return function(changed(self.scenario, {**words, **some}))
-
-            yield from alike(call, numbers, rows)
+    def groups(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T]]:
+        """The same, with those that end in an error called for one by one, which may raise it."""
+        for rows, result in self.alike(function):
+            if isinstance(result, Exception):
+                yield from ((np.array([row]), function(self[row])) for row in rows.tolist())
+            else:
+                yield rows, result
 
     def numbers(self, function: Callable[[Scenario], float]) -> Array:
         """Number of each member that a function tells of its scenario, shape (m,)."""
         found = np.empty(len(self))
-        for rows, told in self.alike(function):
-            if isinstance(told, Exception):
-                found[rows] = [function(self[row]) for row in rows.tolist()]
-            else:
-                found[rows] = told
+        for rows, told in self.groups(function):
+            found[rows] = told
         return found
 
     def _told(self, member: int) -> dict[str, Value]:
@@ -176,14 +191,12 @@ class Ensemble:
     def _by_words(self) -> Iterator[tuple[Words, Rows]]:
         """Members that differ in numbers alone."""
         words = {name: each for name, each in self.fields.items() if each.dtype.kind != "f"}
-        if not words:
+        if not words and len(self):
             yield {}, np.arange(len(self))
             return
         groups: defaultdict[tuple[Value, ...], list[int]] = defaultdict(list)
-        for member, told in enumerate(
-            zip(*(each.tolist() for each in words.values()), strict=True)
-        ):
-            groups[told].append(member)
+        for member in range(len(self)):
+            groups[tuple(each[member].item() for each in words.values())].append(member)
         for told, rows in groups.items():
             yield dict(zip(words, told, strict=True)), np.array(rows)
 

@@ -176,7 +176,7 @@ def angular_velocities(quaternions: Array, rates: Array) -> Array:
 
 
 def tilts(rotations: Array) -> Array:
-    """Inclination beta in rad from 0 to pi, both flat, of rotation matrices, shape (n,)."""
-    axis = rotations[:, :, 2]
-    result: Array = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
+    """Inclination beta in rad from 0 to pi, both flat, of rotation matrices, shape (...)."""
+    x, y, z = np.moveaxis(rotations[..., 2], -1, 0)
+    result: Array = np.arctan2(np.hypot(x, y), z)
     return result

@@ -5,13 +5,12 @@ two formulas) holds for all members at once where these go the same way. Where t
 are told apart, and each group goes its own.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any, TypeVar
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-T = TypeVar("T")
 Rows = npt.NDArray[np.intp]
 """Numbers of members."""
 
@@ -59,43 +58,3 @@ def in_columns(numbers: Iterable[Any], count: int) -> npt.NDArray[np.float64]:
     for column, values in enumerate(given):
         columns[:, column] = values
     return columns
-
-
-def alike(
-    function: Callable[[dict[str, Members]], T],
-    values: Mapping[str, npt.NDArray[Any]],
-    rows: Rows,
-) -> Iterator[tuple[Rows, T | Exception]]:
-    """Call a function for members that go the same way in it.
-
-    Parameters
-    ----------
-    function : callable
-        Of numbers by name.
-    values : mapping
-        Numbers by name of all members, each shape (n,).
-    rows : ndarray of int, shape (m,)
-        Members to call it for.
-
-    Yields
-    ------
-    rows : ndarray of int, shape (k,)
-        Members that go the same way.
-    result
-        Of the function, or the error that it ended in.
-    """
-    pending = [rows] if rows.size else []
-    while pending:
-        some = pending.pop()
-        try:
-            # What overflows is looked at member by member.
-            with np.errstate(over="raise", divide="raise", invalid="raise"):
-                result = function(
-                    {name: each[some].view(Members) for name, each in values.items()}
-                )
-        except DividedError as divided:
-            pending += [some[~divided.mask], some[divided.mask]]
-        except (ArithmeticError, TypeError, ValueError) as error:
-            yield some, error
-        else:
-            yield some, result

@@ -52,6 +52,10 @@ FILLED: Mapping[str, Columns] = {
 """Arrays of a motion, of which every kind has some; forces alone where a constraint has them."""
 
 
+_TINY = 1e-30
+"""Step into the complex plane, far below the last digit of what is differentiated."""
+
+
 class Quantity:
     """A quantity that is read off a motion, as an attribute; without columns it is that alone."""
 
@@ -114,6 +118,18 @@ class Quantities(ABC):
         """Vertical angular velocity in rad/s, shape (n,)."""
         return self.poses.angular_velocities[..., 2]
 
+    @quantity({"tilt": "rad"})
+    def tilt(self) -> Array:
+        """Inclination beta in rad from 0 to pi, both flat, shape (n,)."""
+        return frames.tilts(self.poses.rotations)
+
+    @quantity()
+    def leaning(self) -> Array:
+        """Angle in rad between the disk and the table, 0 flat on either face, shape (n,)."""
+        tilt = self.tilt
+        result: Array = np.minimum(tilt, np.pi - tilt)
+        return result
+
     @quantity({"cog_height": "m"})
     def cog_height(self) -> Array:
         """Height of the centre of gravity over the table in m, shape (n,)."""
@@ -124,15 +140,23 @@ class Quantities(ABC):
     def contact_speed(self) -> Array:
         """Speed with which the contact point moves along the table in m/s, shape (n,)."""
         _, rotations, velocities, angular = self.poses
-        normal = rotations[..., 2]
-        turning = np.cross(angular, normal)
-        height, flatness = _lowest(self._lengths, normal)
-        slope = flatness * normal[..., 2] / height
-        steeper = flatness * turning[..., 2] / height * (1.0 + slope * normal[..., 2] / height)
-        moved = steeper[..., None] * normal + slope[..., None] * turning
-        along = velocities[..., :2] + moved[..., :2]
+        up, turning = rotations[..., 2, :], np.einsum("...ij,...i->...j", rotations, angular)
+        # The derivative along the motion is the imaginary part, to the last digit.
+        seen = self._lowest(up + _TINY * 1j * np.cross(up, turning))
+        moved = np.cross(turning, seen.real) + seen.imag / _TINY
+        along = velocities + np.einsum("...ij,...j->...i", rotations, moved)
         result: Array = np.hypot(along[..., 0], along[..., 1])
         return result
+
+    def _lowest(self, up: Any) -> Any:
+        """Lowest point seen from G in m, in axes of the body as the vertical is, shape (..., 3).
+
+        It is that of a spheroid of semi-axes r, r, c; without thickness, of the rim.
+        """
+        _, r, c = self._lengths
+        x, y, z = np.moveaxis(up, -1, 0)
+        height = np.sqrt(r * r * (x * x + y * y) + c * c * (z * z))
+        return -np.stack((r * r * x / height, r * r * y / height, c * c * z / height), axis=-1)
 
 
 class InCoordinates(Quantities):
@@ -186,35 +210,14 @@ class InCoordinates(Quantities):
     def contact_points(self) -> Array:
         """Lowest point of the disk, inertial, in m, shape (n, 3)."""
         positions, rotations, *_ = self.poses
-        normal = rotations[..., 2]
-        height, flatness = _lowest(self._lengths, normal)
-        arm = (flatness * normal[..., 2] / height)[..., None] * normal
-        arm[..., 2] = -height
-        result: Array = positions + arm
+        seen = self._lowest(rotations[..., 2, :])
+        result: Array = positions + np.einsum("...ij,...j->...i", rotations, seen)
         return result
 
     @property
     def _angles(self) -> tuple[Array, Array, Array]:
         alpha, beta, gamma = np.moveaxis(self.coordinates[..., 3:], -1, 0)
         return alpha, beta, gamma
-
-
-class InSpace(Quantities):
-    """Quantities of motions through every attitude."""
-
-    __slots__ = ()
-
-    @quantity({"tilt": "rad"})
-    def tilt(self) -> Array:
-        """Inclination beta in rad from 0 to pi, both flat, shape (n,)."""
-        return frames.tilts(self.poses.rotations)
-
-    @quantity()
-    def leaning(self) -> Array:
-        """Angle in rad between the disk and the table, 0 flat on either face, shape (n,)."""
-        tilt = self.tilt
-        result: Array = np.minimum(tilt, np.pi - tilt)
-        return result
 
 
 @cache
@@ -238,14 +241,3 @@ def lengths(scenario: Scenario) -> tuple[float, float, float]:
     """Eccentricity, radius and half thickness of the disk in m."""
     disk, contact = scenario.disk, scenario.contact
     return disk.eccentricity, disk.radius, 0.0 if contact is None else contact.half_thickness
-
-
-def _lowest(lengths: tuple[Any, Any, Any], normal: Array) -> tuple[Array, Any]:
-    """Height of G over the lowest point, and how that moves out, of a leaning disk.
-
-    It is a spheroid of semi-axes r, r, c, or without thickness a rim: seen from G the lowest
-    point lies at (r² - c²) n_z / h along the horizontal part of the normal n, h below it.
-    """
-    _, r, c = lengths
-    across = np.hypot(normal[..., 0], normal[..., 1])
-    return np.hypot(r * across, c * normal[..., 2]), r**2 - c**2

@@ -1,12 +1,12 @@
 """When each phase of the motion until rest began."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import Array
-from analysis.data.scenario import Scenario
 
 Flags = npt.NDArray[np.bool_]
 
@@ -50,32 +50,22 @@ class Phases:
     rest: float | None
 
 
-def flat_and_rolling(
-    scenario: Scenario,
-    times: Array,
-    *,
-    leaning: Array,
-    slip_speeds: Array,
-    contour_speeds: Array,
-) -> tuple[float | None, float | None]:
-    """Find when a sampled motion begins to be flat, and to roll.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    times : ndarray, shape (n,)
-        In s.
-    leaning : ndarray, shape (n,)
-        Angle between disk and table in rad.
-    slip_speeds, contour_speeds : ndarray, shape (n,)
-        In m/s.
-    """
+def phases_of(motion: Any) -> Phases:
+    """When the phases of a `SpatialMotion` begin."""
+    scenario, times, leaning = motion.scenario, motion.times, motion.leaning
     contact, disk = scenario.penalty_contact, scenario.disk
     limit = np.arctan(FLAT * contact.half_thickness / disk.radius) if contact.lies(disk) else 0.0
     flat = _from_here_on(times, leaning < limit)
     upto = times <= (np.inf if flat is None else flat)
-    slip, contour = (_running_mean(times, each) for each in (slip_speeds, contour_speeds))
-    return flat, _from_here_on(times[upto], (slip < ROLLING * contour)[upto])
+    slip, contour = (_running_mean(times, s) for s in (motion.slip_speeds, motion.contour_speeds))
+    inversion = motion.inversion
+    return Phases(
+        inversion=inversion.time,
+        inversion_lost=inversion.lost,
+        rolling=_from_here_on(times[upto], (slip < ROLLING * contour)[upto]),
+        flat=flat,
+        rest=motion.rest_time,
+    )
 
 
 def _from_here_on(times: Array, condition: Flags) -> float | None:

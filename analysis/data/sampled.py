@@ -163,11 +163,7 @@ class SampledMotion(Quantities):
     @property
     def units(self) -> dict[str, str]:
         """Unit of every quantity of `to_dict`."""
-        return {
-            column: unit
-            for name in quantities(type(self))
-            for column, unit in self._columns(name).items()
-        }
+        return {name: unit for name, (_, unit) in self.columns().items()}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write `to_dict` as comma-separated columns below their names, whole or not at all.
@@ -250,10 +246,9 @@ class SampledMotion(Quantities):
         names, units = names or ("cog_height",), self.units
         unit = units[choice("names", names[0], units)]
         for name in names[1:]:
-            if units[choice("names", name, units)] != unit:
+            if (other := units[choice("names", name, units)]) != unit:
                 raise ValueError(
-                    f"names must have one unit, got {names[0]} in {unit} and {name} in "
-                    f"{units[name]}"
+                    f"names must have one unit, got {names[0]} in {unit} and {name} in {other}"
                 )
         if ax is None:
             ax = optional("matplotlib.figure", "plot").Figure(layout="constrained").subplots()

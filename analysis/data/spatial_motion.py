@@ -8,11 +8,11 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.checks import Array, choice, number
-from analysis.data.dense import between_neighbours, interpolate
+from analysis.data.dense import interpolate
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import Ending, Poses
-from analysis.data.motion_quantities import InSpace, filled, quantities
-from analysis.data.phases import Phases, flat_and_rolling
+from analysis.data.motion_quantities import filled, quantities
+from analysis.data.phases import Phases, phases_of
 from analysis.data.sampled import SampledMotion
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import SOURCES, Setting, Source, Trajectory
@@ -22,7 +22,7 @@ _SAME_TIME = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class SpatialMotion(InSpace, SampledMotion):
+class SpatialMotion(SampledMotion):
     """A motion of the disk in inertial coordinates, sampled in time, and what produced it.
 
     Parameters
@@ -123,21 +123,7 @@ class SpatialMotion(InSpace, SampledMotion):
     @property
     def phases(self) -> Phases:
         """When each phase of the motion until rest begins."""
-        flat, rolling = flat_and_rolling(
-            self.scenario,
-            self.times,
-            leaning=self.leaning,
-            slip_speeds=self.slip_speeds,
-            contour_speeds=self.contour_speeds,
-        )
-        inversion = self.inversion
-        return Phases(
-            inversion=inversion.time,
-            inversion_lost=inversion.lost,
-            rolling=rolling,
-            flat=flat,
-            rest=self.rest_time,
-        )
+        return phases_of(self)
 
     def energy_taken(self, cause: str) -> Array:
         """Energy in J taken by this one of `CAUSES` over time, shape (n,)."""
@@ -208,7 +194,10 @@ class SpatialMotion(InSpace, SampledMotion):
         }
         for name in filled(SpatialMotion):
             if name not in ("times", *found):
-                found[name] = between_neighbours(self.times, getattr(self, name), wanted)
+                # Impacts make these jump.
+                columns = np.atleast_2d(getattr(self, name).T)
+                values = np.transpose([np.interp(wanted, self.times, each) for each in columns])
+                found[name] = values[:, 0] if len(columns) == 1 else values
         rest = self.rest_time
         within = rest is not None and wanted[0] <= rest <= wanted[-1]
         return found | {"rest_time": rest if within else None}, worst

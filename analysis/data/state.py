@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import pi
-from typing import NoReturn
 
 import numpy as np
 
@@ -50,23 +49,17 @@ class State:
                 for name, value in zip(COORDINATES, values, strict=True)
             )
             object.__setattr__(self, field, clean)
-        check_tilt("beta", self.coordinates[4])
+        if not 0.0 < self.coordinates[4] < pi:
+            raise ArgumentError(
+                "beta",
+                "must lie in the open interval (0, pi), where the Euler angles are regular, "
+                f"got {self.coordinates[4]:g}",
+            )
 
     @property
     def vector(self) -> Array:
         """Coordinates and rates in one array, shape (12,)."""
         return np.array(self.coordinates + self.rates)
-
-
-def check_tilt(name: str, beta: float) -> float:
-    """Return `beta` if the Euler angles are regular there; `ValueError` otherwise."""
-    if not 0.0 < beta < pi:
-        raise ArgumentError(
-            name,
-            "must lie in the open interval (0, pi), where the Euler angles are regular, "
-            f"got {beta:g}",
-        )
-    return beta
 
 
 def check_upright(times: Array, coordinates: Array) -> None:
@@ -85,7 +78,12 @@ def check_upright(times: Array, coordinates: Array) -> None:
     beta = coordinates[:, 4]
     flat = (beta <= 0.0) | (beta >= pi)
     if np.any(flat):
-        raise_flat(float(times[np.argmax(flat)]))
+        time = float(times[np.argmax(flat)])
+        raise FlatError(
+            f"beta leaves the open interval (0, pi) at t = {time:.6g} s: the disk lies flat, and "
+            "the Euler angles of the motion end there",
+            time,
+        )
 
 
 class FlatError(ArithmeticError):
@@ -100,12 +98,3 @@ class FlatError(ArithmeticError):
     def __init__(self, message: str, time: float) -> None:
         super().__init__(message)
         self.time = time
-
-
-def raise_flat(time: float) -> NoReturn:
-    """Raise that the disk lies flat from `time` in s, or from shortly before."""
-    raise FlatError(
-        f"beta leaves the open interval (0, pi) at t = {time:.6g} s: the disk lies flat, and the "
-        "Euler angles of the motion end there",
-        time,
-    )

@@ -168,8 +168,8 @@ class Trajectories(InCoordinates):
         member = range(len(self))[member]
         if member in self.failures:
             raise self.failures[member]
-        part, row = self._places[member]
-        return self.parts[part].trajectory(row)
+        part = next(part for part in self.parts if member in part.rows)
+        return part.trajectory(int(np.argmax(part.rows == member)))
 
     def __iter__(self) -> Iterator[Trajectory]:
         return (self[member] for member in range(len(self)))
@@ -183,15 +183,6 @@ class Trajectories(InCoordinates):
             return self[member]
         except (ArithmeticError, ValueError, OSError, RuntimeError) as error:
             return error
-
-    @cached_property
-    def _places(self) -> dict[int, tuple[int, int]]:
-        """Part of each member, and its row there."""
-        return {
-            member: (number, row)
-            for number, part in enumerate(self.parts)
-            for row, member in enumerate(part.rows.tolist())
-        }
 
     @cached_property
     def _lengths(self) -> tuple[Any, Any, Any]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis.data.checks import Array, choice, number
 from analysis.data.constraint_set import multiplier_names
-from analysis.data.dense import interpolate, interpolate_values
+from analysis.data.dense import interpolate
 from analysis.data.endings import Ending
 from analysis.data.motion_quantities import InCoordinates
 from analysis.data.sampled import SampledMotion
@@ -129,7 +129,9 @@ class Trajectory(InCoordinates, SampledMotion):
     def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
         coordinates, rates, error = interpolate(self.times, self.coordinates, self.rates, wanted)
         worst = self._check_between(wanted, np.max(error[:, 4:], axis=1), tolerance)
-        multipliers = interpolate_values(self.times, self.multipliers, wanted)
+        order: Any = min(2, self.times.size - 1)
+        slopes = np.gradient(self.multipliers, self.times, axis=0, edge_order=order)
+        multipliers, *_ = interpolate(self.times, self.multipliers, slopes, wanted, nodes=2)
         return {"coordinates": coordinates, "rates": rates, "multipliers": multipliers}, worst
 
     @staticmethod

@@ -11,9 +11,7 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import PRESCRIBED, ConstraintSet, multiplier_names, prescribed
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import TIME_LIMIT
-from analysis.data.ensemble import Ensemble
 from analysis.data.inversion import STAYING, inversions
-from analysis.data.members import Rows
 from analysis.data.outcomes import DONE, OutcomeTable, failed, failure
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
@@ -117,15 +115,9 @@ def _put_part(table: OutcomeTable, part: CompiledPart) -> None:
         ends[0, some], ends[1, some] = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
     told = {"status": DONE, "ending": part.endings, "end": part.ends}
     table.put(members, told | {"error_estimate": part.error_estimates})
-    for rows, found in part.ensemble.alike(_level_or_leaning):
-        groups = [(rows, found)] if isinstance(found, Scenario) else _apart(part.ensemble, rows)
-        for each, scenario in groups:
-            z, u = ends[:, each]
-            table.put(members[each], _balance(scenario, z, u, brought[each]))
-
-
-def _apart(ensemble: Ensemble, rows: Rows) -> list[tuple[Rows, Scenario]]:
-    return [(np.array([row]), ensemble[row]) for row in rows.tolist()]
+    for rows, scenario in part.ensemble.groups(_level_or_leaning):
+        z, u = ends[:, rows]
+        table.put(members[rows], _balance(scenario, z, u, brought[rows]))
 
 
 def _level_or_leaning(scenario: Scenario) -> Scenario:

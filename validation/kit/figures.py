@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from analysis import SpatialMotion, StoredRun
+from analysis import SpatialMotion, StoredRun, Trajectory
 from analysis.data.checks import Array
 
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73")
@@ -125,10 +125,7 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> Any:
 
 def _compared(run: StoredRun, *, spatial: bool) -> tuple[Array, Array, Array, Array]:
     """The four curves of `comparison`, shape (n,) each."""
-    if isinstance(run, SpatialMotion):
-        return run.tilt, run.cog_height, run.spin, run.normal_force
-    beta, spin = run.coordinate("beta"), run.rate("alpha")
     if spatial:
-        spin = spin + np.cos(beta) * run.rate("gamma")
-        return beta, run.cog_height, spin, run.normal_force
-    return beta, run.coordinate("gamma"), spin, run.normal_force
+        return run.tilt, run.cog_height, run.poses.angular_velocities[:, 2], run.normal_force
+    assert isinstance(run, Trajectory)
+    return run.coordinate("beta"), run.coordinate("gamma"), run.spin, run.normal_force

@@ -19,7 +19,6 @@ from tests.helpers import (
     random_state,
     rotation,
     second_derivative,
-    turn_z,
 )
 
 seeds = pytest.mark.parametrize("seed", range(5))
@@ -53,16 +52,6 @@ def test_coordinates_come_back_from_poses_and_twists(seed: int) -> None:
     back_z, back_u = frames.from_poses(*frames.poses(z), *frames.twists(z, u))
     assert_close(back_z, z, relative=1e-14)
     assert_close(back_u, u, relative=1e-14)
-
-
-@seeds
-def test_poses_and_twists_come_back_from_coordinates(seed: int) -> None:
-    z, u = states(seed)
-    before = (*frames.poses(z), *frames.twists(z, u))
-    coordinates, rates = frames.from_poses(*before)
-    after = (*frames.poses(coordinates), *frames.twists(coordinates, rates))
-    for quantity, expected in zip(after, before, strict=True):
-        assert_close(quantity, expected, relative=1e-14)
 
 
 def test_angles_from_poses_lie_in_the_principal_range() -> None:
@@ -99,27 +88,6 @@ def test_accelerations_come_back_from_the_inertial_ones(seed: int) -> None:
         z[np.newaxis], u[np.newaxis], acceleration[np.newaxis], angular[np.newaxis]
     )
     assert_close(back[0], a, relative=1e-10)
-
-
-def test_accelerations_are_converted_sample_by_sample() -> None:
-    z, u = states(2, count=4)
-    random = np.random.default_rng(3)
-    acceleration, angular = random.uniform(-1.0, 1.0, size=(2, 4, 3))
-    together = frames.accelerations_from_inertial(z, u, acceleration, angular)
-    for i in range(4):
-        one = slice(i, i + 1)
-        alone = frames.accelerations_from_inertial(z[one], u[one], acceleration[one], angular[one])
-        assert_close(together[one], alone, relative=1e-14)
-
-
-@seeds
-def test_turning_back_restores_the_vectors(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    angles, vectors = random.uniform(-pi, pi, size=7), random.uniform(-1.0, 1.0, size=(7, 3))
-    turned = frames.turn_about_vertical(angles, vectors)
-    expected = [turn_z(angle) @ row for angle, row in zip(angles, vectors, strict=True)]
-    assert_close(turned, expected, relative=1e-14)
-    assert_close(frames.turn_about_vertical(-angles, turned), vectors, relative=1e-14)
 
 
 def test_quaternions_and_rotations_are_those_of_scipy_and_each_others_inverse() -> None:

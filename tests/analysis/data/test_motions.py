@@ -20,6 +20,7 @@ from analysis import (
     POSSIBLE_SETS,
     ConstraintSet,
     Ending,
+    Ensemble,
     Level,
     Load,
     PenaltyContact,
@@ -34,6 +35,7 @@ from analysis import (
     contact_forces,
     multiplier_names,
     simulate,
+    simulate_many,
     simulate_to_rest,
 )
 from analysis.data.checks import Array
@@ -185,6 +187,19 @@ def test_contact_speed_is_the_rate_of_the_contact_points(source: Source) -> None
     np.testing.assert_allclose(motion.contact_speed[inner], np.hypot(*places.T), rtol=1e-5)
 
 
+def test_quantities_of_an_ensemble_are_those_of_its_members() -> None:
+    fields = {"spin": np.array([30.0, 40.0, 200.0]), "radius": np.array([0.045, 0.05, 0.045])}
+    ensemble = Ensemble(scenario=Scenario(), fields=fields)
+    times = np.linspace(0.0, 0.1, 11)
+    runs = simulate_many(ensemble, times, method="DOP853", local_tolerance=1e-6, workers=1)
+    for name in ("tilt", "cog_height", "contact_points", "contact_speed", "cog_direction_rate"):
+        whole = getattr(runs, name)
+        for member, run in enumerate(runs):
+            count = np.sum(times <= run.times[-1])
+            np.testing.assert_allclose(whole[member, :count], getattr(run, name)[:count])
+            assert np.isnan(whole[member, count:]).all()
+
+
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
 @pytest.mark.parametrize("load", LOADS)
 def test_contact_force_moves_the_disk(constraints: ConstraintSet, load: Load) -> None:
@@ -238,7 +253,7 @@ def test_forces_and_rates_between_samples_converge(fine: Trajectory) -> None:
         return float(force), float(np.abs(between.rates - fine.rates).max())
 
     (coarse_force, coarse_rate), (fine_force, fine_rate) = apart(200), apart(100)
-    assert fine_force < 0.3 * coarse_force
+    assert fine_force < 0.2 * coarse_force
     assert fine_rate < 0.01 * coarse_rate
 
 

@@ -42,7 +42,7 @@ def risen(*stretches: tuple[float, float], low: float = -1.0, high: float = 1.0)
         (risen((0.5, 0.7), (0.9, 5.0), low=0.1), 4.0, "inverted", 0.5, None),
         (risen((0.5, 5.0), high=0.89), 4.0, "not inverted", None, None),
         (risen((0.5, 0.52 + STAYING)), 4.0, "lost", 0.5, 0.52 + STAYING),
-        (risen((0.5, 0.48 + STAYING)), 4.0, "not inverted", None, None),
+        (risen((0.5, 0.49 + STAYING)), 4.0, "not inverted", None, None),
         (risen((0.5, 2.0)), 4.0, "lost", 0.5, 2.0),
         (risen((0.5, 5.0)), 1.4, "not decided", None, None),
         (risen((0.5, 5.0)), 1.5, "inverted", 0.5, None),
