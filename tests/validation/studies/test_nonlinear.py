@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.nonlinear.heteroclinic import NoConnectionError
 from validation import report
 from validation import study as kit
 from validation.kit.figures import new_figure
@@ -186,16 +185,6 @@ def test_below_the_connection_a_motion_goes_over_and_above_the_hopf_point_it_inv
     inverts = portraits.portrait((33.0, False))[0]
     assert inverts["gamma"][0] == pytest.approx(-np.pi / 2, abs=0.01)
     assert inverts["gamma"][-1] == pytest.approx(np.pi / 2, abs=0.3)
-
-
-def test_friction_without_a_connection_is_no_crash(monkeypatch: pytest.MonkeyPatch) -> None:
-    def none(_: object) -> None:
-        raise NoConnectionError("none")
-
-    monkeypatch.setattr(measured, "heteroclinic_connection", none)
-    (row,) = measured.connect(("steel", 0.02, 0.4))
-    assert "spin" not in row
-    assert "predicted" not in row
 
 
 @pytest.mark.slow
