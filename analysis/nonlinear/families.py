@@ -9,8 +9,10 @@ other side each becomes a rotating motion of its own (a gluing bifurcation).
 """
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -266,37 +268,23 @@ def cycles_over(
     amplitude = None if amplitude is None else open_amplitude(amplitude)
     spin = None if spin is None else number("spin", spin)
 
-    def cycles() -> Iterator[PeriodicMotion]:
-        last: PeriodicMotion | None = None
-        for count, scenario in enumerate(scenarios):
-            try:
-                found = _over(scenario, amplitude, spin, last)
-            except (NoCycleError, ValueError) as error:
-                if last is None:
-                    raise
-                raise NoCycleError(
-                    f"{error}; the last good one is cycle {count} of {len(scenarios)}, with "
-                    f"{last.value:.9g} rad at a spin of {last.spin:.9g} rad/s"
-                ) from error
-            yield found
-            last = found
+    def first(scenario: Scenario) -> PeriodicMotion:
+        if spin is not None:
+            return cycle_at(scenario, spin)
+        return cycle_family(scenario, np.array([amplitude])).motions[-1]
 
-    begins = critical_speed(scenarios[0]).spin
-    return _family(begins, cycles(), progress=None, wanted=len(scenarios))
-
-
-def _over(
-    scenario: Scenario, amplitude: float | None, spin: float | None, last: PeriodicMotion | None
-) -> PeriodicMotion:
-    """The cycle of a scenario near another one, or from its own Hopf point."""
-    if last is not None:
-        try:
+    def further(scenario: Scenario, last: PeriodicMotion) -> PeriodicMotion:
+        with suppress(NoCycleError):
             return solve(scenario, amplitude or last.value, last, spin=spin)
-        except NoCycleError:
-            pass
-    if spin is not None:
-        return cycle_at(scenario, spin)
-    return cycle_family(scenario, np.array([amplitude])).motions[-1]
+        try:
+            return first(scenario)
+        except ValueError as error:
+            raise NoCycleError(str(error)) from error
+
+    begin = first(scenarios[0])
+    found = chain([begin], followed(further, begin, scenarios[1:], halvings=0))
+    begins = critical_speed(scenarios[0]).spin
+    return _family(begins, found, progress=None, wanted=len(scenarios))
 
 
 # --- Cycles without symmetry --------------------------------------------------------------------
