@@ -14,7 +14,7 @@ from validation.kit.figures import new_figure
 from validation.nonlinear import figures
 from validation.page.content import Content
 from validation.page.section import Section
-from validation.studies.nonlinear import delay, measured, portraits, section
+from validation.studies.nonlinear import measured, portraits, section
 from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, ROTATING, SLOW, SWINGING
 from validation.studies.nonlinear.section import SAME_CYCLE, present
 from validation.study import Row
@@ -99,8 +99,8 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.Dat
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(section, "figures", MagicMock())
-    for module, name in ((portraits, "draw"), (portraits, "plane"), (delay, "delay_diagram")):
-        monkeypatch.setattr(module, name, MagicMock())
+    monkeypatch.setattr(section, "drawings", MagicMock())
+    monkeypatch.setattr(portraits, "draw", MagicMock())
 
 
 WRONG = [
@@ -164,7 +164,7 @@ def test_stable_cycles_are_solid_and_unstable_ones_dashed() -> None:
     axes, stable = new_figure()[1], (True, True, False, False)
     cycles = [{"spin": 30.0, "stable": each} for each in stable]
     values = np.array((0.5, 1.2, 1.7, 1.9))
-    figures.lines(axes, cycles, values, "cycles", first=(30.9, 0.0))
+    figures.lines(axes, cycles, values, first=(30.9, 0.0))
     (solid,), (dashed,) = (
         [line for line in axes.get_lines() if line.get_linestyle() == style]
         for style in ("-", "--")
