@@ -1,4 +1,4 @@
-"""Figures of the study alone: bifurcation diagram, plane of spin and smoothing, law of the delay."""
+"""Figures of the study alone: bifurcation diagram, plane of spin and smoothing, law of delay."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
