@@ -89,6 +89,12 @@ def test_reduced_crossing_is_that_of_the_closed_form(
     assert critical_speeds(model(level, disk), system=system).stable == ((crossing.spin, 60.0),)
 
 
+def test_a_crossing_at_a_spin_that_is_looked_at_is_found() -> None:
+    closed = critical_speed(model(4)).spin
+    (crossing,) = critical_speeds(model(4), (closed - 1.0, closed + 1.0)).crossings
+    assert crossing.spin == pytest.approx(closed, rel=1e-10)
+
+
 def test_inverted_spinning_falls_over_statically_at_very_high_spin() -> None:
     found = critical_speeds(model(1), (60.0, 100.0))
     (crossing,) = found.crossings
