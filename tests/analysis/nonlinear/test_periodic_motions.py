@@ -19,12 +19,12 @@ from analysis.nonlinear.families import (
     asymmetric_family,
     cycle_at,
     cycle_family,
-    cycles_over,
     events,
     rotating_family,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
+from analysis.nonlinear.over import cycles_over
 from tests.helpers import jacobian, model, reduced_run
 from validation.run import run
 
