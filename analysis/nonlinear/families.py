@@ -1,4 +1,4 @@
-"""Families of periodic motions, continued in their amplitude or tilt, and over scenarios.
+"""Families of periodic motions, continued in their amplitude or tilt.
 
 Symmetric cycles begin in the Hopf point. Where they lose their symmetry, cycles without it branch
 off, and the mode that breaks the symmetry leads to the first of them; they are followed in their
@@ -8,7 +8,7 @@ one for either sense of turning: on one side of its spin they join to the swingi
 other side each becomes a rotating motion of its own (a gluing bifurcation).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -25,7 +25,6 @@ from analysis.nonlinear.collocation import (
     require_collocation,
     solve,
 )
-from analysis.nonlinear.flow import open_amplitude
 from analysis.nonlinear.heteroclinic import (
     Connection,
     NoConnectionError,
@@ -88,9 +87,9 @@ class Family:
     born: Event | None = None
 
 
-def _family(
+def gathered_family(
     begins: float,
-    *ways: Iterator[PeriodicMotion],
+    *ways: Iterable[PeriodicMotion],
     progress: Progress | None,
     wanted: int,
     born: Event | None = None,
@@ -166,7 +165,7 @@ def cycle_family(
     wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
     found = _from_hopf_point(scenario, wanted)
     begins = critical_speed(scenario).spin
-    return _family(begins, found, progress=progress, wanted=np.size(wanted))
+    return gathered_family(begins, found, progress=progress, wanted=np.size(wanted))
 
 
 def _amplitudes(scenario: Scenario) -> Array:
@@ -222,83 +221,6 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     )
 
 
-def cycles_over(
-    scenarios: Sequence[Scenario], *, amplitude: float | None = None, spin: float | None = None
-) -> Family:
-    """Follow a symmetric cycle through scenarios, at a given amplitude or a given spin.
-
-    Every cycle starts from that of the scenario before; where that fails, from the Hopf point of
-    its own.
-
-    Parameters
-    ----------
-    scenarios : sequence of Scenario
-        Of Model 4 with friction that knows the weight, and an eccentricity; each near the one
-        before.
-    amplitude : float, optional
-        Of gamma about pi/2 in rad, between 0 and pi.
-    spin : float, optional
-        In rad/s; either this or the amplitude.
-
-    Raises
-    ------
-    ValueError
-        If there are no scenarios, one has no cycles at all, not one of the two is given, or the
-        first scenario has no cycle there.
-    NoCycleError
-        If the first cycle is not found.
-
-    Examples
-    --------
-    >>> from analysis import MODELS, Scenario, SmoothCoulomb
-    >>> laws = [SmoothCoulomb(coefficient=mu) for mu in (0.2, 0.4)]
-    >>> scenarios = [Scenario(constraints=MODELS[4], friction=law) for law in laws]
-    >>> found = cycles_over(scenarios, amplitude=1.0)
-    >>> [round(cycle.spin, 3) for cycle in found.motions]
-    [30.696, 30.7]
-    """
-    if not scenarios:
-        raise ValueError("scenarios must be 1 or more, got 0")
-    if (amplitude is None) == (spin is None):
-        raise ValueError(f"amplitude or spin must be given, got {amplitude} and {spin}")
-    for scenario in scenarios:
-        require_collocation(scenario)
-    amplitude = None if amplitude is None else open_amplitude(amplitude)
-    spin = None if spin is None else number("spin", spin)
-
-    def cycles() -> Iterator[PeriodicMotion]:
-        last: PeriodicMotion | None = None
-        for count, scenario in enumerate(scenarios):
-            try:
-                found = _over(scenario, amplitude, spin, last)
-            except (NoCycleError, ValueError) as error:
-                if last is None:
-                    raise
-                raise NoCycleError(
-                    f"{error}; the last good one is cycle {count} of {len(scenarios)}, with "
-                    f"{last.value:.9g} rad at a spin of {last.spin:.9g} rad/s"
-                ) from error
-            yield found
-            last = found
-
-    begins = critical_speed(scenarios[0]).spin
-    return _family(begins, cycles(), progress=None, wanted=len(scenarios))
-
-
-def _over(
-    scenario: Scenario, amplitude: float | None, spin: float | None, last: PeriodicMotion | None
-) -> PeriodicMotion:
-    """The cycle of a scenario near another one, or from its own Hopf point."""
-    if last is not None:
-        try:
-            return solve(scenario, amplitude or last.value, last, spin=spin)
-        except NoCycleError:
-            pass
-    if spin is not None:
-        return cycle_at(scenario, spin)
-    return cycle_family(scenario, np.array([amplitude])).motions[-1]
-
-
 # --- Cycles without symmetry --------------------------------------------------------------------
 
 
@@ -341,7 +263,7 @@ def asymmetric_family(
         states=states + np.concatenate((mode, mode[1:])),
     )
     first = _solved(start.value, start)
-    return _family(
+    return gathered_family(
         born.spin,
         followed(_solved, first, wanted.tolist()),
         progress=progress,
@@ -408,7 +330,7 @@ def rotating_family(
     first = _first_rotating(scenario, connection)
     split = int(np.searchsorted(wanted, first.value))
     ways = (wanted[:split][::-1], wanted[split:])
-    found = _family(
+    found = gathered_family(
         connection.spin,
         *(followed(_solved, first, way.tolist()) for way in ways),
         progress=progress,

@@ -43,6 +43,8 @@ class Ends:
     ----------
     noun : str
         What to call a motion, up to what it is followed in.
+    own : tuple of 2 str
+        Names of what is told of motions of this kind alone; the first is followed.
     held, follows : {0, 1}
         Whether the deviation of beta or of gamma from inverted spinning is the same for a whole
         family where its motions begin, and which one is followed.
@@ -57,6 +59,7 @@ class Ends:
     """
 
     noun: str
+    own: tuple[str, str]
     held: int
     follows: int
     changes: Mapping[str, float]
@@ -80,6 +83,7 @@ KINDS: Mapping[Kind, Ends] = MappingProxyType(
     {
         "symmetric": Ends(
             noun="periodic motion with an amplitude",
+            own=("amplitude", "half_multiplier"),
             held=0,
             follows=1,
             mirrored=True,
@@ -87,10 +91,15 @@ KINDS: Mapping[Kind, Ends] = MappingProxyType(
             changes={"fold": 1.0, "symmetry-breaking": -1.0},
         ),
         "asymmetric": Ends(
-            noun="cycle without symmetry with an amplitude", held=0, follows=1, changes=_DOUBLING
+            noun="cycle without symmetry with an amplitude",
+            own=("amplitude", "lowest"),
+            held=0,
+            follows=1,
+            changes=_DOUBLING,
         ),
         "rotating": Ends(
             noun="rotating motion with a tilt",
+            own=("tilt", "largest_tilt"),
             held=1,
             at=-np.pi,
             follows=0,
@@ -191,16 +200,15 @@ class PeriodicMotion:
 
     def told(self) -> dict[str, Any]:
         """What tables and files tell of it, as plain data by names."""
-        own: dict[str, float] = {
-            "symmetric": {"amplitude": self.value, "half_multiplier": self.larger},
-            "asymmetric": {"amplitude": self.value, "lowest": self.lowest},
-            "rotating": {
-                "tilt": self.value,
-                "largest_tilt": float(np.max(self.states[:, 0])) - np.pi / 2,
-            },
-        }[self.kind]
+        second = {
+            "half_multiplier": self.larger,
+            "lowest": self.lowest,
+            "largest_tilt": float(np.max(self.states[:, 0])) - np.pi / 2,
+        }
+        followed, other = self.ends.own
         names = ("spin", "period", "multiplier", "log_strong", "stable")
-        return own | {name: getattr(self, name) for name in names}
+        told = {name: getattr(self, name) for name in names}
+        return {followed: self.value, other: second[other], **told}
 
 
 def is_stable(multiplier: float) -> bool | None:

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -37,12 +36,6 @@ _STEP, _WIDEST = 0.02, 0.48
 
 class NoManifoldError(ArithmeticError):
     """Friction cannot hold the disk on the slow manifold, or no orbit on it survives."""
-
-
-def cog_height(scenario: Scenario, beta: npt.ArrayLike, gamma: npt.ArrayLike) -> Array:
-    """Height of the centre of gravity over the table in m, conserved to leading order."""
-    disk = scenario.disk
-    return (disk.radius + disk.eccentricity * np.sin(gamma)) * np.sin(beta)
 
 
 def needed_friction(scenario: Scenario, spin: float, beta: Array, gamma: Array) -> Array:
@@ -85,10 +78,7 @@ def slip_on(scenario: Scenario, spin: float, beta: Array, gamma: Array) -> Array
     NoManifoldError
         If the friction law cannot give the force that is needed somewhere.
     """
-    return _slips(scenario, needed_friction(scenario, spin, beta, gamma))
-
-
-def _slips(scenario: Scenario, needed: Array) -> Array:
+    needed = needed_friction(scenario, spin, beta, gamma)
     slips = np.sign(needed) * np.array([_slip(scenario, float(f)) for f in np.abs(needed)])
     return real_array("slips", slips)
 

@@ -305,26 +305,32 @@ def stationary_branch(
         found = unit * float(place[4])
         return (scenario, found) if parameter is None else (parameter.change(found), start.spin)
 
-    def equations(point: Array) -> tuple[Array, Array]:
-        (here, spin), place = at(point), point[:4]
-        step = _PARAMETER_STEP * along
-        ahead, behind = (
-            _residual(other, start.spin, turning, place)
-            for other, turning in (at(point + step), at(point - step))
-        )
-        by_value = (ahead - behind) / (2.0 * _PARAMETER_STEP)
-        slopes = _slopes(here, start.spin, spin, place)
-        return _residual(here, start.spin, spin, place), np.column_stack((slopes, by_value))
-
     r = scenario.disk.radius
     point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / unit))
     bounds = [Bound("value", 4, end / unit, end == interval[1]) for end in interval]
-    curve, along = Curve(equations), np.eye(5)[4]
+    curve, along = _curve(at, start.spin), np.eye(5)[4]
     ways = [_followed(curve, point, w * along, bounds, most=most, unit=unit) for w in (-1.0, 1.0)]
     return tuple(
         StationaryMotion.at(*at(each), each[:4], unit * float(each[4]))
         for each in (*reversed(ways[0]), point, *ways[1])
     )
+
+
+def _curve(at: Callable[[Array], tuple[Scenario, float]], about: float) -> Curve:
+    """Stationary motions near a spin in rad/s, given what tells scenario and spin of a point."""
+    step = _PARAMETER_STEP * np.eye(5)[4]
+
+    def equations(point: Array) -> tuple[Array, Array]:
+        (here, spin), place = at(point), point[:4]
+        ahead, behind = (
+            _residual(other, about, turning, place)
+            for other, turning in (at(point + step), at(point - step))
+        )
+        by_value = (ahead - behind) / (2.0 * _PARAMETER_STEP)
+        slopes = _slopes(here, about, spin, place)
+        return _residual(here, about, spin, place), np.column_stack((slopes, by_value))
+
+    return Curve(equations)
 
 
 def _followed(

@@ -64,14 +64,10 @@ class Branches:
         Strictly increasing spinning speeds in rad/s.
     values : ndarray, shape (n, k)
         Eigenvalues in 1/s; one column is one branch.
-    drift : tuple of 0 or 2 ints
-        Columns of the pair +-i spin that comes from the homogeneous table; it is exact, neutral
-        at every spin and says nothing about the stability of the spinning.
     """
 
     spins: Array
     values: ComplexArray
-    drift: tuple[int, ...] = ()
 
 
 def chosen_system(scenario: Scenario, system: System | None = None) -> System:
@@ -169,9 +165,10 @@ def branches(
     """Eigenvalue branches of a linear system over the spin.
 
     A column means the same branch in every call: branches are followed from spin 0, where they
-    are numbered by falling real part, in steps fine enough whatever spins are asked for. Where
-    there is a drift pair the columns 2 and 3 hold it; for inverted spinning of Model 1 that is
-    the paper's numbering, lambda_1 to lambda_8 (Fig. 6).
+    are numbered by falling real part, in steps fine enough whatever spins are asked for. Where a
+    disk may spin elsewhere on the table, the columns 2 and 3 hold the pair +-i spin of that, which
+    is exact and says nothing about stability; for inverted spinning of Model 1 that is the paper's
+    numbering, lambda_1 to lambda_8 (Fig. 6).
 
     Parameters
     ----------
@@ -199,10 +196,9 @@ def branches(
     start = int(np.searchsorted(every, 0.0))
     order = _chain(_matches(every, values, vectors), _numbering(values[start]), start)
     values = np.take_along_axis(values, order, axis=1)[np.searchsorted(every, wanted)]
-    if not has_drift(scenario.constraints):
-        return Branches(spins=wanted, values=values)
-    values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
-    return Branches(spins=wanted, values=values, drift=(2, 3))
+    if has_drift(scenario.constraints):
+        values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
+    return Branches(spins=wanted, values=values)
 
 
 def helper_spins(low: float, high: float) -> Array:

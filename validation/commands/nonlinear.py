@@ -6,6 +6,8 @@ from dataclasses import asdict, replace
 from math import pi
 from typing import Any
 
+import numpy as np
+
 from analysis import Scenario
 from analysis.data.changes import changed, check_field
 from analysis.data.limits import MOST_SCENARIOS
@@ -20,6 +22,7 @@ from analysis.nonlinear.heteroclinic import (
     heteroclinic_connection,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from analysis.nonlinear.over import cycles_over
 from analysis.stability.printed import critical_speed
 from validation.commands.options import chosen_end, parse_spins, run_options
 from validation.commands.output import Result
@@ -28,6 +31,9 @@ from validation.kit.progress import counted, progress_bar
 from validation.kit.tables import Table
 from validation.nonlinear import tables
 from validation.nonlinear.tables import Motion
+
+_ALWAYS = ("period", "multiplier", "log_strong")
+"""What is drawn of a family of any kind."""
 
 _SIDE = 0.05
 """Distance in rad/s from the connection at which the picture shows motions."""
@@ -66,26 +72,33 @@ def _drawn(draw: Callable[[Any], Any]) -> Callable[[], Any]:
     return figure
 
 
-def _told(family: Family, draw: Callable[[Any], Any], **more: Any) -> Result:
+def _told(rows: list[Motion], family: Family, names: Sequence[str], **more: Any) -> Result:
     """What is told of a family: its motions, what happens along it, and its picture.
 
     Parameters
     ----------
+    rows : list of Motion
+        Its motions.
     family : Family
-    draw : callable
-        Makes the figure, given the module of figures.
+    names : sequence of str
+        What is drawn.
     **more
         What JSON is told besides.
     """
-    rows, found = _rows(family), families.events(family)
+    found = families.events(family)
     happened = [{"kind": kind, **motion.told()} for kind, motion in found]
+    marks = {"begins": family.begins}
     return Result(
         tables=[
             tables.motion_table(rows, family.motions[0].kind),
             tables.event_table(found, family.motions),
         ],
         values={"motions": rows, "events": happened, "reason": family.reason, **more},
-        draw=_drawn(draw),
+        draw=_drawn(
+            lambda figures: figures.diagram(
+                figures.near(rows, family.begins), (*names, *_ALWAYS), marks=marks
+            )
+        ),
         notes=_ending(family),
     )
 
@@ -115,21 +128,14 @@ def _followed(scenario: Scenario) -> Family:
 
 
 def _symmetric(scenario: Scenario) -> Result:
-    family, hopf, normal = _followed(scenario), critical_speed(scenario), hopf_type(scenario)
+    family, normal = _followed(scenario), hopf_type(scenario)
     rows = _rows(family)
     spins, amplitudes = tables.small_cycles(rows)
     growth = fitted_growth(spins, amplitudes, normal.spin) if len(spins) > 4 else None
-
-    def draw(figures: Any) -> Any:
-        from validation.kit.figures import new_figure
-
-        _, axes = new_figure(4, height=11.0, share=False)
-        figures.period_diagram(rows, hopf, axes=axes[1:])
-        return figures.bifurcation_diagram(rows, hopf, axes=axes[0])
-
     told = _told(
+        rows,
         family,
-        draw,
+        ["amplitude"],
         hopf={**asdict(normal), "kind": normal.kind, "curvature": normal.curvature},
         growth=None if growth is None else growth._asdict(),
     )
@@ -139,21 +145,15 @@ def _symmetric(scenario: Scenario) -> Result:
 def _rotating(scenario: Scenario) -> Result:
     with progress_bar("rotating motion {n:.0f} of {total:.0f}") as progress:
         family = families.rotating_family(scenario, progress=progress)
-    return _told(
-        family,
-        lambda figures: figures.rotation_diagram(_rows(family), family.begins),
-        connection=family.begins,
-    )
+    names = ("largest_tilt", "tilt")
+    return _told(_rows(family), family, names, connection=family.begins)
 
 
 def _asymmetric(scenario: Scenario) -> Result:
     symmetric = _followed(scenario)
     with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
         family = families.first_asymmetric_family(symmetric, progress=progress)
-    return _told(
-        family,
-        lambda figures: figures.asymmetric_diagram(_rows(family), _rows(symmetric), family.begins),
-    )
+    return _told(_rows(family), family, ("amplitude", "lowest"))
 
 
 def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | None) -> Result:
@@ -162,16 +162,14 @@ def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | 
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
     values, scenarios = _scenarios(scenario, axis)
     held = {"amplitude": options.amplitude} if spins is None else {"spin": spins[0]}
-    found = families.cycles_over(scenarios, **held)
+    found = cycles_over(scenarios, **held)
     rows = [{axis.field: value, **row} for value, row in zip(values, _rows(found), strict=False)]
-    table = tables.motion_table(rows, first=(axis.field, _head(axis)))
-    shown = [
-        tables.HEADS[name] for name in ("spin" if spins is None else "amplitude", "multiplier")
-    ]
+    over = (axis.field, _head(axis))
+    names = ("spin" if spins is None else "amplitude", "multiplier")
     return Result(
-        tables=[table],
+        tables=[tables.motion_table(rows, first=over)],
         values={"motions": rows, "events": [], "reason": found.reason},
-        draw=lambda: _draw_over(table, axis, shown),
+        draw=_drawn(lambda figures: figures.diagram(rows, names, over=over, log=axis.log)),
         notes=_ending(found),
     )
 
@@ -228,7 +226,7 @@ def _connections_over(options: argparse.Namespace, scenario: Scenario) -> Result
     return Result(
         tables=[table],
         values={"ends": rows},
-        draw=lambda: _draw_over(table, axis, table.columns[1:4]),
+        draw=lambda: _drawn_ends(table, log=axis.log),
     )
 
 
@@ -245,6 +243,19 @@ def _ends(scenario: Scenario) -> dict[str, Any]:
         "prediction": getattr(tables.prediction(scenario), "spin", None),
         "reason": reason,
     }
+
+
+def _drawn_ends(table: Table, *, log: bool) -> Any:
+    """Hopf point, connection and prediction over the first column."""
+    from validation.kit import figures
+
+    figure, axes = figures.new_figure(height=4.6)
+    columns = np.array(table.rows, dtype=float).T
+    for name, values, style in zip(table.columns[1:4], columns[1:], figures.STYLES, strict=False):
+        axes.plot(columns[0], values, style, marker=".", label=name)
+    axes.set(xlabel=table.columns[0], xscale="log" if log else "linear")
+    figures.legend_above(axes)
+    return figure
 
 
 # --- Over a parameter ---------------------------------------------------------------------------
@@ -284,22 +295,6 @@ def _head(axis: Any) -> str:
     """Heading of the axis's values."""
     name, measure = axis.field.rpartition(".")[2].replace("_", " "), unit(axis.field)
     return f"{name} in {measure}" if measure else name
-
-
-def _draw_over(table: Table, axis: Any, columns: Sequence[str]) -> Any:
-    """Draw columns of a table over its first one, that of an axis."""
-    from validation.kit import figures
-
-    axes = figures.new_figure(height=4.6)[1]
-    for index, name in enumerate(columns):
-        place = list(table.columns).index(name)
-        points = [(row[0], row[place]) for row in table.rows if row[place] is not None]
-        if points:
-            look = {"color": figures.COLOURS[index % 4], "linestyle": figures.STYLES[index % 4]}
-            axes.plot(*zip(*points, strict=True), marker=".", label=name, **look)
-    axes.set(xlabel=table.columns[0], xscale="log" if axis.log else "linear")
-    figures.legend_above(axes)
-    return axes.figure
 
 
 # --- Passage ------------------------------------------------------------------------------------

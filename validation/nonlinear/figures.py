@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.stability.printed import CriticalSpeed
 from validation.kit import figures
 from validation.nonlinear.passage import LOST, Passage
-from validation.nonlinear.tables import Motion
+from validation.nonlinear.tables import HEADS, Motion
 
 ENGINE: Mapping[str, Any] = {
     "linestyle": "none",
@@ -25,11 +24,11 @@ ENGINE: Mapping[str, Any] = {
 GREY = "#777777"
 SPIN = "spinning speed Ω in rad/s"
 
-_STABLE, _UNSTABLE = 1, 2
+STABLE, UNSTABLE = 1, 2
 """Colours."""
 
 _SHOWN = 1.0
-"""Range of spins of rotating motions that is shown, in rad/s."""
+"""In rad/s."""
 
 
 def _values(motions: Sequence[Motion], name: str) -> Array:
@@ -40,9 +39,8 @@ def lines(
     axes: Any,
     motions: Sequence[Motion],
     values: Array,
-    label: str,
     *,
-    colours: tuple[int, int] = (_STABLE, _UNSTABLE),
+    over: str = "spin",
     first: tuple[float, float] | None = None,
 ) -> None:
     """Draw values of motions over their spins, solid where stable and dashed where not.
@@ -52,136 +50,79 @@ def lines(
     axes : Axes
     motions : sequence of Motion
     values : ndarray, shape (n,)
-    label : str
-    colours : tuple of 2 ints
-        Of stable and of unstable ones.
+    over : str
+        Name of what they are drawn over.
     first : tuple of 2 floats, optional
         Spin and value where they begin.
     """
-    spins = _values(motions, "spin")
+    places = _values(motions, over)
     stable = np.array([each["stable"] is None or bool(each["stable"]) for each in motions])
     if first is not None:
-        spins, values = np.append(first[0], spins), np.append(first[1], values)
+        places, values = np.append(first[0], places), np.append(first[1], values)
         stable = np.append(stable[0], stable)
     for wanted, style, word in ((True, "-", "stable"), (False, "--", "unstable")):
         # A piece takes the kind of its farther end, so that the curve has no gaps.
         shown = np.append(stable[1:] == wanted, False) | np.append(False, stable[1:] == wanted)
+        if stable.size == 1:
+            shown = stable == wanted
         if np.any(shown):
             axes.plot(
-                np.where(shown, spins, np.nan),
+                np.where(shown, places, np.nan),
                 np.where(shown, values, np.nan),
                 style,
-                color=figures.COLOURS[colours[0 if wanted else 1]],
-                label=f"{label}, {word}",
+                marker="o" if stable.size == 1 else None,
+                color=figures.COLOURS[STABLE if wanted else UNSTABLE],
+                label=word,
             )
 
 
-def _mark(axes: Any, spin: float | None, label: str = "heteroclinic") -> None:
-    if spin is not None:
-        axes.axvline(spin, color=GREY, linestyle="-.", label=label, zorder=0)
+def near(motions: Sequence[Motion], spin: float) -> list[Motion]:
+    """Those not far beyond a spin in rad/s, where a rotating disk is nearly flat."""
+    return [each for each in motions if each["spin"] < spin + _SHOWN]
 
 
-def bifurcation_diagram(
+def diagram(
     motions: Sequence[Motion],
-    hopf: CriticalSpeed,
+    names: Sequence[str],
     *,
-    connection: float | None = None,
-    slow: Sequence[tuple[float, float]] = (),
-    engine: Sequence[tuple[float, float]] = (),
-    axes: Any = None,
+    over: tuple[str, str] = ("spin", SPIN),
+    log: bool = False,
+    first: Mapping[str, float] | None = None,
+    marks: Mapping[str, float] | None = None,
 ) -> Any:
-    """Amplitude over spin, with the stationary motions it leads between.
+    """What is told of motions over their spin or another number, one below the other.
 
     Parameters
     ----------
     motions : sequence of Motion
-        Symmetric cycles.
-    hopf : CriticalSpeed
-    connection : float, optional
-        Spin of the heteroclinic connection in rad/s.
-    slow, engine : sequence of (spin, amplitude)
-        Cycles on the slow manifold to leading order, and cycles of the engine.
-    axes : Axes, optional
+    names : sequence of str
+        Of `HEADS`.
+    over : tuple of 2 str
+        Name and heading of what they are drawn over.
+    log : bool
+        Whether that has a logarithmic axis.
+    first : mapping, optional
+        Where lines begin, by the same names.
+    marks : mapping, optional
+        From labels to what is marked on the horizontal axis.
     """
-    axes = figures.new_figure(height=4.6)[1] if axes is None else axes
-    spins = _values(motions, "spin")
-    lines(axes, motions, _values(motions, "amplitude"), "cycles", first=(hopf.spin, 0.0))
-    every = [hopf.spin, *spins, *(() if connection is None else (connection,))]
-    room = 0.15 * (max(every) - min(every))
-    low, high = min(every) - room, max(every) + room
-    axes.plot([hopf.spin, high], [0.0, 0.0], color=figures.COLOURS[_STABLE])
-    for value, end in ((0.0, hopf.spin), (np.pi, high)):
-        axes.plot([low, end], [value, value], "--", color=figures.COLOURS[_UNSTABLE])
-    axes.annotate("inverted spinning", (min(every) + 0.1 * room, 0.08))
-    axes.annotate("noninverted spinning", (high, np.pi - 0.22), ha="right")
-    axes.plot(hopf.spin, 0.0, "D", color="black", label="Hopf point", zorder=5)
-    if slow:
-        axes.plot(*zip(*slow, strict=True), ":", color=figures.COLOURS[3], label="slow manifold")
-    _mark(axes, connection)
-    if engine:
-        axes.plot(*zip(*engine, strict=True), label="engine", **ENGINE)
-    axes.set(xlabel=SPIN, ylabel="amplitude max |γ − π/2| in rad", xlim=(low, high))
-    figures.angle_axis(axes)
-    figures.legend_above(axes, columns=3)
-    return axes.figure
-
-
-def period_diagram(
-    motions: Sequence[Motion],
-    hopf: CriticalSpeed,
-    *,
-    connection: float | None = None,
-    axes: Any = None,
-) -> Any:
-    """Period and multipliers over the spin, in 3 axes; see `bifurcation_diagram`."""
-    axes = figures.new_figure(3, height=8.0)[1] if axes is None else axes
-    born = (hopf.spin, 2.0 * np.pi / hopf.frequency)
-    multipliers = _values(motions, "multiplier")
-    lines(axes[0], motions, _values(motions, "period"), "cycles", first=born)
-    lines(axes[1], motions, multipliers, "cycles", first=(hopf.spin, 1.0))
-    lines(axes[2], motions, _values(motions, "log_strong") / np.log(10.0), "cycles")
-    for each in axes:
-        _mark(each, connection)
-    axes[0].set(ylabel="period in s")
-    axes[1].set(ylabel="larger Floquet multiplier")
-    axes[1].axhline(1.0, color=GREY, linewidth=0.8, zorder=0)
-    if np.max(multipliers) > 10.0:
-        axes[1].set(yscale="log", ylabel="larger Floquet multiplier, logarithmic")
-    axes[2].set(ylabel="log10 of the smaller one", xlabel=SPIN)
-    figures.legend_above(axes[0], columns=3)
-    return axes[0].figure
-
-
-def rotation_diagram(motions: Sequence[Motion], connection: float) -> Any:
-    """Largest and least tilt of rotating motions over the spin, beside that of the connection."""
-    axes = figures.new_figure(height=4.6)[1]
-    for name, label, colour in (("largest_tilt", "largest", 2), ("tilt", "noninverted", 1)):
-        lines(axes, motions, _values(motions, name), label, colours=(colour, colour))
-    _mark(axes, connection)
-    spins, largest = (_values(motions, name) for name in ("spin", "largest_tilt"))
-    # Where the disk is nearly flat the spin has no bounds.
-    last = min(float(np.max(spins)), connection + _SHOWN)
-    axes.set(xlabel=SPIN, ylabel="β − π/2 in rad", xlim=(np.min(spins) - 0.05 * _SHOWN, last))
-    axes.set_ylim(0.0, 1.1 * np.max(largest[spins <= last]))
-    figures.legend_above(axes, columns=2)
-    return axes.figure
-
-
-def asymmetric_diagram(
-    motions: Sequence[Motion], symmetric: Sequence[Motion], begins: float
-) -> Any:
-    """Largest deviations to either side of cycles without symmetry over the spin."""
-    axes = figures.new_figure(height=4.6)[1]
-    largest, least = (_values(motions, name) for name in ("amplitude", "lowest"))
-    near = [each for each in symmetric if each["amplitude"] <= np.max(largest)]
-    look = {"color": GREY, "linestyle": ":", "label": "symmetric"}
-    axes.plot(_values(near, "spin"), _values(near, "amplitude"), **look)
-    lines(axes, motions, largest, "to one side", colours=(2, 2))
-    lines(axes, motions, -least, "to the other", colours=(1, 1))
-    _mark(axes, begins, "symmetry breaks")
-    axes.set(xlabel=SPIN, ylabel="largest deviation of γ in rad")
-    figures.legend_above(axes, columns=2)
-    return axes.figure
+    figure, axes = figures.new_figure(len(names), height=1.2 + 2.4 * len(names))
+    panels = np.atleast_1d(axes)
+    for each, name in zip(panels, names, strict=True):
+        values = _values(motions, name)
+        begin = (first[over[0]], first[name]) if first and name in first else None
+        shown = values / np.log(10.0) if name == "log_strong" else values
+        lines(each, motions, shown, over=over[0], first=begin)
+        for label, place in (marks or {}).items():
+            each.axvline(place, color=GREY, linestyle="-.", label=label, zorder=0)
+        each.set(ylabel=HEADS[name])
+        if name == "multiplier":
+            each.axhline(1.0, color=GREY, linewidth=0.8, zorder=0)
+            if np.max(values) > 10.0:
+                each.set(yscale="log", ylabel=f"{HEADS[name]}, logarithmic")
+    panels[-1].set(xlabel=over[1], xscale="log" if log else "linear")
+    figures.legend_above(panels[0], columns=3)
+    return figure
 
 
 def portrait(named: Sequence[tuple[str, Array]], saddles: Sequence[float] = ()) -> Any:

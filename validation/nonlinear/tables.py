@@ -10,7 +10,7 @@ from typing import Any
 from analysis import Scenario
 from analysis.nonlinear.heteroclinic import Connection
 from analysis.nonlinear.hopf import Growth, HopfType
-from analysis.nonlinear.motions import Event, Kind, PeriodicMotion
+from analysis.nonlinear.motions import KINDS, Event, Kind, PeriodicMotion
 from analysis.nonlinear.slow_manifold import SlowOrbit, slow_connection
 from validation.kit.tables import Cell, Table
 
@@ -34,11 +34,6 @@ HEADS = {
 }
 """Headings of what is told of a periodic motion."""
 
-_OWN: dict[Kind, tuple[str, str]] = {
-    "symmetric": ("amplitude", "half_multiplier"),
-    "asymmetric": ("amplitude", "lowest"),
-    "rotating": ("tilt", "largest_tilt"),
-}
 _TITLES: dict[Kind, str] = {
     "symmetric": "Periodic motions of the reduced system",
     "asymmetric": "Cycles without mirror symmetry of the reduced system",
@@ -72,7 +67,7 @@ def motion_table(
     first : tuple of 2 str, optional
         Name and heading of what else is told of each, in front.
     """
-    names = (*_OWN[kind], "spin", "period", "multiplier", "log_strong", "stable")
+    names = (*KINDS[kind].own, "spin", "period", "multiplier", "log_strong", "stable")
     heads = dict([first] if first else [])
     return Table(
         name=kind,
@@ -92,7 +87,7 @@ def _cell(row: Motion, name: str) -> Cell:
 
 def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Table:
     """Where the stability of a family changes, and the range of its multiplier."""
-    kind, ends = motions[0].kind, motions[0].ends
+    ends = motions[0].ends
     values = [each.larger for each in motions]
     stretch = " over half a period, with the mirror image," if ends.mirrored else ""
     meaning = ", ".join(f"at {at:g} {_CHANGES[change]}" for change, at in ends.changes.items())
@@ -100,7 +95,7 @@ def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Ta
     return Table(
         name="bifurcations",
         title="Bifurcations along the family",
-        columns=("kind", HEADS[_OWN[kind][0]], "spin in rad/s", "period in s"),
+        columns=("kind", HEADS[ends.own[0]], "spin in rad/s", "period in s"),
         rows=[(each, at.value, at.spin, at.period) for each, at in found],
         note=f"{none}The larger multiplier{stretch} lies between {min(values):.4g} and "
         f"{max(values):.4g}; {meaning}.",

@@ -17,7 +17,7 @@ from analysis import (
     Scenario,
 )
 from analysis.stability.chart import stability_chart, with_gradient
-from analysis.stability.corners import Corner, corners
+from analysis.stability.corners import corners
 from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import ExtendedSystem, HopfCurve, hopf_curves
 from analysis.stability.linearisation import spin_scale
@@ -36,17 +36,6 @@ CENTRED = Scenario(disk=CENTRED_DISK)
 @pytest.fixture(scope="module")
 def curves() -> Mapping[Motion, tuple[HopfCurve, ...]]:
     return {motion: hopf_curves(PAPER, motion) for motion in MOTIONS}
-
-
-@pytest.fixture(scope="module")
-def meeting(curves: Mapping[Motion, tuple[HopfCurve, ...]]) -> dict[str, Corner]:
-    return {corner.kind: corner for corner in corners(PAPER, curves["inverted"])}
-
-
-def test_with_the_paper_friction_inverted_spinning_is_unstable_at_all_its_spins() -> None:
-    chart = stability_chart(PAPER, np.linspace(0.0, 50.0, 501), [3.0])
-    assert chart.min() == 2
-    assert set(np.unique(chart)) == {2, 4}
 
 
 def test_noninverted_spinning_is_unstable_with_every_friction() -> None:
@@ -102,41 +91,28 @@ def test_every_point_of_a_hopf_curve_has_its_imaginary_eigenvalue(
             assert np.min(np.abs(values - 1j * frequency)) < 1e-9 * max(1.0, np.abs(values).max())
 
 
-def test_slow_hopf_curve_runs_from_a_double_zero_to_any_gradient(
-    curves: Mapping[Motion, tuple[HopfCurve, ...]], meeting: dict[str, Corner]
+def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable(
+    curves: Mapping[Motion, tuple[HopfCurve, ...]],
 ) -> None:
     slow, _ = curves["inverted"]
     assert slow.ends == ("double zero", "gradient")
-    start = meeting["double zero"]
-    assert start.spin == pytest.approx(28.60972, abs=1e-5)
-    assert start.gradient == pytest.approx(0.881178, abs=1e-6)
-    assert static_gradient(PAPER, start.spin)[0] == pytest.approx(start.gradient, rel=1e-6)
     assert slow.spins[-1] == pytest.approx(30.2722, abs=1e-4)
-
-
-def test_the_two_hopf_curves_cross_in_a_double_hopf_point(meeting: dict[str, Corner]) -> None:
-    double = meeting["double hopf"]
-    assert double.spin == pytest.approx(29.84697, abs=1e-5)
-    assert double.gradient == pytest.approx(1.851081, abs=1e-6)
+    found = {each.kind: each for each in corners(PAPER, curves["inverted"])}
+    expected = {
+        "double zero": (28.60972, 0.881178),
+        "zero hopf": (36.83647, 1.347031),
+        "double hopf": (29.84697, 1.851081),
+    }
+    assert {kind: (each.spin, each.gradient) for kind, each in found.items()} == {
+        kind: pytest.approx(place, abs=5e-6) for kind, place in expected.items()
+    }
+    start, double = found["double zero"], found["double hopf"]
+    assert static_gradient(PAPER, start.spin)[0] == pytest.approx(start.gradient, rel=1e-6)
     np.testing.assert_allclose(double.frequencies, (5.23009, 25.80421), atol=1e-5)
-    matrix = full_matrices(PAPER, double.spin, "inverted", gradient=double.gradient)
-    values = np.linalg.eigvals(matrix[0])
-    assert np.sum(np.abs(values.real) < 1e-9) == 4
-
-
-def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable(
-    meeting: dict[str, Corner],
-) -> None:
-    assert meeting["zero hopf"].spin == pytest.approx(36.83647, abs=1e-5)
-    assert meeting["zero hopf"].gradient == pytest.approx(1.347031, abs=1e-6)
-    points = [(corner.spin, log(corner.gradient)) for corner in meeting.values()]
-    assert len(points) == 3
-    spin, gradient = np.mean(points, axis=0)
-    chart = stability_chart(PAPER, [spin], [np.exp(gradient)])
-    assert chart[0, 0] == 0
+    matrices = full_matrices(PAPER, double.spin, gradient=double.gradient)
+    assert np.sum(np.abs(np.linalg.eigvals(matrices).real) < 1e-9) == 4
     spins, gradients = np.linspace(10.0, 90.0, 161), np.geomspace(0.1, 100.0, 120)
-    wide = stability_chart(PAPER, spins, gradients)
-    rows, columns = np.nonzero(wide == 0)
+    rows, columns = np.nonzero(stability_chart(PAPER, spins, gradients) == 0)
     assert 28.6 < spins[columns].min() < spins[columns].max() < 36.9
     assert 0.88 < gradients[rows].min() < gradients[rows].max() < 1.852
 
@@ -194,12 +170,3 @@ def test_full_sensitivities_are_derivatives_of_the_critical_speeds(name: str) ->
         log(one.spin / other.spin) / (2 * change) for one, other in zip(ahead, behind, strict=True)
     ]
     assert found == pytest.approx(expected, rel=1e-4, abs=1e-7)
-
-
-def test_full_system_feels_the_inertia_that_the_closed_form_does_not_know() -> None:
-    closed = closed_form_sensitivities(PAPER)
-    _, slow = full_sensitivities(PAPER)
-    assert closed["inertia_x"] == 0.0
-    assert closed["inertia_y"] == pytest.approx(-0.5061, abs=5e-5)
-    assert slow.values["inertia_x"] == pytest.approx(-0.506, abs=5e-4)
-    assert abs(slow.values["inertia_y"]) < 0.01

@@ -8,14 +8,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.nonlinear.heteroclinic import NoConnectionError
 from validation import report
 from validation import study as kit
 from validation.kit.figures import new_figure
 from validation.nonlinear import figures
 from validation.page.content import Content
 from validation.page.section import Section
-from validation.studies.nonlinear import delay, measured, portraits, section
+from validation.studies.nonlinear import measured, portraits, section
 from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, ROTATING, SLOW, SWINGING
 from validation.studies.nonlinear.section import SAME_CYCLE, present
 from validation.study import Row
@@ -100,8 +99,8 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.Dat
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(section, "figures", MagicMock())
-    for module, name in ((portraits, "draw"), (portraits, "plane"), (delay, "delay_diagram")):
-        monkeypatch.setattr(module, name, MagicMock())
+    monkeypatch.setattr(section, "drawings", MagicMock())
+    monkeypatch.setattr(portraits, "draw", MagicMock())
 
 
 WRONG = [
@@ -165,7 +164,7 @@ def test_stable_cycles_are_solid_and_unstable_ones_dashed() -> None:
     axes, stable = new_figure()[1], (True, True, False, False)
     cycles = [{"spin": 30.0, "stable": each} for each in stable]
     values = np.array((0.5, 1.2, 1.7, 1.9))
-    figures.lines(axes, cycles, values, "cycles", first=(30.9, 0.0))
+    figures.lines(axes, cycles, values, first=(30.9, 0.0))
     (solid,), (dashed,) = (
         [line for line in axes.get_lines() if line.get_linestyle() == style]
         for style in ("-", "--")
@@ -186,16 +185,6 @@ def test_below_the_connection_a_motion_goes_over_and_above_the_hopf_point_it_inv
     inverts = portraits.portrait((33.0, False))[0]
     assert inverts["gamma"][0] == pytest.approx(-np.pi / 2, abs=0.01)
     assert inverts["gamma"][-1] == pytest.approx(np.pi / 2, abs=0.3)
-
-
-def test_friction_without_a_connection_is_no_crash(monkeypatch: pytest.MonkeyPatch) -> None:
-    def none(_: object) -> None:
-        raise NoConnectionError("none")
-
-    monkeypatch.setattr(measured, "heteroclinic_connection", none)
-    (row,) = measured.connect(("steel", 0.02, 0.4))
-    assert "spin" not in row
-    assert "predicted" not in row
 
 
 @pytest.mark.slow

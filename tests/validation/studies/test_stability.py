@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import mbs_models
-from analysis import MODELS, POSSIBLE_SETS, ConstraintSet, Scenario, SmoothCoulomb
+from analysis import POSSIBLE_SETS, ConstraintSet, Scenario
 from analysis.data.constraint_set import set_name
 from analysis.stability import spectra
 from analysis.stability.critical import Crossing, critical_speeds
@@ -24,7 +24,6 @@ from validation.studies.stability.eigenvalue_check import (
     EIGENVALUE_LIMIT,
     distance,
     engine_matrices,
-    spinning,
 )
 from validation.studies.stability.section import STUDIES, present
 from validation.studies.stability.variants import PRINTED, hopf_speeds, reproduces, variants
@@ -52,13 +51,6 @@ def test_other_eigenvalues_are_infinitely_far_off(found: Any) -> None:
     assert distance(VALUES[::-1], VALUES) == 0.0
     assert distance(found, VALUES) == inf
     assert distance(found[:0], VALUES[:0]) == inf
-
-
-def test_small_smoothing_does_not_spoil_the_derivatives() -> None:
-    for constraints in MODELS.values():
-        scenario = Scenario(constraints=constraints, friction=SmoothCoulomb(smoothing=1e-4))
-        expected = spectra.eigenvalues(scenario, [25.0])[0]
-        assert distance(mbs_models.eigenvalues(spinning(scenario, 25.0)), expected) < 1e-5
 
 
 def test_engine_finds_the_closed_form_critical_speed() -> None:
@@ -89,13 +81,6 @@ def test_printed_signs_give_the_speeds_of_the_full_system_in_the_wrong_direction
     for found in (printed, hopf_speeds()):
         np.testing.assert_allclose([each.spin for each in found], expected, rtol=1e-10)
     assert [crossing.stable_side for crossing in printed] == ["above", "below"]
-
-
-def test_unknown_motions_and_spins_are_refused() -> None:
-    with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
-        spinning(PAPER, 30.0, motion="upright")  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="spin must be a finite number, got nan"):
-        spinning(PAPER, float("nan"))
 
 
 @pytest.fixture(scope="module")

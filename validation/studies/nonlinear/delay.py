@@ -4,13 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib.figure import Figure
 
 from analysis import Dissipation, Scenario, Start
-from analysis.data.checks import Array
 from analysis.data.trajectory import Source
-from validation.kit import figures
-from validation.nonlinear.figures import ENGINE
 from validation.nonlinear.passage import Passage, SlowPair, follow
 
 SMALL = 0.02
@@ -73,25 +69,3 @@ def delay_law(rates: npt.ArrayLike, delays: npt.ArrayLike) -> DelayLaw:
     ends = pair.growth(pair.spin + np.array((-0.5, 0.5)))
     growths = np.exp(2.0 * y - x) * (ends[0] - ends[1]) / 2.0
     return DelayLaw(float(slope), float(error), float(np.mean(growths)))
-
-
-def delay_diagram(rates: Array, delays: Array) -> Figure:
-    """Delay of the loss of inversion over the rate of decay, with the law's root.
-
-    Parameters
-    ----------
-    rates, delays : ndarray, shape (n,)
-        In rad/s² and rad/s.
-    """
-    figure, axes = figures.new_figure()
-    axes.loglog(rates, delays, label="measured", **ENGINE)
-    root = np.sqrt(rates) * np.exp(np.mean(np.log(delays / np.sqrt(rates))))
-    axes.loglog(rates, root, color=figures.COLOURS[1], label="root of the rate")
-    axes.set(xlabel="rate of decay in rad/s², logarithmic")
-    axes.set(ylabel="Hopf point less lowest spin in rad/s, logarithmic")
-    # Both go over a decade at most, in which powers of ten say little.
-    axes.set_xticks(rates, [f"{each:.2g}" for each in rates])
-    axes.set_yticks(delays, [f"{each:.2g}" for each in delays])
-    axes.minorticks_off()
-    figures.legend_above(axes)
-    return figure

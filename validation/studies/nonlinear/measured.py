@@ -17,7 +17,7 @@ from analysis.nonlinear.heteroclinic import (
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.slow_manifold import distances, separation, slow_cycle
 from analysis.nonlinear.stationary import stationary_motions
-from analysis.stability import spectra
+from analysis.stability.spectra import matrices_over_spin
 from validation.nonlinear import passage
 from validation.nonlinear.tables import prediction, small_cycles
 from validation.studies.nonlinear.delay import slowed
@@ -191,9 +191,8 @@ def search(case: tuple[str, float]) -> list[Row]:
         motion: Motion = "inverted" if each.gamma > 0.0 else "noninverted"
         of_spectra = None
         if not each.is_tilted:
-            values = spectra.branches(scenario, [spin], motion=motion)
-            moving = np.delete(values.values[0], values.drift)
-            of_spectra = float(np.max(moving.real))
+            matrices = matrices_over_spin(scenario, motion=motion)(np.array([spin]))
+            of_spectra = float(np.max(np.linalg.eigvals(matrices).real))
         row = {"number": number, "motion": "tilted" if each.is_tilted else motion}
         rows.append({**row, **told(each, "beta", "gamma", "growth"), "of_spectra": of_spectra})
     return rows

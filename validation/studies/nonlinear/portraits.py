@@ -5,7 +5,7 @@ spinning would take runs backwards, in which the fast direction explodes; it is 
 slow manifold instead, to first order.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,6 @@ from analysis.nonlinear.heteroclinic import heteroclinic_connection, saddle
 from analysis.nonlinear.motions import INVERTED
 from analysis.nonlinear.slow_manifold import slow_rates
 from validation.kit import figures
-from validation.nonlinear.figures import GREY, SPIN
 from validation.study import Row, Study
 
 _NONINVERTED = np.array((np.pi / 2, -np.pi / 2, 0.0))
@@ -146,28 +145,3 @@ def wrapped(gamma: Array, beta: Array) -> tuple[Array, Array]:
     turns = np.floor((gamma + np.pi / 2) / (2.0 * np.pi))
     breaks = np.flatnonzero(np.diff(turns)) + 1
     return np.insert(gamma - 2.0 * np.pi * turns, breaks, np.nan), np.insert(beta, breaks, np.nan)
-
-
-def plane(hopf: float, curves: Mapping[float, Any]) -> Figure:
-    """Hopf and heteroclinic curves in the plane of spin and smoothing.
-
-    Parameters
-    ----------
-    hopf : float
-        Spin of the Hopf point in rad/s, the same for all friction.
-    curves : mapping
-        From the friction coefficient to smoothing speeds in m/s, rising, spins of the connection
-        in rad/s, and the spin for vanishing smoothing.
-    """
-    figure, axes = figures.new_figure()
-    highest = max(max(smoothing) for smoothing, _, _ in curves.values())
-    axes.plot((hopf, hopf), (0.0, highest), color="black", label="Hopf")
-    for index, (mu, (smoothing, spins, limit)) in enumerate(curves.items(), 1):
-        look = {"color": figures.COLOURS[index % 4], "linestyle": figures.STYLES[index % 4]}
-        axes.plot(spins, smoothing, marker=".", label=f"heteroclinic, μ = {mu:g}", **look)
-        axes.plot(limit, 0.0, "D", color=look["color"])
-    axes.plot([], [], "D", color=GREY, label="predicted for ε → 0")
-    axes.set(xlabel=SPIN, ylabel="smoothing speed ε in m/s")
-    axes.set_ylim(bottom=-0.002)
-    figures.legend_above(axes, columns=2)
-    return figure

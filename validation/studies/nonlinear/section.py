@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.stability.printed import critical_speed
+from analysis.stability.printed import CriticalSpeed, critical_speed
 from validation.kit.limits import largest
 from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, Verdict
-from validation.studies.nonlinear import delay, measured, portraits
+from validation.studies.nonlinear import delay, drawings, measured, portraits
 from validation.studies.nonlinear.measured import (
     DISSIPATED,
     HELD_NAMES,
@@ -85,21 +85,30 @@ def present(rows: Rows) -> Content:
             "stationary": stationary[["case", "motion", "beta", "gamma", "growth"]],
         },
         figures={
-            "bifurcations": figures.bifurcation_diagram(
+            "bifurcations": drawings.bifurcation_diagram(
                 cycles,
                 hopf,
                 connection=connection["spin"],
                 slow=_places(families[(families.case == SLOW) & (families.kind == "motion")]),
                 engine=_places(engine[(engine.source == "engine") & engine.case.isin(on_model_4)]),
             ),
-            "periods": figures.period_diagram(cycles, hopf, connection=connection["spin"]),
+            "periods": figures.diagram(
+                cycles,
+                ("period", "multiplier", "log_strong"),
+                first=_born(hopf),
+                marks={"heteroclinic": connection["spin"]},
+            ),
             "portraits": portraits.draw(curves),
             "plane": _plane(hopf.spin, connections),
-            "rotations": figures.rotation_diagram(rotations, connection["spin"]),
+            "rotations": figures.diagram(
+                figures.near(rotations, connection["spin"]),
+                ("largest_tilt", "tilt"),
+                marks={"heteroclinic": connection["spin"]},
+            ),
             "passages": figures.passage_diagram(
                 [(p.case, p) for p in followed[followed.source == "in-house"].itertuples()]
             ),
-            "delays": delay.delay_diagram(slowed.rate, delays),
+            "delays": drawings.delay_diagram(slowed.rate, delays),
         },
         checks=[
             *_cycle_checks(fits, apart),
@@ -119,6 +128,10 @@ def _motions(rows: pd.DataFrame, case: str) -> list[Row]:
     motions = found[found.kind == "motion"] if "kind" in found else found
     records: list[Row] = motions.to_dict("records")
     return records
+
+
+def _born(hopf: CriticalSpeed) -> dict[str, float]:
+    return {"spin": hopf.spin, "period": 2.0 * np.pi / hopf.frequency, "multiplier": 1.0}
 
 
 def _places(cycles: pd.DataFrame) -> list[tuple[float, float]]:
@@ -163,7 +176,7 @@ def _plane(hopf: float, connections: pd.DataFrame) -> Any:
         mu: (found.smoothing, found.spin, found.predicted.iloc[0])
         for mu, found in of_steel.groupby("coefficient")
     }
-    return portraits.plane(hopf, curves)
+    return drawings.plane(hopf, curves)
 
 
 # --- Checks and verdicts ------------------------------------------------------------------------
