@@ -37,8 +37,8 @@ from analysis import (
     simulate_many,
 )
 from analysis.compiled.library import is_installed
-from analysis.compiled.places import deeper
-from analysis.models.simulation import COMPILED_TOLERANCES
+from analysis.compiled.stack import deeper
+from analysis.models.request import COMPILED_TOLERANCES
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Integrator, Scene

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.compiled.parts import CompiledPart
+from analysis.compiled.ensemble import CompiledPart
 from analysis.data.checks import Array
 from analysis.data.constraint_set import (
     PRESCRIBED,

@@ -1,0 +1,325 @@
+"""Compiled runs of many scenarios, as arrays from their fields to their motions."""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from analysis.compiled import systems
+from analysis.compiled.code import Code, code_for
+from analysis.compiled.runs import Group, integrate
+from analysis.compiled.systems import SIGN, SPIN
+from analysis.data.checks import Array
+from analysis.data.ensemble import Ensemble
+from analysis.data.files import AnyArray
+from analysis.data.members import Rows, in_columns
+from analysis.data.scenario import Scenario
+from analysis.data.trajectories import Samples
+from analysis.data.trajectory import Trajectory
+from analysis.data.watch import Watch
+from analysis.mechanics import reduced
+from analysis.mechanics.states import paper_arrays, state_of
+from analysis.models.forms import check_form, default_form, pose, start_values
+from analysis.models.request import Accuracy, Request, trajectory
+from analysis.solve.effort import longest_step
+from analysis.solve.runs import Runs
+from analysis.solve.stepping import pulls_at_start
+from analysis.solve.to_tolerance import Agreed, agree, estimated_errors
+
+Scenarios = Ensemble | Sequence[Scenario]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompiledPart:
+    """Members that are alike in structure and were run together; see `Part`.
+
+    Parameters
+    ----------
+    rows : ndarray of int, shape (k,)
+    ensemble : Ensemble
+        Of these members alone; or a list of them.
+    request : Request
+    group : Group
+    tolerances : ndarray, shape (k,)
+    agreed : Agreed
+    watch : Watch, optional
+        Of a single member.
+    seconds : float, optional
+        Processor time of the last run of a single member.
+    """
+
+    rows: Rows
+    ensemble: Any
+    request: Request
+    group: Group
+    tolerances: Array
+    agreed: Agreed
+    watch: Watch | None
+    seconds: float | None
+
+    def moved(self, by: int) -> "CompiledPart":
+        """The same with larger numbers of members."""
+        return replace(self, rows=self.rows + by)
+
+    def some(self, rows: Rows) -> "CompiledPart":
+        """The same without some of its members."""
+        return replace(
+            self,
+            rows=self.rows[rows],
+            ensemble=_part(self.ensemble, rows),
+            group=self.group.part(rows),
+            tolerances=self.tolerances[rows],
+            agreed=self.agreed.part(rows),
+        )
+
+    @property
+    def times(self) -> Array:
+        """Times asked for in s, shape (n,)."""
+        return self._runs.times
+
+    @property
+    def ends(self) -> Array:
+        """Time of each end in s."""
+        return self._runs.ends
+
+    @property
+    def error_estimates(self) -> Array:
+        """Estimated errors in rad, or nan."""
+        return self.agreed.estimates
+
+    @property
+    def endings(self) -> AnyArray:
+        """Reasons, or None."""
+        # The last one is that of `RUNNING`, -1.
+        names = np.array([*self._runs.names, None], dtype=object)
+        found: AnyArray = names[self._runs.reasons]
+        return found
+
+    @property
+    def _runs(self) -> Runs:
+        return self.agreed.runs
+
+    def attitudes(self) -> Array:
+        """Angles beta and gamma, shape (k, n, 2)."""
+        return self.group.attitudes(self._runs.states)
+
+    def kinematics(self) -> tuple[Array, Array]:
+        """Coordinates and rates, each shape (k, n, 6)."""
+        times = np.broadcast_to(self.times, (len(self.rows), self.times.size))
+        return self._expanded(self.group, times, self._runs.states)
+
+    def last(self) -> tuple[Array, Array]:
+        """Coordinates and rates at the ends, each shape (k, 6)."""
+        found = self._expanded(self.group, self.ends[:, None], self._runs.last[:, None])
+        return found[0][:, 0], found[1][:, 0]
+
+    def at(self, rows: Rows, columns: Rows) -> tuple[Array, Array]:
+        """Coordinates and rates of rows, shape (j,), at samples, shape (j, p), as in `Samples`."""
+        runs, ends = self._runs, self.ends[rows, None]
+        times = np.append(self.times, np.inf)[columns]
+        inner = np.minimum(columns, self.times.size - 1)
+        behind = (times > ends)[..., None]
+        states = np.where(behind, runs.last[rows, None], runs.states[rows[:, None], inner])
+        return self._expanded(self.group.part(rows), np.minimum(times, ends), states)
+
+    def samples(self, some: slice) -> Samples:
+        """Samples of some of them, with their ends and constraint forces."""
+        runs, ends = self._runs, self.ends[some, None]
+        times = np.append(self.times, np.inf)
+        states = np.append(runs.states[some], runs.last[some, None], axis=1)
+        behind = times > ends
+        states[behind] = np.repeat(runs.last[some], behind.sum(axis=1), axis=0)
+        times = np.minimum(times, ends)
+        return Samples(times, *self._arrays(self.group.part(some), times, states))
+
+    def trajectory(self, row: int) -> Trajectory:
+        """Motion of one of them."""
+        run, scenario = self._runs.run(row), self.ensemble[row]
+        group = self.group.part(slice(row, row + 1))
+        found = self._arrays(group, run.times[None], run.states[None])
+        coordinates, rates, forces = (each[0] for each in found)
+        if group.code.form == "index-1":
+            # The first sample is the start itself, without the rounding on the way to it and back.
+            start = scenario.initial_state
+            coordinates[0], rates[0] = start.coordinates, start.rates
+        numbers = (self.tolerances, self.agreed.local_tolerances, self.agreed.estimates)
+        return trajectory(
+            scenario,
+            self.request,
+            run,
+            (coordinates, rates, forces),
+            method="taylor",
+            accuracy=Accuracy(*(float(each[row]) for each in numbers)),
+            watch=self.watch,
+            seconds=self.seconds,
+        )
+
+    def _arrays(self, group: Group, times: Array, states: Array) -> tuple[Array, Array, Array]:
+        """Coordinates, rates and forces, each shape (k, n, ...), of members at times, (k, n)."""
+        coordinates, rates = self._expanded(group, times, states)
+        if group.code.form == "reduced":
+            z, u = (np.moveaxis(each, 2, 0) for each in (coordinates, rates))
+            variables = np.stack(state_of(systems.disk_of(group.numbers[:, None]), z, u))
+        else:
+            variables = np.moveaxis(states, 2, 0)
+        forces = group.code.multipliers(variables, group.numbers)
+        return coordinates, rates, np.moveaxis(forces, 0, 2)
+
+    def _expanded(self, group: Group, times: Array, states: Array) -> tuple[Array, Array]:
+        """Coordinates and rates, each shape (k, n, 6), of members at times, shape (k, n)."""
+        disk = systems.disk_of(group.numbers[:, None])
+        if group.code.form == "index-1":
+            return paper_arrays(disk, states)
+        spin = group.numbers[:, None, SPIN]
+        alpha = group.states[:, None, 3] + spin * (times - self.times[0])
+        found = np.empty((*times.shape, 12))
+        coordinates, rates = reduced.expanded(disk, spin, alpha, np.moveaxis(states, 2, 0))
+        for column, value in enumerate(coordinates + rates):
+            found[:, :, column] = value
+        return found[:, :, :6], found[:, :, 6:]
+
+
+def simulate_compiled(
+    scenarios: Scenarios, tolerances: Sequence[float], request: Request
+) -> tuple[list[CompiledPart], dict[int, Exception]]:
+    """Motions of scenarios, those alike in structure together.
+
+    Parameters
+    ----------
+    scenarios : Ensemble or sequence of Scenario
+        The m members.
+    tolerances : sequence of m floats
+        See `Request.tolerance`.
+    request : Request
+
+    Returns
+    -------
+    list of CompiledPart
+    dict
+        From members to the errors that ended them; they are those of `simulate`.
+    """
+    wanted, failures = np.asarray(tolerances), dict[int, Exception]()
+    groups: defaultdict[tuple[Code, tuple[float, ...]], list[tuple[Rows, list[Array]]]]
+    groups = defaultdict(list)
+    for rows, found in _in_arrays(scenarios, wanted, partial(_columns, request)):
+        if isinstance(found, Exception):
+            failures |= dict.fromkeys(rows.tolist(), found)
+            continue
+        code, numbers = found
+        arrays = [in_columns(each, rows.size) for each in numbers]
+        for rungs, some in _by_rungs(wanted[rows], request):
+            groups[code, rungs].append((rows[some], [each[some] for each in arrays]))
+    parts = []
+    for (code, rungs), pieces in groups.items():
+        rows = np.concatenate([some for some, _ in pieces])
+        columns = [np.concatenate(each) for each in zip(*(a for _, a in pieces), strict=True)]
+        group, refused = _group(code, scenarios, rows, columns)
+        failures |= {int(rows[row]): error for row, error in refused.items()}
+        left = np.array([row for row in range(rows.size) if row not in refused], dtype=int)
+        if refused:
+            rows, group = rows[left], group.part(left)
+        if rows.size:
+            part = _run((rows, _part(scenarios, rows)), group, rungs, wanted[rows], request)
+            failed = part.agreed.failures
+            failures |= {int(rows[row]): error for row, error in failed.items()}
+            left = np.array([row for row in range(rows.size) if row not in failed], dtype=int)
+            if left.size:
+                parts.append(part.some(left) if failed else part)
+    return parts, failures
+
+
+def _part(scenarios: Scenarios, rows: Rows) -> Scenarios:
+    if isinstance(scenarios, Ensemble):
+        return scenarios.part(rows)
+    return [scenarios[row] for row in rows.tolist()]
+
+
+Columns = tuple[Code, list[Sequence[float]]]
+
+
+def _in_arrays(
+    scenarios: Scenarios, tolerances: Array, columns: Callable[[float, Scenario], Columns]
+) -> Iterator[tuple[Rows, Columns | Exception]]:
+    """Members and their numbers, those of an ensemble together, or the error of a single one."""
+    one_by_one = np.arange(len(scenarios))
+    if isinstance(scenarios, Ensemble):
+        doubtful = []
+        for rows, found in scenarios.alike(partial(columns, float(tolerances.min()))):
+            if isinstance(found, Exception):
+                doubtful += rows.tolist()
+            else:
+                yield rows, found
+        one_by_one = np.array(doubtful, dtype=int)
+    for row in one_by_one.tolist():
+        try:
+            yield np.array([row]), columns(float(tolerances[row]), scenarios[row])
+        except (ArithmeticError, ValueError) as error:
+            yield np.array([row]), error
+
+
+def _columns(request: Request, tolerance: float, scenario: Scenario) -> Columns:
+    """Code of a scenario, or of `Members`, and numbers of theirs, as `Group` has them."""
+    form = request.form or default_form(scenario)
+    code = code_for(scenario, form, request.conditions, allow_pulling=request.allow_pulling)
+    check_form(scenario, form)
+    effort = request.effort(scenario, tolerance, "taylor")
+    start, numbers = start_values(scenario, "index-1"), systems.parameters(scenario)
+    return code, [start, numbers, (longest_step(scenario),), (effort.most,)]
+
+
+def _by_rungs(tolerances: Array, request: Request) -> Iterator[tuple[tuple[float, ...], Rows]]:
+    """Rows with the same local tolerances."""
+    each, numbers = np.unique(tolerances, return_inverse=True)
+    rungs = [request.local_tolerances(float(tolerance), "taylor") for tolerance in each]
+    for kind in dict.fromkeys(rungs):
+        same = np.array([other == kind for other in rungs])
+        yield kind, np.flatnonzero(same[numbers])
+
+
+def _group(
+    code: Code, scenarios: Scenarios, rows: Rows, columns: Sequence[Array]
+) -> tuple[Group, dict[int, Exception]]:
+    """Members with these numbers, and what is wrong with the start of some of them."""
+    states, numbers, longest, most = columns
+    forces = code.multipliers(states.T[:, :, None], numbers)[0, :, 0]
+    group = Group(code, states, numbers, longest[:, 0], most[:, 0], forces < 0.0)
+    numbers[:, SIGN] = code.signs(group.starts, numbers)
+    refused: dict[int, Exception] = {}
+    for row in () if code.allow_pulling else np.flatnonzero(~(forces >= 0.0)).tolist():
+        try:
+            problem = pose(scenarios[rows[row]], code.form).problem
+            pulls_at_start(problem, allow_pulling=False)
+        except (ArithmeticError, ValueError) as error:
+            refused[row] = error
+    return group, refused
+
+
+def _run(
+    members: tuple[Rows, Scenarios],
+    group: Group,
+    local_tolerances: Sequence[float],
+    tolerances: Array,
+    request: Request,
+) -> CompiledPart:
+    """Run a group; its single member as a call that is watched."""
+    watch = request.watch(float(group.most[0])) if len(group) == 1 else None
+    seconds: float | None = None
+
+    def run(some: Rows, local: float, longest: float) -> tuple[Runs, dict[int, Exception]]:
+        nonlocal seconds
+        begin = time.thread_time()
+        found = integrate(group, some, request.times, local, longest, watch=watch)
+        seconds = None if watch is None else time.thread_time() - begin
+        return found
+
+    def estimated(fine: Runs, coarse: Runs, some: Rows) -> Array:
+        return estimated_errors(
+            fine, coarse, group.attitudes, lambda runs: group.attitude_rates(some, runs.last)
+        )
+
+    agreed = agree(run, estimated, tolerances, local_tolerances, "taylor")
+    return CompiledPart(*members, request, group, tolerances, agreed, watch, seconds)
