@@ -32,6 +32,9 @@ from analysis.solve.to_tolerance import Agreed, agree, estimated_errors
 
 Scenarios = Ensemble | Sequence[Scenario]
 
+_BLOCK = 2**14
+"""Samples of motions that are worked out at once: they take some 5 MB."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledPart:
@@ -128,21 +131,41 @@ class CompiledPart:
 
     def samples(self, some: slice) -> Samples:
         """Samples of some of them, with their ends and constraint forces."""
-        runs, ends = self._runs, self.ends[some, None]
+        runs, group, ends = self._runs, self.group.part(some), self.ends[some, None]
         times = np.append(self.times, np.inf)
         states = np.append(runs.states[some], runs.last[some, None], axis=1)
         behind = times > ends
         states[behind] = np.repeat(runs.last[some], behind.sum(axis=1), axis=0)
         times = np.minimum(times, ends)
-        return Samples(times, *self._arrays(self.group.part(some), times, states))
+        coordinates, rates = self._expanded(group, times, states)
+        if group.code.form == "reduced":
+            z, u = (np.moveaxis(each, 2, 0) for each in (coordinates, rates))
+            variables = np.stack(state_of(systems.disk_of(group.numbers[:, None]), z, u))
+        else:
+            variables = np.moveaxis(states, 2, 0)
+        forces = group.code.multipliers(variables, group.numbers)
+        return Samples(times, coordinates, rates, np.moveaxis(forces, 0, 2))
 
     def trajectory(self, row: int) -> Trajectory:
         """Motion of one of them."""
+        return self._trajectory(row, self.samples(slice(row, row + 1)), 0)
+
+    def outcomes(self) -> Iterator[Trajectory | Exception]:
+        """Motion of each of them, or why it has none, worked out in blocks."""
+        size = max(1, _BLOCK // self.times.size)
+        for first in range(0, len(self.rows), size):
+            samples = self.samples(slice(first, first + size))
+            for place in range(len(samples.times)):
+                try:
+                    yield self._trajectory(first + place, samples, place)
+                except (ArithmeticError, ValueError) as error:
+                    yield error
+
+    def _trajectory(self, row: int, samples: Samples, place: int) -> Trajectory:
         run, scenario = self._runs.run(row), self.ensemble[row]
-        group = self.group.part(slice(row, row + 1))
-        found = self._arrays(group, run.times[None], run.states[None])
-        coordinates, rates, forces = (each[0] for each in found)
-        if group.code.form == "index-1":
+        sampled = (samples.coordinates, samples.rates, samples.multipliers)
+        coordinates, rates, forces = (each[place, : run.times.size] for each in sampled)
+        if self.group.code.form == "index-1":
             # The first sample is the start itself, without the rounding on the way to it and back.
             start = scenario.initial_state
             coordinates[0], rates[0] = start.coordinates, start.rates
@@ -157,17 +180,6 @@ class CompiledPart:
             watch=self.watch,
             seconds=self.seconds,
         )
-
-    def _arrays(self, group: Group, times: Array, states: Array) -> tuple[Array, Array, Array]:
-        """Coordinates, rates and forces, each shape (k, n, ...), of members at times, (k, n)."""
-        coordinates, rates = self._expanded(group, times, states)
-        if group.code.form == "reduced":
-            z, u = (np.moveaxis(each, 2, 0) for each in (coordinates, rates))
-            variables = np.stack(state_of(systems.disk_of(group.numbers[:, None]), z, u))
-        else:
-            variables = np.moveaxis(states, 2, 0)
-        forces = group.code.multipliers(variables, group.numbers)
-        return coordinates, rates, np.moveaxis(forces, 0, 2)
 
     def _expanded(self, group: Group, times: Array, states: Array) -> tuple[Array, Array]:
         """Coordinates and rates, each shape (k, n, 6), of members at times, shape (k, n)."""
@@ -205,16 +217,19 @@ def simulate_compiled(
     wanted, failures = np.asarray(tolerances), dict[int, Exception]()
     groups: defaultdict[tuple[Code, tuple[float, ...]], list[tuple[Rows, list[Array]]]]
     groups = defaultdict(list)
+    rungs = {each: request.local_tolerances(each, "taylor") for each in set(tolerances)}
     for rows, found in _in_arrays(scenarios, wanted, partial(_columns, request)):
         if isinstance(found, Exception):
             failures |= dict.fromkeys(rows.tolist(), found)
             continue
         code, numbers = found
         arrays = [in_columns(each, rows.size) for each in numbers]
-        for rungs, some in _by_rungs(wanted[rows], request):
-            groups[code, rungs].append((rows[some], [each[some] for each in arrays]))
+        asked = [rungs[tolerances[row]] for row in rows.tolist()]
+        for kind in set(asked):
+            some = np.array([other == kind for other in asked])
+            groups[code, kind].append((rows[some], [each[some] for each in arrays]))
     parts = []
-    for (code, rungs), pieces in groups.items():
+    for (code, kind), pieces in groups.items():
         rows = np.concatenate([some for some, _ in pieces])
         columns = [np.concatenate(each) for each in zip(*(a for _, a in pieces), strict=True)]
         group, refused = _group(code, scenarios, rows, columns)
@@ -223,7 +238,7 @@ def simulate_compiled(
         if refused:
             rows, group = rows[left], group.part(left)
         if rows.size:
-            part = _run((rows, _part(scenarios, rows)), group, rungs, wanted[rows], request)
+            part = _run((rows, _part(scenarios, rows)), group, kind, wanted[rows], request)
             failed = part.agreed.failures
             failures |= {int(rows[row]): error for row, error in failed.items()}
             left = np.array([row for row in range(rows.size) if row not in failed], dtype=int)
@@ -269,15 +284,6 @@ def _columns(request: Request, tolerance: float, scenario: Scenario) -> Columns:
     effort = request.effort(scenario, tolerance, "taylor")
     start, numbers = start_values(scenario, "index-1"), systems.parameters(scenario)
     return code, [start, numbers, (longest_step(scenario),), (effort.most,)]
-
-
-def _by_rungs(tolerances: Array, request: Request) -> Iterator[tuple[tuple[float, ...], Rows]]:
-    """Rows with the same local tolerances."""
-    each, numbers = np.unique(tolerances, return_inverse=True)
-    rungs = [request.local_tolerances(float(tolerance), "taylor") for tolerance in each]
-    for kind in dict.fromkeys(rungs):
-        same = np.array([other == kind for other in rungs])
-        yield kind, np.flatnonzero(same[numbers])
 
 
 def _group(

@@ -121,8 +121,9 @@ def integrate(
             solver.state[:] = starts[:, some]
             solver.pars[:] = numbers[: len(solver.pars), some]
             solver.reset_cooldowns()
-            for lane, each in enumerate(edges):
-                each[:] = [float(times[0])] if group.pulled[lanes[first + lane]] else []
+            if code.allow_pulling:
+                for member, each in zip(lanes[some], edges, strict=True):
+                    each[:] = times[:1].tolist() if group.pulled[member] else []
             call = partial(solver.propagate_grid, grid, max_delta_t=longest[some])
             if watch is None:
                 most = int(group.most[lanes[some]].max())

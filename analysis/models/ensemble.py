@@ -256,11 +256,7 @@ def _outcomes(
     """Outcomes of members, in order."""
     parts, outcomes = _run(request, scenarios, tolerances)
     for part in parts:
-        for row, member in enumerate(part.rows.tolist()):
-            try:
-                outcomes[member] = part.trajectory(row)
-            except (ArithmeticError, ValueError) as error:
-                outcomes[member] = error
+        outcomes |= zip(part.rows.tolist(), part.outcomes(), strict=True)
     return [outcomes[member] for member in range(len(tolerances))]
 
 
