@@ -2,7 +2,7 @@
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -215,36 +215,43 @@ def simulate_compiled(
         From members to the errors that ended them; they are those of `simulate`.
     """
     wanted, failures = np.asarray(tolerances), dict[int, Exception]()
-    groups: defaultdict[tuple[Code, tuple[float, ...]], list[tuple[Rows, list[Array]]]]
-    groups = defaultdict(list)
     rungs = {each: request.local_tolerances(each, "taylor") for each in set(tolerances)}
+    groups: defaultdict[tuple[Code, tuple[float, ...]], list[tuple[Rows, Array]]]
+    groups = defaultdict(list)
     for rows, found in _in_arrays(scenarios, wanted, partial(_columns, request)):
         if isinstance(found, Exception):
             failures |= dict.fromkeys(rows.tolist(), found)
             continue
-        code, numbers = found
-        arrays = [in_columns(each, rows.size) for each in numbers]
+        code, columns = found
+        array = in_columns(columns, rows.size)
         asked = [rungs[tolerances[row]] for row in rows.tolist()]
         for kind in set(asked):
             some = np.array([other == kind for other in asked])
-            groups[code, kind].append((rows[some], [each[some] for each in arrays]))
+            groups[code, kind].append((rows[some], array[some]))
     parts = []
     for (code, kind), pieces in groups.items():
-        rows = np.concatenate([some for some, _ in pieces])
-        columns = [np.concatenate(each) for each in zip(*(a for _, a in pieces), strict=True)]
-        group, refused = _group(code, scenarios, rows, columns)
-        failures |= {int(rows[row]): error for row, error in refused.items()}
-        left = np.array([row for row in range(rows.size) if row not in refused], dtype=int)
+        rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
+        group = _group(code, array)
+        refused = {} if code.allow_pulling else _refused(group, scenarios, rows)
         if refused:
-            rows, group = rows[left], group.part(left)
+            left = _without(refused, rows.size)
+            group, failures = group.part(left), failures | _by_member(refused, rows)
+            rows = rows[left]
         if rows.size:
             part = _run((rows, _part(scenarios, rows)), group, kind, wanted[rows], request)
             failed = part.agreed.failures
-            failures |= {int(rows[row]): error for row, error in failed.items()}
-            left = np.array([row for row in range(rows.size) if row not in failed], dtype=int)
-            if left.size:
-                parts.append(part.some(left) if failed else part)
+            failures |= _by_member(failed, rows)
+            if len(failed) < rows.size:
+                parts.append(part.some(_without(failed, rows.size)) if failed else part)
     return parts, failures
+
+
+def _without(dropped: Container[int], count: int) -> Rows:
+    return np.array([row for row in range(count) if row not in dropped], dtype=int)
+
+
+def _by_member(errors: Mapping[int, Exception], rows: Rows) -> dict[int, Exception]:
+    return {int(rows[row]): error for row, error in errors.items()}
 
 
 def _part(scenarios: Scenarios, rows: Rows) -> Scenarios:
@@ -253,7 +260,7 @@ def _part(scenarios: Scenarios, rows: Rows) -> Scenarios:
     return [scenarios[row] for row in rows.tolist()]
 
 
-Columns = tuple[Code, list[Sequence[float]]]
+Columns = tuple[Code, Sequence[float]]
 
 
 def _in_arrays(
@@ -277,31 +284,34 @@ def _in_arrays(
 
 
 def _columns(request: Request, tolerance: float, scenario: Scenario) -> Columns:
-    """Code of a scenario, or of `Members`, and numbers of theirs, as `Group` has them."""
+    """Code of a scenario, or of `Members`, and its numbers: see `_group`."""
     form = request.form or default_form(scenario)
     code = code_for(scenario, form, request.conditions, allow_pulling=request.allow_pulling)
     check_form(scenario, form)
     effort = request.effort(scenario, tolerance, "taylor")
     start, numbers = start_values(scenario, "index-1"), systems.parameters(scenario)
-    return code, [start, numbers, (longest_step(scenario),), (effort.most,)]
+    return code, (*start, *numbers, longest_step(scenario), effort.most)
 
 
-def _group(
-    code: Code, scenarios: Scenarios, rows: Rows, columns: Sequence[Array]
-) -> tuple[Group, dict[int, Exception]]:
-    """Members with these numbers, and what is wrong with the start of some of them."""
-    states, numbers, longest, most = columns
+def _group(code: Code, array: Array) -> Group:
+    """Members with these starts, parameters, longest steps and most steps, shape (m, 14 + p)."""
+    states, numbers = array[:, :12], array[:, 12:-2]
     forces = code.multipliers(states.T[:, :, None], numbers)[0, :, 0]
-    group = Group(code, states, numbers, longest[:, 0], most[:, 0], forces < 0.0)
+    group = Group(code, states, numbers, array[:, -2], array[:, -1], ~(forces >= 0.0))
     numbers[:, SIGN] = code.signs(group.starts, numbers)
-    refused: dict[int, Exception] = {}
-    for row in () if code.allow_pulling else np.flatnonzero(~(forces >= 0.0)).tolist():
+    return group
+
+
+def _refused(group: Group, scenarios: Scenarios, rows: Rows) -> dict[int, Exception]:
+    """What is wrong with the start of members whose contact seems to pull there."""
+    found: dict[int, Exception] = {}
+    for row in np.flatnonzero(group.pulled).tolist():
         try:
-            problem = pose(scenarios[rows[row]], code.form).problem
+            problem = pose(scenarios[rows[row]], group.code.form).problem
             pulls_at_start(problem, allow_pulling=False)
         except (ArithmeticError, ValueError) as error:
-            refused[row] = error
-    return group, refused
+            found[row] = error
+    return found
 
 
 def _run(

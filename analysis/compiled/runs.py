@@ -40,7 +40,7 @@ class Group:
     most : ndarray, shape (m,)
         Steps after which a run is given up.
     pulled : ndarray of bool, shape (m,)
-        Whether the contact pulls at the start.
+        Whether the contact seems to pull at the start.
     """
 
     code: Code

@@ -151,20 +151,9 @@ def integrate(
     lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
     solvers: list[Any] = []
 
-    def started(moment: float, state: Array, end: float, first_step: float | None = None) -> Any:
-        solver = _SOLVERS[method](
-            problem.right_hand_side,
-            moment,
-            state,
-            end,
-            rtol=local_tolerance,
-            atol=problem.absolute * local_tolerance,
-            max_step=problem.longest_step,
-            first_step=first_step,
-            **_jacobian(problem, method),
-        )
-        solvers.append(solver)
-        return solver
+    def started(*span: Any, **first: Any) -> Any:
+        solvers.append(_solver(problem, method, local_tolerance, *span, **first))
+        return solvers[-1]
 
     ended: str | None = None
     states, row, begun = [problem.start], 1, watch.steps
@@ -196,6 +185,24 @@ def integrate(
     )
 
 
+def _solver(
+    problem: InitialValueProblem, method: Method, local_tolerance: float, *span: Any, **first: Any
+) -> Any:
+    """Solver of SciPy for a span: from a time and a state to another time."""
+    begin, state, end = span
+    return _SOLVERS[method](
+        problem.right_hand_side,
+        begin,
+        state,
+        end,
+        rtol=local_tolerance,
+        atol=problem.absolute * local_tolerance,
+        max_step=problem.longest_step,
+        **first,
+        **_jacobian(problem, method),
+    )
+
+
 def _steps(
     started: Callable[..., Any], problem: InitialValueProblem, times: Array
 ) -> Iterator[Step]:
@@ -206,7 +213,7 @@ def _steps(
     Parameters
     ----------
     started : callable
-        From a time, a state, a last time and the length of a first step to a solver.
+        From a time, a state, a last time and perhaps a `first_step` to a solver.
     problem : InitialValueProblem
     times : ndarray, shape (n,)
     """
@@ -218,11 +225,11 @@ def _steps(
         after = slip(step.last)
         turn = _turn(slip, before, step, after)
         if step.begin < turn < step.end:
-            upto = started(step.begin, state, turn, turn - step.begin)
+            upto = started(step.begin, state, turn, first_step=turn - step.begin)
             while upto.status == "running":
                 yield _step(upto)
             length = min(step.end - step.begin, times[-1] - turn)
-            solver = started(turn, upto.y, times[-1], length)
+            solver = started(turn, upto.y, times[-1], first_step=length)
             before = slip(upto.y)
         else:
             yield step

@@ -76,6 +76,17 @@ def test_members_that_taylor_takes_to_no_tolerance_run_with_dop853(
     assert all(isinstance(outcome, ToleranceError) for outcome in insisting)
 
 
+def test_members_of_a_batch_pull_when_they_do_alone() -> None:
+    fields = {"spin": np.array([40.0, 60.0]), "beta_rate": np.array([2.0, 25.0])}
+    ensemble = Ensemble(scenario=model(4), fields=fields)
+    how: dict[str, Any] = {"form": "reduced", "allow_pulling": True, "local_tolerance": 1e-12}
+    runs = simulate_many(ensemble, TIMES, method="taylor", **how)
+    for run, scenario in zip(runs, ensemble, strict=True):
+        pure = simulate(scenario, TIMES, **how)
+        np.testing.assert_allclose(run.pulling, pure.pulling, rtol=0.0, atol=1e-9)
+    assert runs[1].pulling
+
+
 def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
     members = [model(4, friction=Capped()), model(4)]
     pure, compiled_one = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)

@@ -125,6 +125,16 @@ def test_ending_does_not_depend_on_how_far_apart_the_samples_are(
     np.testing.assert_allclose(motion.times[:-1], spacing * np.arange(motion.times.size - 1))
 
 
+def test_condition_that_is_met_between_two_samples_alone_ends_the_run(truth: float) -> None:
+    def near(state: State) -> float:
+        return abs(state.coordinates[4] - LIMIT) - 1e-3
+
+    how: dict[str, Any] = {"spacing": 0.1, "local_tolerance": 1e-10}
+    motion = simulate_to_rest(SCENARIO, 0.1, stop_when=near, **how)
+    assert not_none(motion.ending).time < truth
+    assert motion.tilt[-1] == pytest.approx(LIMIT - 1e-3, abs=1e-9)
+
+
 def test_ending_after_impacts_is_located() -> None:
     loss = Dissipation(pivoting=1e-3)
     dropped = Scenario.rest(start=Start(beta=0.5, spin=0.0, height=0.01), dissipation=loss)
