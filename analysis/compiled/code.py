@@ -87,7 +87,9 @@ class Code:
             if reason == CONTACT_WOULD_PULL and self.allow_pulling:
                 direction, callback = library.event_direction.any, _note(edges)
             events.append(library.t_event_batch(symbol, direction=direction, callback=callback))
-        derivatives = [library.par[ALIVE] * derivative for derivative in system.derivatives]
+        derivatives = system.derivatives
+        if width > 1:
+            derivatives = [library.par[ALIVE] * derivative for derivative in derivatives]
         solver = library.taylor_adaptive_batch(
             list(zip(system.variables, derivatives, strict=True)),
             np.zeros((len(derivatives), width)),

@@ -139,12 +139,12 @@ class CompiledPart:
         times = np.minimum(times, ends)
         coordinates, rates = self._expanded(group, times, states)
         if group.code.form == "reduced":
-            z, u = (np.moveaxis(each, 2, 0) for each in (coordinates, rates))
-            variables = np.stack(state_of(systems.disk_of(group.numbers[:, None]), z, u))
+            z, u = (each.transpose(2, 0, 1) for each in (coordinates, rates))
+            variables = np.stack(state_of(group.disk, z, u))
         else:
-            variables = np.moveaxis(states, 2, 0)
+            variables = states.transpose(2, 0, 1)
         forces = group.code.multipliers(variables, group.numbers)
-        return Samples(times, coordinates, rates, np.moveaxis(forces, 0, 2))
+        return Samples(times, coordinates, rates, forces.transpose(1, 2, 0))
 
     def trajectory(self, row: int) -> Trajectory:
         """Motion of one of them."""
@@ -183,13 +183,12 @@ class CompiledPart:
 
     def _expanded(self, group: Group, times: Array, states: Array) -> tuple[Array, Array]:
         """Coordinates and rates, each shape (k, n, 6), of members at times, shape (k, n)."""
-        disk = systems.disk_of(group.numbers[:, None])
         if group.code.form == "index-1":
-            return paper_arrays(disk, states)
+            return paper_arrays(group.disk, states)
         spin = group.numbers[:, None, SPIN]
         alpha = group.states[:, None, 3] + spin * (times - self.times[0])
         found = np.empty((*times.shape, 12))
-        coordinates, rates = reduced.expanded(disk, spin, alpha, np.moveaxis(states, 2, 0))
+        coordinates, rates = reduced.expanded(group.disk, spin, alpha, states.transpose(2, 0, 1))
         for column, value in enumerate(coordinates + rates):
             found[:, :, column] = value
         return found[:, :, :6], found[:, :, 6:]
@@ -225,12 +224,15 @@ def simulate_compiled(
         code, columns = found
         array = in_columns(columns, rows.size)
         asked = [rungs[tolerances[row]] for row in rows.tolist()]
-        for kind in set(asked):
-            some = np.array([other == kind for other in asked])
+        kinds = set(asked)
+        for kind in kinds:
+            some = slice(None) if len(kinds) == 1 else np.array([each == kind for each in asked])
             groups[code, kind].append((rows[some], array[some]))
     parts = []
     for (code, kind), pieces in groups.items():
-        rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
+        rows, array = pieces[0]
+        if len(pieces) > 1:
+            rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
         group = _group(code, array)
         refused = {} if code.allow_pulling else _refused(group, scenarios, rows)
         if refused:

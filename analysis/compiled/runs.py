@@ -17,6 +17,7 @@ from analysis.data.endings import TIME_LIMIT
 from analysis.data.files import AnyArray
 from analysis.data.members import Rows
 from analysis.data.watch import Watch
+from analysis.mechanics import recorded
 from analysis.solve.lookout import intervals
 from analysis.solve.runs import Runs
 
@@ -62,6 +63,12 @@ class Group:
     def starts(self) -> Array:
         """States of the form that is run at the start, shape (m, d)."""
         return self.states if self.code.form == "index-1" else self.states[:, _REDUCED]
+
+    @property
+    def disk(self) -> Any:
+        """The disk, with an array of shape (m, 1) for each number, or a number for one member."""
+        numbers = self.numbers[:, SPIN + 1 :]
+        return recorded.disk_of(numbers.T[:, :, None] if len(self) > 1 else numbers[0].tolist())
 
     def attitudes(self, states: Array) -> Array:
         """Angles beta and gamma of states, shape (..., d); shape (..., 2)."""
@@ -162,6 +169,8 @@ def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
     if alive.any() and any(each[0] != complete for each in results):
         # What went wrong in one of them must not touch the others.
         return list(range(first, first + count))
+    if alive.all():
+        return []
     ended = np.flatnonzero(alive[:count] == 0.0)
     found.ends[first + ended] = solver.pars[WHEN, ended]
     found.reasons[first + ended] = solver.pars[REASON, ended]

@@ -12,10 +12,7 @@ from itertools import count, islice
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-
 from analysis.compiled.library import CannotCompileError, heyoka
-from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.data.friction import FrictionLaw
@@ -131,11 +128,6 @@ def parameters(scenario: Scenario) -> list[float]:
 
 SIGN, ALIVE, REASON, WHEN, SPIN = range(5)
 """Numbers of parameters: sign of the slip; whether, why and when a run of a batch ended; spin."""
-
-
-def disk_of(numbers: Array) -> Any:
-    """The disk told by those of `parameters`, shape (..., p), with an array for each number."""
-    return recorded.disk_of(np.moveaxis(numbers, -1, 0)[SPIN + 1 :])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -41,7 +41,7 @@ from analysis.data.watch import Watch
 from analysis.mechanics import reduced
 from analysis.mechanics.recorded import solver
 from analysis.models.request import Request
-from tests.helpers import assert_close, model, mostly_slow, random_disk, random_table
+from tests.helpers import assert_close, model, mostly_slow, not_none, random_disk, random_table
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
@@ -210,12 +210,10 @@ def test_compiled_run_ends_where_the_pure_one_does() -> None:
         times = np.linspace(0.0, 2.0, 201)
         pure = simulate(scenario, times, **how, local_tolerance=1e-12)
         run = simulate(scenario, times, **how, method="taylor", local_tolerance=1e-12)
-        assert pure.ending is not None
-        assert run.ending is not None
-        assert run.ending.reason == pure.ending.reason == reason
-        assert run.ending.time == pytest.approx(pure.ending.time, abs=1e-10)
-        assert run.times[-1] == run.ending.time
-        assert abs(run.ending.value) < 1e-8
+        ending, expected = not_none(run.ending), not_none(pure.ending)
+        assert ending.reason == expected.reason == reason
+        assert run.times[-1] == ending.time == pytest.approx(expected.time, abs=1e-10)
+        assert abs(ending.value) < 1e-8
         assert run.times.size == pure.times.size
 
 
@@ -318,16 +316,8 @@ def test_time_limit_ends_a_compiled_run() -> None:
     def tell(reached: float, _: float) -> None:
         told.append(reached)
 
-    run = simulate(
-        model(4),
-        TIMES,
-        form="reduced",
-        method="taylor",
-        local_tolerance=1e-12,
-        time_limit=1e-9,
-        progress=tell,
-    )
-    assert run.ending is not None
-    assert run.ending.reason == "time limit"
+    how: dict[str, Any] = {"form": "reduced", "method": "taylor", "local_tolerance": 1e-12}
+    run = simulate(model(4), TIMES, time_limit=1e-9, progress=tell, **how)
+    assert not_none(run.ending).reason == "time limit"
     assert run.times[-1] == pytest.approx(told[-1])
     assert len(told) == 1

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import analysis
@@ -113,6 +113,7 @@ COMMANDS = {
     "simulate --out {folder}/run.npz --source": SIMULATE,
     "rest --source": REST,
     "eigenvalues --spin=30 --system=reduced --source": ("--mu", "--eps", "--spin"),
+    "scenario": PROBLEM,
     "scene": ("--mu", "--stiffness", "--half-thickness", "--model", *LOSSES),
 }
 
@@ -130,26 +131,29 @@ def test_command_answers_in_one_line(
     answer([*words, *data.draw(with_values(*COMMANDS[call]))], capsys)
 
 
-@pytest.mark.usefixtures("_counted")
-@pytest.mark.slow
-@QUICK
-@given(with_values(*PROBLEM))
-@example(["--radius=1", "--hole-radius=0.1", "--hole-distance=1", "--thickness=1", "--density=1"])
-@example(["--mass=1", "--density=1"])
-@example(["--law=.x:Law"])
-@example(["--bilateral"])
-def test_scenario_answers_in_one_line_or_prints_what_can_be_read(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, given_options: list[str]
-) -> None:
-    answer(["scenario", *given_options], capsys)
-    if cli.main(["scenario", *given_options]) == 0:
-        text = capsys.readouterr().out
-        (tmp_path / "my.toml").write_text(text)
-        assert cli.main(["scenario", str(tmp_path / "my.toml")]) == 0
-        assert capsys.readouterr().out == text
-
-
 TABLE_3 = Start().state(MODELS[1], STEEL_DISK)
+
+
+@pytest.mark.usefixtures("_counted")
+@QUICK
+@given(with_values("--begin", "--end", "--speed"), with_values("--fps", "--width"))
+def test_animate_answers_in_one_line(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    given_options: list[str],
+    of_a_gif: list[str],
+) -> None:
+    random_trajectory().save(tmp_path / "run.npz")
+    words = ["animate", str(tmp_path / "run.npz"), *given_options]
+    answer(words, capsys)
+    # Drawing takes seconds; what is drawn has passed all checks but that of the width.
+    monkeypatch.setattr("validation.kit.animation.gif._Picture", None)
+    if of_a_gif and not any(name.startswith("--width") for name in of_a_gif):
+        of_a_gif.append("--width=1")
+        answer([*words, "--out", str(tmp_path / "run.gif"), *of_a_gif], capsys)
+
+
 LITERALS = st.one_of(
     st.floats().map(repr),
     st.integers(-(10**30), 10**30).map(str),
@@ -191,26 +195,6 @@ def test_eigenvalues_of_the_steepest_friction_are_followed(
     # Differences of rounding only, divided by each other, overflowed.
     answer(["eigenvalues", "--spin", "3", "--mu", "1e9", "--eps", "1e-3"], capsys)
     answer(["eigenvalues", "--spin", "3", "--mu", "0", "--eps", "1e-12"], capsys)
-
-
-@pytest.mark.usefixtures("_counted")
-@QUICK
-@given(with_values("--begin", "--end", "--speed"), with_values("--fps", "--width"))
-def test_animate_answers_in_one_line(
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    given_options: list[str],
-    of_a_gif: list[str],
-) -> None:
-    random_trajectory().save(tmp_path / "run.npz")
-    words = ["animate", str(tmp_path / "run.npz"), *given_options]
-    answer(words, capsys)
-    # Drawing takes seconds; what is drawn has passed all checks but that of the width.
-    monkeypatch.setattr("validation.kit.animation.gif._Picture", None)
-    if of_a_gif and not any(name.startswith("--width") for name in of_a_gif):
-        of_a_gif.append("--width=1")
-        answer([*words, "--out", str(tmp_path / "run.gif"), *of_a_gif], capsys)
 
 
 @pytest.mark.usefixtures("_counted")

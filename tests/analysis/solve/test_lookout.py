@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import analysis
-import mbs_models
 from analysis import METHODS, MODELS, Method, Scenario, Start, State, Trajectory
 from analysis.data.checks import Array
 from analysis.data.watch import Watch
@@ -105,18 +104,6 @@ def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: i
             assert_said(other, reason, time, 2e-6)
         ended += bool(reason)
     assert ended > starts // 4
-
-
-@pytest.mark.slow
-def test_endings_are_those_of_the_engine() -> None:
-    random = np.random.default_rng(22)
-    for _ in range(30):
-        scenario = random_scenario(random)
-        how: dict[str, Any] = {"tolerance": 1e-6, "stop_when": ["inverted", "lost"]}
-        run = analysis.simulate(scenario, [0.0, 0.4], **how)
-        engine = mbs_models.simulate(mbs_models.Scene(scenario), np.linspace(0, 0.4, 201), **how)
-        reason, time = said(run)
-        assert_said(engine, reason, time, 2e-6)
 
 
 def turned_by(angle: float) -> Callable[[State], float]:
