@@ -81,16 +81,11 @@ def _in_states(
 ) -> dict[str, Callable[[Array], float]]:
     """Conditions as functions of what is integrated."""
 
-    def in_states(condition: Condition) -> Callable[[Array], float]:
-        def says(state: Array) -> float:
-            coordinates, rates = to_paper(state)
-            return condition(
-                State(coordinates=tuple(coordinates.tolist()), rates=tuple(rates.tolist()))
-            )
+    def says(condition: Condition, values: Array) -> float:
+        coordinates, rates = (tuple(each.tolist()) for each in to_paper(values))
+        return condition(State(coordinates=coordinates, rates=rates))
 
-        return says
-
-    return {reason: in_states(condition) for reason, condition in conditions.items()}
+    return {reason: partial(says, condition) for reason, condition in conditions.items()}
 
 
 def check_form(scenario: Scenario, form: str) -> None:
@@ -173,11 +168,8 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedFo
     def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
         turned = alpha + spin * (times - times[0])
         coordinates, rates = reduced.expand(disk, spin, turned, states)
-        return (
-            coordinates,
-            rates,
-            _multipliers(full, np.array(state_of(disk, coordinates.T, rates.T)).T),
-        )
+        states = np.array(state_of(disk, coordinates.T, rates.T)).T
+        return coordinates, rates, _multipliers(full, states)
 
     def to_paper(state: Array) -> tuple[Array, Array]:
         coordinates, rates = reduced.expand(disk, spin, np.zeros(1), state[None])
