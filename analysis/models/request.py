@@ -1,5 +1,6 @@
 """What is asked of runs, checked once for one or for many, and the trajectory that it leads to."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf, isnan
 from typing import NamedTuple
@@ -81,6 +82,9 @@ class Request:
         if self.local_tolerance is not None:
             local = one_step("local_tolerance", self.local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
             object.__setattr__(self, "local_tolerance", local)
+        if isinstance(self.stop_when, Iterable) and not isinstance(self.stop_when, str):
+            # It may be one that is used up.
+            object.__setattr__(self, "stop_when", tuple(self.stop_when))
         self.watch()
         _ = self.conditions
 
