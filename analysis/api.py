@@ -1,6 +1,5 @@
 """The public names of `analysis`."""
 
-from analysis.compiled.batches import Outcome
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.constraint_set import (
     MODELS,
@@ -47,7 +46,7 @@ from analysis.models.balance import (
     energy_residual,
     power,
 )
-from analysis.models.ensemble import simulate_many
+from analysis.models.ensemble import Outcome, simulate_many
 from analysis.models.forms import FORMS, Form
 from analysis.models.outcomes import outcomes
 from analysis.models.simulation import simulate

@@ -11,7 +11,7 @@ from math import ceil, inf, log2, sin, sqrt
 import numpy as np
 
 from analysis.data.checks import Array, positive, within
-from analysis.data.limits import SHORTEST_STEP, Effort
+from analysis.data.limits import DEFAULT_TOLERANCE, SHORTEST_STEP, Effort
 from analysis.solve import effort as shared
 from mbs_models.integrators import Integrator, find_integrator
 from mbs_models.runs import MINIMUM_STEP
@@ -109,7 +109,7 @@ def simulation_effort(
     """
     if step is not None:
         step = within("step", positive("step", step), SHORTEST_STEP, inf)
-    tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
     may_change = integrator is None
     spacings = _spacings(times)
     if integrator is None and step is None:

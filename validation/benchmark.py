@@ -37,9 +37,9 @@ from analysis import (
     simulate_many,
 )
 from analysis.compiled.library import is_installed
-from analysis.compiled.places import deeper
+from analysis.compiled.stack import deeper
 from analysis.data.checks import Array
-from analysis.models.simulation import COMPILED_TOLERANCES
+from analysis.models.request import COMPILED_TOLERANCES
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Integrator, Scene

@@ -15,7 +15,7 @@ from analysis import Method, Scenario, Trajectory
 from analysis.data.agreement import error_at_ending
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT, StopWhen
-from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
+from analysis.models.request import TIGHTEST_LOCAL_TOLERANCE
 from mbs_models import EngineError, Integrator
 from validation.kit.limits import largest
 from validation.kit.located import up_to_ending

@@ -12,7 +12,7 @@ from analysis.data.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.data.names import ArgumentError
 from analysis.data.trajectory import SOURCES
 from analysis.models.forms import default_form, pose
-from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
+from analysis.models.request import TIGHTEST_LOCAL_TOLERANCE
 from validation.parser.runs import ACCURACIES, OPTIONS, RunOptions
 from validation.run import rest_effort, run, run_effort, run_to_rest
 from validation.sweeps.outcomes import series_named
