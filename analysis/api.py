@@ -1,6 +1,8 @@
 """The public names of `analysis`."""
 
 from analysis.compiled.batches import Outcome
+from analysis.data.bodies import BODIES, EllipticDisk, Sphere
+from analysis.data.body import Body
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.constraint_set import (
     MODELS,
@@ -10,7 +12,16 @@ from analysis.data.constraint_set import (
     multiplier_names,
 )
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import CENTRED_DISK, DISKS, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.data.disk import (
+    CENTRED_DISK,
+    DISKS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Hole,
+    Plate,
+    PointMass,
+)
 from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.data.endings import CONDITIONS, Condition, Ending, StopWhen
 from analysis.data.ensemble import Ensemble
@@ -52,6 +63,7 @@ from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 from analysis.solve.stepping import METHODS, Method
 
 __all__ = [
+    "BODIES",
     "CAUSES",
     "CENTRED_DISK",
     "CONDITIONS",
@@ -71,16 +83,19 @@ __all__ = [
     "REST_METHODS",
     "ROUNDED_STEEL_DISK",
     "STEEL_DISK",
+    "Body",
     "Condition",
     "Constraint",
     "ConstraintSet",
     "Disk",
     "Dissipation",
+    "EllipticDisk",
     "Ending",
     "Ensemble",
     "FlatError",
     "Form",
     "FrictionLaw",
+    "Hole",
     "Inversion",
     "Inversions",
     "Level",
@@ -91,12 +106,15 @@ __all__ = [
     "OutcomeTable",
     "PenaltyContact",
     "Phases",
+    "Plate",
+    "PointMass",
     "Progress",
     "RestCriterion",
     "RestMethod",
     "Scenario",
     "SmoothCoulomb",
     "SpatialMotion",
+    "Sphere",
     "Start",
     "State",
     "StopWhen",

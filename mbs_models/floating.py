@@ -18,6 +18,7 @@ from analysis.data import frames
 from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
+from mbs_models.body_contact import loads_of
 from mbs_models.friction import UPWARD, Force, connector_force, friction_load
 from mbs_models.loads import Loads
 from mbs_models.model import Floats, Formulation, Model, table_forces
@@ -46,10 +47,16 @@ class Floating(Model):
     )
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
+    @classmethod
+    def obstacle(cls, scenario: Scenario) -> str:
+        if scenario.contact is None and not scenario.disk.is_round_disk:
+            return "rolls round disks alone on the ideal contact"
+        return ""
+
     def __init__(self, scenario: Scenario) -> None:
         self.loads: Loads | None = None
         if scenario.contact is not None:
-            self.loads = Loads(scenario, scenario.contact)
+            self.loads = loads_of(scenario, scenario.contact)
         super().__init__(scenario)
 
     def _build(self) -> None:
@@ -60,7 +67,7 @@ class Floating(Model):
         self._body = self.system.CreateRigidBody(
             inertia=RigidBodyInertia(
                 mass=disk.mass,
-                inertiaTensor=np.diag((disk.inertia_x, disk.inertia_y, disk.inertia_z)),
+                inertiaTensor=disk.tensor,
                 com=[disk.eccentricity, 0.0, 0.0],
             ),
             nodeType=self._node_type,
@@ -141,7 +148,7 @@ class Floating(Model):
             matrix = system.GetNodeOutput(node, attitude).tolist()
             load = loads.at(
                 float(displacement[2]),
-                (matrix[2], matrix[5], matrix[8]),
+                tuple(matrix),
                 tuple(velocity),
                 tuple(angular),
             )
@@ -327,13 +334,11 @@ class FloatingWithLosses(FloatingLie):
         def output(variable: Any) -> list[float]:
             return list(system.GetNodeOutput(self._node, variable).tolist())
 
-        matrix = output(_OUTPUT.RotationMatrix)
+        matrix: Any = (*output(_OUTPUT.RotationMatrix),)
         assert self.loads is not None
         x, y, z = output(_OUTPUT.Velocity)
         p, q, r = output(_OUTPUT.AngularVelocity)
-        load = self.loads.at(
-            output(_OUTPUT.Position)[2], (matrix[2], matrix[5], matrix[8]), (x, y, z), (p, q, r)
-        )
+        load = self.loads.at(output(_OUTPUT.Position)[2], matrix, (x, y, z), (p, q, r))
         return [power / self.unit for power in load.taken]
 
     def _readings(self) -> list[tuple[int, Any]]:

@@ -12,6 +12,7 @@ from analysis.data.checks import Array
 from analysis.data.frames import turn_about_vertical
 from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
+from mbs_models.body_contact import forces_on
 from mbs_models.loads import normal_forces
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
@@ -151,6 +152,8 @@ class Model(ABC):
         """
         if self.scenario.contact is not None:
             disk = self.scenario.disk
+            if not disk.is_round_disk:
+                return forces_on(self.scenario, self.scenario.contact, coordinates, rates)[:, None]
             return normal_forces(self.scenario.contact, disk, coordinates, rates)[:, None]
         # The engine's constraint forces act with a minus sign on the second body.
         contact = algebraic[:, self._equations(self._contact[0])]

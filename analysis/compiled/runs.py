@@ -35,6 +35,9 @@ def code_for(
         raise CannotCompileError(
             "method 'taylor' knows the ideal contact alone, no form 'free-body'"
         )
+    if not scenario.disk.is_round_disk:
+        kind = type(scenario.disk).__name__
+        raise CannotCompileError(f"method 'taylor' knows round disks alone, got a {kind}")
     if allow_pulling and scenario.rubs and scenario.friction.load == "contact":
         raise CannotCompileError(
             "allow_pulling must be left out with method 'taylor' where friction has the load "

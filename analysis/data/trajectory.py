@@ -174,13 +174,9 @@ class Trajectory(SampledMotion):
     @property
     def contact_points(self) -> Array:
         """Lowest point of the disk, inertial, in m, shape (n, 3)."""
-        x, y, z, alpha, beta, _ = self.coordinates.T
-        contact, r = self.scenario.contact, self.scenario.disk.radius
-        c = 0.0 if contact is None else contact.half_thickness
-        # The lowest point of a spheroid of semi-axes r, r, c; without thickness, of the rim.
-        height = np.hypot(r * np.sin(beta), c * np.cos(beta))
-        across = (r**2 - c**2) * np.sin(beta) * np.cos(beta) / height
-        return frames.turn_about_vertical(alpha, np.column_stack((x, y - across, z - height)))
+        contact = self.scenario.contact
+        half = 0.0 if contact is None else contact.half_thickness
+        return self.scenario.disk.lowest_points(*frames.poses(self.coordinates), half)
 
     def state(self, index: int) -> State:
         """State at one sample."""

@@ -14,8 +14,8 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
+from analysis.data.body import Body
 from analysis.data.checks import Array, choice
-from analysis.data.disk import Disk
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.linearisation import require_spinning, spin_array
@@ -102,7 +102,7 @@ class FullLinearSystem:
         return np.ascontiguousarray(turned[:, 2:, 2:])
 
 
-def signed_eccentricity(disk: Disk, motion: Motion) -> float:
+def signed_eccentricity(disk: Body, motion: Motion) -> float:
     """Height of S above G in m: +e for inverted, -e for noninverted spinning.
 
     Raises

@@ -108,7 +108,7 @@ def closed_form(
         If a spin is not finite, there is none, the motion is unknown, there is no friction or the
         table leans.
     """
-    scenario.require_horizontal_table("the closed form")
+    scenario.require_plain("the closed form")
     if not scenario.friction.is_on:
         raise ValueError("friction must have a positive gradient for the closed form, got 0")
     Omega = spin_array(spins)
@@ -159,7 +159,7 @@ def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalS
     ValueError
         If the motion is unknown or the table leans.
     """
-    scenario.require_horizontal_table("the closed form")
+    scenario.require_plain("the closed form")
     disk = scenario.disk
     r, e = disk.radius, signed_eccentricity(disk, motion)
     B_bar = disk.inertia_about_cog[1]

@@ -24,6 +24,14 @@ def project(points: Array, azimuth: float) -> Array:
     return np.column_stack((across, up))
 
 
+def to_eye(azimuth: float) -> Array:
+    """Direction to the eye, shape (3,)."""
+    level = np.cos(_VIEW_ELEVATION)
+    return np.array(
+        (level * np.cos(azimuth), level * np.sin(azimuth), np.sin(_VIEW_ELEVATION)), dtype=float
+    )
+
+
 def draw_disk(trajectory: Trajectory, index: int, axes: Any) -> Any:
     """Draw the disk at one sample, seen from a camera that turns with it.
 
@@ -41,17 +49,25 @@ def draw_disk(trajectory: Trajectory, index: int, axes: Any) -> Any:
     centre = np.array([0.0, 0.0, position[0, 2]])
 
     def place(points: Array) -> Array:
-        """Points in the plane of the disk, shape (n, 2), in the picture."""
-        return project(points @ rotation[0, :, :2].T + centre, azimuth)
+        """Points in axes of the body, shape (n, 2) or (n, 3), in the picture."""
+        return project(points @ rotation[0, :, : points.shape[1]].T + centre, azimuth)
 
     drawn = body.shape(disk)
-    edge, *holes = map(place, drawn.face)
+    edge, *holes = map(place, drawn.face or [np.vstack(drawn.lines)])
+    if drawn.lines:
+        edge = body.hull(edge)
     middle, cog = place(np.array([[0.0, 0.0], drawn.cog]))
     table = project(np.pad(body.circle(1.6 * disk.radius), ((0, 0), (0, 1))), azimuth)
     axes.fill(*table.T, color="#eeeeee", zorder=0)
     axes.fill(*edge.T, facecolor="#9fc5e8", edgecolor="#0b3d61", linewidth=1.2)
     for hole in holes:
         axes.fill(*hole.T, facecolor="white", edgecolor="#0b3d61", linewidth=0.8)
+    for mass in map(place, drawn.masses):
+        axes.fill(*mass.T, color="#0b3d61")
+    eye = to_eye(azimuth) @ rotation[0]
+    for line in drawn.lines:
+        seen = body.in_sight(line, np.zeros(3), eye)
+        axes.plot(*place(seen).T, color="#0b3d61", linewidth=0.6)
     axes.plot(*middle, marker="+", color="#0b3d61", markersize=6)
     axes.plot(*cog, marker="o", color="black", markersize=5)
     axes.set_aspect("equal")

@@ -233,7 +233,7 @@ SOFT = PenaltyContact(stiffness=1e5)
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ({"disk": 3}, "disk must be a Disk, got 3"),
+        ({"disk": 3}, "disk must be a Body, got 3"),
         ({"friction": "stick"}, "friction must be a FrictionLaw, got 'stick'"),
         ({"table": None}, "table must be a Table, got None"),
         ({"contact": 1e6}, r"contact must be a PenaltyContact, got 1000000\.0"),

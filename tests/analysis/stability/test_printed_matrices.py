@@ -12,13 +12,13 @@ from analysis import (
     MOTIONS,
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
-    Disk,
     Motion,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Table,
 )
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.stability.chart import stability_chart, static_gradient
 from analysis.stability.hopf_curves import hopf_curves
@@ -49,7 +49,7 @@ def test_printed_matrices_are_as_symmetric_as_the_paper_says() -> None:
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("gradient", [0.0, 1000.0])
 def test_a_disk_spinning_elsewhere_circles_in_the_rotating_frame(
-    disk: Disk, motion: Motion, gradient: float
+    disk: Body, motion: Motion, gradient: float
 ) -> None:
     friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
     matrix = full_system(Scenario(disk=disk, friction=friction), 7.0, motion).state_matrices[0]
@@ -84,7 +84,7 @@ def test_fast_eigenvalues_are_those_printed_for_the_tenth_smoothing() -> None:
     ids=["unrounded", "Table 1"],
 )
 def test_closed_form_gives_the_paper_numbers(
-    disk: Disk, spin: float, frequency: float, limit: float
+    disk: Body, spin: float, frequency: float, limit: float
 ) -> None:
     critical = critical_speed(replace(PAPER, disk=disk))
     assert critical.kind == "hopf"

@@ -12,10 +12,10 @@ from analysis import (
     MOTIONS,
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
-    Disk,
     Motion,
     Scenario,
 )
+from analysis.data.body import Body
 from analysis.stability.chart import (
     gradient_matrices,
     stability_chart,
@@ -71,7 +71,7 @@ def test_chart_counts_what_the_eigenvalues_of_the_whole_system_say() -> None:
 
 
 @pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK], ids=["unrounded", "Table 1"])
-def test_static_curve_is_where_an_eigenvalue_is_zero(disk: Disk) -> None:
+def test_static_curve_is_where_an_eigenvalue_is_zero(disk: Body) -> None:
     spins, scenario = np.array([21.5, 30.0, 50.0, 90.0]), Scenario(disk=disk)
     for spin, gradient in zip(spins, static_gradient(scenario, spins), strict=True):
         matrix = gradient_matrices(scenario, np.array([spin]), gradient, "inverted")[0]

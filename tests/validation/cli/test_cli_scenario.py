@@ -143,8 +143,8 @@ def test_way_to_rest_has_its_own_defaults(
 
 
 REFUSED = [
-    ("--disk steel-rounded --radius 0.04", "--radius: radius varies the paper's ring alone, of"),
-    (f"{RING} --disk steel-rounded", "--radius: radius varies the paper's ring alone, of which"),
+    ("--disk steel-rounded --radius 0.04", "--radius: radius varies a ring alone, of"),
+    (f"{RING} --disk steel-rounded", "--radius: radius varies a ring alone, of which"),
     (f"{RING} --mass 1", "--mass: mass does not go together with radius, from which it follows"),
     ("--constraints glue", "--constraints: constraints must be one of contact, fixed-cog"),
     ("--constraints fixed-cog", "--constraints: constraints must hold 'contact'"),

@@ -17,7 +17,7 @@ from PIL import Image
 from analysis.data.checks import Array, positive
 from analysis.data.limits import SLOWEST_FRAMES, WIDEST_PICTURE
 from validation.kit import snapshots
-from validation.kit.animation.body import circle, shape
+from validation.kit.animation.body import circle, hull, in_sight, shape
 from validation.kit.animation.keyframes import Keyframes
 from validation.kit.progress import counted
 
@@ -173,29 +173,39 @@ class _Picture:
         disk, scale = pose.disk, self.scale
         place = pose.positions[0]
         target = np.array([*(place[:2] if self.follows else self.middle), 0.75 * disk.radius])
-        first, second, _ = pose.rotations[0].T
+        axes = pose.rotations[0].T
+        first, second, _ = axes
 
         def project(points: Array) -> Array:
             """Picture coordinates in radii, shape (n, 2)."""
             return snapshots.project((np.atleast_2d(points) - target) / disk.radius, _AZIMUTH)
 
         def placed(outline: Array) -> Array:
-            points: Array = place + outline @ np.array([first, second])
+            points: Array = place + outline @ axes[: outline.shape[1]]
             return points
 
         yield from self._table(target, project)
         whole = [placed(outline) for outline in self.shape.face]
-        shadow = [project(outline * (1.0, 1.0, 0.0)) for outline in whole]
+        lines = [placed(line) for line in self.shape.lines]
+        shadow = [project(outline * (1.0, 1.0, 0.0)) for outline in (*whole, *lines)]
+        if lines:
+            shadow = [hull(np.vstack(shadow))]
         yield _filled(shadow, "#000000", alpha=0.13)
         yield _line(project(self._path(pose.times[0])), _PATH, 1.6 * scale)
         # The body's x axis turns into its y axis counterclockwise if its z axis points to the eye.
         counterclockwise = np.linalg.det(project(target + np.array([first, second]))) > 0.0
-        light, heavy = FRONT if counterclockwise else BACK
-        yield _filled([project(outline) for outline in whole], light)
+        light, heavy = FRONT if counterclockwise or lines else BACK
+        outlines = [project(outline) for outline in (*whole, *lines)]
+        yield _filled([hull(np.vstack(outlines))] if lines else outlines, light)
         if self.shape.heavy:
             yield _filled([project(placed(outline)) for outline in self.shape.heavy], heavy)
-        for outline, width in zip(whole, (2.0, 0.8), strict=False):
-            yield _line(project(outline), heavy, width * scale)
+        for number, outline in enumerate(whole):
+            yield _line(project(outline), heavy, (0.8 if number else 2.0) * scale)
+        for mass in self.shape.masses:
+            yield _filled([project(placed(mass))], "#222222")
+        for line in lines:
+            seen = in_sight(line, place, snapshots.to_eye(_AZIMUTH))
+            yield _line(project(seen), FRONT[1], 0.8 * scale)
         for point, marker, inner, edge in (
             (self.shape.mark, "o", "white", "#222222"),
             (self.shape.cog, "o", "black", "white"),

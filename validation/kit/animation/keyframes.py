@@ -5,8 +5,9 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from analysis import Disk, SpatialMotion, StoredRun, Trajectory
+from analysis import SpatialMotion, StoredRun, Trajectory
 from analysis.data import frames
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.limits import MOST_KEYFRAMES
 
@@ -33,7 +34,7 @@ class Keyframes:
         Where the disk touches the table, in m.
     spins : ndarray, shape (n,)
         Vertical angular velocity in rad/s; unlike the rate of alpha it exists in every attitude.
-    disk : Disk
+    disk : Body
     marks : sequence of (str, float)
         Names of phases and the times in s at which they begin.
     source : str
@@ -45,7 +46,7 @@ class Keyframes:
     quaternions: Array
     contact_points: Array
     spins: Array
-    disk: Disk
+    disk: Body
     marks: tuple[tuple[str, float], ...]
     source: str
 
@@ -151,9 +152,8 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
     spline = CubicHermiteSpline(samples, trajectory.coordinates, trajectory.rates)
     coordinates, rates = spline(times), spline(times, 1)
     positions, rotations = frames.poses(coordinates)
-    alpha, beta, _ = coordinates[:, 3:].T
-    # The contact point lies down the plane of the disk, against the second axis of its frame.
-    uphill = np.column_stack((-np.sin(alpha) * np.cos(beta), np.cos(alpha) * np.cos(beta)))
+    disk, contact = trajectory.scenario.disk, trajectory.scenario.contact
+    half = 0.0 if contact is None else contact.half_thickness
     formulation = trajectory.method.get("formulation") or trajectory.method.get("form")
     inverted = trajectory.inversion_time
     marks = () if inverted is None else (("inversion", inverted),)
@@ -161,9 +161,9 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
         times=times,
         positions=positions,
         quaternions=frames.quaternions(rotations),
-        contact_points=positions[:, :2] - trajectory.scenario.disk.radius * uphill,
+        contact_points=disk.lowest_points(positions, rotations, half)[:, :2],
         spins=frames.twists(coordinates, rates)[1][:, 2],
-        disk=trajectory.scenario.disk,
+        disk=disk,
         marks=marks,
         source=f"{trajectory.source}, {trajectory.scenario.name}"
         + (f", {formulation}" if formulation else ""),
