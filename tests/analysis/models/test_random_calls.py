@@ -30,7 +30,9 @@ NUMBERS = st.one_of(
     st.floats(1e250),
     st.floats(-16.0, 16.0).map(lambda digits: 10.0**digits),
     st.sampled_from(["", "x", "1e400", "-0", "nan", "inf", "1_000", "١٢", "0x10", "1:2:3"]),
-    st.sampled_from(["pi/2", "-pi", "90deg", "1/0", "contact", "contact,no-slip-along", "tanh"]),
+    st.sampled_from(
+        ["pi/2", "-pi", "90deg", "1/0", "contact", "contact,no-slip-along", "tanh", "ellipse"]
+    ),
 ).map(str)
 
 START = (
@@ -40,7 +42,8 @@ START = (
 TABLE = ("--gravity", "--inclination", "--downhill")
 DISK = (
     "--radius", "--mass", "--eccentricity", "--inertia-x", "--inertia-y", "--inertia-z",
-    "--hole-radius", "--hole-distance", "--thickness", "--density", "--disk",
+    "--hole-radius", "--hole-distance", "--thickness", "--density", "--disk", "--body",
+    "--inertia-xy", "--inertia-xz", "--inertia-yz", "--other-radius", "--long-axis",
 )  # fmt: skip
 CONTACT = ("--stiffness", "--damping", "--half-thickness")
 LOSSES = ("--rolling", "--rolling-viscous", "--pivoting", "--air-drag")
@@ -115,6 +118,7 @@ def nothing_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
 @example("engine", ["--samples=1000000000000"])
 @example("engine", ["--step=1e-300", "--end=1e300"])
 @example("in-house", ["--mu=1e300", "--eps=1e-300"])
+@example("in-house", ["--step=0"])
 def test_simulate_answers_in_one_line(
     capsys: pytest.CaptureFixture[str], source: str, given_options: list[str]
 ) -> None:
@@ -141,6 +145,10 @@ def test_rest_answers_in_one_line(
 @example(["--mass=1", "--density=1"])
 @example(["--law=.x:Law"])
 @example(["--bilateral"])
+@example(["--body=ellipse", "--other-radius=0.03", "--stiffness=1e5"])
+@example(["--body=ellipse", "--disk=steel"])
+@example(["--body=sphere", "--thickness=1"])
+@example(["--inertia-xy=1e-5"])
 def test_scenario_answers_in_one_line_or_prints_what_can_be_read(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, given_options: list[str]
 ) -> None:
@@ -256,6 +264,8 @@ def test_eigenvalues_of_the_steepest_friction_are_followed(
 @pytest.mark.usefixtures("_counted")
 @QUICK
 @given(with_values("--mu", "--stiffness", "--half-thickness", "--model", *LOSSES))
+@example(["--model=3"])
+@example(["--stiffness=1e5", "--body=sphere"])
 def test_scene_answers_in_one_line(
     capsys: pytest.CaptureFixture[str], given_options: list[str]
 ) -> None:
