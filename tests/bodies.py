@@ -102,6 +102,6 @@ def spinning_top(coefficient: float = 0.3) -> Scenario:
     return Scenario(
         disk=TIPPE_TOP,
         friction=SmoothCoulomb(coefficient=coefficient, smoothing=0.01, load="contact"),
-        contact=PenaltyContact.rounded(TIPPE_TOP, stiffness=1e5),
+        contact=PenaltyContact.rounded(TIPPE_TOP, stiffness=1e4),
         start=Start(beta=pi / 2, gamma=-pi / 2 + 0.1, spin=150.0),
     )
