@@ -206,7 +206,12 @@ class Model(ABC):
 
     def position_residuals(self) -> dict[Constraint, float]:
         """By how much the engine's current state breaks the constraints of positions, in m."""
-        height = self.system.GetObjectOutput(self._contact[0], exu.OutputVariableType.Position)[2]
+        outputs = exu.OutputVariableType
+        # The joint of a sphere tells how far it is off; that of a disk where its contact is.
+        output = (
+            outputs.Position if self.scenario.disk.is_round_disk else outputs.DisplacementLocal
+        )
+        height = self.system.GetObjectOutput(self._contact[0], output)[2]
         found: dict[Constraint, float] = {"contact": float(height)}
         if self._cog is not None:
             place = self.system.GetObjectOutput(self._cog, exu.OutputVariableType.Displacement)

@@ -9,6 +9,7 @@ import analysis
 import mbs_models
 from analysis import (
     LOADS,
+    MODELS,
     POSSIBLE_SETS,
     Body,
     ConstraintSet,
@@ -23,7 +24,7 @@ from analysis import (
 from analysis.data.constraint_set import set_name
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Scene
-from tests.bodies import BODIES, COMPOSED, random_start, spinning_top
+from tests.bodies import BODIES, COMPOSED, TIPPE_TOP, random_start, spinning_top
 from tests.helpers import assert_close, not_none
 
 every_body = pytest.mark.parametrize("body", BODIES.values(), ids=list(BODIES))
@@ -79,14 +80,28 @@ def test_bodies_have_the_same_accelerations_on_a_yielding_table(
     compare(scenario)
 
 
-@pytest.mark.parametrize("constraints", [("contact",), ("contact", "fixed-cog")], ids=set_name)
-def test_composed_disk_goes_the_same_way(constraints: ConstraintSet) -> None:
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("seed", range(3))
+def test_sphere_has_the_same_accelerations_on_the_ideal_contact(seed: int, load: Load) -> None:
+    friction = SmoothCoulomb(load=load)
+    compare(Scenario(disk=TIPPE_TOP, table=TABLE, friction=friction, start=random_start(seed)))
+
+
+MOTIONS = {
+    "composed": Scenario(disk=COMPOSED, start=START),
+    "composed, Model 2": Scenario(disk=COMPOSED, constraints=MODELS[2], start=START),
+    "sphere": Scenario(disk=TIPPE_TOP, friction=SmoothCoulomb(load="contact"), start=START),
+}
+
+
+@pytest.mark.parametrize("scenario", MOTIONS.values(), ids=list(MOTIONS))
+def test_bodies_go_the_same_way_on_the_ideal_contact(scenario: Scenario) -> None:
     times = np.linspace(0.0, 0.2, 11)
-    scenario = Scenario(disk=COMPOSED, constraints=constraints, start=START)
     truth = analysis.simulate(scenario, times, local_tolerance=1e-13)
     for formulation in mbs_models.formulations(scenario):
         run = mbs_models.simulate(Scene(scenario, formulation), times, tolerance=1e-7)
         np.testing.assert_allclose(run.coordinates[:, 4:], truth.coordinates[:, 4:], atol=1e-7)
+        np.testing.assert_allclose(run.normal_force, truth.normal_force, rtol=1e-5)
 
 
 @every_body
@@ -121,6 +136,12 @@ def test_tippe_top_turns_over_at_the_same_time() -> None:
     turned = not_none(one.inversion.time)
     assert turned == pytest.approx(1.228924, abs=1e-6)
     assert not_none(other.inversion.time) == pytest.approx(turned, abs=1e-7)
+    times = np.linspace(0.0, 1.5, 601)
+    ideal = Scene(replace(scenario, contact=None))
+    run = mbs_models.simulate(ideal, times, tolerance=1e-6, stop_when="inverted")
+    truth = analysis.simulate(ideal.scenario, times, stop_when="inverted")
+    assert not_none(run.ending).reason == not_none(truth.ending).reason == "inverted"
+    assert run.times[-1] == pytest.approx(truth.times[-1], abs=1e-7)
     # Without friction nothing turns it over, and the spin about its axis stays.
     smooth = replace(scenario, friction=SmoothCoulomb(coefficient=0.0, load="contact"))
     assert mbs_models.simulate_to_rest(smooth, 2.4).inversion.time is None
