@@ -11,6 +11,7 @@ from analysis.compiled.code import Code, code_of, values
 from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.compiled.systems import SIGN, SINGULAR, Structure
 from analysis.data.checks import Array
+from analysis.data.constraint_set import multiplier_names
 from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Watch
@@ -21,6 +22,9 @@ from analysis.solve.stepping import (
     endings,
     pulls_at_start,
 )
+
+MOST_FORCES = 4
+"""Constraint forces up to which a disk with products of inertia is compiled within seconds."""
 
 
 def code_for(
@@ -38,6 +42,11 @@ def code_for(
     if not scenario.disk.is_round_disk:
         kind = type(scenario.disk).__name__
         raise CannotCompileError(f"method 'taylor' knows round disks alone, got a {kind}")
+    if scenario.disk.has_products and len(multiplier_names(scenario.constraints)) > MOST_FORCES:
+        raise CannotCompileError(
+            "method 'taylor' takes minutes to compile a disk with products of inertia and more "
+            f"than {MOST_FORCES} constraint forces, got {scenario.name}"
+        )
     if allow_pulling and scenario.rubs and scenario.friction.load == "contact":
         raise CannotCompileError(
             "allow_pulling must be left out with method 'taylor' where friction has the load "
