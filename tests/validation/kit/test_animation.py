@@ -284,6 +284,15 @@ def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
 
 
 @needs_node
+@pytest.mark.parametrize(("body", "faces"), [(COMPOSED, 2), (TIPPE_TOP, 1)], ids=["disk", "solid"])
+def test_player_fills_what_a_body_covers(body: Body, faces: int) -> None:
+    scenario = Scenario(disk=body, start=Start(beta=1.3, gamma=0.5, spin=5.0))
+    (shown,) = played(animate(simulate(scenario, np.linspace(0.0, 0.05, 6))), np.array([0.02]))
+    colours = ("#8cc6ee", "#0b5c97", "#f7cf86", "#b85300")
+    assert sum(colour in colours for colour in shown["drawn"]) == faces
+
+
+@needs_node
 def test_player_takes_the_shorter_way_round_between_keyframes() -> None:
     motion = tumbling()
     signs = np.where(np.arange(motion.times.size) % 2, -1.0, 1.0)[:, None]

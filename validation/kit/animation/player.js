@@ -113,6 +113,7 @@ function diskMotion(data) {
     const trace = (points) => points.forEach((point, k) =>
       k ? pen.lineTo(...project(point)) : pen.moveTo(...project(point)));
     const fill = (outlines, colour) => { // where one outline lies within another, there is a hole
+      if (!outlines.length) return;
       pen.beginPath();
       outlines.forEach(trace);
       pen.fillStyle = colour;
