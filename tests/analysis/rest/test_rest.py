@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import log2, pi
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from analysis import (
     CENTRED_DISK,
     STEEL_DISK,
     Disk,
-    Ending,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -24,7 +22,6 @@ from analysis import (
     TimeLimitError,
     ToleranceError,
     Trajectory,
-    load_run,
     simulate,
 )
 from analysis.data.agreement import until_agreement
@@ -292,21 +289,6 @@ def test_each_dissipation_takes_energy_alone_when_it_is_on(option: str) -> None:
     for cause in CAUSES[2:]:
         assert (taken[cause] > 0.0) == (cause == option)
     assert np.max(np.abs(motion.energy_residual)) < 1e-8
-
-
-def test_file_gives_back_the_motion(tmp_path: Path) -> None:
-    ending = Ending(reason="time limit", time=0.1, value=2.0)
-    motion = replace(simulate_to_rest(Scenario.rest(dissipation=SETTLING), 0.1), ending=ending)
-    motion.save(tmp_path / "rest.npz")
-    found = load_run(tmp_path / "rest.npz", SpatialMotion)
-    np.testing.assert_array_equal(found.quaternions, motion.quaternions)
-    assert found.scenario == motion.scenario
-    assert found.method == motion.method
-    assert found.error_estimate == not_none(motion.error_estimate)
-    assert found.ending == ending
-    (tmp_path / "rest.npz").write_bytes(b"no archive")
-    with pytest.raises(ValueError, match="is not a readable motion"):
-        load_run(tmp_path / "rest.npz", SpatialMotion)
 
 
 def test_flat_motion_has_no_trajectory_but_its_beginning_has(settled: SpatialMotion) -> None:
