@@ -51,7 +51,6 @@ FILLED: Mapping[str, Columns] = {
 }
 """Arrays of a motion, of which every kind has some; forces alone where a constraint has them."""
 
-
 _TINY = 1e-30
 """Step into the complex plane, far below the last digit of what is differentiated."""
 
@@ -88,9 +87,12 @@ class Quantities(ABC):
         """Pose and twist at every sample."""
 
     @property
-    def _lengths(self) -> tuple[Any, Any, Any]:
-        """Eccentricity, radius and half thickness in m; shape (m, 1) each of many motions."""
-        return lengths(self.scenario)
+    def _eccentricity(self) -> Any:
+        """In m; shape (m, 1) of many motions."""
+        return self.scenario.disk.eccentricity
+
+    def _lowest(self, up: Any) -> Any:
+        return lowest(self.scenario, up)
 
     @quantity()
     def cog_direction(self) -> Array:
@@ -133,7 +135,7 @@ class Quantities(ABC):
     @quantity({"cog_height": "m"})
     def cog_height(self) -> Array:
         """Height of the centre of gravity over the table in m, shape (n,)."""
-        result: Array = self.poses.positions[..., 2] + self._lengths[0] * self.cog_direction
+        result: Array = self.poses.positions[..., 2] + self._eccentricity * self.cog_direction
         return result
 
     @quantity({"contact_speed": "m/s"})
@@ -147,16 +149,6 @@ class Quantities(ABC):
         along = velocities + np.einsum("...ij,...j->...i", rotations, moved)
         result: Array = np.hypot(along[..., 0], along[..., 1])
         return result
-
-    def _lowest(self, up: Any) -> Any:
-        """Lowest point seen from G in m, in axes of the body as the vertical is, shape (..., 3).
-
-        It is that of a spheroid of semi-axes r, r, c; without thickness, of the rim.
-        """
-        _, r, c = self._lengths
-        x, y, z = np.moveaxis(up, -1, 0)
-        height = np.sqrt(r * r * (x * x + y * y) + c * c * (z * z))
-        return -np.stack((r * r * x / height, r * r * y / height, c * c * z / height), axis=-1)
 
 
 class InCoordinates(Quantities):
@@ -237,7 +229,19 @@ def quantities(kind: type) -> Mapping[str, Columns]:
     return found
 
 
-def lengths(scenario: Scenario) -> tuple[float, float, float]:
-    """Eccentricity, radius and half thickness of the disk in m."""
-    disk, contact = scenario.disk, scenario.contact
-    return disk.eccentricity, disk.radius, 0.0 if contact is None else contact.half_thickness
+def lowest(scenario: Scenario, up: Any) -> Any:
+    """Lowest point of the disk seen from G in m, in axes of the body, shape (..., 3).
+
+    It is that of a spheroid of semi-axes r, r, c; without thickness, of the rim.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    up : ndarray, shape (..., 3)
+        The vertical in axes of the body; complex for the derivative along a motion.
+    """
+    r, contact = scenario.disk.radius, scenario.contact
+    c = 0.0 if contact is None else contact.half_thickness
+    x, y, z = np.moveaxis(up, -1, 0)
+    height = np.sqrt(r * r * (x * x + y * y) + c * c * (z * z))
+    return -np.stack((r * r * x / height, r * r * y / height, c * c * z / height), axis=-1)

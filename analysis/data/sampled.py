@@ -52,8 +52,12 @@ class SampledMotion(Quantities):
     ending: Ending | None
 
     @abstractmethod
-    def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
-        """What differs at times within the samples, shape (m,), and the error between these."""
+    def _between(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
+        """What has rates, at times within the samples, shape (m,), and the error there."""
+
+    @abstractmethod
+    def _beside(self, wanted: Array) -> dict[str, Any]:
+        """What else differs there."""
 
     @staticmethod
     @abstractmethod
@@ -114,7 +118,7 @@ class SampledMotion(Quantities):
         ToleranceError
             If the samples lie too far apart for the tolerance.
         """
-        arrays, _ = self._arrays_at(self._wanted(number("time", time)), tolerance)
+        arrays, _ = self._between(self._wanted(number("time", time)), tolerance)
         coordinates, rates = (each[0].tolist() for each in self._state_of(arrays))
         return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
@@ -141,7 +145,8 @@ class SampledMotion(Quantities):
             If the samples lie too far apart for the tolerance.
         """
         wanted = self._wanted(increasing_times(times))
-        arrays, error = self._arrays_at(wanted, tolerance)
+        arrays, error = self._between(wanted, tolerance)
+        arrays |= self._beside(wanted)
         estimate = None if self.error_estimate is None else self.error_estimate + error
         same: Any = self
         found: Self = replace(same, times=wanted, **arrays, error_estimate=estimate)

@@ -17,6 +17,8 @@ from analysis.data.sampled import SampledMotion
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import SOURCES, Setting, Source, Trajectory
 
+_WITH_RATES = ("times", "positions", "quaternions", "velocities", "angular_velocities")
+
 _SAME_TIME = 1e-12
 """In s; times of one sample differ by rounding."""
 
@@ -176,7 +178,7 @@ class SpatialMotion(SampledMotion):
         largest = max(float(np.max(turned)), float(np.max(difference[:, 3:])))
         return largest / float(self.energies[0].sum())
 
-    def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
+    def _between(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
         values = np.column_stack((self.positions, self.quaternions))
         turning = frames.quaternion_rates(self.quaternions, self.angular_velocities)
         rates = np.column_stack((self.velocities, turning))
@@ -186,21 +188,24 @@ class SpatialMotion(SampledMotion):
         worst = self._check_between(wanted, turned, tolerance)
         length = np.linalg.norm(values[:, 3:], axis=1, keepdims=True)
         quaternion = values[:, 3:] / length
-        found: dict[str, Any] = {
+        return {
             "positions": values[:, :3],
             "quaternions": quaternion,
             "velocities": rates[:, :3],
             "angular_velocities": frames.angular_velocities(quaternion, rates[:, 3:] / length),
-        }
+        }, worst
+
+    def _beside(self, wanted: Array) -> dict[str, Any]:
+        rest = self.rest_time
+        within = rest is not None and wanted[0] <= rest <= wanted[-1]
+        found: dict[str, Any] = {"rest_time": rest if within else None}
         for name in filled(SpatialMotion):
-            if name not in ("times", *found):
+            if name not in _WITH_RATES:
                 # Impacts make these jump.
                 columns = np.atleast_2d(getattr(self, name).T)
                 values = np.transpose([np.interp(wanted, self.times, each) for each in columns])
                 found[name] = values[:, 0] if len(columns) == 1 else values
-        rest = self.rest_time
-        within = rest is not None and wanted[0] <= rest <= wanted[-1]
-        return found | {"rest_time": rest if within else None}, worst
+        return found
 
     @staticmethod
     def _state_of(arrays: Mapping[str, Array]) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ from analysis.data.ensemble import Ensemble
 from analysis.data.files import AnyArray
 from analysis.data.inversion import Inversions, inversions
 from analysis.data.members import Rows
-from analysis.data.motion_quantities import InCoordinates, lengths
+from analysis.data.motion_quantities import InCoordinates, lowest
 from analysis.data.trajectory import Trajectory
 
 _BLOCK = 2**14
@@ -185,9 +185,11 @@ class Trajectories(InCoordinates):
             return error
 
     @cached_property
-    def _lengths(self) -> tuple[Any, Any, Any]:
-        each = [self.ensemble.numbers(lambda one, n=n: lengths(one)[n]) for n in range(3)]  # type: ignore[misc]
-        return each[0][:, None], each[1][:, None], each[2][:, None]
+    def _eccentricity(self) -> Array:
+        return self.ensemble.numbers(lambda scenario: scenario.disk.eccentricity)[:, None]
+
+    def _lowest(self, up: Any) -> Any:
+        return np.array([lowest(each, one) for each, one in zip(self.ensemble, up, strict=True)])
 
     @cached_property
     def ends(self) -> Array:
@@ -230,7 +232,7 @@ class Trajectories(InCoordinates):
         outcomes = np.full(len(self), "not inverted", dtype=object)
         numbers = np.full((4, len(self)), np.nan)
         for rows, samples in self._blocks():
-            eccentricities = self._lengths[0][rows, 0]
+            eccentricities = self._eccentricity[rows, 0]
             found = inversions(
                 samples.times, samples.cog_direction, samples.direction_rates, eccentricities
             )

@@ -126,13 +126,16 @@ class Trajectory(InCoordinates, SampledMotion):
             rates=tuple(self.rates[index].tolist()),
         )
 
-    def _arrays_at(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
+    def _between(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
         coordinates, rates, error = interpolate(self.times, self.coordinates, self.rates, wanted)
         worst = self._check_between(wanted, np.max(error[:, 4:], axis=1), tolerance)
+        return {"coordinates": coordinates, "rates": rates}, worst
+
+    def _beside(self, wanted: Array) -> dict[str, Any]:
         order: Any = min(2, self.times.size - 1)
         slopes = np.gradient(self.multipliers, self.times, axis=0, edge_order=order)
         multipliers, *_ = interpolate(self.times, self.multipliers, slopes, wanted, nodes=2)
-        return {"coordinates": coordinates, "rates": rates, "multipliers": multipliers}, worst
+        return {"multipliers": multipliers}
 
     @staticmethod
     def _state_of(arrays: Mapping[str, Array]) -> tuple[Array, Array]:

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import log2, pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,6 @@ from scipy.spatial.transform import Rotation
 from analysis import (
     CENTRED_DISK,
     STEEL_DISK,
-    Ending,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -24,7 +22,6 @@ from analysis import (
     TimeLimitError,
     ToleranceError,
     Trajectory,
-    load_run,
     simulate,
 )
 from analysis.data.agreement import until_agreement
