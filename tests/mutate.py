@@ -3,10 +3,9 @@
     python -m tests.mutate --number 60 --seed 1 analysis/mechanics mbs_models
 
 Each mutation is made in a copy of the project and tested by the folder of `tests` that mirrors
-the file's, and if it survives these, by all quick tests (not with `--near`). One that survives is
-either a check that is missing or a change that changes nothing; they are printed with their
-places, to be looked at.
-The exit code is 1 above `ALLOWED`.
+the file's, and if it survives these, by all quick tests, unless `--near` is given. One that
+survives is either a check that is missing or a change that changes nothing; they are printed with
+their places, to be looked at. The exit code is 1 above `ALLOWED`.
 """
 
 import argparse

@@ -23,7 +23,7 @@ LAYOUTS = ("grid", "random", "latin-hypercube", "sobol")
 MAPS = ("spin-friction", "spin-eccentricity", "attitude", "tilting", "basins", "rest")
 SHELLS = ("bash", "zsh", "fish")
 MOST = 10_000_000
-"""Cases of a sweep."""
+"""Cases of a sweep, unless more are asked for."""
 
 SECTIONS_OF_REPORT = (
     *("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps"),

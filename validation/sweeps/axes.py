@@ -16,9 +16,6 @@ from analysis.data.written import Value, is_text, is_word, read_value
 Layout = Literal["grid", "random", "latin-hypercube", "sobol"]
 LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 
-MOST_CASES = 10_000_000
-"""Cases of a sweep, unless more are asked for by name."""
-
 _RANGE = re.compile(r"([^:]+):([^:]+?)(?:\s*:\s*(\d+)\s*)?(:\s*log\s*)?")
 
 _BLOCK = 4096

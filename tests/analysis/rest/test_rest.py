@@ -214,21 +214,6 @@ def test_runs_that_disagree_are_no_result_and_their_whole_difference_is_the_esti
     assert found.error_estimate == pytest.approx(7.5e-4)
 
 
-def test_file_gives_back_the_motion(tmp_path: Path) -> None:
-    ending = Ending(reason="time limit", time=0.1, value=2.0)
-    motion = replace(simulate_to_rest(Scenario.rest(dissipation=SETTLING), 0.1), ending=ending)
-    motion.save(tmp_path / "rest.npz")
-    found = load_run(tmp_path / "rest.npz", SpatialMotion)
-    np.testing.assert_array_equal(found.quaternions, motion.quaternions)
-    assert found.scenario == motion.scenario
-    assert found.method == motion.method
-    assert found.error_estimate == not_none(motion.error_estimate)
-    assert found.ending == ending
-    (tmp_path / "rest.npz").write_bytes(b"no archive")
-    with pytest.raises(ValueError, match="is not a readable spatial motion"):
-        load_run(tmp_path / "rest.npz", SpatialMotion)
-
-
 def test_deviation_wants_the_same_times(settled: SpatialMotion) -> None:
     other = settled.resampled(np.linspace(0.0, 1.0, 11))
     with pytest.raises(ValueError, match=r"other must be sampled at the same times, got t = 0\.1"):

@@ -23,7 +23,7 @@ from validation import report
 from validation.parser import commands, runs
 from validation.parser.commands import COMMANDS
 from validation.parser.options import OUTPUTS, Command
-from validation.sweeps.axes import LAYOUTS, MOST_CASES
+from validation.sweeps.axes import LAYOUTS
 
 NEEDED = {
     "show": "run.npz",
@@ -55,7 +55,6 @@ def test_choices_are_those_of_the_packages() -> None:
     assert commands.MOTIONS == analysis.MOTIONS
     assert commands.INVERSION == DEFINITION
     assert commands.LAYOUTS == LAYOUTS
-    assert commands.MOST == MOST_CASES
     names = tuple(name.replace("_", "-") for name in (*report.DISK, *report.METHOD))
     assert names == commands.SECTIONS_OF_REPORT
     stored = [n for n in names if any(study.is_stored for study in report.find(n).STUDIES)]
