@@ -1,6 +1,5 @@
 """The public names of `analysis`."""
 
-from analysis.compiled.batches import Outcome
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.constraint_set import (
     MODELS,
@@ -16,7 +15,10 @@ from analysis.data.endings import CONDITIONS, Condition, Ending, StopWhen
 from analysis.data.ensemble import Ensemble
 from analysis.data.friction import (
     LAWS,
+    AnisotropicCoulomb,
     FrictionLaw,
+    LubricatedCoulomb,
+    PowerLawCoulomb,
     SmoothCoulomb,
     Stribeck,
     TanhCoulomb,
@@ -44,7 +46,7 @@ from analysis.models.balance import (
     energy_residual,
     power,
 )
-from analysis.models.ensemble import simulate_many
+from analysis.models.ensemble import Outcome, simulate_many
 from analysis.models.forms import FORMS, Form
 from analysis.models.outcomes import outcomes
 from analysis.models.simulation import simulate
@@ -71,6 +73,7 @@ __all__ = [
     "REST_METHODS",
     "ROUNDED_STEEL_DISK",
     "STEEL_DISK",
+    "AnisotropicCoulomb",
     "Condition",
     "Constraint",
     "ConstraintSet",
@@ -85,12 +88,14 @@ __all__ = [
     "Inversions",
     "Level",
     "Load",
+    "LubricatedCoulomb",
     "Method",
     "Motion",
     "Outcome",
     "OutcomeTable",
     "PenaltyContact",
     "Phases",
+    "PowerLawCoulomb",
     "Progress",
     "RestCriterion",
     "RestMethod",

@@ -11,7 +11,7 @@ from math import ceil, inf, log2, sin, sqrt
 import numpy as np
 
 from analysis.data.checks import Array, positive, within
-from analysis.data.limits import SHORTEST_STEP, Effort
+from analysis.data.limits import DEFAULT_TOLERANCE, SHORTEST_STEP, Effort
 from analysis.solve import effort as shared
 from mbs_models.integrators import Integrator, find_integrator
 from mbs_models.runs import MINIMUM_STEP
@@ -109,7 +109,7 @@ def simulation_effort(
     """
     if step is not None:
         step = within("step", positive("step", step), SHORTEST_STEP, inf)
-    tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+    tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
     may_change = integrator is None
     spacings = _spacings(times)
     if integrator is None and step is None:
@@ -174,13 +174,13 @@ def rest_effort(scene: Scene, end: float, step: float) -> Effort:
     step : float
         As it starts, in s.
     """
-    friction, contact = scene.scenario.friction, scene.scenario.contact
+    contact = scene.scenario.contact
     stiffness = 0.0 if contact is None else contact.stiffness
     return Effort(
         steps=end / step,
         seconds=end / step * _REST_SECONDS,
         cause=f"end = {end:g} s with steps of {step:.1e} s, at stiffness {stiffness:g} N/m and "
-        f"friction gradient {friction.gradient:g} s/m,",
+        f"friction gradient {scene.scenario.friction_gradient:g} s/m,",
     )
 
 
@@ -214,7 +214,7 @@ def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tupl
     turning = max(turning, sqrt(scenario.table.gravity / disk.radius))
     steps = {
         f"tolerance {tolerance:g} rad": angle / turning,
-        f"friction gradient {scenario.friction.gradient:g} s/m": (
+        f"friction gradient {scenario.friction_gradient:g} s/m": (
             (0.6 if integrator.implicit else 1.2) / decay if decay else inf
         ),
         f"beta {start.coordinates[4]:g} rad": 1.0 / attitude if attitude else inf,

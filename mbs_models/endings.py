@@ -153,7 +153,8 @@ class Records:
         watch = Watch(most=MOST_STEPS_OF_A_SEARCH)
         try:
             with solving(motion.model.system):
-                if must_not_pull and problem.normal_force(problem.start) < 0.0:
+                force = problem.normal_force
+                if must_not_pull and force is not None and force(problem.start) < 0.0:
                     return Found(CONTACT_WOULD_PULL, place.row, 0.0, values)
                 found = integrate(
                     problem,

@@ -149,13 +149,13 @@ class Floating(Model):
 
         return force
 
-    def friction_per_newton(self) -> list[float]:
+    def friction_under(self, load: float) -> list[float]:
         number, system = self._friction, self.system
         present = system.systemData.GetAECoordinates()
-        under_one = present.copy()
+        under_load = present.copy()
         # The engine's constraint forces act with a minus sign on the second body.
-        under_one[self.contact_equation] = -1.0
-        system.systemData.SetAECoordinates(under_one)
+        under_load[self.contact_equation] = -load
+        system.systemData.SetAECoordinates(under_load)
         # What the connector does to the table, in its turned frame.
         force, torque = (
             UPWARD @ system.GetObjectOutput(number, output)

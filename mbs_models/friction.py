@@ -4,14 +4,17 @@ The laws are written here a second time, independently of those of the in-house 
 """
 
 from collections.abc import Callable, Sequence
-from math import cos, exp, hypot, sin, tanh
+from math import cos, exp, hypot, sin, sqrt, tanh
 from typing import Any
 
 import exudyn as exu
 import numpy as np
 
 from analysis.data.friction import (
+    AnisotropicCoulomb,
     FrictionLaw,
+    LubricatedCoulomb,
+    PowerLawCoulomb,
     SmoothCoulomb,
     Stribeck,
     TanhCoulomb,
@@ -22,8 +25,8 @@ from analysis.data.scenario import Scenario
 Load = Callable[[Any], float]
 """From the engine's system to what presses the disk on the table, in N."""
 
-PerSpeed = Callable[[float], float]
-"""From a slip speed to the friction force for each newton of load and each m/s."""
+LawForce = Callable[[float, float, float], tuple[float, float]]
+"""From slip along and across the edge in m/s and a load in N to the friction force in N."""
 
 Force = Callable[..., list[float]]
 """A user function of an engine item."""
@@ -32,44 +35,88 @@ UPWARD = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 """Rotation matrix of a frame whose x axis points up."""
 
 
-def per_speed(law: FrictionLaw) -> PerSpeed:
+def law_force(law: FrictionLaw) -> LawForce:
     """Friction law for the engine; a law of the user's own is taken as it is."""
     written = _WRITTEN.get(type(law))
-    return law.per_speed if written is None else written(law)
+    return law.force if written is None else written(law)
 
 
-def _smooth_coulomb(law: SmoothCoulomb) -> PerSpeed:
+def _isotropic(resistance: Callable[[float, float], float]) -> LawForce:
+    """Force against a slip from its size over the slip's, which follows from slip and load."""
+
+    def force(along: float, across: float, load: float) -> tuple[float, float]:
+        factor = -resistance(hypot(along, across), load)
+        return factor * along, factor * across
+
+    return force
+
+
+def _smooth_coulomb(law: SmoothCoulomb) -> LawForce:
     coefficient, smoothing = law.coefficient, law.smoothing
-    return lambda speed: coefficient / (speed + smoothing)
+    return _isotropic(lambda speed, load: coefficient * load / (speed + smoothing))
 
 
-def _stribeck(law: Stribeck) -> PerSpeed:
+def _stribeck(law: Stribeck) -> LawForce:
     kinetic, drop, smoothing = law.kinetic, law.static - law.kinetic, law.smoothing
     narrowness = 1.0 / law.stribeck_speed**2
-    return lambda speed: (kinetic + drop * exp(-narrowness * speed * speed)) / (smoothing + speed)
-
-
-def _tanh(law: TanhCoulomb) -> PerSpeed:
-    coefficient, smoothing = law.coefficient, law.smoothing
-    gradient = coefficient / smoothing
-    # Below a ten-thousandth of the smoothing, (x/s)^2 / 3 is all that tanh bends.
-    return lambda speed: (
-        coefficient * tanh(speed / smoothing) / speed
-        if speed > 1e-4 * smoothing
-        else gradient - gradient * (speed / smoothing) ** 2 / 3.0
+    return _isotropic(
+        lambda speed, load: (
+            load * (kinetic + drop * exp(-narrowness * speed * speed)) / (smoothing + speed)
+        )
     )
 
 
-def _viscous(law: ViscousFriction) -> PerSpeed:
+def _tanh(law: TanhCoulomb) -> LawForce:
+    coefficient, smoothing = law.coefficient, law.smoothing
+    gradient = coefficient / smoothing
+    # Below a ten-thousandth of the smoothing, (x/s)^2 / 3 is all that tanh bends.
+    return _isotropic(
+        lambda speed, load: (
+            load * coefficient * tanh(speed / smoothing) / speed
+            if speed > 1e-4 * smoothing
+            else load * (gradient - gradient * (speed / smoothing) ** 2 / 3.0)
+        )
+    )
+
+
+def _viscous(law: ViscousFriction) -> LawForce:
     viscosity = law.viscosity
-    return lambda _speed: viscosity
+    return _isotropic(lambda _speed, load: load * viscosity)
 
 
-_WRITTEN: dict[type[FrictionLaw], Callable[[Any], PerSpeed]] = {
+def _power_law(law: PowerLawCoulomb) -> LawForce:
+    # The load under the reference one and both constants make one number.
+    exponent, smoothing = law.exponent, law.smoothing
+    constant = law.coefficient * law.reference_load ** (1.0 - exponent)
+    return _isotropic(lambda speed, load: constant * load**exponent / (speed + smoothing))
+
+
+def _lubricated(law: LubricatedCoulomb) -> LawForce:
+    coefficient, smoothing, film = law.coefficient, law.smoothing, law.film
+    return _isotropic(lambda speed, load: film + coefficient * load / (speed + smoothing))
+
+
+def _anisotropic(law: AnisotropicCoulomb) -> LawForce:
+    # Over the larger coefficient, the smaller one is a flattening.
+    largest, smoothing = max(law.along, law.across), law.smoothing
+    flat_x, flat_y = (law.along / largest) ** 2, (law.across / largest) ** 2
+
+    def force(along: float, across: float, load: float) -> tuple[float, float]:
+        x, y = flat_x * along, flat_y * across
+        factor = -largest * load / (sqrt(x * along + y * across) + smoothing)
+        return factor * x, factor * y
+
+    return force
+
+
+_WRITTEN: dict[type[FrictionLaw], Callable[[Any], LawForce]] = {
     SmoothCoulomb: _smooth_coulomb,
     Stribeck: _stribeck,
     TanhCoulomb: _tanh,
     ViscousFriction: _viscous,
+    AnisotropicCoulomb: _anisotropic,
+    PowerLawCoulomb: _power_law,
+    LubricatedCoulomb: _lubricated,
 }
 """Laws written a second time. What derives from one of them may differ, so it is not of it."""
 
@@ -112,14 +159,13 @@ def contact_tree_force(scenario: Scenario, load: Load) -> Force:
     The contact point moves with the joints before gamma, so the slip velocity is the velocity of
     that point plus the rim speed r gamma'.
     """
-    r, factor_at = scenario.disk.radius, per_speed(scenario.friction)
+    r, friction = scenario.disk.radius, law_force(scenario.friction)
 
     def force(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         x, y, spin = q[1], q[2], u[0]
         slip_x = u[1] - y * spin + r * u[4]
         slip_y = u[2] + x * spin
-        factor = -load(system) * factor_at(hypot(slip_x, slip_y))
-        fx, fy = factor * slip_x, factor * slip_y
+        fx, fy = friction(slip_x, slip_y, load(system))
         return [x * fy - y * fx, fx, fy, 0.0, r * fx]
 
     return force
@@ -127,26 +173,25 @@ def contact_tree_force(scenario: Scenario, load: Load) -> Force:
 
 def euler_tree_force(scenario: Scenario, load: Load) -> Force:
     """Generalised friction force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
-    r, factor_at = scenario.disk.radius, per_speed(scenario.friction)
+    r, friction = scenario.disk.radius, law_force(scenario.friction)
 
     def sliding(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         x, arm, lift = q[1], r * cos(q[4]) - q[2], r * sin(q[4])
         slip_x = u[1] + arm * u[0] + r * u[5]
         slip_y = u[2] + x * u[0] + lift * u[4]
-        factor = -load(system) * factor_at(hypot(slip_x, slip_y))
-        fx, fy = factor * slip_x, factor * slip_y
+        fx, fy = friction(slip_x, slip_y, load(system))
         return [arm * fx + x * fy, fx, fy, 0.0, lift * fy, r * fx]
 
     def along(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         arm = r * cos(q[4]) - q[2]
         slip_x = u[1] + arm * u[0] + r * u[5]
-        fx = -load(system) * factor_at(abs(slip_x)) * slip_x
+        fx, _ = friction(slip_x, 0.0, load(system))
         return [arm * fx, fx, 0.0, 0.0, 0.0, r * fx]
 
     def across(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         x, lift = q[1], r * sin(q[4])
         slip_y = u[2] + x * u[0] + lift * u[4]
-        fy = -load(system) * factor_at(abs(slip_y)) * slip_y
+        _, fy = friction(0.0, slip_y, load(system))
         return [x * fy, 0.0, fy, 0.0, lift * fy, 0.0]
 
     if "no-slip-along" in scenario.constraints:
@@ -162,7 +207,7 @@ def connector_force(scenario: Scenario, load: Load) -> Force:
     second is its elevation; they are regular unless the disk lies flat. The connector wants the
     force on the table.
     """
-    r, factor_at = scenario.disk.radius, per_speed(scenario.friction)
+    r, friction = scenario.disk.radius, law_force(scenario.friction)
     only_across = "no-slip-along" in scenario.constraints
     only_along = "no-slip-across" in scenario.constraints
 
@@ -185,14 +230,15 @@ def connector_force(scenario: Scenario, load: Load) -> Force:
         c0, c1, c2 = -r * cos(rotation[1]), rise * n1, rise * n2
         slip_1 = velocity[1] + angular[2] * c0 - angular[0] * c2
         slip_2 = velocity[2] + angular[0] * c1 - angular[1] * c0
+        along, across = slip_2 * n1 - slip_1 * n2, slip_1 * n1 + slip_2 * n2
+        fx, fy = friction(
+            0.0 if only_across else along, 0.0 if only_along else across, load(system)
+        )
         if only_across:
-            across = slip_1 * n1 + slip_2 * n2
-            slip_1, slip_2 = across * n1, across * n2
+            fx = 0.0
         elif only_along:
-            along = slip_2 * n1 - slip_1 * n2
-            slip_1, slip_2 = -along * n2, along * n1
-        factor = load(system) * factor_at(hypot(slip_1, slip_2))
-        f1, f2 = factor * slip_1, factor * slip_2
+            fy = 0.0
+        f1, f2 = fx * n2 - fy * n1, -fx * n1 - fy * n2
         return [0.0, f1, f2, c1 * f2 - c2 * f1, -c0 * f2, c0 * f1]
 
     return force

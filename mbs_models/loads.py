@@ -14,7 +14,7 @@ from analysis.data.contact import PenaltyContact
 from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
-from mbs_models.friction import Force, per_speed
+from mbs_models.friction import Force, law_force
 
 Triple = tuple[float, float, float]
 
@@ -33,7 +33,8 @@ class Loads:
         disk, dissipation = scenario.disk, scenario.dissipation
         self._contact, self._loss = contact, dissipation
         self._by_weight = scenario.friction.load == "weight"
-        self._weight, self._per_speed = scenario.weight, per_speed(scenario.friction)
+        self._weight, self._law = scenario.weight, law_force(scenario.friction)
+        self._has_direction = not scenario.friction.IS_ISOTROPIC
         self._square = disk.radius**2
         self._flattening = self._square - contact.half_thickness**2
         self._rolls = dissipation.rolling_dry > 0.0 or dissipation.rolling_viscous > 0.0
@@ -74,9 +75,8 @@ class Loads:
         rise = v[2] + w[0] * py - w[1] * px
         normal = self._normal_force(height - centre_height, rise, load)
         load.slip = hypot(sx, sy)
-        slope = self._friction_load(normal) * self._per_speed(load.slip)
-        fx, fy = -slope * sx, -slope * sy
-        load.taken[1] = slope * load.slip * load.slip
+        fx, fy = self._friction(n, sx, sy, normal)
+        load.taken[1] = -(fx * sx + fy * sy)
         load.force = (fx, fy, normal)
         load.torque = (py * normal - pz * fy, pz * fx - px * normal, px * fy - py * fx)
         if self._rolls:
@@ -101,12 +101,18 @@ class Loads:
         load.elastic = 0.5 * spring * depth
         return force
 
-    def _friction_load(self, normal: float) -> float:
-        """What presses on the table; the weight does wherever there is contact at all."""
-        if self._by_weight:
-            touches = normal > 0.0 or self._contact.bilateral
-            return self._weight if touches else 0.0
-        return max(0.0, normal)
+    def _friction(self, n: Triple, sx: float, sy: float, normal: float) -> tuple[float, float]:
+        """Friction; the weight is its load wherever there is contact at all."""
+        if not (normal > 0.0 or self._contact.bilateral):
+            return 0.0, 0.0
+        load = self._weight if self._by_weight else max(0.0, normal)
+        if not self._has_direction:
+            return self._law(sx, sy, load)
+        # The edge points along the horizontal at a right angle to the axis.
+        level = hypot(n[0], n[1])
+        c, s = -n[1] / level, n[0] / level
+        fx, fy = self._law(c * sx + s * sy, c * sy - s * sx, load)
+        return c * fx - s * fy, s * fx + c * fy
 
     def contour(self, n: Triple, w: Triple, point: Triple) -> tuple[float, float]:
         """Velocity p' - w x p in m/s of the contact point over the rim; it is horizontal.
@@ -219,7 +225,7 @@ def normal_forces(contact: PenaltyContact, disk: Disk, coordinates: Array, rates
 
 def euler_tree_contact(scenario: Scenario, contact: PenaltyContact) -> Force:
     """Generalised contact force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
-    r, factor_at = scenario.disk.radius, per_speed(scenario.friction)
+    r, friction = scenario.disk.radius, law_force(scenario.friction)
     stiffness, damping = contact.stiffness, contact.damping
     by_weight, weight = scenario.friction.load == "weight", scenario.weight
     rough, always = scenario.rubs, contact.bilateral
@@ -236,11 +242,9 @@ def euler_tree_contact(scenario: Scenario, contact: PenaltyContact) -> Force:
         slip_x = u[1] + arm * u[0] + r * u[5]
         slip_y = u[2] + x * u[0] + lift * u[4]
         # A contact that pulls is no load; the weight is one wherever there is contact at all.
-        load = max(0.0, normal)
-        if by_weight and (always or normal > 0.0):
-            load = weight
-        factor = -load * factor_at(hypot(slip_x, slip_y))
-        fx, fy = factor * slip_x, factor * slip_y
+        fx = fy = 0.0
+        if always or normal > 0.0:
+            fx, fy = friction(slip_x, slip_y, weight if by_weight else max(0.0, normal))
         return [arm * fx + x * fy, fx, fy, normal, lift * fy - side * normal, r * fx]
 
     return force

@@ -234,10 +234,10 @@ class Model(ABC):
         # The engine's constraint forces act with a minus sign on the second body.
         return equation is not None and self.system.systemData.GetAECoordinates()[equation] > 0.0
 
-    def friction_per_newton(self) -> list[float]:
-        """Friction on the engine's coordinates for each newton of contact force, n floats.
+    def friction_under(self, load: float) -> list[float]:
+        """Friction on the engine's coordinates under a contact force in N, n floats.
 
-        In the engine's current state, with the contact force as its load.
+        In the engine's current state, of a law that takes that force as its load.
         """
         raise NotImplementedError
 

@@ -79,10 +79,14 @@ def force_rounding(model: Model) -> float:
         largest.append(rim_speed)
         if "constant-spin" in scenario.constraints:
             largest.append(abs(rates[0]))
-    lost = friction.gradient * scenario.weight * rim_speed
+    lost = friction.slope(scenario.weight) * rim_speed
     if contact is not None:
         lost += contact.stiffness * disk.radius
     return 4.0 * float(np.finfo(float).eps) * max(lost, *largest)
+
+
+_PART = 1e-6
+"""Part of a contact force over which friction is differentiated that is not proportional to it."""
 
 
 def complete_jacobian(model: Model) -> None:
@@ -99,8 +103,17 @@ def complete_jacobian(model: Model) -> None:
     data = model.system.systemData
     equations = len(data.GetAECoordinates())
 
+    def per_newton() -> list[float]:
+        if scenario.friction.IS_PROPORTIONAL:
+            return model.friction_under(1.0)
+        load = -data.GetAECoordinates()[contact]
+        little = _PART * max(load, _PART * scenario.weight)
+        less, more = max(0.0, load - little), load + little
+        pairs = zip(model.friction_under(more), model.friction_under(less), strict=True)
+        return [(high - low) / (more - less) for high, low in pairs]
+
     def column(*_unused: Any) -> Any:
-        forces = [0.0] * data.ODE2Size() if model.pulls() else model.friction_per_newton()
+        forces = [0.0] * data.ODE2Size() if model.pulls() else per_newton()
         size = len(forces) + equations
         entries = [[row, len(forces) + contact, force] for row, force in enumerate(forces)]
         matrix = exu.MatrixContainer()

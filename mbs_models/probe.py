@@ -22,6 +22,13 @@ QUICK_STEP = 1e-5
 """and where those of two values do."""
 
 
+_SECANTS = 30
+"""Most steps towards a contact force that friction is not in proportion to,"""
+
+_BALANCED = 1e-14
+"""and what of it may be left."""
+
+
 class SingularError(ArithmeticError):
     """The equations of motion have no solution in a state."""
 
@@ -163,6 +170,8 @@ class Probe:
             right[:n, 0] = self._forces()
             solution = _solution(matrix, right)[:, 0]
             return solution[:n], solution[n:]
+        if not self._model.scenario.friction.IS_PROPORTIONAL:
+            return self._balanced(matrix, right, contact)
         right[:n, 0] = self._forces_under(contact, 0.0)
         right[:n, 1] = self._forces_under(contact, -1.0) - right[:n, 0]
         without, change = _solution(matrix, right).T
@@ -224,6 +233,48 @@ class Probe:
         load = max(0.0, frictionless) / (1.0 - feedback)
         solution = without + load * change
         return solution[: self._size], solution[self._size :]
+
+    def _balanced(self, matrix: Array, right: Array, contact: int) -> tuple[Array, Array]:
+        """Solution with friction under the contact force, to which it is not in proportion.
+
+        By secants from the load without friction, where the excess of the contact force over the
+        load is to vanish.
+
+        Parameters
+        ----------
+        matrix : ndarray, shape (n + m, n + m)
+        right : ndarray, shape (n + m, 2)
+            Its first column has everything but the forces.
+        contact : int
+            Number of the contact's equation.
+        """
+        n = self._size
+        inverse = np.linalg.inv(matrix)
+
+        def under(load: float) -> tuple[Array, float]:
+            right[:n, 0] = self._forces_under(contact, -load)
+            solution = inverse @ right[:, 0]
+            return solution, -float(solution[n + contact]) - load
+
+        (_, less), load = under(0.0), 0.0
+        if less <= 0.0:
+            # A contact that pulls rubs with no load.
+            solution, _ = under(0.0)
+            return solution[:n], solution[n:]
+        step = less
+        for _ in range(_SECANTS):
+            load += step
+            solution, more = under(load)
+            if abs(more) <= _BALANCED * load:
+                return solution[:n], solution[n:]
+            if more == less:
+                break
+            step *= more / (less - more)
+            step, less = max(step, -0.9 * load), more
+        raise SingularError(
+            "the engine's equations of motion have no contact force under which friction calls "
+            f"for itself: {more:.3g} N are left under {load:.6g} N"
+        )
 
     def _forces(self) -> Array:
         self._solver.ComputeODE2RHS(self._system)

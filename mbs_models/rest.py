@@ -133,7 +133,7 @@ def _check_step(scene: Scene, step: float) -> None:
             f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
             f"{rounded_contact(scene).stiffness:g}, damping {rounded_contact(scene).damping:g} "
             "and friction gradient "
-            f"{scene.scenario.friction.gradient:g}, got {step:g}"
+            f"{scene.scenario.friction_gradient:g}, got {step:g}"
         )
 
 

@@ -24,6 +24,7 @@ from analysis.data.endings import (
     named_conditions,
 )
 from analysis.data.friction import check_slipping
+from analysis.data.limits import DEFAULT_TOLERANCE
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
@@ -136,7 +137,7 @@ def simulate(
                 f"local_tolerance of its own, got {tolerance!r}"
             )
     elif step is None or chosen.steps_accelerations:
-        tolerance = positive("tolerance", 1e-8 if tolerance is None else tolerance)
+        tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
         if tolerance < FINEST:
             raise ToleranceError(
                 f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"

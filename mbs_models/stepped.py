@@ -102,7 +102,9 @@ def stepped(
                 # The error of a motion falls more slowly than that of a step.
                 first = tolerance / (3.0 if tolerance > FINE else 20.0)
                 rungs = tighter_and_tighter(first, FINEST_LOCAL)
-                found, local, estimate = run_to(run, problem, tolerance, rungs, integrator.name)
+                found, local, estimate = run_to(
+                    run, problem, times, tolerance, rungs, method=integrator.name
+                )
             values = motion.samples(found.states)
             # The first sample is the start itself, without the rounding on the way there.
             values[0, :12] = scene.scenario.initial_state.vector

@@ -69,9 +69,9 @@ class _Tree(Model):
             return euler_tree_contact(self.scenario, self.scenario.contact)
         return self._law(self.scenario, friction_load(self.scenario, self._contact))
 
-    def friction_per_newton(self) -> list[float]:
+    def friction_under(self, load: float) -> list[float]:
         data = self.system.systemData
-        law = self._law(self.scenario, lambda _: 1.0)
+        law = self._law(self.scenario, lambda _: load)
         return law(
             self.system,
             0.0,

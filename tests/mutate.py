@@ -3,8 +3,9 @@
     python -m tests.mutate --number 60 --seed 1 analysis/mechanics mbs_models
 
 Each mutation is made in a copy of the project and tested by the folder of `tests` that mirrors
-the file's, and if it survives these, by all quick tests. One that survives is either a check that
-is missing or a change that changes nothing; they are printed with their places, to be looked at.
+the file's, and if it survives these, by all quick tests (not with `--near`). One that survives is
+either a check that is missing or a change that changes nothing; they are printed with their
+places, to be looked at.
 The exit code is 1 above `ALLOWED`.
 """
 
@@ -23,14 +24,18 @@ from validation.kit.progress import say
 
 ROOT = Path(__file__).parents[1]
 
-ROOMS = (
-    "analysis/data",
-    "analysis/mechanics",
-    "analysis/models",
-    "analysis/stability",
-    "mbs_models",
-)
+ROOMS = ("analysis", "mbs_models", *(f"validation/{each}" for each in (
+    "cli.py", "commands", "kit", "maps", "page", "parser", "run.py", "study.py", "sweeps",
+)))  # fmt: skip
 """Rooms that are tried by default."""
+
+MIRRORS = {
+    "validation/parser": "validation/cli",
+    "validation/commands": "validation/cli",
+    "validation/cli.py": "validation/cli",
+    "validation/run.py": "validation/cli",
+}
+"""Where the tests of a room do not lie in a folder of its name."""
 
 ALLOWED = 0.05
 """Part of the mutations that may survive."""
@@ -122,19 +127,26 @@ def _replaced(node: ast.AST) -> Iterator[tuple[ast.expr | ast.stmt, str]]:
 
 def tests_of(path: Path) -> str:
     """Folder of the tests that mirror a file."""
+    for room, mirror in MIRRORS.items():
+        if path.is_relative_to(room):
+            return f"tests/{mirror}"
     folder = Path("tests") / path.parent
     while not (ROOT / folder).is_dir():
         folder = folder.parent
     return str(folder)
 
 
-def survives(mutation: Mutation, copy: Path) -> bool:
-    """Whether the tests pass with a mutation made in a copy of the project."""
+def survives(mutation: Mutation, copy: Path, *, near: bool) -> bool:
+    """Whether the tests pass with a mutation made in a copy of the project.
+
+    `near` leaves it at those that mirror the file.
+    """
     path = copy / mutation.path
     source = path.read_text("utf-8")
     path.write_text(mutation.applied(source), "utf-8")
     try:
-        return all(_pass(copy, folder) for folder in (tests_of(mutation.path), "tests"))
+        folders = [tests_of(mutation.path)] + ([] if near else ["tests"])
+        return all(_pass(copy, folder) for folder in folders)
     finally:
         path.write_text(source, "utf-8")
 
@@ -148,14 +160,19 @@ def _pass(copy: Path, folder: str) -> bool:
     return done.returncode == 0
 
 
+def _files(room: Path) -> list[Path]:
+    return [room] if room.is_file() else sorted(room.rglob("*.py"))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Try some mutations; exit code."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutate", description=__doc__)
-    parser.add_argument("rooms", nargs="*", default=list(ROOMS), help="folders of the source")
+    parser.add_argument("rooms", nargs="*", default=list(ROOMS), help="folders and files")
     parser.add_argument("--number", type=int, default=60, help="of mutations (60)")
     parser.add_argument("--seed", type=int, default=0, help="of their choice (0)")
+    parser.add_argument("--near", action="store_true", help="run the mirroring tests alone")
     options = parser.parse_args(arguments)
-    paths = [path for room in options.rooms for path in sorted((ROOT / room).rglob("*.py"))]
+    paths = [path for room in options.rooms for path in _files(ROOT / room)]
     every = [mutation for path in paths for mutation in mutations(path.relative_to(ROOT))]
     # Nothing secret hangs on them.
     chosen = random.Random(options.seed).sample(every, min(options.number, len(every)))  # noqa: S311
@@ -164,7 +181,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         copy = Path(folder) / "copy"
         shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".*", "__pycache__"))
         for mutation in chosen:
-            lives = survives(mutation, copy)
+            lives = survives(mutation, copy, near=options.near)
             alive += lives
             place = f"{mutation.path}:{mutation.line}"
             say(f"{'SURVIVES' if lives else 'dies'}: {place}: {mutation.text}")

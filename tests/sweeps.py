@@ -1,6 +1,7 @@
 """Sweeps that several tests run, and a pool that runs them at once."""
 
 from concurrent.futures import Executor
+from pathlib import Path
 from typing import Any
 
 from analysis import MODELS, Scenario
@@ -8,6 +9,9 @@ from validation.kit.processes import Here
 from validation.sweeps.axes import Design, axis_from_text
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import Pool
+from validation.sweeps.results import Results
+from validation.sweeps.runner import run_cases
+from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
 
 
@@ -25,3 +29,10 @@ def sweep(*axes: str, scenario: Scenario | None = None, **plan: Any) -> Sweep:
     plan.setdefault("tolerance", 1e-4)
     design = Design(axes=tuple(map(axis_from_text, axes)))
     return Sweep(scenario=scenario, design=design, plan=Plan(**plan))
+
+
+def swept(wanted: Sweep, path: Path, **options: Any) -> Results:
+    """Results of a sweep, or of what is wanted of it, that this process runs."""
+    with Store(path, wanted) as kept:
+        run_cases(wanted, kept, direct(), **options)
+    return Results.load(path)

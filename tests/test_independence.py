@@ -67,9 +67,9 @@ def test_what_is_shared_imports_no_mechanics(path: Path) -> None:
         ("analysis", ("exudyn", "heyoka", "matplotlib", "pandas", "xarray")),
         ("mbs_models", ("matplotlib",)),
         ("validation.cli", ("numpy", "exudyn", "matplotlib")),
-        ("validation.studies.stability.tables", ("exudyn", "matplotlib", "pandas")),
-        ("validation.studies.nonlinear.tables", ("exudyn", "matplotlib", "pandas")),
-        ("validation.studies.nonlinear.passage", ("exudyn", "matplotlib", "pandas")),
+        ("validation.commands.stability", ("exudyn", "matplotlib", "pandas")),
+        ("validation.nonlinear.tables", ("exudyn", "matplotlib", "pandas")),
+        ("validation.nonlinear.passage", ("exudyn", "matplotlib", "pandas")),
     ],
 )
 def test_import_loads_nothing_it_does_not_need(module: str, absent: tuple[str, ...]) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from analysis import MODELS, Level, Scenario, simulate
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linear_reduced import critical_speed
+from analysis.stability.printed import critical_speed
 from tests.helpers import not_none
 from tests.stated import chapter, missing, numbers, rows_below, stands, values
 from validation.studies.robustness import section as robustness

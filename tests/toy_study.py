@@ -47,7 +47,6 @@ STUDY = Study(
     sample=("one",),
     confirm={"value": relative("value", 1e-9), "curve": 1e-9},
     timed=("seconds",),
-    rounds=2,
     limit=5.0,
     columns={"value": "a power"},
 )

@@ -3,15 +3,16 @@
 Every time is the median processor time of repeats after a warm-up, in one thread; what is
 compared is called in turns. Single runs are whole calls of a `simulate` function for Table 3 over
 2 s, sampled every 0.01 s; errors are the largest in beta and gamma over all samples, against
-DOP853 with a local tolerance of 1e-13, which differs by less than 1e-12 rad from Radau.
+DOP853 with a local tolerance of 3e-14, which differs by less than 1e-12 rad from Radau.
 """
 
 import argparse
 import resource
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cache, partial
+from itertools import product
 from math import inf
 from pathlib import Path
 from statistics import median
@@ -28,7 +29,6 @@ from analysis import (
     Dissipation,
     Ensemble,
     Form,
-    Method,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -37,8 +37,9 @@ from analysis import (
     simulate_many,
 )
 from analysis.compiled.library import is_installed
-from analysis.compiled.places import deeper
-from analysis.models.simulation import COMPILED_TOLERANCES
+from analysis.compiled.stack import deeper
+from analysis.data.checks import Array
+from analysis.models.request import COMPILED_TOLERANCES
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Integrator, Scene
@@ -61,11 +62,10 @@ from validation.sweeps.sweep import Sweep
 TIMES = np.linspace(0.0, 2.0, 201)
 ERRORS = (1e-6, 1e-9, 1e-12)
 
-_SWEPT = 10
-"""Cases of a sweep that is timed."""
+MODEL_1, MODEL_2, MODEL_3, MODEL_4 = (Scenario(constraints=each) for each in MODELS.values())
 
-MODEL_SCENARIOS = tuple(Scenario(constraints=each) for each in MODELS.values())
-MODEL_1, MODEL_2, MODEL_3, MODEL_4 = MODEL_SCENARIOS
+How = dict[str, Any]
+Timed = Callable[[], object]
 
 
 class Measured(NamedTuple):
@@ -88,40 +88,62 @@ class Measured(NamedTuple):
         return told + bound
 
 
-def milliseconds(*calls: Callable[[], object], repeats: int) -> list[float]:
+def milliseconds(*calls: Timed, repeats: int) -> list[float]:
     """Median times of calls in turns in ms."""
     return [1e3 * median(times) for times in in_turns(*calls, pairs=repeats)]
 
 
-# --- Single runs, sweeps and eigenvalues ---------------------------------------------------------
+def _engine(formulation: str, **how: Any) -> How:
+    return {"formulation": formulation, **how}
 
 
-def _targets() -> Iterator[tuple[str, Scenario, dict[str, Any], float, float]]:
-    """Label of a run, its scenario, how it is run, and most of its error in rad and time in ms."""
-    for step, error, limit in ((5e-3, 1e-6, 25.0), (2.5e-3, 1e-9, 60.0)):
-        how = {"formulation": "contact-tree", "step": step}
-        yield f"engine, contact tree, step {step:g} s", MODEL_1, how, error, limit
-    for scenario in (MODEL_2, MODEL_3, MODEL_4):
-        how = {"formulation": "euler-tree", "tolerance": 1e-6}
-        yield f"engine, Euler tree, {scenario.name}, to 1e-6 rad", scenario, how, 1e-6, 800.0
-    for scenario, local, form, limit in (
-        (MODEL_1, 1e-10, "index-1", 100.0),
-        (MODEL_4, 1e-10, "reduced", 100.0),
-        (MODEL_2, 3e-12, "index-1", 150.0),
-        (MODEL_3, 1e-11, "index-1", 150.0),
-    ):
-        how = {"source": "in-house", "formulation": form, "local_tolerance": local}
-        yield f"in-house, {scenario.name}, {form}", scenario, how, 1e-9, limit
+def _in_house(**how: Any) -> How:
+    return {"source": "in-house", **how}
+
+
+RUNS: tuple[tuple[str, Scenario, How, float, float], ...] = (
+    ("engine, contact tree, step 5 ms", MODEL_1, _engine("contact-tree", step=5e-3), 1e-6, 25.0),
+    ("engine, contact tree, 2.5 ms", MODEL_1, _engine("contact-tree", step=2.5e-3), 1e-9, 60.0),
+    *(
+        (f"engine, Euler tree, {each.name}, to 1e-6 rad", each,
+         _engine("euler-tree", tolerance=1e-6), 1e-6, 800.0)
+        for each in (MODEL_2, MODEL_3, MODEL_4)
+    ),
+    ("in-house, Model 1", MODEL_1, _in_house(local_tolerance=1e-10), 1e-9, 100.0),
+    ("in-house, Model 4, reduced", MODEL_4,
+     _in_house(formulation="reduced", local_tolerance=1e-10), 1e-9, 100.0),
+    ("in-house, Model 2", MODEL_2, _in_house(local_tolerance=3e-12), 1e-9, 150.0),
+    ("in-house, Model 3", MODEL_3, _in_house(local_tolerance=1e-11), 1e-9, 150.0),
+)  # fmt: skip
+"""Label of a run, its scenario, how it is run, and most of its error in rad and time in ms."""
+
+SWEPT: tuple[tuple[str, Scenario, How], ...] = (
+    ("engine, contact tree, step 5 ms", MODEL_1, {"source": "engine", "step": 5e-3}),
+    ("engine, local 1e-6", MODEL_1, {"source": "engine", "local_tolerance": 1e-6}),
+    ("engine, to 1e-6 rad", MODEL_1, {"source": "engine", "tolerance": 1e-6}),
+    ("engine, Euler tree, Model 2, step 5 ms", MODEL_2, {"source": "engine", "step": 5e-3}),
+    ("in-house, Model 4, local 1e-6", MODEL_4, {"local_tolerance": 1e-6}),
+)
+"""Label of a sweep, its scenario and its plan."""
+
+CASES = 10
+"""Of a sweep that is timed."""
+
+COMPILED: tuple[tuple[Scenario, Form, int], ...] = (
+    (MODEL_1, "index-1", 64),
+    (MODEL_4, "reduced", 512),
+)
+"""Scenario and form of a system that is compiled, and members of its ensemble."""
 
 
 @cache
 def _truth(scenario: Scenario) -> Trajectory:
-    return analysis.simulate(scenario, TIMES, local_tolerance=1e-13)
+    return analysis.simulate(scenario, TIMES, local_tolerance=3e-14)
 
 
 def single_runs(repeats: int) -> Iterator[Measured]:
     """Error and time of runs, and what of it is the solver's."""
-    for label, scenario, how, error, limit in _targets():
+    for label, scenario, how, error, limit in RUNS:
         call = partial(run, scenario, TIMES, **how)
         yield Measured(f"{label}: error", deviation(call(), _truth(scenario)), "rad", error)
         yield Measured(label, milliseconds(call, repeats=repeats)[0], "ms", limit)
@@ -134,36 +156,25 @@ def single_runs(repeats: int) -> Iterator[Measured]:
 
 def load_laws(repeats: int) -> Iterator[Measured]:
     """What it costs that the friction law knows the contact force (Euler tree, step 2.5 ms)."""
-    for scenario in MODEL_SCENARIOS:
-        calls = [
-            partial(mbs_models.simulate, Scene(laden, "euler-tree"), TIMES, step=2.5e-3)
-            for load in analysis.LOADS
-            for laden in [replace(scenario, friction=SmoothCoulomb(load=load))]
-        ]
+    for scenario in (MODEL_1, MODEL_2, MODEL_3, MODEL_4):
+        laws = [SmoothCoulomb(load=load) for load in analysis.LOADS]
+        scenes = [Scene(replace(scenario, friction=law), "euler-tree") for law in laws]
+        calls = [partial(mbs_models.simulate, scene, TIMES, step=2.5e-3) for scene in scenes]
         weight, contact = milliseconds(*calls, repeats=repeats)
         yield Measured(f"{scenario.name}: contact force over weight as load", contact / weight, "")
 
 
 def stability(repeats: int) -> Iterator[Measured]:
     """Times of the eigenvalue work."""
-    many, gradients = np.linspace(0.0, 60.0, 10_000), np.geomspace(0.3, 30.0, 200)
-    calls: list[tuple[str, Callable[[], object], float]] = [
-        (
-            "10,000 spins of the full system, tracked branches",
-            partial(spectra.branches, MODEL_1, many, system="full"),
-            1500.0,
-        ),
-        (
-            "stability chart, 200 x 200",
-            partial(stability_chart, MODEL_1, np.linspace(0.0, 80.0, 200), gradients),
-            10_000.0,
-        ),
-        (
-            "engine, Model 1, 100 spins",
-            partial(engine_matrices, MODEL_1, np.linspace(0.0, 60.0, 100)),
-            5000.0,
-        ),
-    ]
+    many, some = np.linspace(0.0, 60.0, 10_000), np.linspace(0.0, 80.0, 200)
+    full = partial(spectra.branches, MODEL_1, many, system="full")
+    chart = partial(stability_chart, MODEL_1, some, np.geomspace(0.3, 30.0, 200))
+    engine = partial(engine_matrices, MODEL_1, np.linspace(0.0, 60.0, 100))
+    calls: tuple[tuple[str, Timed, float], ...] = (
+        ("10,000 spins of the full system, tracked branches", full, 1500.0),
+        ("stability chart, 200 x 200", chart, 10_000.0),
+        ("engine, Model 1, 100 spins", engine, 5000.0),
+    )
     for label, call, limit in calls:
         yield Measured(label, milliseconds(call, repeats=min(repeats, 3))[0], "ms", limit)
 
@@ -173,24 +184,13 @@ def sweeps(repeats: int) -> Iterator[Measured]:
 
     Without the commits, of which there is one a second.
     """
-    ways: tuple[tuple[str, Scenario, dict[str, Any]], ...] = (
-        ("engine, contact tree, step 5 ms", MODEL_1, {"step": 5e-3}),
-        ("engine, contact tree, local 1e-6", MODEL_1, {"local_tolerance": 1e-6}),
-        ("engine, contact tree, to 1e-6 rad", MODEL_1, {"tolerance": 1e-6}),
-        ("engine, Euler tree, Model 2, step 5 ms", MODEL_2, {"step": 5e-3}),
-        (
-            "in-house, Model 4, local 1e-6",
-            MODEL_4,
-            {"source": "in-house", "local_tolerance": 1e-6},
-        ),
-    )
-    for label, scenario, how in ways:
-        axis = Axis(field="spin", first=30.0, last=50.0, count=_SWEPT)
-        plan = Plan(end=2.0, spacing=1e-2, **({"source": "engine"} | how))
+    for label, scenario, how in SWEPT:
+        axis = Axis(field="spin", first=30.0, last=50.0, count=CASES)
+        plan = Plan(end=2.0, spacing=1e-2, **how)
         sweep = Sweep(scenario=scenario, design=Design(axes=(axis,)), plan=plan)
         swept, runs = sweep_times(sweep, repeats)
         yield Measured(f"{label}: over single runs", swept / runs, "", 1.2)
-        yield Measured(f"{label}: beside each run", (swept - runs) / _SWEPT, "ms")
+        yield Measured(f"{label}: beside each run", (swept - runs) / CASES, "ms")
 
 
 def sweep_times(sweep: Sweep, repeats: int) -> tuple[float, float]:
@@ -200,7 +200,7 @@ def sweep_times(sweep: Sweep, repeats: int) -> tuple[float, float]:
     with TemporaryDirectory() as folder, Store(Path(folder) / "a.db", sweep) as store:
 
         def swept() -> None:
-            store.add(run_chunk(sweep.to_text(), numbers, 60.0, 200.0))
+            store.add(run_chunk(sweep, numbers, 60.0, 200.0))
 
         def single() -> None:
             for scenario in scenarios:
@@ -234,69 +234,32 @@ def to_rest(_: int) -> Iterator[Measured]:
         yield Measured(f"{name.replace('_', ' ')}, relative error", off, "", 0.01)
 
 
-# --- Compiled runs -------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Compiled:
-    """A system that is compiled, from Table 3."""
-
-    scenario: Scenario
-    form: Form
-    members: int
-
-    def simulate(self, method: Method, local_tolerance: float) -> Trajectory:
-        """Run it once to a local tolerance."""
-        how: Any = {"form": self.form, "method": method, "local_tolerance": local_tolerance}
-        return analysis.simulate(self.scenario, TIMES, **how)
-
-    def ensemble(self) -> Ensemble:
-        """Spins at which the disk is inverted."""
-        base = replace(self.scenario, start=Start(beta=1.5))
-        return Ensemble(scenario=base, fields={"spin": np.linspace(34.0, 50.0, self.members)})
-
-    def many(self, members: Sequence[Scenario] | None = None, **how: Any) -> object:
-        """Run its ensemble, made and checked anew, or some members."""
-        how |= {"form": self.form, "workers": 1}
-        return simulate_many(self.ensemble() if members is None else members, TIMES, **how)
-
-
-COMPILED = (
-    Compiled(scenario=MODEL_1, form="index-1", members=64),
-    Compiled(scenario=MODEL_4, form="reduced", members=512),
-)
-
-
 def compiled_runs(repeats: int) -> Iterator[Measured]:
     """Single runs to an error: pure, compiled, and heyoka driven by hand.
 
     One run of each, without the second one that a tolerance takes. Compiled code is warm.
     """
-    for case in COMPILED if is_installed() else ():
-        truth = case.simulate("DOP853", 3e-14)
-        for error in ERRORS:
-            label = f"{case.scenario.name}, {case.form}, to {error:g} rad"
-            ladder = [10.0**-power for power in range(6, 14)]
-            if (local := _loosest(case, "DOP853", ladder, error, truth)) is not None:
-                pure = partial(case.simulate, "DOP853", local)
-                yield Measured(f"{label}: pure", milliseconds(pure, repeats=repeats)[0], "ms")
-            local = _loosest(case, "taylor", COMPILED_TOLERANCES, error, truth)
-            if local is not None:
-                ours = partial(case.simulate, "taylor", local)
-                hand = by_hand.single(case.scenario, case.form, local, TIMES)
-                taken, by = from_all_places(ours, hand, repeats=repeats, calls=10)
-                yield Measured(f"{label}: compiled", taken, "ms")
-                yield Measured(f"{label}: by hand", by, "ms")
-
-
-def _loosest(
-    case: Compiled, method: Method, ladder: Sequence[float], error: float, truth: Trajectory
-) -> float | None:
-    """The loosest local tolerance of a ladder with which the error is kept."""
-    for local in ladder:
-        if local <= 10.0 * error and deviation(case.simulate(method, local), truth) <= error:
-            return local
-    return None
+    ladders = {"DOP853": [10.0**-power for power in range(6, 14)], "taylor": COMPILED_TOLERANCES}
+    for (scenario, form, _), error in product(COMPILED if is_installed() else (), ERRORS):
+        label = f"{scenario.name}, {form}, to {error:g} rad"
+        found: dict[str, tuple[float, Timed]] = {}
+        for (method, ladder), local in product(ladders.items(), range(8)):
+            # The loosest local tolerance with which the error is kept.
+            if method in found or local >= len(ladder) or ladder[local] > 10.0 * error:
+                continue
+            how: How = {"form": form, "method": method, "local_tolerance": ladder[local]}
+            call = partial(analysis.simulate, scenario, TIMES, **how)
+            if deviation(call(), _truth(scenario)) <= error:
+                found[method] = ladder[local], call
+        if "DOP853" in found:
+            (taken,) = milliseconds(found["DOP853"][1], repeats=repeats)
+            yield Measured(f"{label}: pure", taken, "ms")
+        if "taylor" in found:
+            local_tolerance, ours = found["taylor"]
+            hand = by_hand.single(scenario, form, local_tolerance, TIMES)
+            taken, by = from_all_places(ours, hand, repeats=repeats, calls=10)
+            yield Measured(f"{label}: compiled", taken, "ms")
+            yield Measured(f"{label}: by hand", by, "ms")
 
 
 def ensembles(repeats: int) -> Iterator[Measured]:
@@ -306,25 +269,31 @@ def ensembles(repeats: int) -> Iterator[Measured]:
     list: a Scenario and a Trajectory for each. To 1e-6 rad: with the second run that checks it.
     One run each: local tolerance 1e-9. By hand, nothing is made of the sampled states.
     """
-    for case in COMPILED if is_installed() else ():
-        name, size = f"{case.scenario.name}, {case.form}", case.members
-        few, members = list(case.ensemble().part(slice(4))), list(case.ensemble())
-        once: Any = {"method": "taylor", "local_tolerance": 1e-9}
-        calls: dict[str, tuple[Callable[[], object], int]] = {
-            "pure to 1e-6 rad": (partial(case.many, few, method="DOP853", tolerance=1e-6), 4),
-            "compiled to 1e-6 rad": (partial(case.many, method="taylor", tolerance=1e-6), size),
-            "one run each, from a list": (partial(case.many, members, **once), size),
-        }
-        for label, (call, count) in calls.items():
-            (taken,) = milliseconds(call, repeats=repeats)
-            yield Measured(f"{name}: {label}", 1e3 * count / taken, "1/s")
-        taken, by = from_all_places(
-            partial(case.many, **once),
-            by_hand.batches(members, case.form, 1e-9, TIMES),
-            repeats=repeats,
+    for scenario, form, size in COMPILED if is_installed() else ():
+        base, spins = replace(scenario, start=Start(beta=1.5)), np.linspace(34.0, 50.0, size)
+
+        def made(base: Scenario = base, spins: Array = spins) -> Ensemble:
+            return Ensemble(scenario=base, fields={"spin": spins})
+
+        def many(members: Any = None, form: Form = form, **how: Any) -> object:
+            found: object = simulate_many(members or made(), TIMES, form=form, workers=1, **how)
+            return found
+
+        members = list(made())
+        once: How = {"method": "taylor", "local_tolerance": 1e-9}
+        few = partial(many, members[:4], method="DOP853", tolerance=1e-6)
+        calls: tuple[tuple[str, Timed, int], ...] = (
+            ("pure to 1e-6 rad", few, 4),
+            ("compiled to 1e-6 rad", partial(many, method="taylor", tolerance=1e-6), size),
+            ("one run each, from a list", partial(many, members, **once), size),
         )
-        yield Measured(f"{name}: one run each", 1e3 * size / taken, "1/s")
-        yield Measured(f"{name}: one run each, by hand", 1e3 * size / by, "1/s")
+        for label, call, count in calls:
+            (taken,) = milliseconds(call, repeats=repeats)
+            yield Measured(f"{scenario.name}: {label}", 1e3 * count / taken, "1/s")
+        hand = by_hand.batches(members, form, 1e-9, TIMES)
+        both = from_all_places(partial(many, **once), hand, repeats=repeats)
+        for label, taken in zip(("one run each", "one run each, by hand"), both, strict=True):
+            yield Measured(f"{scenario.name}: {label}", 1e3 * size / taken, "1/s")
 
 
 def from_all_places(

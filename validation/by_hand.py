@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis import Form, Scenario
 from analysis.compiled import systems
-from analysis.compiled.code import code_of, kinks
+from analysis.compiled.code import code_for, kinks
 from analysis.compiled.library import heyoka
 from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
@@ -72,5 +72,5 @@ def _pieces(members: Sequence[Scenario], form: Form) -> tuple[systems.System, Ar
     structure = Structure.of(members[0], form, {}, allow_pulling=False)
     numbers = np.array([systems.parameters(member) for member in members])
     starts = np.array([start_values(member, form) for member in members])
-    numbers[:, SIGN] = code_of(structure).signs(starts, numbers)
+    numbers[:, SIGN] = code_for(members[0], form, {}, allow_pulling=False).signs(starts, numbers)
     return systems.build(structure), numbers, starts

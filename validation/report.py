@@ -1,31 +1,29 @@
 """The report: all studies measured or confirmed, and two pages with what they found."""
 
-import json
-import os
 import re
 import sqlite3
 import time
 from base64 import b64decode, b64encode
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
 from validation import study as kit
-from validation.kit.processes import open_processes
-from validation.kit.progress import bar, say
+from validation.kit.animation import play
+from validation.kit.progress import say
 from validation.kit.provenance import PACKAGES, Provenance, machine
-from validation.kit.sources import behind, digest
+from validation.kit.sources import behind
 from validation.page.content import StudyModule, Verdict
-from validation.page.section import PlainSection, Section, environment, table_html
-from validation.study import RESULTS, Check, Found, Study
+from validation.page.section import Section, environment, table_html
+from validation.study import RESULTS, Check, Found, Row, Study
 
 DISK = ("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps")
 """Studies of the first page, on the disk,"""
@@ -57,8 +55,7 @@ _CONTENTS = ".contents"
 """File with the names of all files of a report."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MadeSection:
+class MadeSection(NamedTuple):
     """A section as a page takes it.
 
     Parameters
@@ -79,6 +76,15 @@ class MadeSection:
     checks: list[Check]
     verdicts: list[Verdict]
     files: dict[str, bytes]
+
+    @classmethod
+    def of(cls, row: Row) -> "MadeSection":
+        """From the row that `draw` makes."""
+        return cls(**row)._replace(
+            checks=[Check(*each) for each in row["checks"]],
+            verdicts=[Verdict(*each) for each in row["verdicts"]],
+            files={name: b64decode(content) for name, content in row["files"]},
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -212,35 +218,46 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def _sections(
-    modules: Sequence[StudyModule],
-    found: Found,
-    kept: Path,
-    results: Path,
-    workers: int | None,
+    modules: Sequence[StudyModule], found: Found, kept: Path, results: Path, workers: int | None
 ) -> list[MadeSection]:
-    """Sections of studies, drawn side by side where they are not kept."""
-    made: dict[str, MadeSection] = {}
-    calls = {}
-    for module in modules:
-        names = {study.name for study in module.STUDIES}
-        own = {key: rows for key, rows in found.items() if key[0] in names}
-        path, identity = kept / f"section-{short(module)}.json", _identity(module, own, results)
-        if (known := _kept_section(path, identity)) is not None:
-            made[module.__name__] = known
-        else:
-            calls[module] = (path, identity, own)
-    number = os.cpu_count() or 1 if workers is None else workers
-    with open_processes(min(number, len(calls))) as pool:
-        futures = [
-            (module, path, identity, pool.submit(make_section, module.__name__, own, results))
-            for module, (path, identity, own) in calls.items()
-        ]
-        for module, path, identity, future in bar("draw", iterable=futures, unit="sections"):
-            error = future.exception()
-            made[module.__name__] = _broken(module, repr(error)) if error else future.result()
-            if error is None:
-                _keep_section(path, identity, made[module.__name__])
-    return [made[module.__name__] for module in modules]
+    """Sections of studies, drawn as cases are measured: side by side, where they are not kept."""
+    drawings = [_drawing(module, found, results) for module in modules]
+    tasks = [task for each in drawings for task in each.tasks(whole=True)]
+    made = kit.measured(tasks, kept, workers=workers, title="draw")
+    rows = [made[task.key] for task in tasks]
+    return [
+        _broken(module, repr(row)) if isinstance(row, Exception) else MadeSection.of(*row)
+        for module, row in zip(modules, rows, strict=True)
+    ]
+
+
+def _drawing(module: StudyModule, found: Found, results: Path) -> Study:
+    """A section as a study of its own, whose row is what is on the page."""
+    names = {study.name for study in module.STUDIES}
+    own = {key: rows for key, rows in found.items() if key[0] in names}
+    stored = [results / f"{name}.{kind}" for name in sorted(names) for kind in ("csv", "json")]
+    told = [behind(module.__name__), repr(sorted(own.items(), key=lambda each: each[0]))]
+    beside = [_text(module), *sorted(_text(module).parent.glob("*.svg")), *stored]
+    told += [path.read_text("utf-8") for path in beside if path.is_file()]
+    return Study(
+        name=f"section-{short(module)}",
+        cases=lambda: {"section": (module.__name__, own, results)},
+        measure=draw,
+        rests_on=sha256("\0".join(told).encode()).hexdigest(),
+    )
+
+
+def draw(case: tuple[str, Found, Path]) -> list[Row]:
+    """The row of a section: the fields of a `MadeSection` as plain data."""
+    made = make_section(*case)
+    checks = [[_told(value) for value in check] for check in made.checks]
+    files = [[name, b64encode(content).decode()] for name, content in made.files.items()]
+    return [made._asdict() | {"checks": checks, "verdicts": made.verdicts, "files": files}]
+
+
+def _told(value: Any) -> Any:
+    value = value.item() if hasattr(value, "item") else value
+    return value if isinstance(value, str | int | float | None) else str(value)
 
 
 def make_section(name: str, found: Found, results: Path) -> MadeSection:
@@ -264,88 +281,26 @@ def make_section(name: str, found: Found, results: Path) -> MadeSection:
             checks.append(Check(f"{study.name}: table", str(error), "is there", "fresh", False))
     try:
         content = module.present(rows)
-        section = Section(short(module), content)
-        page = section.html(about, _text(module))
-        text = PlainSection(short(module), content).filled(about, _text(module))
+        section = Section(short(module), content, vars(module))
+        html, text = section.filled(about, _text(module))
     except Exception as error:  # noqa: BLE001
         # A section that cannot be made says so, and the report fails.
         return _broken(module, f"{type(error).__name__}: {error}", checks)
-    return MadeSection(
-        name=short(module),
-        title=module.TITLE,
-        html=page,
-        text=text,
-        checks=[*checks, *content.checks],
-        verdicts=list(content.verdicts),
-        files=section.files,
-    )
-
-
-_NOTHING = "This section could not be made: see the checks that fail."
+    checks += content.checks
+    verdicts = list(content.verdicts)
+    return MadeSection(short(module), module.TITLE, html, text, checks, verdicts, section.files)
 
 
 def _broken(module: StudyModule, reason: str, checks: Sequence[Check] = ()) -> MadeSection:
-    name = short(module)
+    name, nothing = short(module), "This section could not be made: see the checks that fail."
     failed = Check(f"{name}: section", reason, "can be made", "fresh", False)
-    return MadeSection(
-        name=name,
-        title=module.TITLE,
-        html=f"<p>{_NOTHING}</p>",
-        text=_NOTHING,
-        checks=[*checks, failed],
-        verdicts=[],
-        files={},
-    )
+    page = f"<p>{nothing}</p>"
+    return MadeSection(name, module.TITLE, page, nothing, [*checks, failed], [], {})
 
 
 def _text(module: StudyModule) -> Path:
     """The text of a study's section, beside its module or in its folder."""
     return Path(module.__file__).parent / f"{short(module).replace('-', '_')}.md"
-
-
-def _identity(module: StudyModule, found: Found, results: Path) -> str:
-    """What a section hangs on: its code and text, the pages' code, and the rows it shows."""
-    told: list[Any] = [digest([Path(__file__).parent / "page"]), behind(module.__name__)]
-    told += [_surroundings(), _text(module).read_text("utf-8")]
-    told += [[*key, rows if isinstance(rows, list) else repr(rows)] for key, rows in found.items()]
-    for study in module.STUDIES:
-        paths = [results / f"{study.name}.{kind}" for kind in ("csv", "json")]
-        told += [sha256(p.read_bytes()).hexdigest() for p in paths if p.is_file()]
-    return sha256(json.dumps(told).encode()).hexdigest()
-
-
-def _kept_section(path: Path, identity: str) -> MadeSection | None:
-    """A section that an earlier call has left, if nothing has changed since."""
-    try:
-        known = json.loads(path.read_text("utf-8"))
-        if known.pop("identity") != identity:
-            return None
-        known["checks"] = [Check(*each) for each in known["checks"]]
-        known["verdicts"] = [Verdict(**each) for each in known["verdicts"]]
-        known["files"] = {n: b64decode(text) for n, text in known["files"].items()}
-        return MadeSection(**known)
-    except (OSError, ValueError, TypeError, KeyError):
-        return None
-
-
-def _keep_section(path: Path, identity: str, section: MadeSection) -> None:
-    told = {
-        "identity": identity,
-        "name": section.name,
-        "title": section.title,
-        "html": section.html,
-        "text": section.text,
-        "checks": [[_told(value) for value in check] for check in section.checks],
-        "verdicts": [asdict(each) for each in section.verdicts],
-        "files": {name: b64encode(text).decode() for name, text in section.files.items()},
-    }
-    with whole_file(path) as stream:
-        stream.write(json.dumps(told).encode())
-
-
-def _told(value: Any) -> Any:
-    value = value.item() if hasattr(value, "item") else value
-    return value if isinstance(value, str | int | float | None) else str(value)
 
 
 # --- Pages -------------------------------------------------------------------------------------
@@ -365,6 +320,7 @@ def _write(
     files = {name: text for section in sections for name, text in section.files.items()}
     table = pd.DataFrame(checks, columns=list(Check._fields))
     files["checks.csv"] = table.to_csv(index=False, lineterminator="\n").encode()
+    files["play.html"] = play.page().encode()
     template = environment(Path(__file__).parent / "page").get_template("page.html")
     shown = []
     for path, title, names in pages:

@@ -62,9 +62,7 @@ class Study:
     confirm : mapping
         From columns to their allowed difference; None if they have to be equal.
     timed : sequence of str
-        Columns of times, of which the least of all rounds counts.
-    rounds : int
-        How often each case is measured, in turns.
+        Columns of run times: a study with some is measured last, beside its like.
     limit : float
         Time in s, by the clock on the wall, after which a case is ended.
     failed : callable, optional
@@ -72,6 +70,8 @@ class Study:
         that is a result; otherwise it is a crash.
     columns : mapping
         What columns mean, with their units.
+    rests_on : str
+        Digest of what its rows rest on besides code, versions and machine.
     """
 
     name: str
@@ -81,10 +81,10 @@ class Study:
     sample: Sequence[str] = ()
     confirm: Mapping[str, Limit | None] = field(default_factory=dict)
     timed: Sequence[str] = ()
-    rounds: int = 1
     limit: float = inf
     failed: Callable[[Any, str], list[Row]] | None = None
     columns: Mapping[str, str] = field(default_factory=dict)
+    rests_on: str = ""
 
     @property
     def is_stored(self) -> bool:
@@ -92,24 +92,21 @@ class Study:
         return bool(self.sample)
 
     def tasks(self, *, whole: bool) -> list["Task"]:
-        """All measurements, or those for a report: of a stored study its sample, once."""
-        if whole or not self.is_stored:
-            labels: Iterable[str] = self.cases()
-            return [Task(self, label, each) for each in range(self.rounds) for label in labels]
-        return [Task(self, label, 0) for label in self.sample]
+        """All measurements, or those for a report: of a stored study its sample."""
+        labels = self.cases() if whole or not self.is_stored else self.sample
+        return [Task(self, label) for label in labels]
 
 
 class Task(NamedTuple):
-    """One measurement of one case."""
+    """The measurement of a case."""
 
     study: Study
     label: str
-    round: int
 
     @property
-    def key(self) -> tuple[str, str, int]:
+    def key(self) -> tuple[str, str]:
         """What its rows are found by."""
-        return self.study.name, self.label, self.round
+        return self.study.name, self.label
 
 
 class Check(NamedTuple):
@@ -138,8 +135,8 @@ def equal(
 
 # --- Measuring and keeping ----------------------------------------------------------------------
 
-Found = dict[tuple[str, str, int], list[Row] | Exception]
-"""Rows of each task, or what it crashed with, by name of the study, label and round."""
+Found = dict[tuple[str, str], list[Row] | Exception]
+"""Rows of each task, or what it crashed with, by name of the study and label."""
 
 
 def measured(
@@ -170,7 +167,7 @@ def measured(
     found: Found = {}
     left = []
     for task in tasks:
-        known = None if fresh else kept[task.study.name].rows.get((task.label, task.round))
+        known = None if fresh else kept[task.study.name].rows.get(task.label)
         if known is None:
             left.append(task)
         else:
@@ -195,32 +192,30 @@ class Kept:
     path : Path
         A line with what made them, and one for each measurement; the last one counts.
     rows : dict
-        By label and round.
+        By label.
     """
 
     def __init__(self, study: Study, folder: Path) -> None:
         self.path = folder / f"{study.name}.jsonl"
-        self.rows: dict[tuple[str, int], list[Row]] = {}
+        self.rows: dict[str, list[Row]] = {}
         head = json.dumps(identity(study))
         # What follows the last end of a line was being written when a run was interrupted.
         lines = self.path.read_text("utf-8").split("\n") if self.path.is_file() else [""]
         partly = lines.pop()
         if lines and lines[0] == head:
-            self.rows = {
-                (label, number): rows for label, number, rows in map(json.loads, lines[1:])
-            }
+            self.rows = dict(map(json.loads, lines[1:]))
             if not partly:
                 return
         folder.mkdir(parents=True, exist_ok=True)
         with whole_file(self.path) as stream:
-            whole = [head, *(json.dumps([*key, rows]) for key, rows in self.rows.items())]
+            whole = [head, *(json.dumps(each) for each in self.rows.items())]
             stream.write("".join(f"{line}\n" for line in whole).encode())
 
     def add(self, task: Task, rows: list[Row]) -> None:
         """Keep the rows of a task."""
-        self.rows[task.label, task.round] = rows
+        self.rows[task.label] = rows
         with self.path.open("a", encoding="utf-8") as stream:
-            stream.write(f"{json.dumps([task.label, task.round, rows])}\n")
+            stream.write(f"{json.dumps([task.label, rows])}\n")
 
 
 def identity(study: Study) -> Row:
@@ -230,6 +225,7 @@ def identity(study: Study) -> Row:
         "versions": versions(*PACKAGES),
         "machine": machine(),
         "engine": os.environ.get("EXUDYN_MODULE", ""),
+        "rests on": study.rests_on,
     }
 
 
@@ -310,37 +306,23 @@ def _plain(value: Any) -> Any:
 def whole_table(study: Study, found: Found) -> pd.DataFrame:
     """Table of all measurements of a study, with a row for each of its keys.
 
-    `spread` is how far the times of rounds differ.
-
     Raises
     ------
     RuntimeError
         If a case crashed.
     ValueError
-        If rounds differ in more than their times, or keys do not tell rows apart.
+        If keys do not tell rows apart.
     """
-    tasks = study.tasks(whole=True)
-    crashed = [f"{t.label}: {found[t.key]}" for t in tasks if isinstance(found[t.key], Exception)]
+    crashed, table = [], []
+    for task in study.tasks(whole=True):
+        if isinstance(rows := found[task.key], Exception):
+            crashed.append(f"{task.label}: {rows}")
+        else:
+            table += [{"case": task.label, **row} for row in rows]
     if crashed:
         raise RuntimeError(f"{study.name}: {len(crashed)} cases crashed:\n" + "\n".join(crashed))
-    rounds: list[list[Row]] = [[] for _ in range(study.rounds)]
-    for task in tasks:
-        if isinstance(rows := found[task.key], list):
-            rounds[task.round] += [{"case": task.label, **row} for row in rows]
-    table = frame(rounds[0])
-    _check_keys(study, table)
-    if not study.timed:
-        return table
-    if len({json.dumps([_untimed(study, row) for row in rows]) for rows in rounds}) > 1:
-        raise ValueError(f"{study.name}: rounds differ in more than their times")
-    timed = list(study.timed)
-    times = np.array([frame(rows)[timed].to_numpy(float) for rows in rounds])
-    table[timed] = least = times.min(axis=0)
-    return table.assign(spread=(times.max(axis=0) / least).max(axis=1))
-
-
-def _untimed(study: Study, row: Row) -> Row:
-    return {name: value for name, value in row.items() if name not in study.timed}
+    _check_keys(study, made := frame(table))
+    return made
 
 
 def frame(rows: Iterable[Row]) -> pd.DataFrame:
@@ -363,7 +345,6 @@ def write(
     about = {
         "provenance": provenance.to_dict(),
         "code": behind(study.measure.__module__),
-        "rounds": study.rounds,
         "columns": dict(study.columns),
         "kinds": kinds,
     }

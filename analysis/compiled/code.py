@@ -1,18 +1,20 @@
 """Code compiled of systems of symbols, kept for all runs alike in structure."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis.compiled import systems
-from analysis.compiled.library import heyoka
+from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.compiled.systems import ALIVE, REASON, SIGN, WHEN, Structure, System
 from analysis.data.checks import Array
-from analysis.data.endings import CONTACT_WOULD_PULL
+from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
+from analysis.data.scenario import Scenario
+from analysis.models.forms import Form
 
 WIDEST_INDEX_1 = 4
 """Most members of a batch of an index-1 system.
@@ -25,6 +27,20 @@ COMPACT = False
 """Whether to compile in a quarter of the time for runs that take two to four times as long."""
 
 
+class Integrator(NamedTuple):
+    """A batch integrator of heyoka.
+
+    Parameters
+    ----------
+    solver : taylor_adaptive_batch
+    edges : list of lists of floats
+        Of each run in it, times at which the contact has begun or ceased to pull, if it may.
+    """
+
+    solver: Any
+    edges: list[list[float]]
+
+
 class Code:
     """What is compiled of one structure; heyoka keeps it, too, on disk.
 
@@ -33,72 +49,68 @@ class Code:
     structure : Structure
     compact : bool
         See `COMPACT`.
+
+    Attributes
+    ----------
+    form : Form
+    allow_pulling : bool
+        Whether runs go on where the contact pulls.
+    reasons : tuple of str
+        Why a run may end.
     """
 
     def __init__(self, structure: Structure, compact: bool) -> None:
         self._structure, self._compact = structure, compact
         self._system = systems.build(structure)
-        self.reasons = tuple(self._system.endings)
-        self._idle: defaultdict[tuple[float, bool], list[Any]] = defaultdict(list)
+        self.form: Form = structure.form
+        self.allow_pulling = structure.allow_pulling
+        self.reasons = (*self._system.endings, TIME_LIMIT)
+        self._idle: defaultdict[tuple[float, int], list[Integrator]] = defaultdict(list)
 
     @contextmanager
-    def integrator(self, local_tolerance: float, *, batch: bool = False) -> Iterator[Any]:
-        """An integrator, of one run or of a batch, that nobody else uses meanwhile."""
-        idle = self._idle[local_tolerance, batch]
+    def integrator(self, local_tolerance: float, width: int) -> Iterator[Integrator]:
+        """An integrator of so many runs at once that nobody else uses meanwhile."""
+        idle = self._idle[local_tolerance, width]
         try:
-            solver = idle.pop()
+            integrator = idle.pop()
         except IndexError:
-            make = self._batch_integrator if batch else self._integrator
-            solver = make(local_tolerance)
-        yield solver
-        idle.append(solver)
+            integrator = self._made(local_tolerance, width)
+        yield integrator
+        idle.append(integrator)
 
-    def _integrator(self, local_tolerance: float) -> Any:
+    def _made(self, local_tolerance: float, width: int) -> Integrator:
         library, system = heyoka(), self._system
-        falling, either = library.event_direction.negative, library.event_direction.any
+        edges: list[list[float]] = [[] for _ in range(width)]
         events = []
-        for reason, symbol in system.endings.items():
-            lets = reason == CONTACT_WOULD_PULL and self._structure.allow_pulling
-            events.append(library.t_event(symbol, direction=either if lets else falling))
-        events += kinks(system, library.t_event)
-        return library.taylor_adaptive(
-            list(zip(system.variables, system.derivatives, strict=True)),
-            [0.0] * len(system.variables),
-            tol=local_tolerance,
-            t_events=events,
-            compact_mode=self._compact,
-        )
-
-    def _batch_integrator(self, local_tolerance: float) -> Any:
-        library, system = heyoka(), self._system
-        falling, alive = library.event_direction.negative, library.par[ALIVE]
-        events = [
-            library.t_event_batch(symbol, direction=falling, callback=_stop(number))
-            for number, symbol in enumerate(system.endings.values())
-        ]
-        events += kinks(system, library.t_event_batch)
-        derivatives = [alive * derivative for derivative in system.derivatives]
-        return library.taylor_adaptive_batch(
+        for number, (reason, symbol) in enumerate(system.endings.items()):
+            direction, callback = library.event_direction.negative, _stop(number)
+            if reason == CONTACT_WOULD_PULL and self.allow_pulling:
+                direction, callback = library.event_direction.any, _note(edges)
+            events.append(library.t_event_batch(symbol, direction=direction, callback=callback))
+        derivatives = system.derivatives
+        if width > 1:
+            derivatives = [library.par[ALIVE] * derivative for derivative in derivatives]
+        solver = library.taylor_adaptive_batch(
             list(zip(system.variables, derivatives, strict=True)),
-            np.zeros((len(system.variables), self._width)),
+            np.zeros((len(derivatives), width)),
             tol=local_tolerance,
-            t_events=events,
+            t_events=events + kinks(system, library.t_event_batch),
             compact_mode=self._compact,
         )
+        return Integrator(solver, edges)
 
     @property
-    def _width(self) -> int:
+    def width(self) -> int:
         """Members of a batch."""
         widest: int = heyoka().recommended_simd_size()
-        return min(widest, WIDEST_INDEX_1) if self._structure.form == "index-1" else widest
+        return min(widest, WIDEST_INDEX_1) if self.form == "index-1" else widest
 
     @cached_property
-    def multipliers(self) -> Any:
-        """Function of states of the index-1 system."""
+    def _multipliers(self) -> Any:
         variables, forces = systems.multipliers(self._structure)
         return heyoka().cfunc(forces, variables, compact_mode=self._compact)
 
-    def multipliers_of(self, variables: Array, numbers: Array) -> Array:
+    def multipliers(self, variables: Array, numbers: Array) -> Array:
         """Constraint forces of k members at n states each, shape (c, k, n).
 
         Parameters
@@ -107,51 +119,66 @@ class Code:
             States of the index-1 system.
         numbers : ndarray, shape (k, p)
         """
-        function, shape = self.multipliers, variables.shape
-        given = np.repeat(numbers[:, : function.nparams].T, shape[2], axis=1)
-        found: Array = function(variables.reshape(12, -1), pars=given)
-        return found.reshape(-1, *shape[1:])
+        return _values(self._multipliers, variables, numbers)
 
     @cached_property
     def _slip(self) -> Any:
         return heyoka().cfunc([self._system.kink], self._system.variables)
 
     def signs(self, states: Array, numbers: Array) -> Array:
-        """Signs of a slip in one direction at states, shape (n, m); shape (n,)."""
+        """Signs of a slip in one direction at states, shape (k, d); shape (k,)."""
         if not self._system.flips:
             return np.ones(len(states))
-        return np.where(values(self._slip, states, numbers)[:, 0] < 0.0, -1.0, 1.0)
+        slips = _values(self._slip, states.T[:, :, None], numbers)
+        return np.where(slips[0, :, 0] < 0.0, -1.0, 1.0)
 
 
-def code_of(structure: Structure) -> Code:
-    """Code of a structure, compiled or made to be when it is first asked for.
+def code_for(
+    scenario: Scenario, form: Form, conditions: Mapping[str, Condition], *, allow_pulling: bool
+) -> Code:
+    """Code of the runs of a scenario, or of members that are alike in structure.
+
+    It is compiled when a run first asks for it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With the ideal contact.
+    form : {"index-1", "reduced"}
+    conditions : mapping
+        From reasons to functions of a `State`; a run ends where one turns negative.
+    allow_pulling : bool
+        Whether to go on where the contact pulls.
 
     Raises
     ------
     CannotCompileError
         If heyoka is not installed or something cannot be expressed in its symbols.
     """
+    heyoka()
+    if form == "free-body":
+        raise CannotCompileError(
+            "method 'taylor' knows the ideal contact alone, no form 'free-body'"
+        )
+    if allow_pulling and scenario.rubs and scenario.friction.load == "contact":
+        raise CannotCompileError(
+            "allow_pulling must be left out with method 'taylor' where friction has the load "
+            "'contact', which then comes and goes"
+        )
+    structure = Structure.of(scenario, form, conditions, allow_pulling=allow_pulling)
     return _code(structure, COMPACT)
 
 
 _code = lru_cache(maxsize=64)(Code)
 
 
-def values(function: Any, states: Array, numbers: Array) -> Array:
-    """Values of a compiled function at states, shape (n, m); shape (n, k).
-
-    Parameters
-    ----------
-    function : compiled function
-    states : ndarray, shape (n, m)
-    numbers : ndarray, shape (p,) or (n, p)
-        Parameters, for all states or for each.
-    """
-    given = numbers[..., : function.nparams].reshape(-1, function.nparams)
-    parameters = np.empty((function.nparams, len(states)))
-    parameters[:] = given.T
-    found: Array = function(np.ascontiguousarray(states.T), pars=parameters)
-    return np.ascontiguousarray(found.T)
+def _values(function: Any, variables: Array, numbers: Array) -> Array:
+    """Values of a compiled function of k members at n states each, shape (c, k, n)."""
+    shape = variables.shape
+    given = np.repeat(numbers[:, : function.nparams].T, shape[2], axis=1)
+    columns = np.ascontiguousarray(variables).reshape(shape[0], -1)
+    found: Array = function(columns, pars=given)
+    return found.reshape(-1, *shape[1:])
 
 
 def kinks(system: System, event: Callable[..., Any]) -> list[Any]:
@@ -181,6 +208,16 @@ def _stop(number: int) -> Callable[[Any, int, int], bool]:
             solver.pars[ALIVE, lane] = 0.0
             solver.pars[REASON, lane] = number
             solver.pars[WHEN, lane] = solver.time[lane]
-        return True
+        return bool(solver.pars[ALIVE].any())
 
     return stop
+
+
+def _note(edges: list[list[float]]) -> Callable[[Any, int, int], bool]:
+    """What notes when the contact of one run of a batch begins or ceases to pull."""
+
+    def note(solver: Any, _: int, lane: int) -> bool:
+        edges[lane].append(float(solver.time[lane]))
+        return True
+
+    return note

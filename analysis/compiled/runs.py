@@ -1,168 +1,213 @@
-"""Runs of compiled systems: one at a time, with the endings that single runs have."""
+"""Compiled runs of members alike in structure, as arrays; a single run is a batch of one."""
 
-from collections.abc import Callable, Mapping, Sequence
-from math import asin
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import partial
+from math import asin, sin
 from typing import Any
 
 import numpy as np
 
-from analysis.compiled import systems
-from analysis.compiled.code import Code, code_of, values
-from analysis.compiled.library import CannotCompileError, heyoka
-from analysis.compiled.systems import SIGN, SINGULAR, Structure
+from analysis.compiled.code import Code
+from analysis.compiled.library import heyoka
+from analysis.compiled.stack import FasterPlace
+from analysis.compiled.systems import ALIVE, REASON, SINGULAR, SPIN, WHEN
 from analysis.data.checks import Array
-from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
-from analysis.data.scenario import Scenario
+from analysis.data.endings import TIME_LIMIT
+from analysis.data.files import AnyArray
+from analysis.data.members import Rows
 from analysis.data.watch import Watch
+from analysis.mechanics import recorded
 from analysis.solve.lookout import intervals
-from analysis.solve.stepping import (
-    InitialValueProblem,
-    Run,
-    endings,
-    pulls_at_start,
-)
+from analysis.solve.runs import Runs
+
+_REDUCED = [4, 5, 10]
+"""Columns of beta, gamma and the rate of beta in a state of the index-1 system."""
 
 
-def code_for(
-    scenario: Scenario, form: str, conditions: Mapping[str, Condition], *, allow_pulling: bool
-) -> Code:
-    """Code of the runs of a scenario, or of members that are alike in structure.
-
-    Parameters and errors are those of `CompiledScenario`.
-    """
-    heyoka()
-    if form == "free-body":
-        raise CannotCompileError(
-            "method 'taylor' knows the ideal contact alone, no form 'free-body'"
-        )
-    if allow_pulling and scenario.rubs and scenario.friction.load == "contact":
-        raise CannotCompileError(
-            "allow_pulling must be left out with method 'taylor' where friction has the load "
-            "'contact', which then comes and goes"
-        )
-    return code_of(Structure.of(scenario, form, conditions, allow_pulling=allow_pulling))
-
-
-class CompiledScenario:
-    """A scenario whose runs and constraint forces are worked out by compiled code.
+@dataclass(frozen=True, slots=True, eq=False)
+class Group:
+    """Members alike in structure.
 
     Parameters
     ----------
-    scenario : Scenario
-        With the ideal contact.
-    form : {"index-1", "reduced"}
-    conditions : mapping
-        From reasons to functions of a `State`; a run ends where one turns negative.
-    allow_pulling : bool
-        Whether to go on where the contact pulls.
-
-    Raises
-    ------
-    CannotCompileError
-        If heyoka is not installed or something cannot be expressed in its symbols.
+    code : Code
+    states : ndarray, shape (m, 12)
+        Of the index-1 system at the start.
+    numbers : ndarray, shape (m, p)
+        Parameters of the code.
+    longest : ndarray, shape (m,)
+        Longest step in s.
+    most : ndarray, shape (m,)
+        Steps after which a run is given up.
+    pulled : ndarray of bool, shape (m,)
+        Whether the contact seems to pull at the start.
     """
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        form: str,
-        conditions: Mapping[str, Condition],
-        *,
-        allow_pulling: bool,
-    ) -> None:
-        self.code = code_for(scenario, form, conditions, allow_pulling=allow_pulling)
-        self._allow_pulling = allow_pulling
-        self.numbers = np.array(systems.parameters(scenario))
+    code: Code
+    states: Array
+    numbers: Array
+    longest: Array
+    most: Array
+    pulled: AnyArray
 
-    def integrate(
-        self,
-        problem: InitialValueProblem,
-        times: Array,
-        local_tolerance: float,
-        watch: Watch | None = None,
-    ) -> Run:
-        """Integrate and sample at `times`; as `integration.integrate`.
+    def __len__(self) -> int:
+        return len(self.states)
 
-        Raises
-        ------
-        ArithmeticError
-            If the integration fails.
-        ToleranceError
-            If the call is out of steps.
-        ValueError
-            If the contact would have to pull at the start and must not.
-        """
-        watch, lets = watch or Watch(), self._allow_pulling
-        pulls = pulls_at_start(problem, allow_pulling=lets)
-        edges = [float(times[0])] if pulls else []
-        parts: list[Array] = []
-        row, steps, ended = 0, 0, None
-        with self.code.integrator(local_tolerance) as solver:
-            self._set(solver, problem, float(times[0]))
-            while row < times.size:
-                # A run that goes on does so from between the times asked for.
-                between = solver.time < times[row]
-                left = np.append(solver.time, times[row:]) if between else times[row:]
-                outcome, _, _, taken, _, sampled = solver.propagate_grid(
-                    left,
-                    max_delta_t=problem.longest_step,
-                    max_steps=watch.steps_left,
-                    callback=_interruption(watch, float(times[-1])),
-                )
-                parts.append(sampled[int(between) :])
-                steps, row = steps + taken, row + len(parts[-1])
-                watch.steps += taken
-                if outcome == heyoka().taylor_outcome.step_limit:
-                    lean = asin(min(1.0, problem.leaning(solver.state)))
-                    watch.flattest = (float(solver.time), lean)
-                    raise watch.given_up("taylor")
-                ended = _reason(outcome, self.code.reasons, solver)
-                if ended != CONTACT_WOULD_PULL or not lets:
-                    break
-                edges.append(solver.time)
-            last, state = float(solver.time), solver.state.copy()
-        reached, states = times[:row], parts[0] if len(parts) == 1 else np.concatenate(parts)
-        value = 0.0
-        if ended is not None:
-            if last > reached[-1]:
-                reached, states = np.append(reached, last), np.vstack((states, state))
-            if ended != TIME_LIMIT:
-                value = endings(problem)[ended](state)
-        return Run(reached, states, steps, ended, intervals(edges, float(reached[-1])), value)
+    def part(self, rows: Rows | slice) -> "Group":
+        """Some of the members."""
+        arrays = (getattr(self, field.name)[rows] for field in fields(self)[1:])
+        return Group(self.code, *arrays)
 
-    def multipliers(self, states: Array) -> Array:
-        """Constraint forces at coordinates and rates, shape (n, 12); shape (n, k)."""
-        return values(self.code.multipliers, states, self.numbers)
+    @property
+    def starts(self) -> Array:
+        """States of the form that is run at the start, shape (m, d)."""
+        return self.states if self.code.form == "index-1" else self.states[:, _REDUCED]
 
-    def _set(self, solver: Any, problem: InitialValueProblem, time: float) -> None:
-        solver.time = time
-        solver.state[:] = problem.start
-        solver.pars[:] = self.numbers[: len(solver.pars)]
-        if solver.with_events:
+    @property
+    def disk(self) -> Any:
+        """The disk, with an array of shape (m, 1) for each number, or a number for one member."""
+        numbers = self.numbers[:, SPIN + 1 :]
+        return recorded.disk_of(numbers.T[:, :, None] if len(self) > 1 else numbers[0].tolist())
+
+    def attitudes(self, states: Array) -> Array:
+        """Angles beta and gamma of states, shape (..., d); shape (..., 2)."""
+        first = _REDUCED[0] if self.code.form == "index-1" else 0
+        return states[..., first : first + 2]
+
+    def attitude_rates(self, members: Rows, states: Array) -> Array:
+        """Their rates at one state of each of k members, shape (k, d); shape (k, 2)."""
+        if self.code.form == "index-1":
+            return states[:, 10:12]
+        return np.column_stack((states[:, 2], -self.numbers[members, SPIN] * np.cos(states[:, 0])))
+
+
+def integrate(
+    group: Group,
+    members: Rows,
+    times: Array,
+    local_tolerance: float,
+    part: float,
+    *,
+    watch: Watch | None = None,
+) -> tuple[Runs, dict[int, Exception]]:
+    """Run some members of a group once.
+
+    Parameters
+    ----------
+    group : Group
+    members : ndarray of int, shape (k,)
+    times : ndarray, shape (n,)
+    local_tolerance : float
+    part : float
+        Part of their longest steps that may be taken.
+    watch : Watch, optional
+        Of a call that has this one member.
+
+    Returns
+    -------
+    Runs
+        Of those members.
+    dict
+        From members to the errors that ended them; their runs mean nothing.
+    """
+    code, errors = group.code, dict[int, Exception]()
+    width = code.width if watch is None else 1
+    # A batch that is not full repeats its last member.
+    lanes = np.append(members, np.repeat(members[-1:], -members.size % width))
+    starts = np.ascontiguousarray(group.starts[lanes].T)
+    numbers = np.ascontiguousarray(group.numbers[lanes].T)
+    longest = (part * group.longest[lanes]).tolist()
+    grid = np.ascontiguousarray(np.broadcast_to(times[:, None], (times.size, width)))
+    found, failed = Runs.empty(members.size, times, len(starts), code.reasons), list[int]()
+    place = FasterPlace()
+    with code.integrator(local_tolerance, width) as (solver, edges):
+        for first in range(0, members.size, width):
+            some = slice(first, first + width)
+            solver.set_time(float(times[0]))
+            solver.state[:] = starts[:, some]
+            solver.pars[:] = numbers[: len(solver.pars), some]
             solver.reset_cooldowns()
-        solver.pars[SIGN] = self.code.signs(problem.start[None], self.numbers)[0]
+            if code.allow_pulling:
+                for member, each in zip(lanes[some], edges, strict=True):
+                    each[:] = times[:1].tolist() if group.pulled[member] else []
+            call = partial(solver.propagate_grid, grid, max_delta_t=longest[some])
+            if watch is None:
+                most = int(group.most[lanes[some]].max())
+                _, samples = place.call(partial(call, max_steps=most))
+            else:
+                callback = _interruption(watch, float(times[-1]))
+                _, samples = call(max_steps=watch.steps_left, callback=callback)
+            failed += _take(found, solver, samples, first)
+            if code.allow_pulling:
+                for row, each in enumerate(edges[: members.size - first], first):
+                    found.pulling[row] = intervals(each, float(found.ends[row]))
+        if watch is not None:
+            error = _fault(found, solver, watch, group)
+            return found, {} if error is None else {int(members[0]): error}
+    for row in failed:
+        member = members[row : row + 1]
+        alone = Watch(most=float(group.most[member[0]]))
+        single, fault = integrate(group, member, times, local_tolerance, part, watch=alone)
+        found.put(np.array([row]), single)
+        errors |= fault
+    return found, errors
 
 
-def _reason(outcome: Any, reasons: Sequence[str], solver: Any) -> str | None:
-    """Why a solver has stopped, None at the last time asked for."""
-    kinds = heyoka().taylor_outcome
-    if outcome == kinds.time_limit:
-        return None
-    if outcome == kinds.cb_stop:
-        return TIME_LIMIT
-    number = -int(outcome.value) - 1
-    if 0 <= number < len(reasons) and reasons[number] != SINGULAR:
-        return reasons[number]
+def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
+    """Take over what a batch has reached; returns the rows that have failed."""
+    count = min(solver.batch_size, len(found.ends) - first)
+    rows = slice(first, first + count)
+    results = solver.propagate_res
+    # As a matrix, for a sixth of the time.
+    flat = samples.reshape(-1, solver.batch_size).T
+    found.states.reshape(len(found.ends), -1)[rows] = flat[:count]
+    found.last[rows] = solver.state.T[:count]
+    found.steps[rows] = [each[3] for each in results[:count]]
+    alive = solver.pars[ALIVE]
+    complete = heyoka().taylor_outcome.time_limit
+    if alive.any() and any(each[0] != complete for each in results):
+        # What went wrong in one of them must not touch the others.
+        return list(range(first, first + count))
+    if alive.all():
+        return []
+    ended = np.flatnonzero(alive[:count] == 0.0)
+    found.ends[first + ended] = solver.pars[WHEN, ended]
+    found.reasons[first + ended] = solver.pars[REASON, ended]
+    return [row for row in (first + ended).tolist() if _name(found, row) == SINGULAR]
+
+
+def _name(found: Runs, row: int) -> str:
+    return str(found.names[found.reasons[row]])
+
+
+def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | None:
+    """What is wrong with a run that was watched; tells when it has met its time limit."""
+    kinds, outcome = heyoka().taylor_outcome, solver.propagate_res[0][0]
+    moment, state = float(solver.time[0]), solver.state[:, 0]
+    watch.steps += int(found.steps[0])
     why = "it does not get on"
-    if 0 <= number < len(reasons):
+    if solver.pars[ALIVE, 0] == 0.0:
+        if _name(found, 0) != SINGULAR:
+            return None
         why = "each newton of normal force calls for another one of it through friction"
+    elif outcome == kinds.time_limit:
+        return None
+    elif outcome == kinds.cb_stop:
+        found.ends[0], found.reasons[0] = moment, found.names.index(TIME_LIMIT)
+        return None
     elif outcome == kinds.err_nf_state:
         why = "its state is no longer finite"
-    raise ArithmeticError(f"taylor stopped after t = {solver.time:g} s: {why}")
+    found.states[:] = np.nan
+    found.last[:] = np.nan
+    if outcome == kinds.step_limit:
+        watch.flattest = (moment, asin(min(1.0, sin(group.attitudes(state)[0]))))
+        return watch.given_up("taylor")
+    return ArithmeticError(f"taylor stopped after t = {moment:g} s: {why}")
 
 
 def _interruption(watch: Watch, end: float) -> Callable[[Any], bool] | None:
     """What a solver calls after each step; it stops where that is not true."""
     if watch.is_idle:
         return None
-    return lambda solver: not watch.is_over(float(solver.time), end)
+    return lambda solver: not watch.is_over(float(solver.time[0]), end)

@@ -12,19 +12,17 @@ from itertools import count, islice
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-
 from analysis.compiled.library import CannotCompileError, heyoka
-from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.data.friction import FrictionLaw
+from analysis.data.limits import LEAST_TILT
 from analysis.data.members import Members
 from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.states import paper_of
-from analysis.solve.stepping import NEARLY_FLAT
+from analysis.models.forms import Form
 
 FAINT = 1e-8
 """Slip speed in m/s over which the kink of friction is rounded if slip has two directions.
@@ -59,7 +57,7 @@ class Structure:
         Reasons and functions of a state that end a run, too.
     """
 
-    form: str
+    form: Form
     constraints: ConstraintSet
     law: type[FrictionLaw]
     load: Load
@@ -74,13 +72,18 @@ class Structure:
     def of(
         cls,
         scenario: Scenario,
-        form: str,
+        form: Form,
         conditions: Mapping[str, Condition],
         *,
         allow_pulling: bool,
     ) -> "Structure":
         """Structure of the runs of a scenario, or of members that are alike in it."""
         law = scenario.friction
+        if not law.is_simple:
+            raise CannotCompileError(
+                "method 'taylor' takes friction that is isotropic and in proportion to the load, "
+                f"got {type(law).__name__}"
+            )
         values = ((name, getattr(law, name)) for name in _names(type(law)))
         return cls(
             form=form,
@@ -132,11 +135,6 @@ SIGN, ALIVE, REASON, WHEN, SPIN = range(5)
 """Numbers of parameters: sign of the slip; whether, why and when a run of a batch ended; spin."""
 
 
-def disk_of(numbers: Array) -> Any:
-    """The disk told by those of `parameters`, shape (..., p), with an array for each number."""
-    return recorded.disk_of(np.moveaxis(numbers, -1, 0)[SPIN + 1 :])
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:
     """Symbols of the equations of one structure.
@@ -185,7 +183,7 @@ def build(structure: Structure) -> System:
     """
     makers = {"index-1": _index1, "reduced": _reduced}
     system, coordinates, rates, beta = makers[structure.form](structure)
-    system.endings[FLAT] = heyoka().sin(beta) - NEARLY_FLAT
+    system.endings[FLAT] = heyoka().sin(beta) - LEAST_TILT
     state = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
         system.endings[reason] = _expressed(f"stop_when {reason!r}", condition, state)
@@ -283,6 +281,7 @@ def _solution(
             cos=library.cos,
             speed=speed,
             per_speed=scenario.friction.per_speed,
+            force=None,
             contact_load=contact_load,
         )(*variables)
     except (TypeError, ValueError, AttributeError) as error:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from math import isfinite, isnan
+from math import inf, isfinite, isnan
 from numbers import Integral, Real
 from typing import Any, TypeVar, cast
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from analysis.data.members import Members
 from analysis.data.names import ArgumentError, nearest
-from analysis.data.quantities import LARGEST_VALUE
+from analysis.data.quantities import LARGEST_VALUE, short
 
 Array = npt.NDArray[np.float64]
 T = TypeVar("T")
@@ -61,28 +61,67 @@ def _finite(name: str, members: Members) -> float:
     return cast("float", members)
 
 
+def in_range(
+    name: str,
+    value: Any,
+    least: float = -inf,
+    most: float = inf,
+    *,
+    is_above: bool = False,
+    is_below: bool = False,
+    why: str = "",
+) -> float:
+    """Return `value` as a float in a range, an end of which may itself be left out.
+
+    Parameters
+    ----------
+    name : str
+    value
+    least, most : float
+    is_above, is_below : bool
+        Whether `least` and `most` themselves are left out.
+    why : str
+        Why an open interval is wanted.
+
+    Raises
+    ------
+    ValueError
+        If it is no number, or lies elsewhere.
+    """
+    result = number(name, value)
+    if (least < result or (least == result and not is_above)) and (
+        result < most or (result == most and not is_below)
+    ):
+        return result
+    low, high = short(float(least)), short(float(most))
+    wanted = f"lie from {low} to {'less than ' if is_below else ''}{high}"
+    if is_above and is_below:
+        wanted = f"lie in the open interval ({low}, {high}), {why}"
+    elif least == 0.0 and result <= 0.0:
+        wanted = "be positive" if is_above else "not be negative"
+    elif is_below and result >= most:
+        wanted = f"be less than {high}"
+    raise ArgumentError(name, f"must {wanted}, got {result:g}")
+
+
 def positive(name: str, value: Any) -> float:
     """Return `value` as a float above zero; `ValueError` otherwise."""
-    result = number(name, value)
-    if result <= 0.0:
-        raise ArgumentError(name, f"must be positive, got {result:g}")
-    return result
+    return in_range(name, value, 0.0, is_above=True)
 
 
 def not_negative(name: str, value: Any) -> float:
     """Return `value` as a float not below zero; `ValueError` otherwise."""
-    result = number(name, value)
-    if result < 0.0:
-        raise ArgumentError(name, f"must not be negative, got {result:g}")
-    return result
+    return in_range(name, value, 0.0)
 
 
 def within(name: str, value: Any, least: float, most: float) -> float:
     """Return `value` as a float from `least` to `most`; `ValueError` otherwise."""
-    result = number(name, value)
-    if not least <= result <= most:
-        raise ArgumentError(name, f"must lie from {least:g} to {most:g}, got {result:g}")
-    return result
+    return in_range(name, value, least, most)
+
+
+def local_tolerance(name: str, value: Any, least: float) -> float:
+    """Return the error of a step, from `least` to less than 1; `ValueError` otherwise."""
+    return in_range(name, positive(name, value), least, 1.0, is_below=True)
 
 
 def whole(name: str, value: Any, least: int = 1) -> int:
@@ -99,14 +138,6 @@ def switch(name: str, value: Any) -> bool:
     if not isinstance(value, bool | np.bool_):
         raise ArgumentError(name, f"must be True or False, got {value!r}")
     return bool(value)
-
-
-def local_tolerance(name: str, value: Any, least: float) -> float:
-    """Return the error of a step, from `least` to less than 1; `ValueError` otherwise."""
-    result = positive(name, value)
-    if not least <= result < 1.0:
-        raise ArgumentError(name, f"must lie in [{least:g}, 1), got {result:g}")
-    return result
 
 
 def instance(name: str, value: Any, kind: type[T]) -> T:

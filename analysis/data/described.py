@@ -5,9 +5,9 @@ from dataclasses import fields
 from functools import cache
 from typing import Any, ClassVar
 
-from analysis.data.checks import choice, number, switch
-from analysis.data.names import ArgumentError, check_names
-from analysis.data.quantities import QUANTITIES, Quantity, short
+from analysis.data.checks import choice, in_range, switch
+from analysis.data.names import check_names
+from analysis.data.quantities import QUANTITIES, Quantity
 
 
 def checked(quantity: Quantity, value: Any) -> Any:
@@ -22,26 +22,15 @@ def checked(quantity: Quantity, value: Any) -> Any:
         if quantity.is_switch:
             return switch(quantity.name, value)
         return choice(quantity.name, value, quantity.choices)
-    result = number(quantity.name, value)
-    least, most = quantity.least, quantity.most
-    if (least < result or (least == result and not quantity.is_above)) and (
-        result < most or (result == most and not quantity.is_below)
-    ):
-        return result
-    raise ArgumentError(quantity.name, f"must {_range(quantity, result)}, got {result:g}")
-
-
-def _range(quantity: Quantity, value: float) -> str:
-    """What a value must be that is out of range."""
-    least, most = quantity.least, quantity.most
-    ends = [short(least), short(most)]
-    if quantity.is_above and quantity.is_below:
-        return f"lie in the open interval ({', '.join(ends)}), {quantity.why}"
-    if least == 0.0 and value <= 0.0:
-        return "be positive" if quantity.is_above else "not be negative"
-    if quantity.is_below:
-        return f"be less than {ends[1]}"
-    return f"lie from {ends[0]} to {ends[1]}"
+    return in_range(
+        quantity.name,
+        value,
+        quantity.least,
+        quantity.most,
+        is_above=quantity.is_above,
+        is_below=quantity.is_below,
+        why=quantity.why,
+    )
 
 
 class _Checking(ABCMeta):

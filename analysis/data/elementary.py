@@ -59,6 +59,19 @@ def tanh(x: T) -> T:
     return result
 
 
+def log(x: T) -> T:
+    """Natural logarithm."""
+    result: T = _MATH.log(x) if type(x) is float else _library(x).log(x)
+    return result
+
+
+def asinh(x: T) -> T:
+    """Inverse hyperbolic sine."""
+    library = _library(x)
+    result: T = (library.arcsinh if library is np else library.asinh)(x)
+    return result
+
+
 def sqrt(x: T) -> T:
     """Square root."""
     result: T = _MATH.sqrt(x) if type(x) is float else _library(x).sqrt(x)
@@ -67,7 +80,7 @@ def sqrt(x: T) -> T:
 
 def hypot(x: T, y: T) -> T:
     """Hypotenuse."""
-    library = _library(x) if isinstance(x, np.ndarray) else _library(y)
+    library = _library(y) if type(x) is float else _library(x)
     result: T = library.hypot(x, y)
     return result
 

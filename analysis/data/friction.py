@@ -2,23 +2,29 @@
 
 from abc import abstractmethod
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from math import cos, sin
+from typing import Any, ClassVar
 
-from analysis.data.checks import choice, not_negative, positive, within
+from analysis.data.checks import choice, not_negative, number, positive, within
 from analysis.data.described import Described
-from analysis.data.elementary import exp, tanh
+from analysis.data.elementary import exp, hypot, tanh
 from analysis.data.names import ArgumentError, Named, nearest
 from analysis.data.own import is_own, own_object
 from analysis.data.quantities import LOADS, QUANTITIES, STEEPEST_FRICTION, Load, default
 
+_LITTLE = 1e-7
+"""Slip over the finest speed of a law at which its force is still linear."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrictionLaw(Described):
-    """Isotropic friction: force = -load * per_speed(|slip|) * slip.
+    """Friction as a function of slip and load: force = -load * per_speed(|slip|) * slip or any.
 
     A law of one's own derives from this class, as a frozen dataclass, and says `per_speed` and
-    `finest_speed`. Both sides then take it; the laws of this module are written a second time for
-    the engine, in `mbs_models.friction`.
+    `finest_speed`. One that opposes slip in some directions more than in others, or not in
+    proportion to the load, says `force` in place of `per_speed`, and sets `IS_ISOTROPIC` or
+    `IS_PROPORTIONAL` to False. Both sides then take it; the laws of this module are written a
+    second time for the engine, in `mbs_models.friction`.
 
     Parameters
     ----------
@@ -33,12 +39,32 @@ class FrictionLaw(Described):
         If the load is unknown.
     """
 
+    IS_ISOTROPIC: ClassVar[bool] = True
+    """Whether slip is opposed in all directions alike."""
+
+    IS_PROPORTIONAL: ClassVar[bool] = True
+    """Whether the force grows in proportion to the load."""
+
     load: Load = default("friction.load")
 
     def __post_init__(self) -> None:
         choice("load", self.load, LOADS)
 
-    @abstractmethod
+    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        """Force of the table on the disk in N, along its edge and across it.
+
+        Parameters
+        ----------
+        along, across : float
+            Slip velocity along the edge, e_x of the R-frame, and across it in m/s. Numbers of
+            another kind, whose derivatives are exact, come where stability is asked for:
+            functions of `analysis.data.elementary` take them, too.
+        load : float
+            In N, not negative. A disk that does not touch the table is not asked for.
+        """
+        factor = -load * self.per_speed(hypot(along, across))
+        return factor * along, factor * across
+
     def per_speed(self, speed: float) -> float:
         """Friction force for each newton of load and each m/s of slip, in s/m, not negative.
 
@@ -46,7 +72,16 @@ class FrictionLaw(Described):
         ----------
         speed : float
             Slip speed in m/s, not negative.
+
+        Raises
+        ------
+        ValueError
+            If the law is another function than of that.
         """
+        fault = f"has no force for each newton of load and each m/s of slip, got {speed:g} m/s"
+        if self.is_simple:
+            fault = "must say per_speed or force"
+        raise ArgumentError("law", fault, f"friction law {law_values(self)['law']!r}")
 
     def per_speed_slope(self, speed: float) -> float:
         """Derivative of `per_speed` by the speed in s²/m², at no slip that to the right.
@@ -74,13 +109,31 @@ class FrictionLaw(Described):
         """Slope of the force at no slip for each newton of load, in s/m (paper: mu / epsilon).
 
         The linear stability of stationary motions depends on the law by this number alone.
+
+        Raises
+        ------
+        ValueError
+            If the law has no such number: see `per_speed`.
         """
         return self.per_speed(0.0)
 
     @property
+    def is_simple(self) -> bool:
+        """Whether `per_speed` says it all, isotropic and in proportion to the load."""
+        return type(self).force is FrictionLaw.force
+
+    def slope(self, load: float) -> float:
+        """Slope of the force at no slip in N s/m under a load in N, in the steepest direction."""
+        if self.is_simple:
+            return load * self.per_speed(0.0)
+        little = _LITTLE * self.finest_speed
+        forces = self.force(little, 0.0, load)[0], self.force(0.0, little, load)[1]
+        return float(-min(forces) / little)
+
+    @property
     def is_on(self) -> bool:
         """Whether there is any friction."""
-        return self.gradient > 0.0
+        return self.slope(1.0) > 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -264,12 +317,136 @@ class ViscousFriction(FrictionLaw):
         return 1.0
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AnisotropicCoulomb(FrictionLaw):
+    """Smooth Coulomb friction with two coefficients, along the edge of the disk and across it.
+
+    With M = diag(along, across) the force is -load * M² slip / (|M slip| + max(M) * smoothing).
+    Its largest values make an ellipse, and it is that point of it which takes the most power from
+    the slip (S. Goyal, A. Ruina and J. Papadopoulos, Wear 143, 1991). With two equal coefficients
+    it is `SmoothCoulomb`.
+
+    Parameters
+    ----------
+    along, across : float
+        Friction coefficients, positive.
+    smoothing : float
+        As in `SmoothCoulomb`.
+    load : {"weight", "contact"}
+        See `FrictionLaw`.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    TABLE = "friction"
+    IS_ISOTROPIC = False
+
+    along: float = default("friction.along")
+    across: float = default("friction.across")
+    smoothing: float = default("friction.smoothing")
+
+    def __post_init__(self) -> None:
+        check_steepness(self, self.smoothing)
+
+    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        """Force in N; see `FrictionLaw`."""
+        x, y = self.along * along, self.across * across
+        factor = -load / (hypot(x, y) + max(self.along, self.across) * self.smoothing)
+        return factor * self.along * x, factor * self.across * y
+
+    @property
+    def finest_speed(self) -> float:
+        """Slip speed in m/s over which the law bends."""
+        return self.smoothing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PowerLawCoulomb(_Regularised):
+    """Smooth Coulomb friction that grows with a power of the load.
+
+    The force is that of `SmoothCoulomb` under the load
+    reference_load * (load / reference_load)**exponent. Rubber on a smooth, elastic contact has an
+    exponent of 2/3 (A. Schallamach, Proc. Phys. Soc. B 65, 1952).
+
+    Parameters
+    ----------
+    coefficient, smoothing : float
+        As in `SmoothCoulomb`, under the reference load.
+    reference_load : float
+        In N, positive.
+    exponent : float
+        From 0.1 to 2.
+    load : {"weight", "contact"}
+        See `FrictionLaw`. Where friction feeds back on the contact force, that comes from a
+        scalar equation, which may have no solution or several.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    IS_PROPORTIONAL = False
+
+    reference_load: float = default("friction.reference_load")
+    exponent: float = default("friction.exponent")
+
+    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        """Force in N; see `FrictionLaw`."""
+        load = self.reference_load * (load / self.reference_load) ** self.exponent
+        factor = -load * self.coefficient / (hypot(along, across) + self.smoothing)
+        return factor * along, factor * across
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LubricatedCoulomb(_Regularised):
+    """Smooth Coulomb friction and a viscous film that does not know the load.
+
+    The force is -(coefficient * load / (|slip| + smoothing) + film) * slip, also under no load as
+    long as the disk touches the table.
+
+    Parameters
+    ----------
+    coefficient, smoothing : float
+        As in `SmoothCoulomb`.
+    film : float
+        Force of the film for each m/s of slip in N s/m, not negative.
+    load : {"weight", "contact"}
+        See `FrictionLaw`.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    IS_PROPORTIONAL = False
+
+    film: float = default("friction.film")
+
+    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        """Force in N; see `FrictionLaw`."""
+        factor = -(load * self.coefficient / (hypot(along, across) + self.smoothing) + self.film)
+        return factor * along, factor * across
+
+
 LAWS: dict[str, type[FrictionLaw]] = Named(
     "LAWS",
     dict(
         zip(
             QUANTITIES["friction.law"].choices,
-            (SmoothCoulomb, Stribeck, TanhCoulomb, ViscousFriction),
+            (
+                SmoothCoulomb,
+                Stribeck,
+                TanhCoulomb,
+                ViscousFriction,
+                AnisotropicCoulomb,
+                PowerLawCoulomb,
+                LubricatedCoulomb,
+            ),
             strict=True,
         )
     ),
@@ -344,8 +521,13 @@ def check_answers(law: FrictionLaw) -> None:
         return
     try:
         positive("finest_speed", law.finest_speed)
-        gradient = not_negative("per_speed(0)", law.per_speed(0.0))
-        within("per_speed(0)", gradient, 0.0, STEEPEST_FRICTION)
+        if law.is_simple:
+            gradient = not_negative("per_speed(0)", law.per_speed(0.0))
+            within("per_speed(0)", gradient, 0.0, STEEPEST_FRICTION)
+        else:
+            for load in _LOADS:
+                within("slope of force at no slip", law.slope(load) / load, 0.0, STEEPEST_FRICTION)
+                _check_force(law, law.finest_speed, load)
     except (Exception, SystemExit) as error:
         said = str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
         raise ArgumentError("law", said, f"friction law {name!r}:") from error
@@ -364,12 +546,39 @@ def check_slipping(law: FrictionLaw) -> None:
         return
     name = law_values(law)["law"]
     for speed in _SPEEDS:
-        not_negative(f"per_speed({speed:g}) of friction law {name!r}", law.per_speed(speed))
+        if law.is_simple:
+            not_negative(f"per_speed({speed:g}) of friction law {name!r}", law.per_speed(speed))
+        else:
+            for load in _LOADS:
+                _check_force(law, speed, load)
+
+
+_LOADS = (0.1, 1.0, 10.0)
+"""Loads in N at which a law of one's own is tried."""
+
+
+def _check_force(law: FrictionLaw, speed: float, load: float) -> None:
+    """Raise `ValueError` if a force drives slip, or is not what its class says of it."""
+    for turn in (0.3, 1.9, 4.0):
+        x, y = speed * cos(turn), speed * sin(turn)
+        forces = law.force(x, y, load)
+        at = f"force({x:.3g}, {y:.3g}, {load:g})"
+        for each in forces:
+            number(at, each)
+        along, across = forces
+        size = abs(along) + abs(across)
+        if along * x + across * y > 1e-12 * size * speed:
+            raise ValueError(f"{at} must not drive the slip, got {forces}")
+        if law.IS_ISOTROPIC and abs(along * y - across * x) > 1e-9 * size * speed:
+            raise ValueError(f"{at} must be against the slip if IS_ISOTROPIC, got {forces}")
+        twice = law.force(x, y, 2.0 * load)
+        if law.IS_PROPORTIONAL and abs(twice[0] - 2.0 * along) > 1e-9 * size:
+            raise ValueError(f"{at} must double with the load if IS_PROPORTIONAL, got {forces}")
 
 
 def check_steepness(law: FrictionLaw, smoothing: float) -> None:
     """Raise if friction sets in too steeply over the smoothing of a law in m/s."""
-    largest = law.gradient * smoothing
+    largest = law.slope(1.0) * smoothing
     if largest > STEEPEST_FRICTION * smoothing:
         raise ArgumentError(
             "smoothing",

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 from analysis.data.names import ArgumentError
 
+DEFAULT_TOLERANCE = 1e-8
+"""Largest error of beta and gamma in rad of a run that is asked for none."""
+
 MOST_STEPS = 100_000_000
 """Steps of a run, of all its repetitions together; each takes 30 µs or more."""
 

@@ -36,6 +36,10 @@ THINNEST_RIM = 1e-9
 """Half thickness of a rounded rim in m: some atoms."""
 
 
+_FEW = 5
+"""Most words that fit into a line with what they are for."""
+
+
 class Quantity(NamedTuple):
     """What a scenario can be told.
 
@@ -131,8 +135,9 @@ class Quantity(NamedTuple):
 
     @property
     def comment(self) -> str:
-        """Unit, meaning and what is allowed, in a line."""
-        about = f"{self.meaning} ({self.allowed})" if self.allowed else self.meaning
+        """Unit, meaning and, unless these are many words, what is allowed, in a line."""
+        told = self.allowed and len(self.choices) <= _FEW
+        about = f"{self.meaning} ({self.allowed})" if told else self.meaning
         return f"{self.unit}; {about}" if self.unit else about
 
     @property
@@ -225,8 +230,9 @@ _DECLARED = (
     _size("disk.inertia_x", "about G, along the line from G to S", "kg m²"),
     _size("disk.inertia_y", "across it; above mass * eccentricity²", "kg m²"),
     _size("disk.inertia_z", "normal to it; about S below the others' sum", "kg m²"),
-    Quantity("friction.law", "or own module:Class", None, "smooth-coulomb",
-             choices=("smooth-coulomb", "stribeck", "tanh", "viscous")),
+    Quantity("friction.law", "one of the above or own module:Class", None, "smooth-coulomb",
+             choices=("smooth-coulomb", "stribeck", "tanh", "viscous", "anisotropic",
+                      "power-law", "lubricated")),
     Quantity("friction.load", "what presses the disk down: m g, or the contact's force", None,
              "weight", choices=LOADS),
     _coefficient("friction.coefficient", "friction coefficient", 0.3, "mu"),
@@ -236,6 +242,15 @@ _DECLARED = (
     _coefficient("friction.kinetic", "stribeck: coefficient at much slip", 0.3),
     _slip("friction.stribeck_speed", "stribeck: slip speed over which it drops", 0.2),
     Quantity("friction.viscosity", "viscous: force for each N and m/s", "s/m", 3.0, 0.0,
+             STEEPEST_FRICTION),
+    Quantity("friction.along", "anisotropic: coefficient along the edge", "", 0.3, 0.0, 1e9,
+             is_above=True),
+    Quantity("friction.across", "anisotropic: coefficient across the edge", "", 0.2, 0.0, 1e9,
+             is_above=True),
+    Quantity("friction.reference_load", "power-law: load of the coefficient", "N",
+             1.0, 0.0, 1e9, is_above=True),
+    Quantity("friction.exponent", "power-law: power of the load", "", 2.0 / 3.0, 0.1, 2.0),
+    Quantity("friction.film", "lubricated: force of the film for each m/s", "N s/m", 0.1, 0.0,
              STEEPEST_FRICTION),
     # A centrifuge has as much; 9.81 is behind the paper's printed results.
     Quantity("table.gravity", "gravitational acceleration", "m/s²", 9.81, 0.0, 1e6,

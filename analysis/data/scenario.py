@@ -113,6 +113,12 @@ class Scenario(_Remembering, Described):
                     f"takes no further constraint, got {self.name}",
                 )
             self.contact.check(self.disk, self.weight)
+            if self.contact.is_rounded and not self.friction.IS_ISOTROPIC:
+                raise ArgumentError(
+                    "friction",
+                    "must be isotropic on a rounded rim, which may lie flat, where the edge has "
+                    f"no direction, got {self.friction!r}",
+                )
             return
         if self.dissipation.is_on:
             raise ArgumentError(
@@ -157,7 +163,12 @@ class Scenario(_Remembering, Described):
     @property
     def slip_decay(self) -> float:
         """Rate in 1/s at which friction under the weight brakes slip, at most."""
-        return self.friction.gradient * self.weight * self.disk.contact_mobility
+        return self.friction.slope(self.weight) * self.disk.contact_mobility
+
+    @property
+    def friction_gradient(self) -> float:
+        """Slope of friction at no slip for each newton of the weight in s/m, at most."""
+        return self.friction.slope(self.weight) / self.weight
 
     @property
     def rubs(self) -> bool:

@@ -7,13 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from analysis.data.angles import angle
 from analysis.data.constraint_set import MODELS
 from analysis.data.names import ArgumentError, nearest
-from analysis.data.quantities import LEVELS, QUANTITIES, SECTIONS
+from analysis.data.quantities import QUANTITIES, SECTIONS
 from analysis.data.scenario import Scenario, made_part
 from analysis.data.scenario_text import FORMAT
-from analysis.data.written import warn_of_unit
+from analysis.data.written import read_value
 
 LARGEST_FILE = 1_000_000
 """Bytes that are read; a scenario takes some thousand."""
@@ -62,7 +61,7 @@ def load_scenario(path: str | os.PathLike[str]) -> Scenario:
     try:
         return _scenario(values)
     except ValueError as error:
-        line = _line_of(text, getattr(error, "argument", ""), values)
+        line = _line_of(text, getattr(error, "argument", ""))
         raise ValueError(f"{path}, line {line}: {error}") from None
 
 
@@ -124,71 +123,46 @@ def _constraints(values: Mapping[str, Any]) -> Any:
         raise ArgumentError(
             "model", "or constraints is missing; model = 1 is the disk on the table"
         )
-    if level is None:
-        if not isinstance(given, list) or not all(isinstance(each, str) for each in given):
-            raise ArgumentError("constraints", f"must be a list of names, got {given!r}")
-        return given
-    if given is not None:
+    if level is not None and given is not None:
         raise ArgumentError("constraints", "do not go together with model")
-    if type(level) is not int or level not in LEVELS:
-        raise ArgumentError(
-            "model", f"must be one of {', '.join(map(str, LEVELS))}, got {level!r}"
-        )
-    return MODELS[level]
+    return given if level is None else MODELS[read_value("model", level)]  # type: ignore[index]
 
 
 def _part(table: str, values: Any) -> Any:
-    """What a table describes, with a warning where a unit is in doubt."""
+    """What a table describes; its values are read as everywhere."""
     if not isinstance(values, Mapping):
         return made_part(table, values)
-    clean = {name: _value(f"{table}.{name}", name, value) for name, value in values.items()}
-    made = made_part(table, clean)
+    read = {}
     for name, value in values.items():
-        warn_of_unit(f"{table}.{name}", value, clean[name])
-    return made
-
-
-def _value(key: str, name: str, value: Any) -> Any:
-    """Value of a key: angles are worked out, and numbers are no text."""
-    if name in ("coordinates", "rates"):
-        if not isinstance(value, list):
+        key = f"{table}.{name}"
+        read[name] = read_value(key, value, name) if key in QUANTITIES else value
+        if name in ("coordinates", "rates") and not isinstance(value, list):
             raise ArgumentError(name, f"must be a list of 6 numbers, got {value!r}")
-        return tuple(value)
-    quantity = QUANTITIES.get(key)
-    if quantity is None or quantity.unit is None:
-        return value
-    if quantity.is_angle:
-        return angle(name, value)
-    if isinstance(value, str):
-        unit = f" in {quantity.unit}" if quantity.unit else ""
-        raise ArgumentError(name, f"must be a number{unit}, got {value!r}")
-    return value
+    return made_part(table, read)
 
 
-def _line_of(text: str, argument: str, values: Mapping[str, Any]) -> int:
+def _line_of(text: str, argument: str) -> int:
     """Line at which an argument stands, or the table that it belongs to, or else the last."""
     rows = text.rstrip("\n").split("\n")
-    lines: dict[tuple[str, ...], int] = {}
-    table: tuple[str, ...] = ()
+    lines: dict[str, int] = {}
+    table = ""
     for line, row in enumerate(rows, 1):
         if header := _HEADER.match(row):
-            table = _parts(header[1])
+            table = _plain(header[1])
             lines.setdefault(table, line)
         elif entry := _ENTRY.match(row):
-            names = (*table, *_parts(entry[1]))
-            for count in range(1, len(names) + 1):
-                lines.setdefault(names[:count], line)
+            name = _plain(entry[1])
+            full = f"{table}.{name}" if table else name
+            for part in (full, full.partition(".")[0]):
+                lines.setdefault(part, line)
     # An entry of a list is found by the list.
     name = argument.partition("[")[0]
-    homes: list[tuple[str, ...]] = [
-        (key, name) for key, held in values.items() if isinstance(held, Mapping)
-    ]
-    homes += [(key,) for key in _TABLES if f"{key}.{name}" in QUANTITIES]
-    candidates = [_parts(name), *homes, _parts(name)[:1]]
-    if name == "format":
-        return lines.get((name,), 1)
-    return next((lines[each] for each in candidates if each in lines), len(rows))
+    places = [name, *(f"{each}.{name}" for each in _TABLES)]
+    places += [each for each in _TABLES if f"{each}.{name}" in QUANTITIES]
+    places.append(name.partition(".")[0])
+    last = 1 if name == "format" else len(rows)
+    return next((lines[each] for each in places if each in lines), last)
 
 
-def _parts(dotted: str) -> tuple[str, ...]:
-    return tuple(part.strip().strip("\"'") for part in dotted.split("."))
+def _plain(dotted: str) -> str:
+    return re.sub(r"[\s\"']", "", dotted)

@@ -100,7 +100,9 @@ def _disk(disk: Disk) -> Iterator[str]:
 
 
 def _friction(values: dict[str, Any]) -> str:
-    return _lines("friction", {name: value for name, value in values.items() if value is not None})
+    laws = f"# Laws: {QUANTITIES['friction.law'].allowed}.\n"
+    given = {name: value for name, value in values.items() if value is not None}
+    return laws + _lines("friction", given)
 
 
 def _contact(scenario: Scenario) -> str:

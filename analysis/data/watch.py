@@ -48,7 +48,8 @@ class Watch:
         self.steps = 0
         self.flattest = (0.0, inf)
         self._progress = None if progress is None else function("progress", progress)
-        self._begin = time.process_time()
+        # With many threads it takes long to read.
+        self._begin = time.process_time() if self._limit < inf else 0.0
 
     @property
     def is_idle(self) -> bool:
@@ -57,7 +58,7 @@ class Watch:
 
     @property
     def seconds(self) -> float:
-        """Processor time taken so far in s."""
+        """Processor time taken so far in s, of a call that has a limit."""
         return time.process_time() - self._begin
 
     @property

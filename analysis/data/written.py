@@ -8,7 +8,7 @@ from typing import Any
 from analysis.data.angles import angle
 from analysis.data.checks import choice
 from analysis.data.names import ArgumentError
-from analysis.data.quantities import LEVELS, QUANTITIES
+from analysis.data.quantities import LEVELS, QUANTITIES, Quantity
 
 Value = float | str | bool
 """What a quantity may be set to."""
@@ -68,32 +68,21 @@ def read_value(key: str, value: Any, name: str = "") -> Value:
             what = f"number in {about.unit}" if about and about.unit else "number"
             raise ArgumentError(name, f"must be a {what}, got {value!r}") from None
     result = angle(name, result)
-    warn_of_unit(key, value, result)
+    if about is not None and about.unit is not None:
+        _warn_of_unit(about, value, result)
     return result
 
 
-def warn_of_unit(key: str, told: Any, value: Any) -> None:
-    """Warn of a size that is doubted, and of an angle above a turn without a unit.
-
-    Parameters
-    ----------
-    key : str
-        Of the quantity.
-    told : float or str
-        What was written.
-    value : float
-        What it stands for.
-    """
-    about = QUANTITIES.get(key)
+def _warn_of_unit(about: Quantity, told: Any, value: float) -> None:
+    """Warn of a size that is doubted, and of an angle above a turn that is told without a unit."""
     # What is out of range is refused, and not doubted.
-    if about is None or about.unit is None or not about.least <= value <= about.most:
+    if not about.least <= value <= about.most:
         return
-    doubt = ""
+    with_unit = isinstance(told, str) and _WITH_UNIT.search(told)
     if value > about.doubted:
         doubt = f"is in {about.unit}, and above {about.doubted:g} {about.unit}"
-    if about.is_angle and abs(value) > 2.0 * pi:
-        with_unit = isinstance(told, str) and _WITH_UNIT.search(told)
-        told_so = "is in rad, and above a turn; degrees are written with their unit, as 90deg"
-        doubt = "" if with_unit else told_so
-    if doubt:
-        warnings.warn(f"{about.name} {doubt}", UnitWarning, stacklevel=3)
+    elif about.is_angle and abs(value) > 2.0 * pi and not with_unit:
+        doubt = "is in rad, and above a turn; degrees are written with their unit, as 90deg"
+    else:
+        return
+    warnings.warn(f"{about.name} {doubt}", UnitWarning, stacklevel=3)

@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.data import elementary
 from analysis.data.checks import Array
-from analysis.data.elementary import cos, sin, sqrt
+from analysis.data.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
 
 
 class Dual:
@@ -59,10 +59,19 @@ class Dual:
     def __rtruediv__(self, other: Any) -> "Dual":
         return dual(other) / self
 
+    def __pow__(self, exponent: float) -> "Dual":
+        slope = exponent * self.value ** (exponent - 1)
+        return Dual(self.value**exponent, slope * self.change)
+
 
 def dual(number: Any) -> Dual:
     """The number itself, or a constant."""
     return number if isinstance(number, Dual) else Dual(number, 0.0)
+
+
+def plain(number: Any) -> Any:
+    """The value of a dual number, or the number itself."""
+    return number.value if isinstance(number, Dual) else number
 
 
 def rate(
@@ -92,11 +101,33 @@ def _sqrt(x: Dual) -> Dual:
     return Dual(root, x.change / (2.0 * root))
 
 
+def _hypot(x: Any, y: Any) -> Dual:
+    """Its derivative at the origin, where there is none, is taken to be zero."""
+    x, y = dual(x), dual(y)
+    size = hypot(x.value, y.value)
+    return Dual(size, (x.value * x.change + y.value * y.change) / size if size else 0.0)
+
+
+def _exp(x: Dual) -> Dual:
+    value = exp(x.value)
+    return Dual(value, value * x.change)
+
+
+def _tanh(x: Dual) -> Dual:
+    value = tanh(x.value)
+    return Dual(value, (1.0 - value * value) * x.change)
+
+
 elementary.register(
     Dual,
     SimpleNamespace(
         sin=lambda x: Dual(sin(x.value), cos(x.value) * x.change),
         cos=lambda x: Dual(cos(x.value), -sin(x.value) * x.change),
         sqrt=_sqrt,
+        exp=_exp,
+        tanh=_tanh,
+        log=lambda x: Dual(log(x.value), x.change / x.value),
+        asinh=lambda x: Dual(asinh(x.value), x.change / hypot(1.0, x.value)),
+        hypot=_hypot,
     ),
 )

@@ -11,12 +11,12 @@ from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.mechanics.attitude import EulerAngles, Quaternion
 from analysis.mechanics.penalty import READINGS, YieldingTable
-from analysis.mechanics.recorder import Recorder, Symbol, call
+from analysis.mechanics.recorder import Recorder, Symbol, call, pair
 
 Solver = Callable[..., tuple[float, ...]]
 """From the floats of a state to its time derivative and what else follows from it."""
 
-_FUNCTIONS = ("spring", "normal_force", "load", "speed", "per_speed")
+_FUNCTIONS = ("spring", "normal_force", "load", "speed", "per_speed", "force")
 
 
 def free_solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:
@@ -95,17 +95,27 @@ def _recorded(
         rim=scenario.penalty_contact,
         gravity=scenario.table.vector,
         dissipation=scenario.dissipation,
-        **{name: partial(call, name) for name in _FUNCTIONS},
+        friction=_friction if scenario.friction.is_simple else _any_friction,
+        **{name: partial(call, name) for name in ("spring", "normal_force", "speed")},
     )
     code = recorder.code(results(table, recorder.variables))
     solver: Solver = code(speed=hypot, per_speed=scenario.friction.per_speed, **_forces(scenario))
     return solver
 
 
-def _forces(scenario: Scenario) -> dict[str, Callable[..., float]]:
-    """What of a contact may open: spring, spring and damper, and the load of friction."""
-    contact, weight = scenario.penalty_contact, scenario.weight
-    by_weight = scenario.friction.load == "weight"
+def _friction(along: Symbol, across: Symbol, normal_force: Symbol) -> tuple[Symbol, Symbol]:
+    factor = -(call("load", normal_force) * call("per_speed", call("speed", along, across)))
+    return factor * along, factor * across
+
+
+def _any_friction(along: Symbol, across: Symbol, normal_force: Symbol) -> tuple[Symbol, Symbol]:
+    return pair("force", along, across, normal_force)
+
+
+def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
+    """What of a contact may open: spring, spring and damper, and friction with its load."""
+    contact, weight, law = scenario.penalty_contact, scenario.weight, scenario.friction
+    by_weight = law.load == "weight"
 
     def spring(gap: float) -> float:
         return 0.0 if gap > 0.0 and not contact.bilateral else -contact.stiffness * gap
@@ -120,4 +130,8 @@ def _forces(scenario: Scenario) -> dict[str, Callable[..., float]]:
             return weight
         return max(0.0, force)
 
-    return {"spring": spring, "normal_force": normal_force, "load": load}
+    def force(along: float, across: float, normal: float) -> tuple[float, float]:
+        touches = normal > 0.0 or contact.bilateral
+        return law.force(along, across, load(normal)) if touches else (0.0, 0.0)
+
+    return {"spring": spring, "normal_force": normal_force, "load": load, "force": force}

@@ -5,9 +5,9 @@ about the vertical, and the angular velocity in axes of the body. What acts on t
 direction in them: that of a force at a point is the velocity of the point along the force.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from analysis.data.constraint_set import ConstraintSet
 from analysis.data.quantities import Load
@@ -20,10 +20,11 @@ from analysis.mechanics.constraints import (
 )
 from analysis.mechanics.dual import rate
 from analysis.mechanics.elimination import solve
-from analysis.mechanics.vectors import Numbers, Vector, add, dot, scaled
+from analysis.mechanics.vectors import NONE, Numbers, Vector, add, dot, scaled
 
-Speed = Callable[[Any, Any], Any]
-"""Size of a slip from its two parts, one of which is the float 0.0 where slip is held."""
+Friction = Callable[[Any, Any, Any], tuple[Any, Any]]
+"""From two parts of a slip and a load to the force against it: `FrictionLaw.force`. A slip that is
+held is the float 0.0."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,13 +40,14 @@ class IdealContact:
         In m/s², in axes of the table; the first two are the float 0.0 if it is level.
     load : str, optional
         What presses the disk on the table where friction acts; None where there is none.
-    speed : callable
-        See `Speed`.
-    per_speed : callable
-        That of the friction law.
+    is_proportional : bool
+        Whether friction is in proportion to the load.
+    friction : callable
+        See `Friction`.
     contact_load : callable
-        Load in N, from the normal force without friction and from what of it each newton of load
-        calls for through friction.
+        Load in N, from the normal force without friction and what each newton of load adds to it
+        through friction; where that is not in proportion to the load, from what each newton of
+        friction along and across the edge adds to it, and the two slips.
     chart : EulerAngles or EulerTurning
         What a state holds.
     """
@@ -54,9 +56,9 @@ class IdealContact:
     disk: Any
     gravity: Vector
     load: Load | None
-    speed: Speed
-    per_speed: Callable[[Any], Any]
-    contact_load: Callable[[Any, Any], Any]
+    is_proportional: bool
+    friction: Friction
+    contact_load: Callable[..., Any]
     chart: type[EulerAngles] = EulerAngles
 
     def derivative(self, state: Numbers) -> tuple[list[Any], list[Any], Any]:
@@ -74,6 +76,11 @@ class IdealContact:
         moving = self.chart.moving(state)
         gravity = self.chart.gravity(moving, self.gravity)
         acceleration = free_acceleration(self.disk, gravity, moving)
+        slips = _Slips.of(self, moving)
+        if self.load == "weight":
+            weight = self.disk.mass * -self.gravity[2]
+            rubbing = response(self.disk, slips.direction(self.friction(*slips.speeds, weight)))
+            acceleration = together(acceleration, 1.0, rubbing)
         held = directions(self.constraints, self.disk, moving.attitude)
         responses = [response(self.disk, each) for each in held]
         matrix = [[each.along(*other) for other in responses] for each in held]
@@ -84,15 +91,19 @@ class IdealContact:
                 for each, change in zip(held, changes, strict=True)
             ],
         ]
-        if self.load is None:
-            (forces,) = solve(matrix, sides)
-        else:
-            rubbing = response(self.disk, friction(self, moving))
-            sides.append([-each.along(*rubbing) for each in held])
-            alone, added = solve(matrix, sides)
-            load = self._load(alone[0], added[0])
-            forces = [force + load * more for force, more in zip(alone, added, strict=True)]
-            acceleration = together(acceleration, load, rubbing)
+        ways: list[Direction] = []
+        if self.load == "contact" and self.is_proportional:
+            ways = [slips.direction(self.friction(*slips.speeds, 1.0))]
+        elif self.load == "contact":
+            ways = [slips.ahead, slips.across]
+        rubbings = [response(self.disk, way) for way in ways]
+        sides += [[-each.along(*rubbing) for each in held] for rubbing in rubbings]
+        forces, *added = solve(matrix, sides)
+        for size, more, rubbing in zip(
+            self._sizes(forces, added, slips), added, rubbings, strict=True
+        ):
+            forces = [force + size * each for force, each in zip(forces, more, strict=True)]
+            acceleration = together(acceleration, size, rubbing)
         for force, by_force in zip(forces, responses, strict=True):
             acceleration = together(acceleration, force, by_force)
         multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
@@ -117,22 +128,41 @@ class IdealContact:
         rates = [way.along(*acceleration) + each for way, each in zip(ways, turned, strict=True)]
         return slips[0] * rates[0] + slips[1] * rates[1]
 
-    def _load(self, alone: Any, added: Any) -> Any:
-        if self.load == "contact":
-            return self.contact_load(alone, added)
-        return self.disk.mass * -self.gravity[2]
+    def _sizes(self, alone: Numbers, added: Sequence[Numbers], slips: "_Slips") -> tuple[Any, ...]:
+        """How much there is of each friction that knows the contact force, which it changes."""
+        if not added:
+            return ()
+        if self.is_proportional:
+            return (self.contact_load(alone[0], added[0][0]),)
+        load = self.contact_load(alone[0], *(each[0] for each in added), *slips.speeds)
+        return self.friction(*slips.speeds, load)
 
 
-def friction(contact: IdealContact, moving: Moving) -> Direction:
-    """Friction for each newton of load; the disk slides where it is not held."""
-    frame, held = moving.frame, contact.constraints
-    ahead, across, _ = rim_directions(contact.disk, frame)
-    along, sideways = (way.along(moving.velocity, moving.angular) for way in (ahead, across))
-    slip_x = 0.0 if "no-slip-along" in held else along
-    slip_y = 0.0 if "no-slip-across" in held else sideways
-    factor = -contact.per_speed(contact.speed(slip_x, slip_y))
-    x, y = factor * slip_x, factor * slip_y
-    return Direction((x, y, 0.0), add(scaled(x, ahead.turning), scaled(y, across.turning)))
+class _Slips(NamedTuple):
+    """Directions along and across the edge in which the disk may slip, and its speeds in them."""
+
+    ahead: Direction
+    across: Direction
+    speeds: tuple[Any, Any]
+
+    @classmethod
+    def of(cls, contact: IdealContact, moving: Moving) -> "_Slips":
+        """Slips in this state; the disk slides where it is not held."""
+        found = []
+        for name, way in zip(SLIPS, rim_directions(contact.disk, moving.frame), strict=False):
+            if name in contact.constraints:
+                found.append((Direction(NONE, NONE), 0.0))
+            else:
+                found.append((way, way.along(moving.velocity, moving.angular)))
+        (ahead, along), (across, sideways) = found
+        return cls(ahead, across, (along, sideways))
+
+    def direction(self, force: tuple[Any, Any]) -> Direction:
+        """Direction of a force with these parts along and across the edge."""
+        x, y = force
+        linear = add(scaled(x, self.ahead.linear), scaled(y, self.across.linear))
+        turning = add(scaled(x, self.ahead.turning), scaled(y, self.across.turning))
+        return Direction(linear, turning)
 
 
 def free_acceleration(disk: Any, gravity: Vector, moving: Moving) -> tuple[Vector, Vector]:

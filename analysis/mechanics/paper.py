@@ -12,7 +12,7 @@ Notation as in the paper; s and c in front of a letter are its sine and cosine.
 """
 
 from collections.abc import Sequence
-from math import cos, hypot, sin
+from math import cos, sin
 
 import numpy as np
 
@@ -197,14 +197,17 @@ def friction_per_load(scenario: Scenario, z: Vector, u: Vector) -> Array:
     """Generalised friction force for a load of 1 N, shape (6,); Eq. (3) without its lambda_N.
 
     The disk slides where it is not held: Models 1 and 2 in both directions of the table, Models 3
-    and 4 along e_y alone.
+    and 4 along e_y alone. Of a law that is not in proportion to the load, it is the share of a
+    newton in what the weight calls for.
     """
     W_T = tangential_directions(scenario.disk, z)
     slip = W_T.T @ np.asarray(u)
     slip[0] *= "no-slip-along" not in scenario.constraints
     slip[1] *= "no-slip-across" not in scenario.constraints
-    force: Array = -scenario.friction.per_speed(hypot(*slip)) * (W_T @ slip)
-    return force
+    along, across = slip.tolist()
+    force = np.array(scenario.friction.force(along, across, scenario.weight)) * (slip != 0.0)
+    result: Array = W_T @ (force / scenario.weight)
+    return result
 
 
 def index_1_system(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Array]:

@@ -21,7 +21,7 @@ from analysis.mechanics.attitude import Chart, Frame, Moving, Quaternion
 from analysis.mechanics.constraints import Direction
 from analysis.mechanics.dual import rate
 from analysis.mechanics.newton_euler import (
-    Speed,
+    Friction,
     free_acceleration,
     kinetic_energy,
     response,
@@ -103,10 +103,10 @@ class YieldingTable:
         Force of the spring in N from the gap.
     normal_force : callable
         Force of spring and damper in N from the gap and its rate.
-    load : callable
-        What friction takes as its load in N, from the normal force.
-    speed, per_speed : callable
-        See `newton_euler.IdealContact`.
+    friction : callable
+        See `newton_euler.Friction`, with the normal force in place of the load.
+    speed : callable
+        Size of a velocity from its two parts.
     """
 
     disk: Any
@@ -115,9 +115,8 @@ class YieldingTable:
     dissipation: Dissipation
     spring: Callable[[Any], Any]
     normal_force: Callable[[Any, Any], Any]
-    load: Callable[[Any], Any]
-    speed: Speed
-    per_speed: Callable[[Any], Any]
+    friction: Friction
+    speed: Callable[[Any, Any], Any]
 
     def derivative(self, chart: Chart, state: Numbers) -> tuple[list[Any], Touch, list[Any]]:
         """Time derivative of a state, the contact, and the power in W taken by each of `CAUSES`.
@@ -158,14 +157,12 @@ class YieldingTable:
 
     def _loads(self, moving: Moving, touch: Touch) -> tuple[Direction, list[Any]]:
         """Force in axes of the frame and torque in those of the body, and powers taken."""
-        speed = self.speed(*touch.slip)
-        factor = self.load(touch.force) * self.per_speed(speed)
+        x, y = self.friction(*touch.slip, touch.force)
         powers = [
             (self.spring(touch.gap) - touch.force) * touch.gap_rate,
-            factor * (speed * speed),
+            -(x * touch.slip[0] + y * touch.slip[1]),
             *(0.0, 0.0, 0.0, 0.0),
         ]
-        x, y = (-(factor * each) for each in touch.slip)
         force = (x, y, touch.force)
         torque = cross(touch.point, moving.frame.in_body(force))
         torque = add(torque, self._rolling(moving.frame, touch, powers))

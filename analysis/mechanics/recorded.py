@@ -11,14 +11,16 @@ import numpy as np
 from analysis.data import elementary
 from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
+from analysis.data.friction import FrictionLaw
 from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.mechanics.attitude import EulerAngles
-from analysis.mechanics.dual import Dual, derivatives, dual, rate
+from analysis.mechanics.contact_load import any_contact_load
+from analysis.mechanics.dual import Dual, derivatives, plain, rate
 from analysis.mechanics.free_body import Solver, free_solver
 from analysis.mechanics.newton_euler import IdealContact
-from analysis.mechanics.recorder import Recorder, call
+from analysis.mechanics.recorder import Recorder, call, pair
 from analysis.mechanics.states import paper_of, state_of
 from analysis.mechanics.vectors import Numbers
 
@@ -32,7 +34,7 @@ NUMBERS = (
 )
 """Names of what code is bound to: the disk, with its inertia about S, and gravity on the table."""
 
-_FUNCTIONS = ("speed", "per_speed", "contact_load")
+_FUNCTIONS = ("speed", "per_speed", "force", "contact_load")
 
 
 def numbers(scenario: Any) -> tuple[Any, ...]:
@@ -54,15 +56,30 @@ def disk_of(values: Numbers) -> Any:
 
 
 @cache
-def formula(
+def formula(*structure: Any, **more: Any) -> Callable[..., Callable[..., tuple[Any, ...]]]:
+    """Code of `recording`, whose parameters these are.
+
+    Returns
+    -------
+    callable
+        From `numbers` and, by keyword, `speed`, `per_speed`, `force`, `contact_load` and `sin`
+        and `cos` of these kinds of numbers, to a function of the 12 numbers of a state; that one
+        returns the results.
+    """
+    recorder, results = recording(*structure, **more)
+    return recorder.code(results)
+
+
+def recording(
     held: ConstraintSet,
     load: Load | None,
     *,
     horizontal: bool,
+    law: type[FrictionLaw] = FrictionLaw,
     slowing: bool = False,
     chart: type[EulerAngles] = EulerAngles,
-) -> Callable[..., Callable[..., tuple[Any, ...]]]:
-    """Code of `IdealContact.derivative` for a structure.
+) -> tuple[Recorder, list[Any]]:
+    """Symbols of `IdealContact.derivative` for a structure.
 
     Parameters
     ----------
@@ -72,6 +89,8 @@ def formula(
         What presses the disk on the table where friction acts; None where there is none.
     horizontal : bool
         Whether the table is level.
+    law : type
+        Of the friction: whether it is isotropic and in proportion to the load.
     slowing : bool
         Whether half the rate of the squared slip speed is told, too.
     chart : EulerAngles or EulerTurning
@@ -79,10 +98,10 @@ def formula(
 
     Returns
     -------
-    callable
-        From `numbers` and, by keyword, the functions of `IdealContact` and `sin` and `cos` of
-        these kinds of numbers, to a function of the 12 numbers of a state; that one returns the
-        derivative and the multipliers, 12 + n numbers, and what `slowing` asks for.
+    recorder : Recorder
+        With `NUMBERS` as constants and `STATE` as variables.
+    results : list
+        The derivative and the multipliers, 12 + n, and what `slowing` asks for.
     """
     recorder = Recorder(NUMBERS, STATE, _FUNCTIONS)
     along, across, down = recorder.constants[6:]
@@ -91,11 +110,22 @@ def formula(
         disk=disk_of(recorder.constants),
         gravity=(0.0, 0.0, down) if horizontal else (along, across, down),
         load=load,
+        is_proportional=law.IS_PROPORTIONAL,
+        friction=_friction if law.force is FrictionLaw.force else _any_friction,
+        contact_load=partial(call, "contact_load"),
         chart=chart,
-        **{name: partial(call, name) for name in _FUNCTIONS},
     )
     derivative, multipliers, slower = contact.derivative(recorder.variables)
-    return recorder.code([*derivative, *multipliers, *([slower] if slowing else [])])
+    return recorder, [*derivative, *multipliers, *([slower] if slowing else [])]
+
+
+def _friction(along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+    factor = -(call("per_speed", call("speed", along, across)) * load)
+    return factor * along, factor * across
+
+
+def _any_friction(along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+    return pair("force", along, across, load)
 
 
 def solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:
@@ -117,8 +147,7 @@ def solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver
     """
     if scenario.contact is not None:
         return free_solver(scenario, chart)
-    per_speed = scenario.friction.per_speed
-    return _bound(scenario, chart, speed=hypot, per_speed=per_speed, contact_load=_contact_load)
+    return _bound(scenario, chart, speed=hypot, per_speed=scenario.friction.per_speed)
 
 
 def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
@@ -154,9 +183,8 @@ def dual_solver(scenario: Scenario) -> Callable[..., tuple[Any, ...]]:
         EulerAngles,
         sin=elementary.sin,
         cos=elementary.cos,
-        speed=_speed,
+        speed=elementary.hypot,
         per_speed=per_speed,
-        contact_load=_contact_load,
     )
 
 
@@ -164,19 +192,22 @@ def _bound(
     scenario: Scenario, chart: type[EulerAngles], **functions: Any
 ) -> Callable[..., tuple[Any, ...]]:
     """Code of a scenario, which is named where it cannot be run."""
+    law = scenario.friction
+    contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_load, law)
     code = formula(
         scenario.constraints,
-        scenario.friction.load if scenario.rubs else None,
+        law.load if scenario.rubs else None,
         horizontal=bool(scenario.table.is_horizontal),
+        law=type(law),
         chart=chart,  # type: ignore[arg-type] # a class can be hashed
-    )(*numbers(scenario), **functions)
+    )(*numbers(scenario), force=law.force, contact_load=contact_load, **functions)
 
     def solve(*state: Any) -> tuple[Any, ...]:
         try:
             return code(*state)
         except ArithmeticError as error:
             cause = "" if isinstance(error, ZeroDivisionError) else f": {error}"
-            angles = [getattr(each, "value", each) for each in state[3:6]]
+            angles = [plain(each) for each in state[3:6]]
             raise ArithmeticError(
                 f"singular index-1 system of {scenario.name} at alpha, beta, gamma = {angles}"
                 + cause
@@ -187,19 +218,12 @@ def _bound(
 
 def _contact_load(alone: Any, added: Any) -> Any:
     """Normal force in N that friction takes as its load, from that without friction."""
-    more, force = (getattr(each, "value", each) for each in (added, alone))
+    more, force = plain(added), plain(alone)
     if more >= 1.0:
         raise ArithmeticError(
             f"each newton of normal force calls for {more:.3g} N of it through friction"
         )
     return alone / (1.0 - added) if force > 0.0 else 0.0
-
-
-def _speed(x: Any, y: Any) -> Dual:
-    """Size of a slip in dual numbers."""
-    x, y = dual(x), dual(y)
-    size = hypot(x.value, y.value)
-    return Dual(size, (x.value * x.change + y.value * y.change) / size if size else 0.0)
 
 
 def accelerations(scenario: Scenario, coordinates: Numbers, rates: Numbers) -> tuple[Array, Array]:

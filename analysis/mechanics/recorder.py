@@ -43,8 +43,8 @@ class Recorder:
             self._kept[key] = symbol
         return self._kept[key]
 
-    def source(self, results: Sequence[Any]) -> str:
-        """Source of a function `bind`, as `code` returns it."""
+    def _statements(self, results: Sequence[Any]) -> tuple[list[str], list[str]]:
+        """What is worked out of constants alone, and what with each call: "name = text"."""
         uses = {str(each): 2 for each in results}
         for symbol in reversed(self._kept.values()):
             if str(symbol) in uses:
@@ -61,6 +61,11 @@ class Recorder:
                 inline[name] = f"({text})"
             elif name in uses:
                 (before if symbol.fixed else body).append(f"{name} = {text}")
+        return before, body
+
+    def source(self, results: Sequence[Any]) -> str:
+        """Source of a function `bind` in Python, as `code` returns it."""
+        before, body = self._statements(results)
         arguments = [
             *map(str, self.constants),
             "*",
@@ -77,6 +82,25 @@ class Recorder:
                 *(f"        {line}" for line in body),
                 f"        return {', '.join(map(str, results))}",
                 "    return formula",
+            )
+        )
+
+    def javascript(self, results: Sequence[Any]) -> str:
+        """The same in JavaScript: constants and functions go by name, numbers in arrays."""
+        before, body = self._statements(results)
+        constants, variables = (
+            ", ".join(map(str, symbols)) for symbols in (self.constants, self.variables)
+        )
+        given = ", ".join(("sin", "cos", "sqrt", *self._functions))
+        return "\n".join(
+            (
+                f"([{constants}], {{ {given} }} = Math) => {{",
+                *(f"  const {line};" for line in before),
+                f"  return ([{variables}]) => {{",
+                *(f"    const {line};" for line in body),
+                f"    return [{', '.join(map(str, results))}];",
+                "  };",
+                "}",
             )
         )
 
@@ -155,6 +179,12 @@ def call(name: str, *operands: Any) -> Symbol:
     """Symbol for what the function of this name returns; one of the operands is a symbol."""
     recorder = next(each.recorder for each in operands if isinstance(each, Symbol))
     return recorder.keep(f"{name}({', '.join('{}' for _ in operands)})", *operands)
+
+
+def pair(name: str, *operands: Any) -> tuple[Symbol, Symbol]:
+    """Symbols for the two numbers that the function of this name returns."""
+    both = call(name, *operands)
+    return both.recorder.keep("{}[0]", both), both.recorder.keep("{}[1]", both)
 
 
 def _plain(operand: Any) -> Any:

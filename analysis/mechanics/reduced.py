@@ -56,10 +56,17 @@ def solver(scenario: Scenario, spin: float) -> Solver:
     spin : float
         Constant spinning speed in rad/s (paper: Omega).
     """
-    per_speed = scenario.friction.per_speed
+    law, weight = scenario.friction, scenario.weight
 
     def friction(slip: float) -> float:
-        return per_speed(abs(slip)) * slip
+        _, across = law.force(0.0, slip, weight)
+        return float(-across / weight)
+
+    if law.is_simple:
+        per_speed = law.per_speed
+
+        def friction(slip: float) -> float:
+            return per_speed(abs(slip)) * slip
 
     found: Solver = formula()(*numbers(scenario), spin, friction=friction)
     return found

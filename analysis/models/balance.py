@@ -106,32 +106,29 @@ def contact_forces(trajectory: Trajectory) -> Array:
         raise ValueError("trajectory must be that of a disk with a sharp rim, got a rounded one")
     result = np.zeros((trajectory.times.size, 3))
     result[:, 2] = trajectory.normal_force
-    slip, per_speed = _sliding(trajectory)
-    result[:, :2] = -(_loads(trajectory) * per_speed)[:, None] * slip
+    result[:, :2] = _friction(trajectory)[1]
     for column, name in enumerate(("tangential_force", "lateral_force")):
         if name in multiplier_names(scenario.constraints):
             result[:, column] += trajectory.multiplier(name)
     return result
 
 
-def _sliding(trajectory: Trajectory) -> tuple[Array, Array]:
-    """Slip that is not held, in R-frame axes, and friction for each newton and m/s of it."""
+def _friction(trajectory: Trajectory) -> tuple[Array, Array]:
+    """Slip that is not held, and friction in the same directions, along and across the edge."""
     scenario = trajectory.scenario
     held, disk = scenario.constraints, scenario.disk
     state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
     slip = np.transpose(velocities(SLIPS, disk, state)) * [way not in held for way in SLIPS]
-    law = scenario.friction
-    sizes = np.hypot(*slip.T).tolist()
-    return slip, np.array([law.per_speed(size) for size in sizes])
-
-
-def _loads(trajectory: Trajectory) -> Array:
-    """Load that friction acts with at every sample in N, shape (n,)."""
-    scenario, normal = trajectory.scenario, trajectory.normal_force
-    if scenario.friction.load == "contact":
-        return np.maximum(0.0, normal)
-    lifted = scenario.contact is not None and not scenario.contact.bilateral
-    return scenario.weight * np.where(lifted & (normal <= 0.0), 0.0, 1.0)
+    law, normal = scenario.friction, trajectory.normal_force
+    loads = (
+        np.maximum(0.0, normal) if law.load == "contact" else np.full(normal.size, scenario.weight)
+    )
+    parts = np.column_stack((slip, loads)).tolist()
+    force = np.array([law.force(along, across, load) for along, across, load in parts])
+    force *= [way not in held for way in SLIPS]
+    if scenario.contact is not None and not scenario.contact.bilateral:
+        force[normal <= 0.0] = 0.0
+    return slip, force
 
 
 def power(trajectory: Trajectory) -> Array:
@@ -148,8 +145,8 @@ def power(trajectory: Trajectory) -> Array:
     True
     """
     scenario = trajectory.scenario
-    slip, per_speed = _sliding(trajectory)
-    result: Array = -_loads(trajectory) * per_speed * np.sum(slip**2, axis=1)
+    slip, force = _friction(trajectory)
+    result: Array = np.sum(force * slip, axis=1)
     for name in prescribed(scenario.constraints):
         result += trajectory.multiplier(name) * trajectory.rate(PRESCRIBED[name])
     return result

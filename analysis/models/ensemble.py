@@ -1,9 +1,8 @@
 """Many runs of the in-house equations at once."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import partial
 from os import cpu_count
 from time import process_time
@@ -12,36 +11,29 @@ from typing import Any, TypeVar, overload
 import numpy as np
 import numpy.typing as npt
 
-from analysis.compiled.batches import Outcome, simulate_batches
-from analysis.compiled.library import CannotCompileError, is_installed
-from analysis.compiled.parts import Request, simulate_ensemble
-from analysis.data.checks import (
-    Array,
-    ToleranceError,
-    choice,
-    function,
-    increasing_times,
-    instance,
-    switch,
-    whole,
-)
-from analysis.data.checks import local_tolerance as one_step
-from analysis.data.endings import StopWhen, named_conditions
+from analysis.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
+from analysis.compiled.library import CannotCompileError
+from analysis.data.checks import Array, ToleranceError, function, increasing_times, instance, whole
+from analysis.data.endings import StopWhen
 from analysis.data.ensemble import Ensemble
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.data.trajectories import Listed, Part, Trajectories, joined
 from analysis.data.trajectory import Trajectory
-from analysis.data.watch import Watch
 from analysis.data.workers import Pool
-from analysis.models.forms import FORMS, Form
-from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE, simulate
-from analysis.solve.stepping import METHODS, Method
+from analysis.models.forms import Form
+from analysis.models.request import Request
+from analysis.models.simulation import run_member
+from analysis.solve.stepping import Method
 
-S = TypeVar("S")
 T = TypeVar("T")
-Tolerances = list[float | None]
+
+Outcome = Trajectory | Exception
+"""Of one member: its motion, or the error that ended it."""
+
+Chunk = tuple[Scenarios, Sequence[float]]
+"""Some members and their tolerances."""
 
 LARGEST_CHUNK = 32
 """Members that a worker gets at once; some ten seconds of them, and handing over costs 1 ms."""
@@ -109,7 +101,7 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     Raises
     ------
     ValueError
-        If the times, the conditions, the workers or the number of tolerances are out of range.
+        If an argument is out of range, or there is another number of tolerances than of members.
     UnguardedScriptError
         If workers cannot begin, as they come here while they import the calling script.
 
@@ -130,47 +122,37 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     ((2, 401, 6), 0.4852)
     """
     members = _members(scenarios)
-    times = increasing_times(times)
-    allow_pulling = switch("allow_pulling", allow_pulling)
-    if form is not None:
-        choice("form", form, FORMS)
-    if method is not None:
-        choice("method", method, METHODS)
-    if local_tolerance is not None:
-        one_step("local_tolerance", local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
-    Watch(time_limit)
-    check_storage("times", len(members) * times.size, 2 * len(COORDINATES))
-    named_conditions(stop_when)
-    if workers is not None:
-        workers = whole("workers", workers)
-    tolerances = _each(tolerance, len(members))
-    how = _How(form, method, local_tolerance, stop_when, allow_pulling, time_limit)
-    workers = workers or cpu_count() or 1
-    if how.first == "taylor":
-        chunk = COMPILED_CHUNK
-    else:
-        chunk = max(1, min(LARGEST_CHUNK, len(members) // (4 * workers)))
-    rows = [slice(first, first + chunk) for first in range(0, len(members), chunk)]
+    request = Request(
+        times=increasing_times(times),
+        form=form,
+        method=method,
+        local_tolerance=local_tolerance,
+        stop_when=stop_when,
+        allow_pulling=allow_pulling,
+        time_limit=time_limit,
+    )
+    check_storage("times", len(members) * request.times.size, 2 * len(COORDINATES))
+    workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
-    if isinstance(members, Ensemble):
-        pieces = [(members.part(some), tolerances[some]) for some in rows]
-        found = _called(partial(_motions, times=times, how=how), pieces, executor, workers, tell)
-        return joined(
-            members,
-            [
-                _lost(piece, times, each) if isinstance(each, Exception) else each
-                for each, (piece, _) in zip(found, pieces, strict=True)
-            ],
-        )
-    lists = [(members[some], tolerances[some]) for some in rows]
-    listed = _called(partial(_outcomes, times=times, how=how), lists, executor, workers, tell)
-    outcomes: list[Outcome] = []
-    for each, (some, _) in zip(listed, lists, strict=True):
-        outcomes += [each] * len(some) if isinstance(each, Exception) else each
-    return outcomes
+    chunks = list(
+        _chunks(members, _tolerances(tolerance, len(members), request), request, workers)
+    )
+    if not isinstance(members, Ensemble):
+        found = _called(partial(_outcomes, request), chunks, executor, workers, tell)
+        return [
+            outcome
+            for each, (_, wanted) in zip(found, chunks, strict=True)
+            for outcome in ([each] * len(wanted) if isinstance(each, Exception) else each)
+        ]
+    motions = _called(partial(_motions, request), chunks, executor, workers, tell)
+    pieces = []
+    for each, (part, wanted) in zip(motions, chunks, strict=True):
+        assert isinstance(part, Ensemble)
+        pieces.append(_whole(each, part, wanted, request))
+    return joined(members, pieces)
 
 
-def _members(given: Ensemble | Iterable[Scenario]) -> Ensemble | list[Scenario]:
+def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
     if isinstance(given, Ensemble):
         return given
     if isinstance(given, type) or not isinstance(given, Iterable):
@@ -178,49 +160,51 @@ def _members(given: Ensemble | Iterable[Scenario]) -> Ensemble | list[Scenario]:
     return [instance(f"scenarios[{row}]", each, Scenario) for row, each in enumerate(given)]
 
 
-@dataclass(frozen=True, slots=True)
-class _How:
-    """What is asked of every member, as in `simulate`."""
+def _tolerances(
+    given: float | Sequence[float] | Array | None, count: int, request: Request
+) -> list[float]:
+    """Tolerance of each member."""
+    if not isinstance(given, Sequence | np.ndarray):
+        return [request.tolerance(given)] * count
+    if len(given) != count:
+        raise ValueError(f"tolerance must be one number or {count} of them, got {len(given)}")
+    return [request.tolerance(each) for each in given]
 
-    form: Form | None
-    method: Method | None
-    local_tolerance: float | None
-    stop_when: StopWhen
-    allow_pulling: bool
-    time_limit: float | None
 
-    @property
-    def first(self) -> Method:
-        """Method that is tried first."""
-        return self.method or ("taylor" if is_installed() else "DOP853")
-
-    @property
-    def runs_in_batches(self) -> bool:
-        """Whether members are run together."""
-        return self.first == "taylor" and not self.allow_pulling and self.time_limit is None
+def _chunks(
+    members: Scenarios, tolerances: list[float], request: Request, workers: int
+) -> Iterator[Chunk]:
+    """Members that a worker gets at once."""
+    size = COMPILED_CHUNK
+    if request.first_method != "taylor":
+        size = max(1, min(LARGEST_CHUNK, len(members) // (4 * workers)))
+    for first in range(0, len(members), size):
+        some = slice(first, first + size)
+        part = members.part(some) if isinstance(members, Ensemble) else members[some]
+        yield part, tolerances[some]
 
 
 def _called(
-    call: Callable[[S, Tolerances], T],
-    pieces: Sequence[tuple[S, Tolerances]],
+    call: Callable[[Scenarios, Sequence[float]], T],
+    chunks: Sequence[Chunk],
     executor: Executor | None,
     workers: int,
     tell: Callable[[int, int], None],
 ) -> list[T | Exception]:
-    """What a function makes of pieces of an ensemble, here or elsewhere, in order."""
-    size = sum(len(tolerances) for _, tolerances in pieces)
+    """What a function makes of chunks, here or elsewhere, in order."""
+    size = sum(len(tolerances) for _, tolerances in chunks)
     done = 0
-    if executor is None and (workers == 1 or len(pieces) == 1):
+    if executor is None and (workers == 1 or len(chunks) == 1):
         results: list[T | Exception] = []
-        for piece in pieces:
-            results.append(call(*piece))
-            done += len(piece[1])
+        for chunk in chunks:
+            results.append(call(*chunk))
+            done += len(chunk[1])
             tell(done, size)
         return results
     with ExitStack() as stack:
-        pool = executor or stack.enter_context(Pool(min(workers, len(pieces))))
+        pool = executor or stack.enter_context(Pool(min(workers, len(chunks))))
         futures: dict[Future[T], int] = {
-            pool.submit(call, *piece): len(piece[1]) for piece in pieces
+            pool.submit(call, *chunk): len(chunk[1]) for chunk in chunks
         }
         for future in as_completed(futures):
             if isinstance(pool, Pool) and isinstance(future.exception(), BrokenExecutor):
@@ -237,107 +221,73 @@ def _result(future: Future[Any]) -> Any:
         return error
 
 
-def _each(tolerance: float | Sequence[float] | Array | None, count: int) -> Tolerances:
-    if not isinstance(tolerance, Sequence | np.ndarray):
-        return [tolerance] * count
-    given: list[float | None] = list(tolerance)
-    if len(given) != count:
-        raise ValueError(f"tolerance must be one number or {count} of them, got {len(given)}")
-    return given
+def _run(
+    request: Request, scenarios: Scenarios, tolerances: Sequence[float]
+) -> tuple[list[CompiledPart], dict[int, Outcome]]:
+    """Members that were run together, and outcomes of all others, in this process."""
+    first = request.first_method
+    parts: list[CompiledPart] = []
+    outcomes: dict[int, Outcome] = {}
+    if request.goes_together:
+        parts, failures = simulate_compiled(scenarios, tolerances, request)
+        outcomes |= failures
+    else:
+        for member, tolerance in enumerate(tolerances):
+            outcomes[member] = _alone(scenarios[member], tolerance, request, first)
+    for member, outcome in outcomes.items():
+        cannot = isinstance(outcome, CannotCompileError | ToleranceError)
+        if cannot and request.method is None and first == "taylor":
+            tolerance = tolerances[member]
+            outcomes[member] = _alone(scenarios[member], tolerance, request, "DOP853")
+    return parts, outcomes
 
 
-def _lost(piece: Ensemble, times: Array, error: Exception) -> Trajectories:
-    """Motions of members whose worker has died."""
-    failures = dict.fromkeys(range(len(piece)), error)
-    return Trajectories(
-        ensemble=piece,
-        times=times,
-        parts=(),
-        failures=failures,
-        seconds=np.full(len(piece), np.nan),
-    )
-
-
-def _motions(
-    ensemble: Ensemble, tolerances: Tolerances, *, times: Array, how: _How
-) -> Trajectories:
-    """Motions of some members of an ensemble, in this process."""
-    begin = process_time()
-    parts: list[Part] = []
-    failures: dict[int, Exception] = {}
-    others = list(range(len(ensemble)))
-    if how.runs_in_batches:
-        request = Request(
-            times=times,
-            form=how.form,
-            local_tolerance=how.local_tolerance,
-            conditions=named_conditions(how.stop_when),
-        )
-        parts, failures, others = simulate_ensemble(ensemble, tolerances, request)
-    scenarios = [ensemble[member] for member in others]
-    asked = [tolerances[member] for member in others]
-    outcomes = dict(zip(others, _outcomes(scenarios, asked, times=times, how=how), strict=True))
-    for member, error in failures.items():
-        outcomes[member] = _another_way(error, ensemble[member], tolerances[member], times, how)
-    motions = {row: each for row, each in outcomes.items() if isinstance(each, Trajectory)}
-    failures = {row: each for row, each in outcomes.items() if isinstance(each, Exception)}
-    if motions:
-        parts.append(Listed(np.array(list(motions)), list(motions.values()), times.size))
-    return Trajectories(
-        ensemble=ensemble,
-        times=times,
-        parts=parts,
-        failures=failures,
-        seconds=np.full(len(ensemble), (process_time() - begin) / len(ensemble)),
-    )
+def _alone(scenario: Scenario, tolerance: float, request: Request, method: Method) -> Outcome:
+    """Outcome of one member by itself."""
+    try:
+        return run_member(scenario, tolerance, request, method)
+    except (ArithmeticError, ValueError) as error:
+        return error
 
 
 def _outcomes(
-    scenarios: Sequence[Scenario], tolerances: Tolerances, *, times: Array, how: _How
+    request: Request, scenarios: Scenarios, tolerances: Sequence[float]
 ) -> list[Outcome]:
-    """Outcomes of some members, with their tolerances, in this process."""
-    tasks = list(zip(scenarios, tolerances, strict=True))
-    if how.runs_in_batches:
-        outcomes = simulate_batches(
-            tasks,
-            times,
-            form=how.form,
-            local_tolerance=how.local_tolerance,
-            conditions=named_conditions(how.stop_when),
-        )
-    else:
-        outcomes = [_alone(*task, times, how, how.first) for task in tasks]
-    return [
-        _another_way(outcome, *task, times, how)
-        for outcome, task in zip(outcomes, tasks, strict=True)
-    ]
+    """Outcomes of members, in order."""
+    parts, outcomes = _run(request, scenarios, tolerances)
+    for part in parts:
+        outcomes |= zip(part.rows.tolist(), part.outcomes(), strict=True)
+    return [outcomes[member] for member in range(len(tolerances))]
 
 
-def _another_way(
-    outcome: Outcome, scenario: Scenario, tolerance: float | None, times: Array, how: _How
-) -> Outcome:
-    """The same by DOP853, if Taylor's method has not come to an outcome and was not asked for."""
-    cannot = isinstance(outcome, CannotCompileError | ToleranceError)
-    if not cannot or how.method is not None or how.first == "DOP853":
-        return outcome
-    return _alone(scenario, tolerance, times, how, "DOP853")
+def _motions(
+    request: Request, ensemble: Scenarios, tolerances: Sequence[float]
+) -> tuple[list[Part], dict[int, Exception], float]:
+    """Motions of members of an ensemble, their failures, and the processor time of each in s."""
+    begin = process_time()
+    compiled, outcomes = _run(request, ensemble, tolerances)
+    parts: list[Part] = [*compiled]
+    motions = {row: each for row, each in outcomes.items() if isinstance(each, Trajectory)}
+    failures = {row: each for row, each in outcomes.items() if isinstance(each, Exception)}
+    if motions:
+        listed = list(motions.values())
+        parts.append(Listed(np.array(list(motions)), listed, request.times.size))
+    return parts, failures, (process_time() - begin) / len(tolerances)
 
 
-def _alone(
-    scenario: Scenario, tolerance: float | None, times: Array, how: _How, method: Method
-) -> Outcome:
-    """Outcome of one run by itself."""
-    try:
-        return simulate(
-            scenario,
-            times,
-            form=how.form,
-            method=method,
-            tolerance=tolerance,
-            local_tolerance=how.local_tolerance,
-            stop_when=how.stop_when,
-            allow_pulling=how.allow_pulling,
-            time_limit=how.time_limit,
-        )
-    except (ArithmeticError, ValueError) as error:
-        return error
+def _whole(
+    found: tuple[list[Part], dict[int, Exception], float] | Exception,
+    ensemble: Ensemble,
+    tolerances: Sequence[float],
+    request: Request,
+) -> Trajectories:
+    """What `_motions` has found, or the error of a worker that has died for each member."""
+    lost = {row: found for row in range(len(tolerances)) if isinstance(found, Exception)}
+    parts, failures, seconds = ([], lost, np.nan) if isinstance(found, Exception) else found
+    return Trajectories(
+        ensemble=ensemble,
+        times=request.times,
+        parts=parts,
+        failures=failures,
+        seconds=np.full(len(tolerances), seconds),
+    )

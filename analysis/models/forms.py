@@ -1,7 +1,7 @@
 """Forms of the equations of motion as initial value problems, and the way back to trajectories."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from math import sin
 from typing import Literal, get_args
@@ -23,9 +23,6 @@ from analysis.solve.stepping import InitialValueProblem
 Form = Literal["index-1", "reduced", "free-body"]
 FORMS: tuple[Form, ...] = get_args(Form)
 
-Multipliers = Callable[[Array], Array]
-"""From states, shape (n, 12), to constraint forces, shape (n, k)."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PosedForm:
@@ -37,13 +34,10 @@ class PosedForm:
     expand : callable
         From times, shape (n,), and states, shape (n, m), to co-rotating coordinates and rates,
         each shape (n, 6), and multipliers, shape (n, k).
-    state : callable
-        From one state, shape (m,), to a `State`; its alpha counts for nothing.
     """
 
     problem: InitialValueProblem
     expand: Callable[[Array, Array], tuple[Array, Array, Array]]
-    state: Callable[[Array], State]
 
 
 def default_form(scenario: Scenario) -> Form:
@@ -55,7 +49,6 @@ def pose(
     scenario: Scenario,
     form: Form,
     conditions: Mapping[str, Condition] | None = None,
-    multipliers: Multipliers | None = None,
     *,
     nearly_flat: bool = False,
 ) -> PosedForm:
@@ -68,8 +61,6 @@ def pose(
         One of `FORMS`.
     conditions : mapping
         From reasons to functions of a `State`; the motion ends where one turns negative.
-    multipliers : callable, optional
-        Another way to the constraint forces, shape (n, k), from states, shape (n, 12).
     nearly_flat : bool
         Whether the disk comes so low that the rates of its angles are no variables to integrate;
         the minimal coordinates have none that grow.
@@ -81,17 +72,20 @@ def pose(
     """
     check_form(scenario, form)
     if form == "reduced":
-        posed = _reduced(scenario, multipliers)
-    else:
-        posed = _full(scenario, multipliers, EulerTurning if nearly_flat else EulerAngles)
-    if not conditions:
-        return posed
+        return _reduced(scenario, conditions or {})
+    return _full(scenario, conditions or {}, EulerTurning if nearly_flat else EulerAngles)
 
-    def in_states(condition: Condition) -> Callable[[Array], float]:
-        return lambda state: condition(posed.state(state))
 
-    named = {reason: in_states(condition) for reason, condition in conditions.items()}
-    return replace(posed, problem=replace(posed.problem, conditions=named))
+def _in_states(
+    conditions: Mapping[str, Condition], to_paper: Callable[[Array], tuple[Array, Array]]
+) -> dict[str, Callable[[Array], float]]:
+    """Conditions as functions of what is integrated."""
+
+    def says(condition: Condition, values: Array) -> float:
+        coordinates, rates = (tuple(each.tolist()) for each in to_paper(values))
+        return condition(State(coordinates=coordinates, rates=rates))
+
+    return {reason: partial(says, condition) for reason, condition in conditions.items()}
 
 
 def check_form(scenario: Scenario, form: str) -> None:
@@ -136,83 +130,62 @@ def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
     return state_of(scenario.disk, start.coordinates, start.rates)
 
 
-def _full(scenario: Scenario, compiled: Multipliers | None, chart: type[EulerAngles]) -> PosedForm:
+def _full(
+    scenario: Scenario, conditions: Mapping[str, Condition], chart: type[EulerAngles]
+) -> PosedForm:
     start, solved = scenario.initial_state, recorded.solver(scenario, chart)
+    to_paper = partial(paper_arrays, scenario.disk, chart=chart)
     longest = longest_step(scenario)
-    multipliers = compiled or partial(_multipliers, solved)
-
-    def derivative(_: float, state: Array) -> tuple[float, ...]:
-        return solved(*state.tolist())[:12]
-
-    def normal_force(state: Array) -> float:
-        if compiled is not None and scenario.friction.load == "weight":
-            return float(compiled(state[None])[0, 0])
-        # Where friction knows that force, a system without solution is told from here.
-        return solved(*state.tolist())[12]
-
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
 
     def slip(state: Array) -> float:
         return float(velocities(slips, scenario.disk, state.tolist(), chart)[0])
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
-        coordinates, rates = paper_arrays(scenario.disk, states, chart)
+        coordinates, rates = to_paper(states)
         # The first sample is the start itself, without the rounding on the way to it and back.
         coordinates[0], rates[0] = start.coordinates, start.rates
-        return coordinates, rates, multipliers(states)
+        return coordinates, rates, _multipliers(solved, states)
 
-    return PosedForm(
-        InitialValueProblem(
-            derivative,
-            np.array(state_of(scenario.disk, start.coordinates, start.rates, chart)),
-            lambda state: sin(state[4]),
-            normal_force,
-            longest if scenario.contact is None else min(longest, contact_time(scenario)),
-            lambda states: states[:, 4:6],
-            slip=slip if scenario.rubs and len(slips) == 1 else None,
-        ),
-        expand,
-        lambda state: _state(*paper_arrays(scenario.disk, state, chart)),
+    problem = InitialValueProblem(
+        lambda _, state: solved(*state.tolist())[:12],
+        np.array(state_of(scenario.disk, start.coordinates, start.rates, chart)),
+        lambda state: sin(state[4]),
+        lambda state: solved(*state.tolist())[12],
+        longest if scenario.contact is None else min(longest, contact_time(scenario)),
+        lambda states: states[:, 4:6],
+        _in_states(conditions, to_paper),
+        slip if scenario.rubs and len(slips) == 1 else None,
     )
+    return PosedForm(problem, expand)
 
 
-def _reduced(scenario: Scenario, compiled: Multipliers | None) -> PosedForm:
-    multipliers = compiled or partial(_multipliers, recorded.solver(scenario))
-    start = scenario.initial_state
+def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedForm:
+    start, disk = scenario.initial_state, scenario.disk
     spin, alpha = start.rates[3], start.coordinates[3]
-
-    solved = reduced.solver(scenario, spin)
+    full, solved = recorded.solver(scenario), reduced.solver(scenario, spin)
 
     def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
         turned = alpha + spin * (times - times[0])
-        coordinates, rates = reduced.expand(scenario.disk, spin, turned, states)
-        states = np.array(state_of(scenario.disk, coordinates.T, rates.T)).T
-        return coordinates, rates, multipliers(states)
+        coordinates, rates = reduced.expand(disk, spin, turned, states)
+        states = np.array(state_of(disk, coordinates.T, rates.T)).T
+        return coordinates, rates, _multipliers(full, states)
 
-    def state(values: Array) -> State:
-        return _state(*_first(reduced.expand(scenario.disk, spin, np.zeros(1), values[None])))
+    def to_paper(state: Array) -> tuple[Array, Array]:
+        coordinates, rates = reduced.expand(disk, spin, np.zeros(1), state[None])
+        return coordinates[0], rates[0]
 
-    return PosedForm(
-        InitialValueProblem(
-            reduced.right_hand_side(scenario, spin),
-            np.array(start_values(scenario, "reduced")),
-            lambda state: sin(state[0]),
-            lambda state: solved(*state.tolist())[3],
-            longest_step(scenario),
-            lambda states: states[:, :2],
-            slip=(lambda state: solved(*state.tolist())[4]) if scenario.rubs else None,
-        ),
-        expand,
-        state,
+    problem = InitialValueProblem(
+        reduced.right_hand_side(scenario, spin),
+        np.array(start_values(scenario, "reduced")),
+        lambda state: sin(state[0]),
+        lambda state: solved(*state.tolist())[3],
+        longest_step(scenario),
+        lambda states: states[:, :2],
+        _in_states(conditions, to_paper),
+        (lambda state: solved(*state.tolist())[4]) if scenario.rubs else None,
     )
-
-
-def _state(coordinates: Array, rates: Array) -> State:
-    return State(coordinates=tuple(coordinates.tolist()), rates=tuple(rates.tolist()))
-
-
-def _first(rows: tuple[Array, ...]) -> tuple[Array, Array]:
-    return rows[0][0], rows[1][0]
+    return PosedForm(problem, expand)
 
 
 def _multipliers(solved: Solver, states: Array) -> Array:

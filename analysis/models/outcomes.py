@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import simpson
 
-from analysis.compiled.parts import CompiledPart
+from analysis.compiled.ensemble import CompiledPart
 from analysis.data.checks import Array
 from analysis.data.constraint_set import PRESCRIBED, ConstraintSet, multiplier_names, prescribed
 from analysis.data.dissipation import CAUSES

@@ -1,37 +1,32 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
 import time
-from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
+from math import nan
 
 import numpy.typing as npt
 
-from analysis.compiled.runs import CompiledScenario
-from analysis.data.checks import (
-    Array,
-    choice,
-    increasing_times,
-    instance,
-    positive,
-    switch,
-)
-from analysis.data.checks import local_tolerance as one_step
-from analysis.data.endings import TIME_LIMIT, Ending, StopWhen, named_conditions
+from analysis.compiled.ensemble import simulate_compiled
+from analysis.data.checks import Array, choice, increasing_times, instance
+from analysis.data.endings import StopWhen, named_conditions
 from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
-from analysis.data.trajectory import Setting, Trajectory, versions
-from analysis.data.watch import Progress, Watch
+from analysis.data.trajectory import Trajectory
+from analysis.data.watch import Progress
 from analysis.models.forms import Form, PosedForm, default_form, pose
-from analysis.solve.effort import simulation_effort
+from analysis.models.request import Accuracy, Request, trajectory
 from analysis.solve.stepping import METHODS, Method, Run, integrate
-from analysis.solve.to_tolerance import run_to, tighter_and_tighter
+from analysis.solve.to_tolerance import run_to
 
-TIGHTEST_LOCAL_TOLERANCE = 3e-14
-"""SciPy's solvers do not go below 100 machine precisions."""
+_LOW = "low"
+"""Ends a run that the rates of the angles are no variables for."""
 
-COMPILED_TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15)
-"""Local tolerances of compiled runs to a tolerance; code is compiled for each."""
+_LOWEST = 0.05
+"""Sine of the angle between disk and table below which they are not.
+
+Rounding makes the second derivatives of alpha and gamma uncertain by 1e-16 over its square, which
+step control takes for an error at the tightest tolerances.
+"""
 
 
 def simulate(
@@ -110,88 +105,87 @@ def simulate(
     >>> print(run.ending)
     ended at t = 0.56875... s: the centre of gravity is up, at 90% of its largest height
     """
-    scenario, times = instance("scenario", scenario, Scenario), increasing_times(times)
-    allow_pulling = switch("allow_pulling", allow_pulling)
-    choice("method", method, METHODS)
-    form = default_form(scenario) if form is None else form
-    check_slipping(scenario.friction)
-    conditions = named_conditions(stop_when, scenario.initial_state)
-    compiled = None
-    if method == "taylor":
-        compiled = CompiledScenario(scenario, form, conditions, allow_pulling=allow_pulling)
-    tolerance, local_tolerance = _accuracy(tolerance, local_tolerance)
-    effort = simulation_effort(
-        scenario, times, method=method, tolerance=tolerance, local_tolerance=local_tolerance
+    request = Request(
+        times=increasing_times(times),
+        form=form,
+        method=choice("method", method, METHODS),
+        local_tolerance=local_tolerance,
+        stop_when=stop_when,
+        allow_pulling=allow_pulling,
+        time_limit=time_limit,
+        progress=progress,
     )
-    effort.check()
-    watch = Watch(time_limit, progress, effort.most)
+    scenario = instance("scenario", scenario, Scenario)
+    return run_member(scenario, request.tolerance(tolerance), request, method)
 
-    evaluations: list[int] = []
-    seconds = 0.0
 
-    def run(posed: PosedForm, local: float, longest: float = 1.0) -> Run:
-        nonlocal seconds
-        problem, begin = posed.problem.with_steps_up_to(longest), time.process_time()
-        if compiled is not None:
-            found = compiled.integrate(problem, times, local, watch)
-        else:
+def run_member(
+    scenario: Scenario, tolerance: float, request: Request, method: Method
+) -> Trajectory:
+    """Trajectory of one scenario; parameters and errors are those of `simulate`.
+
+    The tolerance is infinite where a local one is asked for.
+    """
+    check_slipping(scenario.friction)
+    named_conditions(request.stop_when, scenario.initial_state)
+    if method != "taylor":
+        return _stepped(scenario, tolerance, request, method)
+    parts, failures = simulate_compiled([scenario], [tolerance], request)
+    for failure in failures.values():
+        raise failure
+    return parts[0].trajectory(0)
+
+
+def _stepped(scenario: Scenario, tolerance: float, request: Request, method: Method) -> Trajectory:
+    """The same by one of SciPy's solvers."""
+    form = request.form or default_form(scenario)
+    watch = request.watch(request.effort(scenario, tolerance, method).most)
+    local_tolerances = request.local_tolerances(tolerance, method)
+    evaluations, seconds = 0, 0.0
+
+    def solved(posed: PosedForm) -> tuple[Run, float, float]:
+        def run(local: float, longest: float) -> Run:
+            nonlocal evaluations, seconds
+            begin = time.thread_time()
             found = integrate(
-                problem, times, method, local, allow_pulling=allow_pulling, watch=watch
+                posed.problem.with_steps_up_to(longest),
+                request.times,
+                method,
+                local,
+                allow_pulling=request.allow_pulling,
+                watch=watch,
             )
-        seconds = time.process_time() - begin
-        evaluations.append(found.evaluations)
-        if found.ended == _LOW:
-            raise _NearlyFlatError
-        return found
+            seconds = time.thread_time() - begin
+            evaluations += found.evaluations
+            if found.ended == _LOW:
+                raise _NearlyFlatError
+            return found
 
-    def solved(posed: PosedForm) -> tuple[Run, float, float | None]:
-        if tolerance is None:
-            assert local_tolerance is not None
-            return run(posed, local_tolerance), local_tolerance, None
-        tolerances = local_tolerances(tolerance, method)
-        return run_to(partial(run, posed), posed.problem, tolerance, tolerances, method)
+        if len(local_tolerances) == 1:
+            return run(local_tolerances[0], 1.0), local_tolerances[0], nan
+        return run_to(
+            run, posed.problem, request.times, tolerance, local_tolerances, method=method
+        )
 
-    posed = pose(scenario, form, conditions, compiled.multipliers if compiled else None)
+    posed = pose(scenario, form, request.conditions)
     try:
         # Minimal coordinates, and a spin that is held, have no rates that grow.
-        if compiled is None and form != "reduced" and "constant-spin" not in scenario.constraints:
+        if form != "reduced" and "constant-spin" not in scenario.constraints:
             posed = _until_low(posed)
-        result, local_tolerance, estimate = solved(posed)
+        found, *accuracy = solved(posed)
     except _NearlyFlatError:
-        posed = pose(scenario, form, conditions, nearly_flat=True)
-        result, local_tolerance, estimate = solved(posed)
-    result = replace(result, evaluations=sum(evaluations))
-    if result.ended == TIME_LIMIT:
-        result = replace(result, value=watch.seconds)
-    settings: dict[str, Setting] = {
-        "form": form,
-        "method": method,
-        "tolerance": tolerance,
-        "local_tolerance": local_tolerance,
-    }
-    return replace(trajectory(scenario, posed, result, settings, estimate), solver_seconds=seconds)
-
-
-def _accuracy(
-    tolerance: float | None, local_tolerance: float | None
-) -> tuple[float | None, float | None]:
-    """The one of the two that is given, or the usual tolerance."""
-    if local_tolerance is None:
-        return positive("tolerance", 1e-8 if tolerance is None else tolerance), None
-    if tolerance is not None:
-        raise ValueError("give either tolerance or local_tolerance, not both")
-    return None, one_step("local_tolerance", local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
-
-
-_LOW = "low"
-"""Ends a run that the rates of the angles are no variables for."""
-
-_LOWEST = 0.05
-"""Sine of the angle between disk and table below which they are not.
-
-Rounding makes the second derivatives of alpha and gamma uncertain by 1e-16 over its square, which
-step control takes for an error at the tightest tolerances.
-"""
+        posed = pose(scenario, form, request.conditions, nearly_flat=True)
+        found, *accuracy = solved(posed)
+    return trajectory(
+        scenario,
+        request,
+        replace(found, evaluations=evaluations),
+        posed.expand(found.times, found.states),
+        method=method,
+        accuracy=Accuracy(tolerance, *accuracy),
+        watch=watch,
+        seconds=seconds,
+    )
 
 
 class _NearlyFlatError(Exception):
@@ -200,53 +194,14 @@ class _NearlyFlatError(Exception):
 
 def _until_low(posed: PosedForm) -> PosedForm:
     """The same that ends where the disk comes low; `_NearlyFlatError` if it begins there."""
-    problem = posed.problem
+    problem, leaning = posed.problem, posed.problem.leaning
+    assert leaning is not None
 
     def height(state: Array) -> float:
-        return problem.leaning(state) - _LOWEST
+        return leaning(state) - _LOWEST
 
     if height(problem.start) < 0.0:
         raise _NearlyFlatError
     return replace(
         posed, problem=replace(problem, conditions={**problem.conditions, _LOW: height})
     )
-
-
-def trajectory(
-    scenario: Scenario,
-    posed: PosedForm,
-    run: Run,
-    settings: Mapping[str, Setting],
-    estimate: float | None,
-) -> Trajectory:
-    """Trajectory of a run, with the settings that led to it and its estimated error."""
-    coordinates, rates, multipliers = posed.expand(run.times, run.states)
-    compiled = settings["method"] == "taylor"
-    ending = None
-    if run.ended is not None:
-        ending = Ending(reason=run.ended, time=float(run.times[-1]), value=run.value)
-    return Trajectory(
-        times=run.times,
-        coordinates=coordinates,
-        rates=rates,
-        multipliers=multipliers,
-        scenario=scenario,
-        source="in-house",
-        method=settings,
-        error_estimate=estimate,
-        counts={"steps" if compiled else "right_hand_sides": run.evaluations},
-        versions=versions("numpy", "heyoka" if compiled else "scipy"),
-        ending=ending,
-        pulling=run.pulling,
-    )
-
-
-def local_tolerances(tolerance: float, method: Method) -> list[float]:
-    """Local tolerances of the runs to a tolerance, in turn.
-
-    Two runs of nearly the same one would agree without being right.
-    """
-    if method == "taylor":
-        rungs = [each for each in COMPILED_TOLERANCES if each <= tolerance / 3.0]
-        return rungs if len(rungs) > 1 else list(COMPILED_TOLERANCES[-2:])
-    return tighter_and_tighter(tolerance / 3.0, TIGHTEST_LOCAL_TOLERANCE)

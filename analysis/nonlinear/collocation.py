@@ -5,7 +5,7 @@ special; or the spin is given.
 """
 
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.linalg import eigvals
@@ -14,12 +14,10 @@ from scipy.integrate import solve_bvp
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.nonlinear import flow
-from analysis.nonlinear.cycle import INVERTED, Cycle, Ends, PeriodicMotion
-from analysis.stability.linear_reduced import critical_speed
+from analysis.nonlinear.motions import INVERTED, Ends, PeriodicMotion
+from analysis.stability.printed import critical_speed
 
-M = TypeVar("M", bound=PeriodicMotion)
-
-TOLERANCE = 1e-9
+_TOLERANCE = 1e-9
 """Relative residual of the collocation polynomials."""
 
 _MOST_NODES = 40_000
@@ -49,32 +47,30 @@ def require_collocation(scenario: Scenario) -> None:
     flow.require_steepness(scenario, _STEEPEST)
 
 
-def hopf_cycle(scenario: Scenario) -> Cycle:
+def hopf_cycle(scenario: Scenario) -> PeriodicMotion:
     """The cycle of vanishing amplitude at the Hopf point, to begin with."""
     hopf = critical_speed(scenario)
     phases = np.linspace(0.0, np.pi, _FIRST_NODES)
     tilt = hopf.frequency / hopf.spin
     shape = (-tilt * np.sin(phases), np.cos(phases), -tilt * hopf.frequency * np.cos(phases))
-    return Cycle(
+    return PeriodicMotion(
         scenario=scenario,
+        kind="symmetric",
         spin=hopf.spin,
-        amplitude=_SMALL,
+        value=_SMALL,
         period=2.0 * np.pi / hopf.frequency,
         times=phases / hopf.frequency,
         states=INVERTED + _SMALL * np.transpose(shape),
-        half_multiplier=1.0,
-        log_strong=-np.inf,
     )
 
 
 def solve(
     scenario: Scenario,
     value: float,
-    start: M,
+    start: PeriodicMotion,
     *,
     spin: float | None = None,
-    tolerance: float = TOLERANCE,
-) -> M:
+) -> PeriodicMotion:
     """Find the periodic motion of the kind of another one with a given amplitude or tilt.
 
     Parameters
@@ -87,8 +83,6 @@ def solve(
         One near it.
     spin : float, optional
         In rad/s, for cycles alone; the amplitude is then found.
-    tolerance : float
-        Relative residual.
 
     Raises
     ------
@@ -96,7 +90,7 @@ def solve(
         If the iteration does not converge, or to something else.
     """
     ends, stretches = start.ends, 2.0 if start.ends.mirrored else 1.0
-    found, unit = _collocated(scenario, value, start, spin, tolerance)
+    found, unit = _collocated(scenario, value, start, spin)
     *spins, duration = found.p.tolist()
     speed = spins[0] if spin is None else spin
     times, states = duration * found.x, (unit[:, None] * found.y).T + INVERTED
@@ -105,24 +99,25 @@ def solve(
     why = f"the collocation ended with {found.x.size} nodes and a residual of {residual:.1e}"
     if found.status == 0 and np.min(found.p) > 0.0 and value < _FURTHEST * reached:
         larger, strong = multipliers(variations(scenario, speed, times, states), ends)
-        motion = type(start).of(
-            reached,
-            larger,
+        motion = PeriodicMotion(
             scenario=scenario,
+            kind=start.kind,
             spin=speed,
+            value=reached,
             period=stretches * duration,
             times=times,
             states=states,
+            larger=larger,
             log_strong=stretches * strong,
         )
         if motion.flaw is None:
             return motion
         why = motion.flaw
-    raise NoCycleError(f"no {start.noun} of {value:.9g} rad found: {why}")
+    raise NoCycleError(f"no {ends.noun} of {value:.9g} rad found: {why}")
 
 
 def _collocated(
-    scenario: Scenario, value: float, start: PeriodicMotion, spin: float | None, tolerance: float
+    scenario: Scenario, value: float, start: PeriodicMotion, spin: float | None
 ) -> tuple[Any, Array]:
     """Result of `solve_bvp`, and the units of its deviations, shape (3,)."""
     ends, every = start.ends, max(1, start.times.size // _RESTART_NODES)
@@ -158,7 +153,7 @@ def _collocated(
                 values,
                 (start.spin, duration) if spin is None else (duration,),
                 fun_jac=slopes,
-                tol=tolerance,
+                tol=_TOLERANCE,
                 bc_tol=_BOUNDARY,
                 max_nodes=_MOST_NODES,
             )
@@ -237,13 +232,13 @@ def multipliers(found: Variations, ends: Ends) -> tuple[float, float]:
     return larger, found.log_determinant - float(np.log(abs(larger)))
 
 
-def breaking_mode(cycle: Cycle) -> Array:
+def breaking_mode(cycle: PeriodicMotion) -> Array:
     """Deviation that comes back as its mirror image, of 1 rad in gamma at first, shape (n, 3).
 
     Parameters
     ----------
-    cycle : Cycle
-        Where cycles lose their symmetry.
+    cycle : PeriodicMotion
+        A symmetric one where cycles lose their symmetry.
     """
     found = variations(cycle.scenario, cycle.spin, cycle.times, cycle.states)
     # Whatever it begins with, after half a period the strong direction is gone.

@@ -27,6 +27,11 @@ def require_cycles(scenario: Scenario) -> None:
     eccentricity.
     """
     require_spinning(scenario, "the reduced system", 4)
+    if not scenario.friction.is_simple:
+        raise ValueError(
+            "friction must be isotropic and in proportion to the load for periodic motions, got "
+            f"{scenario.friction!r}"
+        )
     if not scenario.friction.is_on:
         raise ValueError("friction must have a positive gradient for periodic motions, got 0")
     if scenario.friction.load != "weight":

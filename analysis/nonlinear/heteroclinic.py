@@ -10,20 +10,20 @@ where it passes inverted spinning again.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from analysis.data.checks import Array, number, positive
-from analysis.data.checks import local_tolerance as one_step
 from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
-from analysis.nonlinear.cycle import Cycle
+from analysis.nonlinear.motions import PeriodicMotion
 from analysis.stability.continuation import nearest_change
-from analysis.stability.linear_reduced import critical_speed, reduced_matrices
 from analysis.stability.linearisation import ComplexArray
+from analysis.stability.printed import critical_speed, reduced_matrices
 
 Ending = Callable[[float, Array], float]
 
@@ -32,6 +32,9 @@ _DEPARTURE = 1e-6
 
 _LONGEST = 60.0
 """End of a run in time constants of the growing direction; it takes 14 to leave."""
+
+_TOLERANCE, _ACCURACY = 1e-11, 1e-11
+"""Relative error of a step of a run; and error of the search in rad/s."""
 
 _BESIDE = 1e-9
 """Distance in rad/s from the connection at which a motion surely falls to its side."""
@@ -122,7 +125,7 @@ def saddle(scenario: Scenario, spin: float) -> tuple[ComplexArray, Array]:
     return values.astype(complex), growing / growing[1]
 
 
-def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
+def fall(scenario: Scenario, spin: float) -> Fall:
     """Follow the motion that leaves noninverted spinning until it turns back or goes over.
 
     Parameters
@@ -131,8 +134,6 @@ def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
         Of the reduced system.
     spin : float
         In rad/s, positive.
-    tolerance : float
-        Relative error of a step.
 
     Raises
     ------
@@ -144,7 +145,6 @@ def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
     flow.require_cycles(scenario)
     flow.require_steepness(scenario, _STEEPEST)
     spin = positive("spin", spin)
-    tolerance = one_step("tolerance", tolerance, 0.0)
     values, growing = saddle(scenario, spin)
 
     rates = reduced.right_hand_side(scenario, spin)
@@ -155,9 +155,9 @@ def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
         np.array((np.pi / 2, -np.pi / 2, 0.0)) + _DEPARTURE * growing,
         # The strong direction is stiff where friction is steep.
         method="LSODA",
-        rtol=tolerance,
-        atol=tolerance * 1e-2,
-        events=_endings(winds),
+        rtol=_TOLERANCE,
+        atol=_TOLERANCE * 1e-2,
+        events=_endings(winds=winds),
     )
     if not run.success:
         raise NoConnectionError(f"the motion at {spin:.9g} rad/s fails: {run.message}")
@@ -171,37 +171,34 @@ def fall(scenario: Scenario, spin: float, tolerance: float = 1e-11) -> Fall:
     return Fall(times=run.t, states=run.y.T, miss=miss)
 
 
-def _endings(winds: bool) -> tuple[Ending, Ending, Ending]:
+def _endings(*, winds: bool) -> tuple[Ending, Ending, Ending]:
     """Events that end a run: it turns back, it goes over, the disk falls flat."""
     # Back at inverted spinning; or upright again, which it becomes where gamma is largest.
-    place = 1 if winds else 0
-    over_value = 2.5 * np.pi if winds else 1.5 * np.pi
-
-    def back(_: float, x: Array) -> float:
-        return float(x[place]) - np.pi / 2
-
-    def over(_: float, x: Array) -> float:
-        return float(x[1]) - over_value
-
-    def flat(_: float, x: Array) -> float:
-        return np.pi - float(x[0])
-
-    for event in (back, over, flat):
-        event.terminal = True  # type: ignore[attr-defined]
-    back.direction = -1.0  # type: ignore[attr-defined]
-    return back, over, flat
+    place, over = (1, 2.5 * np.pi) if winds else (0, 1.5 * np.pi)
+    events: tuple[Any, Any, Any] = (
+        lambda _, x: float(x[place]) - np.pi / 2,
+        lambda _, x: float(x[1]) - over,
+        lambda _, x: np.pi - float(x[0]),
+    )
+    for event in events:
+        event.terminal = True
+    events[0].direction = -1.0
+    return events
 
 
-def heteroclinic_connection(scenario: Scenario, accuracy: float = 1e-11) -> Connection:
+def heteroclinic_connection(scenario: Scenario) -> Connection:
     """Find the spin of the heteroclinic connection next to the critical speed.
 
     Parameters
     ----------
     scenario : Scenario
         Of Model 4 with friction that knows the weight, and an eccentricity.
-    accuracy : float
-        Of the search in rad/s, at least 1e-11. The runs add some 1e-9 to its error, 3e-8 for
-        friction a hundred times as steep as the paper's.
+
+    Returns
+    -------
+    Connection
+        Found to 1e-11 rad/s. The runs add some 1e-9 to its error, 3e-8 for friction a hundred
+        times as steep as the paper's.
 
     Raises
     ------
@@ -211,8 +208,6 @@ def heteroclinic_connection(scenario: Scenario, accuracy: float = 1e-11) -> Conn
         If there is none within half the critical speed.
     """
     flow.require_cycles(scenario)
-    if number("accuracy", accuracy) < 1e-11:
-        raise ValueError(f"accuracy must be at least 1e-11 rad/s, got {accuracy:g}")
     tried: dict[float, float] = {}
 
     def miss(spin: float) -> float:
@@ -229,7 +224,7 @@ def heteroclinic_connection(scenario: Scenario, accuracy: float = 1e-11) -> Conn
             f"{centre * (1 + _WIDEST):.6g} rad/s: the motion from noninverted spinning {side} at "
             "all spins tried"
         )
-    found = float(brentq(miss, *around, xtol=accuracy, rtol=1e-14))
+    found = float(brentq(miss, *around, xtol=_ACCURACY, rtol=1e-14))
     growing, slow, strong = saddle(scenario, found)[0].tolist()
     # The nearest ones that are surely on either side.
     low, high = (tried[end] for end in around)
@@ -262,50 +257,37 @@ def last_amplitude(scenario: Scenario) -> float:
     return max(float(np.pi), overshoot - np.pi / 2)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PeriodGrowth:
-    """How the period of cycles grows towards the connection, by least squares.
+def period_growth(cycles: Sequence[PeriodicMotion], connection: Connection) -> dict[str, float]:
+    """How the period of the last cycles of a family grows towards the connection, fitted.
 
     Parameters
     ----------
-    by_spin, predicted_by_spin : float
-        Of the period over the logarithm of the distance to the connection's spin, in s, and
-        -2 / growth.
-    by_amplitude, predicted_by_amplitude : float
-        Of the period over the logarithm of what the amplitude lacks to pi, in s, and
-        -2 (1 / growth + 1 / slow decay).
-    """
-
-    by_spin: float
-    predicted_by_spin: float
-    by_amplitude: float
-    predicted_by_amplitude: float
-
-
-def period_growth(cycles: Sequence[Cycle], connection: Connection) -> PeriodGrowth:
-    """Fit the period of the last cycles of a family.
-
-    Parameters
-    ----------
-    cycles : sequence of Cycle
+    cycles : sequence of PeriodicMotion
         Of the connection's scenario. Those are used that lack 0.01 to 3e-5 rad to an amplitude
         of pi; nearer ones are closer to its spin than that is known.
     connection : Connection
+
+    Returns
+    -------
+    dict
+        "by_spin": the period over the logarithm of the distance to the connection's spin, in s;
+        "by_amplitude": over that of what the amplitude lacks to pi; and what is predicted of
+        both: -2 / growth, and -2 (1 / growth + 1 / slow decay).
 
     Raises
     ------
     ValueError
         If there are less than 4 of them.
     """
-    lacking = np.array([np.pi - cycle.amplitude for cycle in cycles])
+    lacking = np.array([np.pi - cycle.value for cycle in cycles])
     used = (lacking < 1e-2) & (lacking > 3e-5)
     if np.sum(used) < 4:
         raise ValueError(f"cycles must hold 4 with 0.01 to 3e-5 rad to pi, got {np.sum(used)}")
     periods = np.array([cycle.period for cycle in cycles])[used]
     away = np.array([abs(cycle.spin - connection.spin) for cycle in cycles])[used]
-    return PeriodGrowth(
-        by_spin=float(np.polyfit(np.log(away), periods, 1)[0]),
-        predicted_by_spin=-2.0 / connection.growing,
-        by_amplitude=float(np.polyfit(np.log(lacking[used]), periods, 1)[0]),
-        predicted_by_amplitude=-2.0 * (1.0 / connection.growing - 1.0 / connection.slow),
-    )
+    return {
+        "by_spin": float(np.polyfit(np.log(away), periods, 1)[0]),
+        "predicted_by_spin": -2.0 / connection.growing,
+        "by_amplitude": float(np.polyfit(np.log(lacking[used]), periods, 1)[0]),
+        "predicted_by_amplitude": -2.0 * (1.0 / connection.growing - 1.0 / connection.slow),
+    }

@@ -13,7 +13,7 @@ Y. A. Kuznetsov, "Elements of Applied Bifurcation Theory": A q = i omega q, A^T 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,8 +22,8 @@ from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
 from analysis.mechanics.dual import Dual, dual
 from analysis.nonlinear import flow
-from analysis.stability.linear_reduced import critical_speed, reduced_matrices
 from analysis.stability.linearisation import ComplexArray
+from analysis.stability.printed import critical_speed, reduced_matrices
 
 HopfKind = Literal["supercritical", "subcritical", "degenerate"]
 
@@ -120,8 +120,7 @@ def _third_derivative(
     return np.array(rates, dtype=complex)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Growth:
+class Growth(NamedTuple):
     """Spin over amplitude near the Hopf point, fitted to cycles.
 
     Parameters
@@ -163,12 +162,7 @@ def fitted_growth(spins: npt.ArrayLike, amplitudes: npt.ArrayLike, critical: flo
     terms, errors = _least_squares(np.stack((a**0, a**2, a**3, a**4), axis=1), away / a**2)
     logs = np.stack((np.log(a), a**0, a**2, a**4), axis=1)
     powers, power_errors = _least_squares(logs, np.log(np.abs(away)))
-    return Growth(
-        curvature=float(terms[0]),
-        curvature_error=float(errors[0]),
-        exponent=float(powers[0]),
-        exponent_error=float(power_errors[0]),
-    )
+    return Growth(*(float(each[0]) for each in (terms, errors, powers, power_errors)))
 
 
 def _least_squares(matrix: Array, values: Array) -> tuple[Array, Array]:

@@ -1,42 +1,28 @@
-"""Cycles continued in any parameter of the scenario: friction, disk, gravity.
-
-Held is either the amplitude, and the spin is found, or the spin, and the amplitude is found. Every
-cycle starts from that of the scenario before; where that fails, from the Hopf point of its own.
-"""
+"""Symmetric cycles over any parameter of the scenario: friction, disk, gravity."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from itertools import chain
 
 import numpy as np
 
 from analysis.data.checks import number
 from analysis.data.scenario import Scenario
 from analysis.nonlinear.collocation import NoCycleError, require_collocation, solve
-from analysis.nonlinear.cycle import Cycle
-from analysis.nonlinear.family import cycle_at, cycle_family
+from analysis.nonlinear.families import Family, cycle_at, cycle_family, gathered_family
 from analysis.nonlinear.flow import open_amplitude
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CyclesOver:
-    """Cycles of a sequence of scenarios.
-
-    Parameters
-    ----------
-    cycles : tuple of Cycle
-        One for each scenario up to the last that has one; each holds its scenario.
-    reason : str or None
-        Why they end before the last scenario, if they do; it names the last good cycle.
-    """
-
-    cycles: tuple[Cycle, ...]
-    reason: str | None = None
+from analysis.nonlinear.motions import PeriodicMotion
+from analysis.stability.continuation import followed
+from analysis.stability.printed import critical_speed
 
 
 def cycles_over(
     scenarios: Sequence[Scenario], *, amplitude: float | None = None, spin: float | None = None
-) -> CyclesOver:
-    """Follow a cycle through scenarios, at a given amplitude or a given spin.
+) -> Family:
+    """Follow a symmetric cycle through scenarios, at a given amplitude or a given spin.
+
+    Every cycle starts from that of the scenario before; where that fails, from the Hopf point of
+    its own.
 
     Parameters
     ----------
@@ -62,7 +48,7 @@ def cycles_over(
     >>> laws = [SmoothCoulomb(coefficient=mu) for mu in (0.2, 0.4)]
     >>> scenarios = [Scenario(constraints=MODELS[4], friction=law) for law in laws]
     >>> found = cycles_over(scenarios, amplitude=1.0)
-    >>> [round(cycle.spin, 3) for cycle in found.cycles]
+    >>> [round(cycle.spin, 3) for cycle in found.motions]
     [30.696, 30.7]
     """
     if not scenarios:
@@ -73,30 +59,21 @@ def cycles_over(
         require_collocation(scenario)
     amplitude = None if amplitude is None else open_amplitude(amplitude)
     spin = None if spin is None else number("spin", spin)
-    cycles: list[Cycle] = []
-    for scenario in scenarios:
-        try:
-            cycles.append(_next(scenario, amplitude, spin, cycles))
-        except (NoCycleError, ValueError) as error:
-            if not cycles:
-                raise
-            last = cycles[-1]
-            reason = (
-                f"{error}; the last good one is cycle {len(cycles)} of {len(scenarios)}, with "
-                f"{last.amplitude:.9g} rad at a spin of {last.spin:.9g} rad/s"
-            )
-            return CyclesOver(cycles=tuple(cycles), reason=reason)
-    return CyclesOver(cycles=tuple(cycles))
 
+    def first(scenario: Scenario) -> PeriodicMotion:
+        if spin is not None:
+            return cycle_at(scenario, spin)
+        return cycle_family(scenario, np.array([amplitude])).motions[-1]
 
-def _next(
-    scenario: Scenario, amplitude: float | None, spin: float | None, before: Sequence[Cycle]
-) -> Cycle:
-    if before:
+    def further(scenario: Scenario, last: PeriodicMotion) -> PeriodicMotion:
+        with suppress(NoCycleError):
+            return solve(scenario, amplitude or last.value, last, spin=spin)
         try:
-            return solve(scenario, amplitude or before[-1].amplitude, before[-1], spin=spin)
-        except NoCycleError:
-            pass
-    if spin is not None:
-        return cycle_at(scenario, spin)
-    return cycle_family(scenario, np.array([amplitude])).cycles[-1]
+            return first(scenario)
+        except ValueError as error:
+            raise NoCycleError(str(error)) from error
+
+    begin = first(scenarios[0])
+    found = chain([begin], followed(further, begin, scenarios[1:], halvings=0))
+    begins = critical_speed(scenarios[0]).spin
+    return gathered_family(begins, found, progress=None, wanted=len(scenarios))

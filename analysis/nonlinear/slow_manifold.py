@@ -10,11 +10,9 @@ Spins at which the height regains its value over an orbit are those of the cycle
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -23,7 +21,7 @@ from analysis.data.scenario import Scenario
 from analysis.mechanics.reduced import acceleration_from, right_hand_side
 from analysis.nonlinear import flow
 from analysis.stability.continuation import nearest_change
-from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices
+from analysis.stability.printed import critical_speed, reduced_matrices
 
 Order = Literal[0, 1]
 _ORDERS: tuple[Order, Order] = (0, 1)
@@ -38,12 +36,6 @@ _STEP, _WIDEST = 0.02, 0.48
 
 class NoManifoldError(ArithmeticError):
     """Friction cannot hold the disk on the slow manifold, or no orbit on it survives."""
-
-
-def cog_height(scenario: Scenario, beta: npt.ArrayLike, gamma: npt.ArrayLike) -> Array:
-    """Height of the centre of gravity over the table in m, conserved to leading order."""
-    disk = scenario.disk
-    return (disk.radius + disk.eccentricity * np.sin(gamma)) * np.sin(beta)
 
 
 def needed_friction(scenario: Scenario, spin: float, beta: Array, gamma: Array) -> Array:
@@ -86,10 +78,7 @@ def slip_on(scenario: Scenario, spin: float, beta: Array, gamma: Array) -> Array
     NoManifoldError
         If the friction law cannot give the force that is needed somewhere.
     """
-    return _slips(scenario, needed_friction(scenario, spin, beta, gamma))
-
-
-def _slips(scenario: Scenario, needed: Array) -> Array:
+    needed = needed_friction(scenario, spin, beta, gamma)
     slips = np.sign(needed) * np.array([_slip(scenario, float(f)) for f in np.abs(needed)])
     return real_array("slips", slips)
 
@@ -146,8 +135,7 @@ def slow_rates(scenario: Scenario, spin: float, x: Array, order: Order = 1) -> A
     return np.array((rate, -spin * np.cos(beta)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SlowOrbit:
+class SlowOrbit(NamedTuple):
     """An orbit on the slow manifold that survives to first order.
 
     Parameters
@@ -226,35 +214,11 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TimeScales:
-    """How fast a motion is drawn to the slow manifold, and how fast it goes there.
+def separation(scenario: Scenario, spin: float) -> float:
+    """How much faster a motion is drawn to the slow manifold than it goes there.
 
-    Parameters
-    ----------
-    fast : float
-        Real eigenvalue in 1/s, negative (paper: lambda_3).
-    limit : float
-        Its limit for steep friction in 1/s, Eq. (122).
-    slow : float
-        Size of the complex pair in 1/s (paper: lambda_1, lambda_2).
-    growth : float
-        Real part of the pair in 1/s.
-    """
-
-    fast: float
-    limit: float
-    slow: float
-    growth: float
-
-    @property
-    def separation(self) -> float:
-        """Fast over slow rate."""
-        return -self.fast / self.slow
-
-
-def time_scales(scenario: Scenario, spin: float) -> TimeScales:
-    """Time scales at inverted spinning.
+    The size of the real eigenvalue of inverted spinning over that of the complex pair (paper:
+    lambda_3, and lambda_1 and lambda_2).
 
     Raises
     ------
@@ -271,42 +235,14 @@ def time_scales(scenario: Scenario, spin: float) -> TimeScales:
             "spin must be one with a complex pair beside a real eigenvalue, got "
             f"{spin:g}, with {', '.join(f'{v:.4g}' for v in values)} 1/s"
         )
-    return TimeScales(
-        fast=float(real[0].real),
-        limit=closed_form(scenario, [spin]).a,
-        slow=float(abs(pair[0])),
-        growth=float(pair[0].real),
-    )
+    return float(abs(real[0]) / abs(pair[0]))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Distances:
-    """Distance of motions from the slow manifold over the smoothing of friction.
+def distances(scenarios: Sequence[Scenario], spin: float) -> Array:
+    """Measure with which power of epsilon / mu motions keep away from the slow manifold.
 
-    Parameters
-    ----------
-    ratios : ndarray, shape (n,)
-        Reciprocal gradients of friction in m/s (paper: epsilon / mu).
-    distances : ndarray, shape (n, 2)
-        Largest difference of beta' from its value on the surface in rad/s, to leading order and
-        with the first correction.
-    """
-
-    ratios: Array
-    distances: Array
-
-    @property
-    def orders(self) -> Array:
-        """Powers of the ratio with which the distances go, shape (2,), by least squares."""
-        slopes = np.polyfit(np.log(self.ratios), np.log(self.distances), 1)[0]
-        return real_array("slopes", slopes)
-
-
-def distances(scenarios: Sequence[Scenario], spin: float) -> Distances:
-    """Measure how far motions of the whole reduced system keep from the slow manifold.
-
-    They start upright and 1 rad from inverted spinning; the first half second, in which they are
-    drawn to the manifold, is left out.
+    Motions of the whole reduced system start upright and 1 rad from inverted spinning; the first
+    half second, in which they are drawn to the manifold, is left out.
 
     Parameters
     ----------
@@ -314,6 +250,12 @@ def distances(scenarios: Sequence[Scenario], spin: float) -> Distances:
         That differ in the gradient of friction.
     spin : float
         In rad/s.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        Powers of the reciprocal gradient with which the largest difference of beta' from its value
+        on the surface goes, to leading order and with the first correction, by least squares.
 
     Raises
     ------
@@ -325,11 +267,9 @@ def distances(scenarios: Sequence[Scenario], spin: float) -> Distances:
     spin = positive("spin", spin)
     if len(scenarios) < 2:
         raise ValueError(f"scenarios must be 2 or more, got {len(scenarios)}")
-    found = [_distance(scenario, spin) for scenario in scenarios]
-    return Distances(
-        ratios=np.array([1.0 / scenario.friction.gradient for scenario in scenarios]),
-        distances=np.array(found),
-    )
+    away = np.log([_distance(scenario, spin) for scenario in scenarios])
+    ratios = -np.log([scenario.friction.gradient for scenario in scenarios])
+    return real_array("slopes", np.polyfit(ratios, away, 1)[0])
 
 
 def _distance(scenario: Scenario, spin: float) -> tuple[float, float]:

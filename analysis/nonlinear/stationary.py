@@ -21,9 +21,10 @@ from analysis.data.elementary import sin
 from analysis.data.scenario import Scenario
 from analysis.mechanics import recorded
 from analysis.mechanics.constraints import SLIPS, places, velocities
-from analysis.mechanics.dual import Dual, dual
+from analysis.mechanics.dual import derivatives
 from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import state_of
+from analysis.mechanics.vectors import Numbers
 from analysis.stability.continuation import Bound, Curve
 from analysis.stability.linearisation import (
     ComplexArray,
@@ -192,9 +193,9 @@ def _turned(place: Array) -> Array:
 def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     """A root as x / r, y / r, beta, gamma; None if the iteration ends elsewhere."""
     found = least_squares(
-        lambda place: _residual(scenario, spin, np.append(place, spin)),
+        lambda place: _residual(scenario, spin, spin, place),
         begin,
-        jac=lambda place: _slopes(scenario, spin, np.append(place, spin))[1][:, :4],
+        jac=lambda place: _slopes(scenario, spin, spin, place),
         bounds=((-3.0, -3.0, _FLAT, -10.0), (3.0, 3.0, np.pi - _FLAT, 10.0)),
         xtol=1e-15,
         ftol=1e-15,
@@ -205,7 +206,9 @@ def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     return _turned(found.x)
 
 
-def _balance(scenario: Scenario, about: float, solve: Solver, *point: Any) -> list[Any]:
+def _balance(
+    scenario: Scenario, about: float, spin: float, place: Numbers, solve: Solver
+) -> list[Any]:
     """What is zero in a stationary motion, without units, for numbers of any kind.
 
     All but the vertical acceleration, which the contact holds; what else is held, too.
@@ -213,14 +216,14 @@ def _balance(scenario: Scenario, about: float, solve: Solver, *point: Any) -> li
     Parameters
     ----------
     scenario : Scenario
-    about : float
-        A spin in rad/s, about which the spins are.
+    about, spin : float
+        In rad/s; a spin about which the spins are, and that of the motion.
+    place : sequence of 4 numbers
+        x / r, y / r, beta and gamma.
     solve : callable
         That of `recorded.solver`, or `recorded.dual_solver`.
-    *point : 5 numbers
-        x / r, y / r, beta, gamma and the spin in rad/s.
     """
-    x, y, beta, gamma, spin = point
+    x, y, beta, gamma = place
     disk, held = scenario.disk, scenario.constraints
     r, unit = disk.radius, about**2 + spin_scale(scenario) ** 2
     coordinates = r * x, r * y, r * sin(beta), 0.0, beta, gamma
@@ -237,19 +240,16 @@ def _balance(scenario: Scenario, about: float, solve: Solver, *point: Any) -> li
     ]
 
 
-def _residual(scenario: Scenario, about: float, point: Array) -> Array:
-    """What is zero in a stationary motion at a point, shape (k,)."""
-    return np.array(_balance(scenario, about, recorded.solver(scenario), *point.tolist()))
+def _residual(scenario: Scenario, about: float, spin: float, place: Array) -> Array:
+    """What is zero in a stationary motion, shape (k,)."""
+    solve = recorded.solver(scenario)
+    return np.array(_balance(scenario, about, spin, place.tolist(), solve))
 
 
-def _slopes(scenario: Scenario, about: float, point: Array) -> tuple[Array, Array]:
-    """What is zero in a stationary motion at a point, shape (k,), and its Jacobian, (k, 5)."""
-    moving = [Dual(*each) for each in zip(point.tolist(), np.eye(5), strict=True)]
-    found = [
-        dual(each) for each in _balance(scenario, about, recorded.dual_solver(scenario), *moving)
-    ]
-    changes = [np.broadcast_to(each.change, 5) for each in found]
-    return np.array([each.value for each in found]), np.array(changes)
+def _slopes(scenario: Scenario, about: float, spin: float, place: Array) -> Array:
+    """Its Jacobian by the place, shape (k, 4)."""
+    solve = recorded.dual_solver(scenario)
+    return derivatives(lambda moving: _balance(scenario, about, spin, moving, solve), place)
 
 
 def stationary_branch(
@@ -298,62 +298,48 @@ def stationary_branch(
     if not interval[0] <= value <= interval[1] or (parameter is None and interval[0] <= 0.0):
         allowed = "positive spins" if parameter is None else "values"
         raise ValueError(f"interval must be one of {allowed} about {value:g}, got {interval}")
-    scale = _SPIN_UNIT if parameter is None else parameter.unit
+    unit = _SPIN_UNIT if parameter is None else parameter.unit
+
+    def at(place: Array) -> tuple[Scenario, float]:
+        """Scenario and spin of a point: a place and the value over its unit."""
+        found = unit * float(place[4])
+        return (scenario, found) if parameter is None else (parameter.change(found), start.spin)
+
     r = scenario.disk.radius
-    point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / scale))
-    line = _Line(scenario, start.spin, parameter, scale)
-    ways = [_followed(line, point, sign, interval, most) for sign in (-1.0, 1.0)]
-    return tuple(line.motion(p) for p in [*reversed(ways[0]), point, *ways[1]])
+    point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / unit))
+    bounds = [Bound("value", 4, end / unit, end == interval[1]) for end in interval]
+    curve, along = _curve(at, start.spin), np.eye(5)[4]
+    ways = [_followed(curve, point, w * along, bounds, most=most, unit=unit) for w in (-1.0, 1.0)]
+    return tuple(
+        StationaryMotion.at(*at(each), each[:4], unit * float(each[4]))
+        for each in (*reversed(ways[0]), point, *ways[1])
+    )
 
 
-@dataclass(frozen=True)
-class _Line:
-    """What is continued: points are x / r, y / r, beta, gamma and the value over its unit."""
+def _curve(at: Callable[[Array], tuple[Scenario, float]], about: float) -> Curve:
+    """Stationary motions near a spin in rad/s, given what tells scenario and spin of a point."""
+    step = _PARAMETER_STEP * np.eye(5)[4]
 
-    scenario: Scenario
-    spin: float
-    parameter: Parameter | None
-    unit: float
+    def equations(point: Array) -> tuple[Array, Array]:
+        (here, spin), place = at(point), point[:4]
+        ahead, behind = (
+            _residual(other, about, turning, place)
+            for other, turning in (at(point + step), at(point - step))
+        )
+        by_value = (ahead - behind) / (2.0 * _PARAMETER_STEP)
+        slopes = _slopes(here, about, spin, place)
+        return _residual(here, about, spin, place), np.column_stack((slopes, by_value))
 
-    def _at(self, point: Array) -> tuple[Scenario, float]:
-        """Scenario and spin of a point."""
-        value = self.unit * float(point[4])
-        if self.parameter is None:
-            return self.scenario, value
-        return self.parameter.change(value), self.spin
-
-    def motion(self, point: Array) -> StationaryMotion:
-        """Stationary motion of a point."""
-        return StationaryMotion.at(*self._at(point), point[:4], self.unit * float(point[4]))
-
-    def equations(self, point: Array) -> tuple[Array, Array]:
-        """What is zero in a stationary motion, and its Jacobian, (k,) and (k, 5)."""
-        scenario, spin = self._at(point)
-        place = np.append(point[:4], spin)
-        residual, slopes = _slopes(scenario, self.spin, place)
-        slopes = slopes * (1.0, 1.0, 1.0, 1.0, self.unit)
-        if self.parameter is not None:
-            ahead, behind = (
-                _residual(self._at(point + side)[0], self.spin, place)
-                for side in _PARAMETER_STEP * np.outer((1.0, -1.0), np.eye(5)[4])
-            )
-            slopes[:, 4] = (ahead - behind) / (2.0 * _PARAMETER_STEP)
-        return residual, slopes
+    return Curve(equations)
 
 
 def _followed(
-    line: _Line, start: Array, sign: float, interval: tuple[float, float], most: int
+    curve: Curve, start: Array, along: Array, bounds: list[Bound], *, most: int, unit: float
 ) -> list[Array]:
     """Points one way from a start, up to where the branch is left or meets upright spinning."""
-    found = [start]
-    bounds = [Bound("value", 4, end / line.unit, end == interval[1]) for end in interval]
-    points = Curve(line.equations).points(
-        start,
-        np.array((0.0, 0.0, 0.0, 0.0, sign)),
-        step=_STEP,
-        largest=lambda _: _STEP,
-        bounds=bounds,
-        most=most,
+    found: list[Array] = []
+    points = curve.points(
+        start, along, step=_STEP, largest=lambda _: _STEP, bounds=bounds, most=most
     )
     try:
         for point, _ in points:
@@ -361,12 +347,12 @@ def _followed(
                 break
             found.append(point)
     except ArithmeticError as error:
-        last = found[-1]
+        last = found[-1] if found else start
         raise ArithmeticError(
-            f"the branch of stationary motions {error} beyond {line.unit * last[4]:.9g} with beta "
+            f"the branch of stationary motions {error} beyond {unit * last[4]:.9g} with beta "
             f"{last[2]:.6g} and gamma {last[3]:.6g} rad"
         ) from error
-    return found[1:]
+    return found
 
 
 def _is_upright(place: Array) -> bool:

@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from math import atan2, cos, hypot, sin
 from typing import Any, Literal, get_args
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from analysis.data import frames
 from analysis.data.agreement import TIGHTEST, until_agreement
@@ -16,13 +15,11 @@ from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
 from analysis.data.endings import (
     AT_REST,
+    FLATTEST,
     TIME_LIMIT,
     Condition,
     Ending,
-    Poses,
     StopWhen,
-    ending_met,
-    first_met,
     named_conditions,
 )
 from analysis.data.friction import check_slipping
@@ -32,8 +29,11 @@ from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.data.state import State
 from analysis.data.trajectory import versions
 from analysis.data.watch import Progress, Watch
+from analysis.mechanics.attitude import EulerTurning, Quaternion
 from analysis.mechanics.free_body import FreeBody
+from analysis.mechanics.states import paper_of
 from analysis.solve.effort import contact_time, rest_effort
+from analysis.solve.stepping import InitialValueProblem, Run, integrate
 
 RestMethod = Literal["LSODA", "DOP853", "RK45"]
 REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
@@ -41,9 +41,6 @@ REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
 
 LOCAL_PART = 1e-6
 """Part of the tolerance that the first run allows in a step; the sum over a motion is larger."""
-
-LOOK = 1000
-"""Right-hand sides after which a run looks at the time."""
 
 STRETCH = 1.0
 """Time in s after which the quaternion is normalised and rest is looked for."""
@@ -85,8 +82,7 @@ def simulate_to_rest(
         Relative tolerance of a single step; the absolute one is a hundredth of the number.
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
-        negative there. They are asked at the samples, but not where the disk lies flat, and
-        located by integrating anew from the sample before.
+        negative there. They are not asked where the disk lies flat.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.
@@ -133,22 +129,20 @@ def simulate_to_rest(
     check_storage("end", end / spacing, MOTION_COLUMNS)
     rest_effort(scenario, end).check()
     check_slipping(scenario.friction)
-    task = _Task(
+    criterion = RestCriterion() if criterion is None else criterion
+    way = _Way(
         scenario=scenario,
         model=FreeBody(scenario),
-        start=start_vector(scenario.disk, scenario.initial_state),
         times=np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing,
-        criterion=RestCriterion()
-        if criterion is None
-        else instance("criterion", criterion, RestCriterion),
+        criterion=instance("criterion", criterion, RestCriterion),
         method=method,
         conditions=named_conditions(stop_when, scenario.initial_state),
         watch=Watch(time_limit, progress),
     )
     if local_tolerance is not None:
-        return task.run(one_step("local_tolerance", local_tolerance, TIGHTEST))
+        return way.run(one_step("local_tolerance", local_tolerance, TIGHTEST))
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    return until_agreement(task.run, LOCAL_PART * tolerance, tolerance)
+    return until_agreement(way.run, LOCAL_PART * tolerance, tolerance)
 
 
 def start_vector(disk: Disk, start: State) -> Array:
@@ -170,17 +164,12 @@ def start_vector(disk: Disk, start: State) -> Array:
     )
 
 
-class _OverError(Exception):
-    """The watch ends the run."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Task:
+class _Way:
     """What is to be integrated, and who watches."""
 
     scenario: Scenario
     model: FreeBody
-    start: Array
     times: Array
     criterion: RestCriterion
     method: RestMethod
@@ -189,24 +178,21 @@ class _Task:
 
     def run(self, local_tolerance: float) -> SpatialMotion:
         """Motion to this relative tolerance of a step, up to rest or as far as it comes."""
-        model, times = self.model, self.times
-        blocks, counts, rest, ending = [self.start[None]], {"right_hand_sides": 0}, None, None
-        solved = partial(self._solved, local_tolerance, counts)
-        stretch = max(1, round(STRETCH / times[1]))
-        for begin in range(0, times.size - 1, stretch):
-            span = times[begin : begin + stretch + 1]
-            try:
-                block = _with_unit_quaternions(solved(span, blocks[-1][-1], t_eval=span[1:]).y.T)
-                met = self._met(span, np.concatenate((blocks[-1][-1:], block)), solved)
-            except _OverError:
-                ending = self._ending(float(span[0]))
+        times, stretch = self.times, max(1, round(STRETCH / self.times[1]))
+        blocks = [start_vector(self.scenario.disk, self.scenario.initial_state)[None]]
+        evaluations, rest, ending = 0, None, None
+        for begin in range(0, self.times.size - 1, stretch):
+            span = self.times[begin : begin + stretch + 1]
+            found = self._stretch(span, blocks[-1][-1], local_tolerance)
+            evaluations += found.evaluations
+            if found.ended == TIME_LIMIT:
+                ending = self._out_of_time(float(span[0]))
                 break
-            blocks.append(block)
-            if met is not None:
-                ending, last = met
-                before = times[: sum(map(len, blocks))] < ending.time
-                blocks = [np.concatenate(blocks)[before], last[None]]
-                times = np.append(times[: before.size][before], ending.time)
+            blocks.append(_with_unit_quaternions(found.states[1:]))
+            if found.ended is not None:
+                times = np.append(times[:begin], found.times)
+                value = self._says(self.conditions[found.ended])(blocks[-1][-1])
+                ending = Ending(reason=found.ended, time=float(times[-1]), value=value)
                 break
             rest = self._rest(blocks)
             if rest is not None:
@@ -214,100 +200,79 @@ class _Task:
         states = np.concatenate(blocks)
         if rest is not None:
             states = states[: rest + self.criterion.samples(times[1])]
-            kinetic = model.energies(states[-1].tolist())[0]
+            kinetic = self.model.energies(states[-1].tolist())[0]
             ending = Ending(reason=AT_REST, time=float(times[len(states) - 1]), value=kinetic)
         return SpatialMotion(
-            **sampled(model, times[: len(states)], states),
+            **sampled(self.model, times[: len(states)], states),
             scenario=self.scenario,
             source="in-house",
             rest_time=None if rest is None else float(times[rest]),
             ending=ending,
             method={"method": self.method, "local_tolerance": local_tolerance},
-            counts=counts,
+            counts={"right_hand_sides": evaluations},
             versions=versions("numpy", "scipy"),
         )
 
-    def _solved(
-        self,
-        local_tolerance: float,
-        counts: dict[str, int],
-        span: Array,
-        first: Array,
-        **wanted: Any,
-    ) -> Any:
-        """Result of SciPy from the first to the last of these times."""
-
-        def derivative(time: float, state: Array) -> tuple[float, ...]:
-            counts["right_hand_sides"] += 1
-            if counts["right_hand_sides"] % LOOK == 0 and self.watch.is_over(time, self.times[-1]):
-                raise _OverError
-            return self.model.derivative(time, state)
-
-        result = solve_ivp(
-            derivative,
-            (span[0], span[-1]),
-            first,
-            method=self.method,
-            rtol=local_tolerance,
-            atol=0.01 * local_tolerance,
-            max_step=contact_time(self.scenario),
-            **wanted,
+    def _stretch(self, span: Array, start: Array, local_tolerance: float) -> Run:
+        """Motion from the first to the last of these times."""
+        problem = InitialValueProblem(
+            self.model.derivative,
+            start,
+            leaning=None,
+            normal_force=None,
+            longest_step=contact_time(self.scenario),
+            attitudes=lambda states: states[:, 3:7],
+            conditions={name: self._says(each) for name, each in self.conditions.items()},
+            absolute=0.01,
         )
-        if not result.success:
-            raise ArithmeticError(f"{self.method} stopped at t = {span[0]:g} s: {result.message}")
-        return result
-
-    def _met(
-        self, span: Array, states: Array, solved: Callable[..., Any]
-    ) -> tuple[Ending, Array] | None:
-        """Ending in a stretch by a condition, and the state there.
-
-        From the last sample before, it is integrated anew: the solver knows the motion within
-        each of its steps, which end where the contact opens and closes.
-        """
-        met = first_met(self.conditions, *self._poses(states)) if self.conditions else None
-        if met is None:
-            return None
-        around = span[[met.before, met.row]]
-        anew = solved(around, states[met.before], dense_output=True)
-        steps = first_met(self.conditions, *self._poses(_with_unit_quaternions(anew.y.T)))
-        begin, end = around if steps is None else anew.t[[steps.before, steps.row]]
-
-        def state_at(time: float) -> Array:
-            return _with_unit_quaternions(anew.sol(time)[None])
-
-        ending = ending_met(
-            self.conditions, lambda time: self._poses(state_at(time)), float(begin), float(end)
+        return integrate(
+            problem, span, self.method, local_tolerance, allow_pulling=False, watch=self.watch
         )
-        return ending, state_at(ending.time)[0]
 
-    def _poses(self, states: Array) -> Poses:
-        found = sampled(self.model, np.zeros(len(states)), states)
-        return Poses(
-            found["positions"],
-            frames.rotations(found["quaternions"]),
-            found["velocities"],
-            found["angular_velocities"],
-        )
+    def _says(self, condition: Condition) -> Callable[[Array], float]:
+        """A condition as a function of what is integrated; it is not negative on a flat disk."""
+
+        def says(vector: Array) -> float:
+            state = paper_state(self.scenario.disk, vector)
+            return 1.0 if state is None else condition(state)
+
+        return says
 
     def _rest(self, blocks: list[Array]) -> int | None:
         """Number of the first sample at rest, seen from the last two stretches."""
         recent = np.concatenate(blocks[-2:])
         kinetic = np.array([self.model.energies(state)[0] for state in recent.tolist()])
-        rise = recent[:, 2] - self.model.contact.resting_height(
-            self.scenario.disk, self.scenario.weight
-        )
+        disk, weight = self.scenario.disk, self.scenario.weight
+        rise = recent[:, 2] - self.model.contact.resting_height(disk, weight)
         found = self.criterion.first(kinetic, rise, self.times[1])
         return None if found is None else sum(map(len, blocks[:-2])) + found
 
-    def _ending(self, time: float) -> Ending:
+    def _out_of_time(self, moment: float) -> Ending:
         seconds = self.watch.seconds
-        if time == 0.0:
+        if moment == 0.0:
             raise TimeLimitError(
                 f"time limit met after {seconds:.3g} s of processor time, in the first stretch "
                 "of the motion"
             )
-        return Ending(reason=TIME_LIMIT, time=time, value=seconds)
+        return Ending(reason=TIME_LIMIT, time=moment, value=seconds)
+
+
+def paper_state(disk: Disk, vector: Array) -> State | None:
+    """The paper's coordinates and their rates of a state of `FreeBody`; None on a flat disk."""
+    moving = Quaternion.moving(vector[:13].tolist())
+    ahead, across, up = moving.frame
+    leaning = hypot(up[0], up[1])
+    if leaning <= FLATTEST:
+        return None
+    alpha = atan2(ahead[2], -across[2])
+    sa, ca = sin(alpha), cos(alpha)
+    (x, y, z), (u, v, w) = moving.position, moving.velocity
+    position = (ca * x + sa * y, ca * y - sa * x, z)
+    velocity = (ca * u + sa * v, ca * v - sa * u, w)
+    angles = (alpha, atan2(leaning, up[2]), atan2(up[0], up[1]))
+    turning = (*position, *angles, *velocity, *moving.angular)
+    coordinates, rates = paper_of(disk, turning, EulerTurning)
+    return State(coordinates=coordinates, rates=rates)
 
 
 def _with_unit_quaternions(states: Array) -> Array:

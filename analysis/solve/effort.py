@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from analysis.data.checks import Array, choice, positive
 from analysis.data.elementary import sin, sqrt
-from analysis.data.limits import Effort
+from analysis.data.limits import DEFAULT_TOLERANCE, Effort
 from analysis.data.scenario import Scenario
 from analysis.solve.stepping import Method
 
@@ -87,11 +87,11 @@ def simulation_effort(
     """
     choice("method", method, METHODS)
     used = METHODS[method]
-    name, wanted = "tolerance", 1e-8 if tolerance is None else tolerance
+    name, wanted = "tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance
     if local_tolerance is not None:
         name, wanted = "local_tolerance", local_tolerance
     wanted = positive(name, wanted)
-    start, gradient = scenario.initial_state, scenario.friction.gradient
+    start, gradient = scenario.initial_state, scenario.friction_gradient
     spin = abs(start.rates[3])
     turning = sum(abs(rate) for rate in start.rates[3:])
     sharpness = wanted ** (-1.0 / (used.order))

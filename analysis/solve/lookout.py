@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -72,13 +72,6 @@ class Step:
         return halfway
 
 
-class Found(NamedTuple):
-    """Why a motion ends, and what the condition says there."""
-
-    reason: str
-    value: float
-
-
 class Lookout:
     """Looks out for the first of some conditions to turn negative, wherever within a step.
 
@@ -100,12 +93,14 @@ class Lookout:
     ) -> None:
         self._conditions, self._allow = conditions, allow_pulling
         self._values = {reason: says(start) for reason, says in conditions.items()}
-        pulls = allow_pulling and self._values[CONTACT_WOULD_PULL] < 0.0
+        pulls = allow_pulling and self._values.get(CONTACT_WOULD_PULL, 0.0) < 0.0
         self._edges = [begin] if pulls else []
 
-    def ending(self, step: Step) -> Found | None:
-        """The first ending within a step, if there is one; the step then goes up to it."""
-        found, middle = None, step.middle
+    def ending(self, step: Step) -> str | None:
+        """Why the motion ends within a step, if it does; the step then goes up to there."""
+        if not self._conditions:
+            return None
+        ended, middle = None, step.middle
         for reason, says in self._conditions.items():
             first, last = self._values[reason], says(step.last)
             self._values[reason] = last
@@ -117,10 +112,10 @@ class Lookout:
             # Where it is negative from the start on, it waits until it has not been.
             elif len(changes) > (first < 0.0):
                 step.cut(changes[first < 0.0])
-                found = Found(reason, says(step.last))
+                ended = reason
             # What comes later counts for nothing, and there may be no motion after some endings.
             middle = step.middle
-        return found
+        return ended
 
     def pulling(self, last: float) -> tuple[tuple[float, float], ...]:
         """Times between which the contact has pulled, up to `last`."""

@@ -18,7 +18,7 @@ from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.watch import Watch
-from analysis.solve.lookout import Found, Lookout, Step
+from analysis.solve.lookout import Lookout, Step
 
 Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -36,9 +36,6 @@ _SOLVERS: dict[str, Any] = {
 STILL = 1e-9
 """Slip in m/s that has no sign."""
 
-NEARLY_FLAT = LEAST_TILT
-"""Sine of the angle between disk and table at which a motion in Euler angles ends."""
-
 
 class SolverError(ArithmeticError):
     """A solver has given up."""
@@ -53,10 +50,11 @@ class InitialValueProblem:
     right_hand_side : callable
         Time derivative of the state from time and state.
     start : ndarray, shape (n,)
-    leaning : callable
-        From a state to the sine of the angle between disk and table.
-    normal_force : callable
-        From a state to the normal contact force in N.
+    leaning : callable, optional
+        From a state to the sine of the angle between disk and table; the motion ends at
+        `LEAST_TILT`.
+    normal_force : callable, optional
+        From a state to the normal contact force in N of a contact that must not pull.
     longest_step : float
         In s.
     attitudes : callable
@@ -70,17 +68,20 @@ class InitialValueProblem:
     difference : float
         Part of a variable, or of 1 if that is smaller, by which it is moved to differentiate the
         right-hand side; friction may bend within less than usual.
+    absolute : float
+        Absolute over relative tolerance of a step.
     """
 
     right_hand_side: Callable[[float, Array], npt.ArrayLike]
     start: Array
-    leaning: Callable[[Array], float]
-    normal_force: Callable[[Array], float]
+    leaning: Callable[[Array], float] | None
+    normal_force: Callable[[Array], float] | None
     longest_step: float
     attitudes: Callable[[Array], Array]
     conditions: Mapping[str, Callable[[Array], float]] = field(default_factory=dict)
     slip: Callable[[Array], float] | None = None
     difference: float = 1e-8
+    absolute: float = 1.0
 
     def with_steps_up_to(self, part: float) -> "InitialValueProblem":
         """The same problem with this part of its longest step."""
@@ -100,11 +101,9 @@ class Run:
         Of the right-hand side.
     ended : str or None
         Why it ended before the last time asked for.
-    value : float
-        What the condition that ended it says there.
-    steps : int
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
+    steps : int
     """
 
     times: Array
@@ -112,7 +111,6 @@ class Run:
     evaluations: int
     ended: str | None
     pulling: tuple[tuple[float, float], ...]
-    value: float = 0.0
     steps: int = 0
 
 
@@ -135,7 +133,7 @@ def integrate(
     method : str
         One of `METHODS`.
     local_tolerance : float
-        Relative and absolute tolerance of a step.
+        Relative tolerance of a step.
     allow_pulling : bool
         Whether to go on where the normal force turns negative.
     watch : Watch
@@ -153,49 +151,55 @@ def integrate(
     lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
     solvers: list[Any] = []
 
-    def started(moment: float, state: Array, end: float, first_step: float | None = None) -> Any:
-        solver = _SOLVERS[method](
-            problem.right_hand_side,
-            moment,
-            state,
-            end,
-            rtol=local_tolerance,
-            atol=local_tolerance,
-            max_step=problem.longest_step,
-            first_step=first_step,
-            **_jacobian(problem, method),
-        )
-        solvers.append(solver)
-        return solver
+    def started(*span: Any, **first: Any) -> Any:
+        solvers.append(_solver(problem, method, local_tolerance, *span, **first))
+        return solvers[-1]
 
-    found: Found | None = None
+    ended: str | None = None
     states, row, begun = [problem.start], 1, watch.steps
     for step in _steps(started, problem, times):
         watch.steps += 1
         if not watch.steps_left:
-            watch.flattest = step.end, asin(min(1.0, problem.leaning(step.last)))
+            if problem.leaning is not None:
+                watch.flattest = step.end, asin(min(1.0, problem.leaning(step.last)))
             raise watch.given_up(method)
-        found = lookout.ending(step)
+        ended = lookout.ending(step)
         count = int(np.searchsorted(times, step.end, side="right"))
         states += step.states(times[row:count])
         row = count
-        if found is None and watch.is_over(step.end, times[-1]) and row < times.size:
-            found = Found(TIME_LIMIT, 0.0)
-        if found is not None:
+        if ended is None and watch.is_over(step.end, times[-1]) and row < times.size:
+            ended = TIME_LIMIT
+        if ended is not None:
             break
     reached = times[:row]
-    if found is not None and step.end > reached[-1]:
+    if ended is not None and step.end > reached[-1]:
         reached = np.append(reached, step.end)
         states.append(step.last)
-    ended, value = found or (None, 0.0)
     return Run(
         reached,
         np.array(states),
         sum(map(_evaluations, solvers)),
         ended,
         lookout.pulling(reached[-1]),
-        value,
         watch.steps - begun,
+    )
+
+
+def _solver(
+    problem: InitialValueProblem, method: Method, local_tolerance: float, *span: Any, **first: Any
+) -> Any:
+    """Solver of SciPy for a span: from a time and a state to another time."""
+    begin, state, end = span
+    return _SOLVERS[method](
+        problem.right_hand_side,
+        begin,
+        state,
+        end,
+        rtol=local_tolerance,
+        atol=problem.absolute * local_tolerance,
+        max_step=problem.longest_step,
+        **first,
+        **_jacobian(problem, method),
     )
 
 
@@ -209,7 +213,7 @@ def _steps(
     Parameters
     ----------
     started : callable
-        From a time, a state, a last time and the length of a first step to a solver.
+        From a time, a state, a last time and perhaps a `first_step` to a solver.
     problem : InitialValueProblem
     times : ndarray, shape (n,)
     """
@@ -221,11 +225,11 @@ def _steps(
         after = slip(step.last)
         turn = _turn(slip, before, step, after)
         if step.begin < turn < step.end:
-            upto = started(step.begin, state, turn, turn - step.begin)
+            upto = started(step.begin, state, turn, first_step=turn - step.begin)
             while upto.status == "running":
                 yield _step(upto)
             length = min(step.end - step.begin, times[-1] - turn)
-            solver = started(turn, upto.y, times[-1], length)
+            solver = started(turn, upto.y, times[-1], first_step=length)
             before = slip(upto.y)
         else:
             yield step
@@ -277,7 +281,7 @@ def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
 
 def pulls_at_start(problem: InitialValueProblem, *, allow_pulling: bool) -> bool:
     """Whether the contact pulls at the start; `ValueError` if it does and must not."""
-    force = problem.normal_force(problem.start)
+    force = 0.0 if problem.normal_force is None else problem.normal_force(problem.start)
     if force < 0.0 and not allow_pulling:
         raise ValueError(
             f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
@@ -288,8 +292,10 @@ def pulls_at_start(problem: InitialValueProblem, *, allow_pulling: bool) -> bool
 
 def endings(problem: InitialValueProblem) -> dict[str, Callable[[Array], float]]:
     """What ends a motion: functions of its state that turn negative there, by reason."""
-    return {
-        FLAT: lambda state: problem.leaning(state) - NEARLY_FLAT,
-        CONTACT_WOULD_PULL: problem.normal_force,
-        **problem.conditions,
-    }
+    found: dict[str, Callable[[Array], float]] = {}
+    leaning = problem.leaning
+    if leaning is not None:
+        found[FLAT] = lambda state: leaning(state) - LEAST_TILT
+    if problem.normal_force is not None:
+        found[CONTACT_WOULD_PULL] = problem.normal_force
+    return found | dict(problem.conditions)

@@ -7,7 +7,7 @@ end.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import pairwise
-from typing import NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from scipy.optimize import brentq
@@ -47,7 +47,7 @@ class Solution(Protocol):
 S = TypeVar("S", bound=Solution)
 K = TypeVar("K")
 
-Solve = Callable[[float, S], S]
+Solve = Callable[[Any, S], S]
 """From a value and a solution near it to the solution there; `ArithmeticError` if it fails."""
 
 
@@ -68,8 +68,12 @@ def reach(solve: Solve[S], start: S, value: float, halvings: int = _HALVINGS) ->
     return reach(solve, between, value, halvings - 1)
 
 
-def followed(solve: Solve[S], start: S, values: Iterable[float]) -> Iterator[S]:
+def followed(
+    solve: Solve[S], start: S, values: Iterable[Any], halvings: int = _HALVINGS
+) -> Iterator[S]:
     """Solutions at values of the parameter, each reached from the one before.
+
+    Without halvings the values may be anything, such as scenarios.
 
     Raises
     ------
@@ -79,10 +83,8 @@ def followed(solve: Solve[S], start: S, values: Iterable[float]) -> Iterator[S]:
     last = start
     for value in values:
         try:
-            found = reach(solve, last, value)
+            found = reach(solve, last, value, halvings)
         except ArithmeticError as error:
-            if last is start:
-                raise
             raise type(error)(
                 f"{error}; the last good one has {last.value:.9g} rad at a spin of "
                 f"{last.spin:.9g} rad/s"

@@ -1,8 +1,8 @@
 """Critical spins: where an eigenvalue crosses the imaginary axis, where a pair is born or dies.
 
-Candidates are bracketed on a grid of spins and refined by root finding on the eigenvalues
-themselves. Two crossings of the same branch within one step of that grid (0.05 rad/s) would
-cancel out and be missed.
+They are bracketed on a grid of spins, between whose neighbours each eigenvalue goes to the nearest
+one, and refined by root finding on the eigenvalues themselves. Two crossings within one step of
+that grid (0.05 rad/s) that cancel out are missed.
 """
 
 from collections.abc import Callable, Iterable
@@ -11,23 +11,21 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, linear_sum_assignment
 
-from analysis.data.checks import number
+from analysis.data.checks import Array, number
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
 from analysis.stability.linearisation import ROUND_OFF, ZERO, ComplexArray, spin_scale
 from analysis.stability.spectra import (
-    Branches,
+    Matrices,
     System,
-    branches,
     chosen_system,
     helper_spins,
     matrices_over_spin,
 )
 
 Side = Literal["below", "above"]
-Spectrum = Callable[[float], ComplexArray]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,6 +82,11 @@ class CriticalSpeeds:
         Spins searched in rad/s.
     crossings : tuple of Crossing
     pair_changes : tuple of PairChange
+    stable : tuple of tuples of 2 floats
+        Intervals of the spin in rad/s in which every eigenvalue has a negative real part. The
+        pair that only moves the disk on the table does not count; eigenvalues that are zero at
+        every spin, as those of a round disk, do: with them the motion is not asymptotically
+        stable.
     reason : str or None
         Why there is no crossing, if there is none.
     """
@@ -94,12 +97,18 @@ class CriticalSpeeds:
     interval: tuple[float, float]
     crossings: tuple[Crossing, ...]
     pair_changes: tuple[PairChange, ...]
+    stable: tuple[tuple[float, float], ...]
     reason: str | None = None
 
     @property
     def hopf(self) -> tuple[Crossing, ...]:
         """Crossings of complex pairs only."""
         return tuple(crossing for crossing in self.crossings if crossing.kind == "hopf")
+
+    @property
+    def where(self) -> str:
+        """Spins in rad/s at which the motion is stable, in words."""
+        return ", ".join(f"{low:.6g} to {high:.6g}" for low, high in self.stable) or "nowhere"
 
 
 def spin_interval(interval: tuple[float, float]) -> tuple[float, float]:
@@ -119,7 +128,7 @@ def critical_speeds(
     system: System | None = None,
     motion: Motion = "inverted",
 ) -> CriticalSpeeds:
-    """Find the critical spins of a linear system.
+    """Find the critical spins of a linear system, and where the motion is stable as a whole.
 
     Without friction there is no damping and no crossing: the eigenvalues lie mirrored at both
     axes. An eigenvalue that is zero at every spin, as for a round disk, does not count.
@@ -138,42 +147,147 @@ def critical_speeds(
         scenario none of this system.
     """
     low, high = spin_interval(interval)
-    spectrum = _spectrum(scenario, system, motion)
-    followed = branches(scenario, helper_spins(low, high), system, motion)
-    values = np.delete(followed.values, followed.drift, axis=1)
+    matrices = matrices_over_spin(scenario, system, motion)
     # Where all eigenvalues are zero, as those of a round disk that is held in all but its tilt,
     # what rounding makes of them is not to be judged against itself.
-    values[np.abs(values) < ZERO * spin_scale(scenario)] = 0.0
-    relevant = Branches(spins=followed.spins, values=values)
-
-    crossings: list[Crossing] = []
+    spectra = Spectra(matrices, helper_spins(low, high), ZERO * spin_scale(scenario))
+    crossings: tuple[Crossing, ...] = ()
     reason: str | None = "no friction: undamped, the eigenvalues lie mirrored at both axes"
     if scenario.rubs:
-        crossings = all_crossings(relevant, spectrum)
+        crossings = spectra.crossings()
         nothing = f"no eigenvalue crosses the imaginary axis from {low:g} to {high:g} rad/s"
         reason = None if crossings else nothing
+    ends = (low, *(each.spin for each in crossings), high)
     return CriticalSpeeds(
         scenario=scenario,
         system=chosen_system(scenario, system),
         motion=motion,
         interval=(low, high),
-        crossings=tuple(sorted(crossings, key=_spin)),
-        pair_changes=tuple(sorted(_pair_changes(relevant, spectrum), key=_spin)),
+        crossings=crossings,
+        pair_changes=spectra.pair_changes(),
+        # Between neighbouring crossings nothing changes.
+        stable=tuple(each for each in pairwise(ends) if spectra.decay(sum(each) / 2.0)),
         reason=reason,
     )
 
 
-def _spectrum(scenario: Scenario, system: System | None, motion: Motion) -> Spectrum:
-    matrices = matrices_over_spin(scenario, system, motion)
+class Spectra:
+    """Eigenvalues on a grid of spins, each with the nearest one at the next spin.
 
-    def eigenvalues(spin: float) -> ComplexArray:
-        return np.linalg.eigvals(matrices(np.array([spin]))[0]).astype(complex)
+    Parameters
+    ----------
+    matrices : callable
+        State matrices at any spins.
+    spins : ndarray, shape (n,)
+        A fine grid in rad/s.
+    zero : float
+        Size in 1/s below which eigenvalues are zero.
+    """
 
-    return eigenvalues
+    def __init__(self, matrices: Matrices, spins: Array, zero: float = 0.0) -> None:
+        self._matrices = matrices
+        values = np.linalg.eigvals(matrices(spins)).astype(complex)
+        values[np.abs(values) < zero] = 0.0
+        self._largest = float(np.max(np.abs(values)))
+        none = np.abs(values) < ZERO * self._largest
+        self._neutral = int(np.min(np.sum(none, axis=1)))
+        # One that lies on the axis at a single spin crosses between the spins beside it.
+        count = np.sum(self._signs(values) == 0.0, axis=1)
+        alone = (count[1:-1] > count[:-2]) & (count[1:-1] > count[2:])
+        kept = np.concatenate(((True,), ~alone, (True,)))
+        self._spins, self._values = spins[kept].tolist(), values[kept]
+        self._after = _nearest(self._values)
+
+    def _signs(self, values: ComplexArray) -> Array:
+        """Signs of the real parts, 0 where rounding hides them."""
+        clear = np.abs(values.real) > ROUND_OFF * self._largest
+        result: Array = np.sign(values.real) * clear
+        return result
+
+    def _at(self, spin: float) -> ComplexArray:
+        return np.linalg.eigvals(self._matrices(np.array([spin]))[0]).astype(complex)
+
+    def decay(self, spin: float) -> bool:
+        """Whether every eigenvalue has a negative real part."""
+        values = self._at(spin)
+        return bool(np.max(values.real) + ROUND_OFF * np.max(np.abs(values)) < 0.0)
+
+    def crossings(self) -> tuple[Crossing, ...]:
+        """Crossings of the imaginary axis, by rising spin."""
+        before, after = self._values[:-1], self._after
+        found = []
+        for step, place in np.argwhere(self._signs(before) * self._signs(after) < 0.0).tolist():
+            ends = self._spins[step], self._spins[step + 1]
+            around = complex(before[step, place]), complex(after[step, place])
+            frequencies = [each.imag for each in around]
+            if min(frequencies) > ZERO * self._largest or not any(frequencies):
+                found.append(self._crossing(ends, around))
+        return tuple(sorted(found, key=lambda each: each.spin))
+
+    def _crossing(self, ends: tuple[float, float], around: tuple[complex, complex]) -> Crossing:
+        """The crossing of the eigenvalue that is `around` at the ends of a step."""
+
+        def eigenvalue(spin: float) -> complex:
+            values = self._at(spin)
+            return complex(values[np.argmin(np.abs(values - _between(ends, around, spin)))])
+
+        def product(spin: float) -> float:
+            # The lowest coefficient of the characteristic polynomial that does not vanish.
+            values = self._at(spin)
+            return float(np.poly(values)[values.size - self._neutral].real)
+
+        side: Side = "above" if around[1].real < 0.0 else "below"
+        if not around[0].imag:
+            spin = _root(product, *ends)
+            return Crossing(spin=spin, frequency=0.0, kind="static", stable_side=side)
+        spin = _root(lambda spin: eigenvalue(spin).real, *ends)
+        frequency = eigenvalue(spin).imag
+        return Crossing(spin=spin, frequency=frequency, kind="hopf", stable_side=side)
+
+    def pair_changes(self) -> tuple[PairChange, ...]:
+        """Collisions of two real eigenvalues, by rising spin."""
+        before, after = self._values[:-1], self._after
+        # Of a pair the upper one, and what is real on the other side.
+        changes = (before.imag > 0.0) & (after.imag == 0.0) | (
+            (before.imag == 0.0) & (after.imag > 0.0)
+        )
+        found = []
+        for step, place in np.argwhere(changes).tolist():
+            sides = before[step], after[step]
+            inside = int(sides[1][place].imag > 0.0)
+            partner = int(np.argmin(np.abs(sides[inside] - np.conj(sides[inside][place]))))
+            pairs = np.array(sides)[:, [place, partner]]
+            # A double zero that round-off splits into a pair is none.
+            if np.max(np.abs(pairs[:, 0] - pairs[:, 1])) > ZERO * self._largest:
+                ends = self._spins[step], self._spins[step + 1]
+                low, high = pairs.mean(axis=1).real.tolist()
+                found.append(self._pair_change(ends, (low, high), ("below", "above")[inside]))
+        return tuple(sorted(found, key=lambda each: each.spin))
+
+    def _pair_change(
+        self, ends: tuple[float, float], centres: tuple[float, float], side: Side
+    ) -> PairChange:
+        """A collision; the squared difference of the two eigenvalues passes zero smoothly."""
+
+        def pair(spin: float) -> ComplexArray:
+            values = self._at(spin)
+            moving = values[np.argsort(np.abs(values))[self._neutral :]]
+            nearest = np.argsort(np.abs(moving - _between(ends, centres, spin)))[:2]
+            return moving[nearest]
+
+        spin = _root(lambda spin: float((np.diff(pair(spin))[0] ** 2).real), *ends)
+        return PairChange(spin=spin, value=float(pair(spin).mean().real), complex_side=side)
 
 
-def _spin(event: Crossing | PairChange) -> float:
-    return event.spin
+def _nearest(values: ComplexArray) -> ComplexArray:
+    """Next value of each, shape (n - 1, k): the nearest one, and no two the same."""
+    # Roots of distances, so that one stays where it is rather than two of them move.
+    cost = np.sqrt(np.abs(values[:-1, :, None] - values[1:, None, :]))
+    order = np.argmin(cost, axis=2)
+    taken_twice = np.any(np.diff(np.sort(order, axis=1), axis=1) == 0, axis=1)
+    for step in np.flatnonzero(taken_twice).tolist():
+        order[step] = linear_sum_assignment(cost[step])[1]
+    return np.take_along_axis(values[1:], order, axis=1)
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
@@ -184,124 +298,6 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
     return float(brentq(function, low, high, xtol=1e-13, rtol=1e-14, maxiter=200))
 
 
-def all_crossings(followed: Branches, spectrum: Spectrum) -> list[Crossing]:
-    """Crossings of the imaginary axis: changes of sign of the real part along a branch.
-
-    Parameters
-    ----------
-    followed : Branches
-        Eigenvalue branches on a fine grid of spins.
-    spectrum : callable
-        Eigenvalues at any spin between, shape (k,).
-    """
-    largest = np.max(np.abs(followed.values))
-    spins = followed.spins.tolist()
-    result = []
-    for branch in followed.values.T:
-        clear = np.nonzero(np.abs(branch.real) > ROUND_OFF * largest)[0].tolist()
-        for start, end in pairwise(clear):
-            ends, around = (
-                (spins[start], spins[end]),
-                (complex(branch[start]), complex(branch[end])),
-            )
-            if around[0].real * around[1].real < 0.0:
-                frequencies = branch.imag[start : end + 1]
-                if np.all(frequencies > ZERO * largest):
-                    result.append(_hopf_crossing(ends, around, spectrum))
-                elif np.all(frequencies == 0.0):
-                    result.append(_static_crossing(ends, around, spectrum, _neutral(followed)))
-    return result
-
-
-def _hopf_crossing(
-    ends: tuple[float, float], around: tuple[complex, complex], spectrum: Spectrum
-) -> Crossing:
-    """Refine the crossing of the eigenvalue that is `around` at the `ends` of a short bracket."""
-
-    def eigenvalue(spin: float) -> complex:
-        found = spectrum(spin)
-        return complex(found[np.argmin(np.abs(found - _between(ends, around, spin)))])
-
-    spin = _root(lambda spin: eigenvalue(spin).real, *ends)
-    return Crossing(
-        spin=spin, frequency=eigenvalue(spin).imag, kind="hopf", stable_side=_stable_side(around)
-    )
-
-
-def _static_crossing(
-    ends: tuple[float, float],
-    around: tuple[complex, complex],
-    spectrum: Spectrum,
-    neutral: int,
-) -> Crossing:
-    """Refine the crossing of a real eigenvalue, beside `neutral` ones that are always zero.
-
-    The lowest coefficient of the characteristic polynomial that does not vanish, the product of
-    the other eigenvalues, changes sign with it.
-    """
-
-    def coefficient(spin: float) -> float:
-        found = spectrum(spin)
-        return float(np.poly(found)[found.size - neutral].real)
-
-    spin = _root(coefficient, *ends)
-    return Crossing(spin=spin, frequency=0.0, kind="static", stable_side=_stable_side(around))
-
-
-def _stable_side(around: tuple[complex, complex]) -> Side:
-    return "above" if around[1].real < 0.0 else "below"
-
-
 def _between(ends: tuple[float, float], values: tuple[complex, complex], spin: float) -> complex:
     part = (spin - ends[0]) / (ends[1] - ends[0])
     return (1.0 - part) * values[0] + part * values[1]
-
-
-def _neutral(followed: Branches) -> int:
-    """Number of eigenvalues that are zero at every spin."""
-    size = np.abs(followed.values)
-    return int(np.min(np.sum(size < ZERO * np.max(size), axis=1)))
-
-
-def _pair_changes(followed: Branches, spectrum: Spectrum) -> list[PairChange]:
-    """Collisions of two real eigenvalues: changes between real and complex along a branch."""
-    values, spins = followed.values, followed.spins.tolist()
-    largest, neutral = np.max(np.abs(values)), _neutral(followed)
-
-    def moving(spin: float) -> ComplexArray:
-        found = spectrum(spin)
-        return found[np.argsort(np.abs(found))[neutral:]]
-
-    result = []
-    for column, branch in enumerate(values.T):
-        is_complex = branch.imag > 0.0
-        changes: list[int] = np.nonzero(np.diff(is_complex))[0].tolist()
-        for start in changes:
-            inside = start if is_complex[start] else start + 1
-            partner = int(np.argmin(np.abs(values[inside] - np.conj(branch[inside]))))
-            pairs = values[start : start + 2, [column, partner]]
-            # A double zero that round-off splits into a pair is none.
-            if np.max(np.abs(pairs[:, 0] - pairs[:, 1])) > ZERO * largest:
-                centres = pairs.mean(axis=1).real.tolist()
-                ends = (spins[start], spins[start + 1])
-                side: Side = "below" if is_complex[start] else "above"
-                result.append(_pair_change(ends, (centres[0], centres[1]), side, moving))
-    return result
-
-
-def _pair_change(
-    ends: tuple[float, float], centres: tuple[float, float], side: Side, spectrum: Spectrum
-) -> PairChange:
-    """Refine a collision; the squared difference of the two eigenvalues passes zero smoothly."""
-
-    def pair(spin: float) -> ComplexArray:
-        found = spectrum(spin)
-        nearest = np.argsort(np.abs(found - _between(ends, centres, spin)))[:2]
-        return found[nearest]
-
-    def squared_difference(spin: float) -> float:
-        one, other = pair(spin)
-        return float(((one - other) ** 2).real)
-
-    spin = _root(squared_difference, *ends)
-    return PairChange(spin=spin, value=float(pair(spin).mean().real), complex_side=side)

@@ -20,17 +20,24 @@ from math import log
 
 import numpy as np
 
-from analysis.data.checks import Array, choice, number, positive, whole
+from analysis.data.checks import Array, choice, number, positive
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
-from analysis.stability.chart import gradient_matrices, with_gradient
+from analysis.stability.chart import with_gradient
 from analysis.stability.continuation import Bound, Curve
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linearisation import ComplexArray, require_spinning, spin_scale
+from analysis.stability.printed import full_matrices
+
+_SEEDS = 9
+"""Lines of constant gradient, equally spaced in its logarithm, on which curves are looked for."""
 
 _FIRST_STEP, _LARGEST_STEP = 0.02, 0.1
-LEAST_FREQUENCY = 1e-3
+_LEAST_FREQUENCY = 1e-3
 """Frequency in rad/s at which a curve counts as having met a double zero eigenvalue."""
+
+_SAME = 0.02
+"""Distance from a chord of a curve, without units, within which a point lies on it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,8 +83,8 @@ class ExtendedSystem:
         """
         spin, gradient = x[0] * self.scale, float(np.exp(x[1]))
         spins = np.array((spin - 1.0, spin, spin + 1.0))
-        less, A, more = gradient_matrices(self.scenario, spins, gradient, self.motion)
-        double = gradient_matrices(self.scenario, spins[1:2], 2 * gradient, self.motion)[0]
+        less, A, more = full_matrices(self.scenario, spins, self.motion, gradient=gradient)
+        double = full_matrices(self.scenario, spin, self.motion, gradient=2 * gradient)[0]
         return A, (more - less) / 2 * self.scale, double - A
 
     def renew(self, x: Array) -> None:
@@ -121,11 +128,10 @@ def hopf_curves(
     *,
     spins: tuple[float, float] = (0.0, 100.0),
     gradients: tuple[float, float] = (0.1, 1000.0),
-    seeds: int = 9,
 ) -> tuple[HopfCurve, ...]:
     """Trace the Hopf curves of the full system inside a rectangle.
 
-    Curves start at the Hopf points found on `seeds` lines of constant gradient, so a closed curve
+    Curves start at the Hopf points found on 9 lines of constant gradient, so a closed curve
     between two of those lines would be missed.
 
     Parameters
@@ -137,8 +143,6 @@ def hopf_curves(
         Lowest, not negative, and highest spin in rad/s.
     gradients : tuple of 2 floats
         Lowest, positive, and highest friction gradient mu / epsilon in s/m.
-    seeds : int
-        Number of lines, equally spaced in the logarithm of the gradient.
 
     Returns
     -------
@@ -154,16 +158,25 @@ def hopf_curves(
     """
     require_spinning(scenario, "the full system", 1)
     choice("motion", motion, MOTIONS)
-    seeds = whole("seeds", seeds)
-    bounds = _bounds(scenario, spins, gradients)
-    curves: list[HopfCurve] = []
-    for gradient in np.geomspace(*gradients, seeds + 2)[1:-1].tolist():
+    bounds, scale = _bounds(scenario, spins, gradients), spin_scale(scenario)
+    curves: list[tuple[Array, tuple[str, str]]] = []
+    for gradient in np.geomspace(*gradients, _SEEDS + 2)[1:-1].tolist():
         found = critical_speeds(with_gradient(scenario, gradient), spins, "full", motion)
-        for point in found.hopf:
-            if not any(_passes(curve, point.spin, gradient, point.frequency) for curve in curves):
-                seed = np.array((point.spin, log(gradient), point.frequency))
-                curves.append(_trace(scenario, motion, seed, bounds))
-    return tuple(sorted(curves, key=lambda curve: float(curve.frequencies.max())))
+        for each in found.hopf:
+            seed = np.array((each.spin / scale, log(gradient), each.frequency / scale))
+            if not any(_passes(points, seed) for points, _ in curves):
+                curves.append(_trace(ExtendedSystem(scenario, motion, seed), seed, bounds))
+    curves.sort(key=lambda curve: float(curve[0][:, 2].max()))
+    return tuple(
+        HopfCurve(
+            motion=motion,
+            spins=points[:, 0] * scale,
+            gradients=np.exp(points[:, 1]),
+            frequencies=points[:, 2] * scale,
+            ends=ends,
+        )
+        for points, ends in curves
+    )
 
 
 def _bounds(
@@ -178,7 +191,7 @@ def _bounds(
         raise ValueError(f"gradients must have lowest < highest, got {least:g} to {most:g}")
     scale = spin_scale(scenario)
     return [
-        Bound("double zero", 2, LEAST_FREQUENCY / scale, upper=False),
+        Bound("double zero", 2, _LEAST_FREQUENCY / scale, upper=False),
         Bound("spin", 0, low / scale, upper=False),
         Bound("spin", 0, high / scale, upper=True),
         Bound("gradient", 1, log(least), upper=False),
@@ -186,51 +199,41 @@ def _bounds(
     ]
 
 
-def _passes(curve: HopfCurve, spin: float, gradient: float, frequency: float) -> bool:
-    """Whether the curve goes through a Hopf point, told from its chords."""
-    side = np.log(curve.gradients / gradient)
-    for index in np.nonzero(side[:-1] * side[1:] <= 0.0)[0]:
-        part = side[index] / (side[index] - side[index + 1])
-        chord = slice(index, index + 2)
-        for values, value in ((curve.spins, spin), (curve.frequencies, frequency)):
-            start, end = values[chord]
-            if abs(start + part * (end - start) - value) > 0.02 * value + abs(end - start):
-                break
-        else:
-            return True
-    return False
+def _passes(points: Array, seed: Array) -> bool:
+    """Whether a curve goes through a point, told from its chords."""
+    starts, chords = points[:-1], np.diff(points, axis=0)
+    part = np.sum((seed - starts) * chords, axis=1) / np.sum(chords**2, axis=1)
+    nearest = starts + np.clip(part, 0.0, 1.0)[:, None] * chords
+    return bool(np.min(np.linalg.norm(nearest - seed, axis=1)) < _SAME)
 
 
-def _trace(scenario: Scenario, motion: Motion, seed: Array, bounds: list[Bound]) -> HopfCurve:
-    """Follow a curve from a Hopf point (Omega, ln delta, omega) to both ends."""
-    scale = spin_scale(scenario)
-    start = seed / np.array((scale, 1.0, scale))
-    halves = [_half(ExtendedSystem(scenario, motion, start), start, bounds, w) for w in (-1, 1)]
+def _trace(
+    system: ExtendedSystem, seed: Array, bounds: list[Bound]
+) -> tuple[Array, tuple[str, str]]:
+    """Points of the curve through a Hopf point, lower gradient first, and the kinds of ends."""
+    found = system.curve.correct(seed, np.eye(3)[2])
+    if found is None:
+        raise ArithmeticError(f"no Hopf point near spin {seed[0] * system.scale:g} rad/s")
+    start = found[0]
+    system.renew(start)
+    along = np.cross(*system.residual(start)[1])
+    halves = [_half(system, start, way * along, bounds) for way in (-1.0, 1.0)]
     if halves[0][0][-1][1] > halves[1][0][-1][1]:
         halves.reverse()
     (one, one_end), (other, other_end) = halves
-    points = np.array(one[:0:-1] + other)
-    return HopfCurve(
-        motion=motion,
-        spins=points[:, 0] * scale,
-        gradients=np.exp(points[:, 1]),
-        frequencies=points[:, 2] * scale,
-        ends=(one_end, other_end),
-    )
+    return np.array([*one[::-1], start, *other]), (one_end, other_end)
 
 
 def _half(
-    system: ExtendedSystem, start: Array, bounds: list[Bound], way: float
+    system: ExtendedSystem, start: Array, along: Array, bounds: list[Bound]
 ) -> tuple[list[Array], str]:
-    """Points from `start` to one end of the curve, and the kind of the end."""
-    found = system.curve.correct(start, np.eye(3)[2])
-    if found is None:
-        raise ArithmeticError(f"no Hopf point near spin {start[0] * system.scale:g} rad/s")
-    points = [found[0]]
+    """Points beyond a start to one end of the curve, and the kind of the end."""
+    points: list[Array] = []
+    system.renew(start)
     try:
         for point, end in system.curve.points(
-            points[0],
-            way * np.cross(*system.residual(points[0])[1]),
+            start,
+            along,
             step=_FIRST_STEP,
             largest=lambda point: _LARGEST_STEP * (1.0 + 0.2 * float(np.linalg.norm(point))),
             bounds=bounds,
@@ -240,8 +243,9 @@ def _half(
                 return points, end
             system.renew(point)
     except ArithmeticError as error:
+        last = points[-1] if points else start
         raise ArithmeticError(
-            f"the Hopf curve {error} at spin {points[-1][0] * system.scale:g} rad/s, "
-            f"gradient {np.exp(points[-1][1]):g} s/m after {len(points)} points"
+            f"the Hopf curve {error} at spin {last[0] * system.scale:g} rad/s, "
+            f"gradient {np.exp(last[1]):g} s/m after {len(points) + 1} points"
         ) from error
     raise AssertionError("a curve ends at a bound")

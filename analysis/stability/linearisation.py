@@ -1,6 +1,6 @@
 """Any scenario linearised about a stationary motion, along its constraint manifold.
 
-Independent of the printed matrices of `linear_full` and `linear_reduced`: the nonlinear index-1
+Independent of the paper's matrices in `printed`: the nonlinear index-1
 system s' = F(s) in the states of `mechanics.states` is differentiated by dual numbers along the
 tangent space T of the states that meet every constraint on position and velocity level. Its
 Jacobian maps T into itself, so that it is told by the numbers of a state that are free in T.
@@ -242,12 +242,6 @@ class Linearisation:
         return free, neutral, bases
 
 
-def upright_gamma(motion: Motion) -> float:
-    """Rotation angle in rad of a stationary motion, Eq. (5)."""
-    choice("motion", motion, MOTIONS)
-    return pi / 2 if motion == "inverted" else -pi / 2
-
-
 def spinning(scenario: Scenario, motion: Motion = "inverted") -> Linearisation:
     """Any constraints linearised about inverted or noninverted spinning at any spin.
 
@@ -256,7 +250,9 @@ def spinning(scenario: Scenario, motion: Motion = "inverted") -> Linearisation:
     ValueError
         If the motion is unknown, the table leans or the contact is compliant.
     """
-    return Linearisation(scenario, upright(scenario, upright_gamma(motion)))
+    choice("motion", motion, MOTIONS)
+    gamma = pi / 2 if motion == "inverted" else -pi / 2  # Eq. (5)
+    return Linearisation(scenario, upright(scenario, gamma))
 
 
 def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> ComplexArray:

@@ -7,41 +7,20 @@ mass with its cube, the moments of inertia with its fifth power; the friction la
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
 from analysis.mechanics.dual import derivatives
 from analysis.stability.critical import Crossing, critical_speeds
-from analysis.stability.linear_full import printed_matrices, signed_eccentricity
+from analysis.stability.printed import critical_spin, printed_matrices, signed_eccentricity
 
-DISK_PARAMETERS: Mapping[str, Mapping[str, int]] = MappingProxyType(
-    {
-        "eccentricity": {"eccentricity": 1},
-        "inertia_x": {"inertia_x": 1},
-        "inertia_y": {"inertia_y": 1},
-        "inertia_z": {"inertia_z": 1},
-        "radius": {"radius": 1},
-        "mass": {"mass": 1},
-        "size": {
-            "radius": 1,
-            "eccentricity": 1,
-            "mass": 3,
-            "inertia_x": 5,
-            "inertia_y": 5,
-            "inertia_z": 5,
-        },
-    }
-)
-"""Parameters of the sensitivities and the powers with which the fields of the disk follow."""
-
-FRICTION_GRADIENT = "friction_gradient"
-"""The one further parameter of the full system, mu / epsilon."""
-
-_FIELDS = ("eccentricity", "inertia_x", "inertia_y", "inertia_z", "radius", "mass")
+FIELDS = ("eccentricity", "inertia_x", "inertia_y", "inertia_z", "radius", "mass")
+SIZE = (1, 5, 5, 5, 1, 3)
+"""Powers of the size with which the fields of a disk grow."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +32,7 @@ class Sensitivity:
     crossing : Crossing
         The critical speed itself.
     values : mapping
-        d ln(spin) / d ln(parameter) for `DISK_PARAMETERS` and the friction gradient.
+        d ln(spin) / d ln(parameter) for `FIELDS`, the size and the friction gradient.
     """
 
     crossing: Crossing
@@ -63,8 +42,7 @@ class Sensitivity:
 def closed_form_sensitivities(scenario: Scenario) -> dict[str, float]:
     """Logarithmic derivatives of the critical speed (126) of the reduced system.
 
-    With ln Omega_crit = ln(r + e) - ln(r) / 2 + ln(m g) / 2 - ln(B - m e²) / 2 they follow by
-    hand. Neither A nor C nor friction has an influence, and size enters as 1 / sqrt(size).
+    Neither A nor C nor friction has an influence, and size enters as 1 / sqrt(size).
 
     Parameters
     ----------
@@ -77,19 +55,14 @@ def closed_form_sensitivities(scenario: Scenario) -> dict[str, float]:
         If the table leans.
     """
     scenario.require_horizontal_table("the closed form")
-    disk = scenario.disk
-    m, r, e, B = disk.mass, disk.radius, disk.eccentricity, disk.inertia_y
-    B_bar = disk.inertia_about_cog[1]
-    return {
-        "eccentricity": e / (r + e) + m * e**2 / B_bar,
-        "inertia_x": 0.0,
-        "inertia_y": -0.5 * B / B_bar,
-        "inertia_z": 0.0,
-        "radius": r / (r + e) - 0.5,
-        "mass": 0.5 * B / B_bar,
-        "size": -0.5,
-        FRICTION_GRADIENT: 0.0,
-    }
+    given, gravity = _given(scenario), scenario.weight / scenario.disk.mass
+
+    def spin(numbers: Sequence[Any]) -> list[Any]:
+        e, _, B, _, r, m = numbers
+        return [critical_spin(m, r, e, B, gravity * m)]
+
+    by_field = derivatives(spin, given)[0] * given / spin(given.tolist())[0]
+    return _by_name(by_field.tolist(), 0.0)
 
 
 def full_sensitivities(
@@ -121,36 +94,42 @@ def full_sensitivities(
     )
 
 
+def _given(scenario: Scenario) -> Array:
+    return np.array([getattr(scenario.disk, name) for name in FIELDS])
+
+
+def _by_name(by_field: Sequence[float], by_friction: float) -> dict[str, float]:
+    size = sum(power * value for power, value in zip(SIZE, by_field, strict=True))
+    values = dict(zip(FIELDS, by_field, strict=True))
+    return {**values, "size": size, "friction_gradient": by_friction}
+
+
 def _sensitivities(scenario: Scenario, crossing: Crossing, motion: Motion) -> dict[str, float]:
-    disk, sign = scenario.disk, np.sign(signed_eccentricity(scenario.disk, motion))
-    gravity = scenario.weight / disk.mass
+    sign = np.sign(signed_eccentricity(scenario.disk, motion))
+    gravity = scenario.weight / scenario.disk.mass
 
     def pencil(numbers: Sequence[Any]) -> list[Any]:
         """Entries of lambda² M + lambda (D + G) + K + N."""
         eigenvalue, Omega, delta, e, A, B, C, r, m = numbers
         mg = gravity * m
         printed = printed_matrices(m=m, r=r, e=sign * e, A=A, B=B, C=C, mg=mg)
-        M, G_h, K_h, K_f, D_C, B_C = (sum(rows, ()) for rows in printed.values())
-        square, turning, rubbing = eigenvalue * eigenvalue, Omega * Omega, delta * mg
+        d = delta * mg
         return [
-            square * M[k]
-            + eigenvalue * (rubbing * D_C[k] + Omega * G_h[k])
-            + turning * K_h[k]
-            + K_f[k]
-            + rubbing * Omega * B_C[k]
-            for k in range(16)
+            eigenvalue * eigenvalue * M
+            + eigenvalue * (d * D_C + Omega * G_h)
+            + Omega * Omega * K_h
+            + K_f
+            + d * Omega * B_C
+            for M, G_h, K_h, K_f, D_C, B_C in zip(
+                *(sum(rows, ()) for rows in printed.values()), strict=True
+            )
         ]
 
-    given = [crossing.spin, scenario.friction.gradient, *(getattr(disk, n) for n in _FIELDS)]
+    given = np.array([crossing.spin, scenario.friction.gradient, *_given(scenario)])
     place = np.array([1j * crossing.frequency, *given])
     left, _, right = np.linalg.svd(np.reshape(pencil(place.tolist()), (4, 4)))
     w, v = left[:, -1].conj(), right[-1].conj()
     slopes = np.einsum("i,ijk,j->k", w, derivatives(pencil, place).reshape(4, 4, -1), v)
     growth = -(slopes[1:] / slopes[0]).real * given
     by_friction, *by_field = (-growth[1:] / growth[0]).tolist()
-    by_name = dict(zip(_FIELDS, by_field, strict=True))
-    values = {
-        name: sum(power * by_name[field] for field, power in fields.items())
-        for name, fields in DISK_PARAMETERS.items()
-    }
-    return {**values, FRICTION_GRADIENT: by_friction}
+    return _by_name(by_field, by_friction)

@@ -20,8 +20,6 @@ from scipy.optimize import linear_sum_assignment
 from analysis.data.checks import Array, choice
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
-from analysis.stability.linear_full import full_system
-from analysis.stability.linear_reduced import reduced_matrices
 from analysis.stability.linearisation import (
     ZERO,
     ComplexArray,
@@ -31,6 +29,7 @@ from analysis.stability.linearisation import (
     spin_scale,
     spinning,
 )
+from analysis.stability.printed import full_matrices, reduced_matrices
 
 System = Literal["full", "reduced", "numeric"]
 SYSTEMS: tuple[System, ...] = get_args(System)
@@ -65,14 +64,10 @@ class Branches:
         Strictly increasing spinning speeds in rad/s.
     values : ndarray, shape (n, k)
         Eigenvalues in 1/s; one column is one branch.
-    drift : tuple of 0 or 2 ints
-        Columns of the pair +-i spin that comes from the homogeneous table; it is exact, neutral
-        at every spin and says nothing about the stability of the spinning.
     """
 
     spins: Array
     values: ComplexArray
-    drift: tuple[int, ...] = ()
 
 
 def chosen_system(scenario: Scenario, system: System | None = None) -> System:
@@ -118,42 +113,13 @@ def matrices_over_spin(
     system = chosen_system(scenario, system)
     choice("motion", motion, MOTIONS)
     if system == "full":
-
-        def full(spins: Array) -> Array:
-            found = full_system(scenario, spins, motion)
-            return found.state_matrices if drift else found.relevant_matrices
-
-        full(np.zeros(1))
-        return full
+        full_matrices(scenario, 0.0, motion)
+        return lambda spins: full_matrices(scenario, spins, motion, drift=drift)
     if system == "reduced":
         reduced_matrices(scenario, 0.0, motion)
         return lambda spins: reduced_matrices(scenario, spins, motion)
     numeric = spinning(scenario, motion)
     return lambda spins: numeric.matrices(spins, drift=drift)
-
-
-def state_matrices(
-    scenario: Scenario,
-    spins: npt.ArrayLike,
-    system: System | None = None,
-    motion: Motion = "inverted",
-) -> Array:
-    """State matrices of a linear system, shape (n, k, k), k = 8, 4, 3, 3 for Models 1 to 4.
-
-    Parameters
-    ----------
-    scenario, system, motion
-        See `matrices_over_spin`.
-    spins : array_like, shape (n,)
-        Spinning speeds in rad/s.
-
-    Raises
-    ------
-    ValueError
-        If a spin is not finite, there is none, the system or the motion is unknown, or the
-        scenario none of this system.
-    """
-    return matrices_over_spin(scenario, system, motion, drift=True)(spin_array(spins))
 
 
 def eigenvalues(
@@ -162,10 +128,26 @@ def eigenvalues(
     system: System | None = None,
     motion: Motion = "inverted",
 ) -> ComplexArray:
-    """Eigenvalues in 1/s at every spin, shape (n, k), by falling real and imaginary part.
+    """Eigenvalues in 1/s, k = 8, 4, 3, 3 for Models 1 to 4, by falling real and imaginary part.
 
-    The drift pair of a disk whose centre of gravity is not held is exactly +-i spin. Spins may
-    come in any order; arguments and errors are those of `state_matrices`.
+    The drift pair of a disk whose centre of gravity is not held is exactly +-i spin.
+
+    Parameters
+    ----------
+    scenario, system, motion
+        See `matrices_over_spin`.
+    spins : array_like, shape (n,)
+        Spinning speeds in rad/s, in any order.
+
+    Returns
+    -------
+    ndarray, complex, shape (n, k)
+
+    Raises
+    ------
+    ValueError
+        If a spin is not finite, there is none, the system or the motion is unknown, or the
+        scenario none of this system.
     """
     spins = spin_array(spins)
     values = np.linalg.eigvals(matrices_over_spin(scenario, system, motion)(spins))
@@ -183,9 +165,10 @@ def branches(
     """Eigenvalue branches of a linear system over the spin.
 
     A column means the same branch in every call: branches are followed from spin 0, where they
-    are numbered by falling real part, in steps fine enough whatever spins are asked for. Where
-    there is a drift pair the columns 2 and 3 hold it; for inverted spinning of Model 1 that is
-    the paper's numbering, lambda_1 to lambda_8 (Fig. 6).
+    are numbered by falling real part, in steps fine enough whatever spins are asked for. Where a
+    disk may spin elsewhere on the table, the columns 2 and 3 hold the pair +-i spin of that, which
+    is exact and says nothing about stability; for inverted spinning of Model 1 that is the paper's
+    numbering, lambda_1 to lambda_8 (Fig. 6).
 
     Parameters
     ----------
@@ -201,7 +184,11 @@ def branches(
         scenario none of this system.
     """
     wanted = spin_array(spins)
-    check_increasing(wanted)
+    if np.any(np.diff(wanted) <= 0.0):
+        worst = int(np.argmax(np.diff(wanted) <= 0.0))
+        raise ValueError(
+            f"spins must increase strictly, got {wanted[worst]:g} before {wanted[worst + 1]:g}"
+        )
     low, high = min(0.0, wanted[0]), max(0.0, wanted[-1])
     every = np.union1d(np.append(helper_spins(low, high), 0.0), wanted)
     matrices = matrices_over_spin(scenario, system, motion)
@@ -209,26 +196,15 @@ def branches(
     start = int(np.searchsorted(every, 0.0))
     order = _chain(_matches(every, values, vectors), _numbering(values[start]), start)
     values = np.take_along_axis(values, order, axis=1)[np.searchsorted(every, wanted)]
-    if not has_drift(scenario.constraints):
-        return Branches(spins=wanted, values=values)
-    values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
-    return Branches(spins=wanted, values=values, drift=(2, 3))
+    if has_drift(scenario.constraints):
+        values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
+    return Branches(spins=wanted, values=values)
 
 
 def helper_spins(low: float, high: float) -> Array:
     """Equally spaced spins from `low` to `high` in rad/s, close enough to follow branches."""
     count = min(int(np.ceil((high - low) / _LARGEST_STEP)), _MOST_STEPS)
     return np.linspace(low, high, count + 1)
-
-
-def check_increasing(spins: Array) -> None:
-    """Raise `ValueError` unless `spins` increase strictly."""
-    steps = np.diff(spins)
-    if np.any(steps <= 0.0):
-        worst = int(np.argmax(steps <= 0.0))
-        raise ValueError(
-            f"spins must increase strictly, got {spins[worst]:g} before {spins[worst + 1]:g}"
-        )
 
 
 def follow(matrices: Array, start: int = 0) -> ComplexArray:

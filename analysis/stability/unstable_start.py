@@ -43,14 +43,16 @@ def unstable_start(scenario: Scenario) -> str | None:
     if not scenario.table.is_horizontal or not _stands_still(scenario):
         return None
     spin, gamma = scenario.initial_state.rates[3], scenario.initial_state.coordinates[5]
-    # Of friction only its slope at no slip matters, and neither its kink nor its load.
-    friction = ViscousFriction(viscosity=min(scenario.friction.gradient, STEEPEST_FRICTION))
+    friction = scenario.friction
+    if friction.is_simple:
+        # Only its slope at no slip matters, and neither its kink nor its load.
+        friction = ViscousFriction(viscosity=min(friction.gradient, STEEPEST_FRICTION))
     ideal = replace(
         scenario, friction=friction, contact=None, dissipation=Dissipation(), start=Start()
     )
     system = Linearisation(ideal, upright(ideal, gamma))
     relative = spin / system.frequency
-    rubbing = friction.gradient * scenario.disk.radius * system.frequency
+    rubbing = scenario.friction_gradient * scenario.disk.radius * system.frequency
     largest = 1.0 + relative**2 + rubbing * abs(relative)
     if np.max(np.abs(system.accelerations(spin))) > _EXACT * largest:
         return None

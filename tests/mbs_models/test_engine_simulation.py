@@ -241,7 +241,7 @@ def test_jacobian_knows_how_friction_grows_with_the_contact_force(
     assert equation is not None
     difference = probe._forces_under(equation, -1.0) - probe._forces_under(equation, 0.0)
     assert np.max(np.abs(difference)) > 1e-3
-    np.testing.assert_allclose(model.friction_per_newton(), difference, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(model.friction_under(1.0), difference, rtol=1e-12, atol=1e-14)
 
 
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])

@@ -1,5 +1,6 @@
 """Pages from studies: what they show, what fails them, and what a second call takes over."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from tests.toy_study import STUDY
 from validation import report
 from validation import study as kit
+from validation.page.content import Content
 
 PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
 
@@ -26,12 +28,20 @@ def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
 ) -> None:
     made = report.make(tmp_path, results=results, pages=PAGES, workers=0)
     assert made.holds
+    assert {"toy: one: rows", "toy: largest"} < {check.name for check in made.checks}
     page = made.page.read_text()
-    for shown in ("The largest is 4,", "Of <em>two</em> numbers.", "It grows.", "paper: Fig. 1"):
+    assert "<em>Toy</em>: the largest is 4," in page
+    for shown in ("Of <em>two</em> numbers.", "It grows.", "paper: Fig. 1", "M0,0 L9,9"):
         assert shown in page
     assert "10 of 40 rows, with the largest: number" in page
     assert len(pd.read_csv(tmp_path / "toy-section-long.csv")) == 40
     assert (tmp_path / "toy-section-curve.svg").is_file()
+    text = report.as_text(made)
+    assert "| power | value |\n| --- | --- |\n| 1 | 1 |\n" in text
+    assert "*Figure in the report: A sketch.* A line." in text
+    assert '<a href="toy-section-powers.csv">' in page
+    assert not re.search("[<\ue000]", text)
+    assert "\ue000" not in page
     assert pd.read_csv(tmp_path / "checks.csv")["holds"].all()
 
 
@@ -45,7 +55,6 @@ def test_a_second_call_measures_and_draws_nothing(
         raise AssertionError
 
     monkeypatch.setattr(kit, "_run", lambda tasks, *_: iter(()) if not tasks else none())
-    monkeypatch.setattr(report, "make_section", none)
     assert (
         report.make(tmp_path, results=results, pages=PAGES, workers=0).sections == first.sections
     )
@@ -96,3 +105,11 @@ def test_files_of_an_earlier_report_go_and_foreign_ones_stay(
 def test_two_reports_do_not_work_in_one_folder(results: Path, tmp_path: Path) -> None:
     with report.locked(tmp_path), pytest.raises(OSError, match="another process works in it"):
         report.make(tmp_path, results=results, pages=PAGES, workers=0)
+
+
+def test_parts_of_a_section_are_shown_together() -> None:
+    check = kit.at_most("a", 0.0, 1.0)
+    one, other = Content(numbers={"a": 1}, checks=[check]), Content(numbers={"b": 2})
+    assert (one | other | one) == Content(
+        numbers={"a": 1, "b": 2}, checks=[check, check], verdicts=[]
+    )

@@ -2,11 +2,9 @@
 
 from dataclasses import replace
 from functools import partial
-from math import inf, nan
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from tests import toy_study
@@ -18,7 +16,7 @@ from validation.study import Study
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the table of the toy study, measured in two rounds."""
+    """A folder with the table of the toy study, measured."""
     folder = tmp_path_factory.mktemp("results")
     found = kit.measured(STUDY.tasks(whole=True), folder / "kept", workers=0)
     kit.write(STUDY, kit.whole_table(STUDY, found), Provenance.here(), folder)
@@ -48,7 +46,6 @@ def test_a_stored_table_comes_back_as_it_was_written(results: Path) -> None:
     table = kit.load(STUDY, results)
     assert table["value"].tolist() == [1.0, 1.0, 2.0, 4.0]
     assert table["curve"].tolist() == [[1.0, 1], [1.0, 2], [2.0, 1], [2.0, 2]]
-    assert np.all(table["spread"] >= 1.0)
 
 
 def test_the_same_measured_again_is_confirmed(results: Path, tmp_path: Path) -> None:
@@ -71,19 +68,6 @@ def test_whatever_goes_wrong_on_the_spot_fails_a_check(
     case: str, failing: str, results: Path, tmp_path: Path
 ) -> None:
     assert failing in fails(of(case), tmp_path, results)
-
-
-@pytest.mark.parametrize("planted", [nan, inf, 1.0 + 1e-6, "none"])
-def test_whatever_is_wrong_in_the_table_fails_a_check(
-    planted: object, results: Path, tmp_path: Path
-) -> None:
-    table = kit.load(STUDY, results)
-    if planted == "none":
-        table = table.drop(index=0)
-    else:
-        table.loc[0, "value"] = planted
-    found = kit.measured(STUDY.tasks(whole=False), tmp_path, workers=0)
-    assert not all(check.holds for check in kit.confirm(STUDY, found, table))
 
 
 def test_a_case_that_hangs_is_ended_and_is_a_result_where_the_study_says_so(
@@ -122,17 +106,12 @@ def test_what_is_kept_is_not_measured_again_until_the_code_changes(
 
 def test_crashed_cases_make_no_table(tmp_path: Path) -> None:
     found = kit.measured(of("raises").tasks(whole=True), tmp_path, workers=0)
-    with pytest.raises(RuntimeError, match="toy: 2 cases crashed"):
+    with pytest.raises(RuntimeError, match="toy: 1 cases crashed"):
         kit.whole_table(STUDY, found)
 
 
-def test_rounds_that_differ_in_more_than_times_and_keys_told_twice_are_refused(
-    tmp_path: Path,
-) -> None:
+def test_keys_that_do_not_tell_rows_apart_are_refused(tmp_path: Path) -> None:
     found = kit.measured(STUDY.tasks(whole=True), tmp_path, workers=0)
-    found["toy", "two", 1] = found["toy", "one", 1]
-    with pytest.raises(ValueError, match="differ in more than their times"):
-        kit.whole_table(STUDY, found)
     with pytest.raises(ValueError, match="do not tell rows apart"):
         kit.whole_table(replace(STUDY, keys=()), found)
 

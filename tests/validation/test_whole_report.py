@@ -97,7 +97,7 @@ def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder
             rows = {**rows, study.name: kit.load(study, RESULTS)}
         else:
             kept = kit.Kept(study, folder / report.KEPT).rows
-            found: kit.Found = {(study.name, *key): made for key, made in kept.items()}
+            found: kit.Found = {(study.name, label): made for label, made in kept.items()}
             rows = {**rows, study.name: kit.whole_table(study, found)}
     assert all(check.holds for check in module.present(rows).checks)
     for study in whole:

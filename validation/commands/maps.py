@@ -6,15 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from analysis.compiled.library import require_heyoka
-from analysis.data.checks import positive
-from analysis.data.names import ArgumentError
+from analysis.data.checks import positive, whole
 from validation.commands.options import chosen_end, output_folder
-from validation.commands.output import save
+from validation.commands.output import Result, save
 from validation.commands.scenarios import chosen_scenario
 from validation.commands.sweep import chosen_pool, workers
 from validation.kit.progress import bar, duration, say
+from validation.kit.tables import Table
 from validation.maps.panel import Panel, run_panel
-from validation.maps.problems import PROBLEMS, panels
+from validation.maps.problems import PROBLEMS, Problem, panels
 from validation.maps.refinement import expected_cases
 from validation.maps.uncertainty import DISTANCES, Uncertainty, run_pairs, shifted_sweeps
 from validation.parser.paths import PICTURES
@@ -24,15 +24,14 @@ _SHORTEST = 0.02
 """Of a motion in s: two samples as they are on the way to rest."""
 
 
-def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's name
+def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's name
     """Run a map and draw it."""
     problem = PROBLEMS[options.name]
     workers(options)
     positive("time_limit", options.time_limit)
+    whole("pairs", options.pairs, least=0)
     if options.end is None:
         options.end = problem.end
-    if options.pairs < 0:
-        raise ArgumentError("pairs", f"must be a number of starts, got {options.pairs}")
     scenario, end = chosen_scenario(options), chosen_end(options, _SHORTEST)
     size = {"cells": options.cells, "levels": options.levels, "witnesses": options.witnesses}
     if options.compiled:
@@ -43,12 +42,37 @@ def map(options: argparse.Namespace) -> int:  # noqa: A001 - the subcommand's na
     folder = output_folder("out", options.out)
     _announce(options, wanted, pairs)
     done, fineness = _run(options, wanted, pairs, folder)
-    for panel in done:
-        print(panel.text())
-    if fineness is not None:
-        print(_fineness(fineness))
-    print(_draw(options, done))
-    return 0
+    return Result(
+        tables=[_table(problem, done)],
+        after=[] if fineness is None else [_fineness(fineness)],
+        notes=[str(_draw(options, done))],
+    )
+
+
+def _table(problem: Problem, done: Sequence[Panel]) -> Table:
+    """What became of the disk in each panel, and what the other side says of it."""
+    return Table.of(
+        done,
+        {
+            "constraints": lambda each: each.sweep.scenario.name,
+            "outcomes": lambda each: each.shares,
+            "runs": lambda each: len(each.cells),
+            "in place of": lambda each: each.sweep.design.size,
+            "time in s": lambda each: float(each.cells["seconds"].sum()),
+            "seen by the other side": lambda each: len(each.seen),
+            "alike": lambda each: int(each.seen["alike"].sum()),
+            "median difference in rad": lambda each: _of_seen(each, "median"),
+            "largest": lambda each: _of_seen(each, "max"),
+        },
+        name="map",
+        title=problem.title,
+    )
+
+
+def _of_seen(panel: Panel, what: str) -> float | None:
+    if panel.seen.empty:
+        return None
+    return float(getattr(panel.seen["difference"].astype(float), what)())
 
 
 def _announce(

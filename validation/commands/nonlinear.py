@@ -1,30 +1,45 @@
 """What the commands on nonlinear dynamics do."""
 
 import argparse
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict
-from functools import partial
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, replace
+from math import pi
 from typing import Any
 
+import numpy as np
+
 from analysis import Scenario
+from analysis.data.changes import changed, check_field
+from analysis.data.limits import MOST_SCENARIOS
 from analysis.data.names import ArgumentError
-from analysis.nonlinear import family as families
-from analysis.nonlinear.cycle import Cycle
-from analysis.nonlinear.family import CycleFamily
-from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
+from analysis.data.written import is_text, unit
+from analysis.nonlinear import families
+from analysis.nonlinear.families import Family
+from analysis.nonlinear.heteroclinic import (
+    Connection,
+    NoConnectionError,
+    fall,
+    heteroclinic_connection,
+)
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from analysis.nonlinear.over import cycles_over
+from analysis.stability.printed import critical_speed
 from validation.commands.options import chosen_end, parse_spins, run_options
 from validation.commands.output import Result
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import counted, progress_bar
 from validation.kit.tables import Table
-from validation.studies.nonlinear import tables
+from validation.nonlinear import tables
+from validation.nonlinear.tables import Motion
+
+_ALWAYS = ("period", "multiplier", "log_strong")
+"""What is drawn of a family of any kind."""
 
 _SIDE = 0.05
 """Distance in rad/s from the connection at which the picture shows motions."""
 
-_SIZES = ("amplitude", "lowest", "half_multiplier", "tilt", "largest_tilt")
-"""What only some kinds of motion have."""
+
+# --- Periodic motions ---------------------------------------------------------------------------
 
 
 def cycles(options: argparse.Namespace) -> Result:
@@ -43,206 +58,251 @@ def cycles(options: argparse.Namespace) -> Result:
     if spins is not None:
         return _at(scenario, spins)
     find = {"rotating": _rotating, "asymmetric": _asymmetric}
-    return find[chosen[0]](scenario) if chosen else _family(scenario)
+    return find[chosen[0]](scenario) if chosen else _symmetric(scenario)
 
 
-def _motions(
-    shown: Sequence[Table],
-    motions: Iterable[dict[str, Any]],
-    draw: Callable[[], Any],
-    *,
-    events: Iterable[dict[str, Any]] = (),
-    reason: str | None = None,
-    **more: Any,
-) -> Result:
-    """What is told of motions of any kind.
+def _drawn(draw: Callable[[Any], Any]) -> Callable[[], Any]:
+    """What makes a figure, given the module of figures, which is loaded when one is wanted."""
+
+    def figure() -> Any:
+        from validation.nonlinear import figures
+
+        return draw(figures)
+
+    return figure
+
+
+def _told(rows: list[Motion], family: Family, names: Sequence[str], **more: Any) -> Result:
+    """What is told of a family: its motions, what happens along it, and its picture.
 
     Parameters
     ----------
-    shown : sequence of Table
-        The motions first.
-    motions : iterable of dict
-    draw : callable
-        Makes axes of the picture.
-    events : iterable of dict
-        What happens along them: a motion, and its kind.
-    reason : str, optional
-        Why the family ends early.
+    rows : list of Motion
+        Its motions.
+    family : Family
+    names : sequence of str
+        What is drawn.
     **more
         What JSON is told besides.
     """
-    values = {"motions": [*motions], "events": [*events], "reason": reason, **more}
-    notes = [] if reason is None else [f"The family ends early: {reason}."]
-    return Result(tables=shown, values=values, draw=lambda: draw().figure, notes=notes)
+    found = families.events(family)
+    happened = [{"kind": kind, **motion.told()} for kind, motion in found]
+    marks = {"begins": family.begins}
+    return Result(
+        tables=[
+            tables.motion_table(rows, family.motions[0].kind),
+            tables.event_table(found, family.motions),
+        ],
+        values={"motions": rows, "events": happened, "reason": family.reason, **more},
+        draw=_drawn(
+            lambda figures: figures.diagram(
+                figures.near(rows, family.begins), (*names, *_ALWAYS), marks=marks
+            )
+        ),
+        notes=_ending(family),
+    )
 
 
-def _told(motion: Any, **more: Any) -> dict[str, Any]:
-    """A motion as plain data."""
-    names = ("spin", *_SIZES, "period", "multiplier", "log_strong", "stable")
-    return more | {name: getattr(motion, name) for name in names if hasattr(motion, name)}
+def _ending(family: Family) -> list[str]:
+    return [] if family.reason is None else [f"The family ends early: {family.reason}."]
+
+
+def _rows(family: Family) -> list[Motion]:
+    return [each.told() for each in family.motions]
 
 
 def _at(scenario: Scenario, spins: Sequence[float]) -> Result:
-    from validation.studies.nonlinear import figures
-
     found = [families.cycle_at(scenario, spin) for spin in counted(spins, "spins")]
-    draw = partial(figures.cycle_portrait, found)
-    return _motions([tables.cycle_table(found)], map(_told, found), draw)
-
-
-def _family(scenario: Scenario) -> Result:
-    family = _symmetric(scenario)
-    normal, growth = hopf_type(scenario), None
-    small = tables.small_cycles(family)
-    if len(small) > 4:
-        spins, amplitudes = ([getattr(c, name) for c in small] for name in ("spin", "amplitude"))
-        growth = fitted_growth(spins, amplitudes, normal.spin)
-    found = families.bifurcations(family)
-    return _motions(
-        [
-            tables.cycle_table(family.cycles),
-            tables.hopf_table(normal, growth),
-            tables.bifurcation_table(found, family.cycles),
-        ],
-        map(_told, family.cycles),
-        partial(_diagram, family),
-        events=[_told(each.cycle, kind=each.kind) for each in found],
-        reason=family.reason,
-        hopf={**asdict(normal), "kind": normal.kind, "curvature": normal.curvature},
-        growth=None if growth is None else asdict(growth),
+    named = [(f"{cycle.spin:.6g} rad/s", cycle.whole[1]) for cycle in found]
+    rows = [each.told() for each in found]
+    return Result(
+        tables=[tables.motion_table(rows)],
+        values={"motions": rows, "events": [], "reason": None},
+        draw=_drawn(lambda figures: figures.portrait(named)),
     )
 
 
-def _symmetric(scenario: Scenario) -> CycleFamily:
-    with progress_bar("amplitude {n:.3g} of {total:.3g} rad") as progress:
+def _followed(scenario: Scenario) -> Family:
+    with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
         return families.cycle_family(scenario, progress=progress)
 
 
-def _diagram(family: CycleFamily) -> Any:
-    from validation.kit.figures import new_figure
-    from validation.studies.nonlinear import figures
-
-    _, axes = new_figure(4, height=11.0, share=False)
-    figures.period_diagram(family, axes=axes[1:])
-    return figures.bifurcation_diagram(family, axes=axes[0])
+def _symmetric(scenario: Scenario) -> Result:
+    family, normal = _followed(scenario), hopf_type(scenario)
+    rows = _rows(family)
+    spins, amplitudes = tables.small_cycles(rows)
+    growth = fitted_growth(spins, amplitudes, normal.spin) if len(spins) > 4 else None
+    told = _told(
+        rows,
+        family,
+        ["amplitude"],
+        hopf={**asdict(normal), "kind": normal.kind, "curvature": normal.curvature},
+        growth=None if growth is None else growth._asdict(),
+    )
+    return replace(told, tables=[*told.tables, tables.hopf_table(normal, growth)])
 
 
 def _rotating(scenario: Scenario) -> Result:
-    from analysis.nonlinear.rotating import folds, rotating_family
-    from validation.studies.nonlinear import figures
-
     with progress_bar("rotating motion {n:.0f} of {total:.0f}") as progress:
-        family = rotating_family(scenario, progress=progress)
-    turns = folds(family)
-    return _motions(
-        [tables.rotation_table(family, turns)],
-        map(_told, family.rotations),
-        partial(figures.rotation_diagram, family),
-        events=[_told(each, kind="fold") for each in turns],
-        reason=family.reason,
-        connection=family.connection.spin,
-    )
+        family = families.rotating_family(scenario, progress=progress)
+    names = ("largest_tilt", "tilt")
+    return _told(_rows(family), family, names, connection=family.begins)
 
 
 def _asymmetric(scenario: Scenario) -> Result:
-    from analysis.nonlinear.asymmetric import changes, first_asymmetric_family
-    from validation.studies.nonlinear import figures
-
-    symmetric = _symmetric(scenario)
+    symmetric = _followed(scenario)
     with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
-        family = first_asymmetric_family(symmetric, progress=progress)
-    found = changes(family.cycles)
-    born: Cycle = family.bifurcation.cycle
-    return _motions(
-        [tables.asymmetric_table(family, found)],
-        map(_told, family.cycles),
-        partial(figures.asymmetric_diagram, family, symmetric),
-        events=[
-            _told(born, kind="symmetry breaking"),
-            *(_told(each, kind=kind) for kind, each in found),
-        ],
-        reason=family.reason,
-    )
+        family = families.first_asymmetric_family(symmetric, progress=progress)
+    return _told(_rows(family), family, ("amplitude", "lowest"))
 
 
 def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | None) -> Result:
-    from analysis.nonlinear.over import cycles_over
-    from validation.studies.nonlinear import over
-
     axis = _axis(options)
     if (spins is None) == (options.amplitude is None) or (spins is not None and len(spins) > 1):
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
-    values, scenarios = over.scenarios_over(scenario, axis)
+    values, scenarios = _scenarios(scenario, axis)
     held = {"amplitude": options.amplitude} if spins is None else {"spin": spins[0]}
     found = cycles_over(scenarios, **held)
-    table = over.cycles_table(axis, values, found)
-    shown = ("spin in rad/s" if spins is None else "amplitude in rad", "multiplier")
-    return _motions(
-        [table],
-        [
-            _told(each, **{axis.field: value})
-            for value, each in zip(values, found.cycles, strict=False)
-        ],
-        lambda: over.draw(table, axis.log, shown),
-        reason=found.reason,
+    rows = [{axis.field: value, **row} for value, row in zip(values, _rows(found), strict=False)]
+    over = (axis.field, _head(axis))
+    names = ("spin" if spins is None else "amplitude", "multiplier")
+    return Result(
+        tables=[tables.motion_table(rows, first=over)],
+        values={"motions": rows, "events": [], "reason": found.reason},
+        draw=_drawn(lambda figures: figures.diagram(rows, names, over=over, log=axis.log)),
+        notes=_ending(found),
     )
 
 
-def _axis(options: argparse.Namespace) -> Any:
-    """What --over goes through."""
-    from validation.sweeps.axes import axis_from_text
-
-    try:
-        return axis_from_text(options.over)
-    except ValueError as error:
-        raise ArgumentError("over", f"tells no axis: {error}") from None
+# --- The connection -----------------------------------------------------------------------------
 
 
 def heteroclinic(options: argparse.Namespace) -> Result:
     """Tell the heteroclinic connection."""
-    from validation.studies.nonlinear import figures
-
     scenario = _reduced(options)
     if options.over is not None:
         return _connections_over(options, scenario)
     found = heteroclinic_connection(scenario)
     slow = tables.prediction(scenario)
-    sides = [found.spin + side for side in (-_SIDE, 0.0, _SIDE)]
 
-    def picture() -> Any:
-        ways = [fall(scenario, spin) for spin in sides]
-        return figures.connection_portrait(ways, [f"{spin:.6f} rad/s" for spin in sides]).figure
+    def draw(figures: Any) -> Any:
+        spins = [found.spin + side for side in (-_SIDE, 0.0, _SIDE)]
+        named = [(f"{spin:.6f} rad/s", fall(scenario, spin).states) for spin in spins]
+        return figures.portrait(named, saddles=(-pi / 2, 1.5 * pi))
 
     return Result(
-        tables=[tables.connection_table(found, slow, None)],
-        values={
-            **asdict(found),
-            "saddle_index": found.saddle_index,
-            "prediction": None if slow is None else slow.spin,
-        },
-        draw=picture,
+        tables=[tables.connection_table(found, slow)],
+        values={**_of_connection(found), "prediction": None if slow is None else slow.spin},
+        draw=_drawn(draw),
     )
+
+
+def _of_connection(found: Connection) -> dict[str, float]:
+    return {**asdict(found), "saddle_index": found.saddle_index}
 
 
 def _connections_over(options: argparse.Namespace, scenario: Scenario) -> Result:
-    from validation.studies.nonlinear import over
-
     axis = _axis(options)
-    values, scenarios = over.scenarios_over(scenario, axis)
-    ends = [over.End.of(each) for each in counted(scenarios, axis.field)]
-    table = over.ends_table(axis, values, ends)
-    rows = [{axis.field: value, **asdict(end)} for value, end in zip(values, ends, strict=True)]
+    values, scenarios = _scenarios(scenario, axis)
+    ends = [_ends(each) for each in counted(scenarios, axis.field)]
+    rows = [{axis.field: value, **end} for value, end in zip(values, ends, strict=True)]
+    table = Table.of(
+        rows,
+        {
+            _head(axis): lambda row: row[axis.field],
+            "Hopf point in rad/s": lambda row: row["hopf"],
+            "connection in rad/s": lambda row: (row["connection"] or {}).get("spin"),
+            "first-order prediction in rad/s": lambda row: row["prediction"],
+            "saddle index": lambda row: (row["connection"] or {}).get("saddle_index"),
+        },
+        name="ends_over",
+        title=f"Hopf point and heteroclinic connection over {axis.field}",
+        note=" ".join(
+            f"{axis.field} = {row[axis.field]:g}: {row['reason']}."
+            for row in rows
+            if row["reason"]
+        ),
+    )
     return Result(
         tables=[table],
         values={"ends": rows},
-        draw=lambda: over.draw(table, axis.log, table.columns[1:4]).figure,
+        draw=lambda: _drawn_ends(table, log=axis.log),
     )
+
+
+def _ends(scenario: Scenario) -> dict[str, Any]:
+    """Where the cycles of a scenario begin and end, and why not where they do not."""
+    connection, reason = None, None
+    try:
+        connection = _of_connection(heteroclinic_connection(scenario))
+    except NoConnectionError as error:
+        reason = str(error)
+    return {
+        "hopf": critical_speed(scenario).spin,
+        "connection": connection,
+        "prediction": getattr(tables.prediction(scenario), "spin", None),
+        "reason": reason,
+    }
+
+
+def _drawn_ends(table: Table, *, log: bool) -> Any:
+    """Hopf point, connection and prediction over the first column."""
+    from validation.kit import figures
+
+    figure, axes = figures.new_figure(height=4.6)
+    columns = np.array(table.rows, dtype=float).T
+    for name, values, style in zip(table.columns[1:4], columns[1:], figures.STYLES, strict=False):
+        axes.plot(columns[0], values, style, marker=".", label=name)
+    axes.set(xlabel=table.columns[0], xscale="log" if log else "linear")
+    figures.legend_above(axes)
+    return figure
+
+
+# --- Over a parameter ---------------------------------------------------------------------------
+
+
+def _axis(options: argparse.Namespace) -> Any:
+    """What --over goes through: a number of the scenario but for its start, with a count."""
+    from validation.sweeps.axes import axis_from_text
+
+    try:
+        axis = axis_from_text(options.over)
+    except ValueError as error:
+        raise ArgumentError("over", f"tells no axis: {error}") from None
+    field = axis.field
+    if is_text(field) or field.partition(".")[0] not in ("disk", "friction", "table"):
+        raise ValueError(
+            f"axis must be a number of disk, friction or table, such as mu=0.1:1:10, got {field}"
+        )
+    if axis.size is None:
+        raise ValueError(f"axis {field} needs a count: first:last:count")
+    if axis.size > MOST_SCENARIOS:
+        raise ValueError(
+            f"axis {field} must have at most {MOST_SCENARIOS} values here, got {axis.size}"
+        )
+    return axis
+
+
+def _scenarios(scenario: Scenario, axis: Any) -> tuple[list[float], list[Scenario]]:
+    """Values of an axis, and the scenario with each of them."""
+    values = [axis.at(index) for index in range(axis.size)]
+    check_field(scenario, axis.field, {axis.field: values[0]})
+    made = [changed(scenario, {axis.field: value}) for value in values]
+    return [float(value) for value in values], made
+
+
+def _head(axis: Any) -> str:
+    """Heading of the axis's values."""
+    name, measure = axis.field.rpartition(".")[2].replace("_", " "), unit(axis.field)
+    return f"{name} in {measure}" if measure else name
+
+
+# --- Passage ------------------------------------------------------------------------------------
 
 
 def passage(options: argparse.Namespace) -> Result:
     """Tell when an inverted disk is lost."""
-    from validation.studies.nonlinear import figures
-    from validation.studies.nonlinear.passage import SPACING, follow, passage_table
+    from validation.nonlinear.passage import SPACING, follow, passage_table
 
     end = chosen_end(options, SPACING)
     scenario = chosen_scenario(options, rest=options.rest)
@@ -253,7 +313,7 @@ def passage(options: argparse.Namespace) -> Result:
         tables=[passage_table(named)],
         values={"hopf": found.pair.spin, "frequency": found.pair.frequency}
         | {name: getattr(found, name) for name in own},
-        draw=lambda: figures.passage_diagram(named)[0].figure,
+        draw=_drawn(lambda figures: figures.passage_diagram(named)),
     )
 
 

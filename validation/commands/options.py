@@ -13,6 +13,7 @@ from analysis.data.names import ArgumentError
 from analysis.data.written import read_value
 from validation.kit.progress import say
 from validation.parser.runs import OPTIONS
+from validation.sweeps.axes import axis_from
 
 PATIENCE = 60.0
 """Processor time in s from which on a run is announced before it starts."""
@@ -87,25 +88,22 @@ def parse_spins(texts: list[str]) -> Array:
     ArgumentError
         If a text is none of these, or a range is empty or longer than `MOST_SPINS`.
     """
-    spins: list[float] = []
+    spins: list[Any] = []
     for text in ",".join(texts).split(","):
-        *ends, last = text.split(":")
-        count = 1 if not ends else 2
-        if len(ends) == 2:
-            count, last = int(last) if last.isdigit() else 0, ends.pop()
-        values = [float(read_value("start.spin", each, "spin")) for each in (*ends, last)]
-        if (
-            len(ends) > 1
-            or not len(values) <= count <= MOST_SPINS
-            or len({*values}) != len(values)
-        ):
-            raise ArgumentError(
-                "spin",
+        if ":" not in text:
+            spins.append(read_value("start.spin", text, "spin"))
+            continue
+        try:
+            axis = axis_from("start.spin", text)
+            size = int(within("number", axis.size or 2, 2, MOST_SPINS))
+        except ValueError as error:
+            fault = (
                 "must be a value or first:last:number, of different ends and at least 2 and at "
-                f"most {MOST_SPINS} spins, got {text!r}",
+                f"most {MOST_SPINS} spins, got {text!r}"
             )
-        spins += np.linspace(values[0], values[-1], count).tolist()
-    return np.unique(spins)
+            raise ArgumentError("spin", fault) from error
+        spins += map(axis.at, range(size)) if axis.size else (axis.first, axis.last)
+    return np.unique(np.array(spins, dtype=float))
 
 
 def chosen_end(options: argparse.Namespace, least: float = SHORTEST_STEP) -> float:

@@ -1,20 +1,19 @@
 """What the commands on linear stability do."""
 
 import argparse
-from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from analysis import Scenario
+from analysis import LEVELS, MODELS, Scenario, Start
 from analysis.data.checks import Array
 from analysis.data.names import ArgumentError
-from analysis.stability import linear_reduced, spectra
-from analysis.stability.critical import Crossing, critical_speeds
+from analysis.stability import spectra
+from analysis.stability.critical import CriticalSpeeds, critical_speeds
+from analysis.stability.printed import CriticalSpeed, critical_speed
 from analysis.stability.spectra import Branches
-from analysis.stability.stable_spins import stable_spins
 from validation.commands.options import parse_spins
 from validation.commands.output import Result, write
 from validation.commands.scenarios import chosen_scenario
@@ -42,29 +41,24 @@ def eigenvalues(options: argparse.Namespace) -> Result:
 
 def critical(options: argparse.Namespace) -> Result:
     """Tell where spinning is stable, and critical spins beside the closed form."""
-    from validation.studies.stability.tables import critical_table, in_words, stable_table
-
     scenario = _scenario(options)
     spins = parse_spins(options.spin)
     ends = (float(spins[0]), float(spins[-1]))
     found = critical_speeds(scenario, ends, options.system, options.motion)
-    where = stable_spins(scenario, ends, motion=options.motion)
-    closed = linear_reduced.critical_speed(scenario, options.motion)
-    crossings = critical_table(found)
+    closed = critical_speed(scenario, options.motion)
+    crossings = _critical_table(found)
 
     def picture() -> Any:
         helpers = spectra.helper_spins(*ends)
         branches = spectra.branches(scenario, helpers, options.system, options.motion)
-        return _draw(
-            branches, f"{options.motion} spinning, {scenario.name},", where, found.crossings
-        )
+        return _draw(branches, f"{options.motion} spinning, {scenario.name},", found)
 
     return Result(
-        before=[f"{scenario.name}: {options.motion} spinning is stable {in_words(where)}.\n"],
-        tables=[stable_table(scenario, ends, options.motion), crossings],
+        before=[f"{scenario.name}: {options.motion} spinning is stable {found.where}.\n"],
+        tables=[_stable_table(found), crossings],
         after=[_closed_form(closed)],
         values={
-            "stable": where,
+            "stable": found.stable,
             "crossings": [asdict(each) for each in found.crossings],
             "pair_changes": [asdict(each) for each in found.pair_changes],
             "reason": found.reason,
@@ -75,7 +69,50 @@ def critical(options: argparse.Namespace) -> Result:
     )
 
 
-def _closed_form(closed: linear_reduced.CriticalSpeed) -> str:
+def _stable_table(found: CriticalSpeeds) -> Table:
+    """Where spinning is stable under these constraints and those of the four models."""
+    scenario, interval, motion = found.scenario, found.interval, found.motion
+    sets = [MODELS[level] for level in LEVELS]
+    if scenario.model is None:
+        sets.append(scenario.constraints)
+    compared = (replace(scenario, constraints=each, start=Start()) for each in sets)
+    return Table(
+        name=f"stable-{motion}",
+        title=f"Where {motion} spinning is stable, all eigenvalues of a model together, from "
+        f"{interval[0]:g} to {interval[1]:g} rad/s",
+        columns=("model", "stable spins in rad/s"),
+        rows=[
+            (each.name, critical_speeds(each, interval, motion=motion).where) for each in compared
+        ],
+    )
+
+
+def _critical_table(found: CriticalSpeeds) -> Table:
+    """Critical speeds; each row says what becomes of one eigenvalue or pair."""
+    what = {"hopf": "pair", "static": "real eigenvalue"}
+    side = {"above": "stable", "below": "unstable"}
+    pairs = {
+        "above": "two real eigenvalues become a pair",
+        "below": "a pair becomes two real eigenvalues",
+    }
+    low, high = found.interval
+    return Table(
+        name=f"critical-{found.system}-{found.motion}",
+        title=f"Single eigenvalues of {found.scenario.name}, {found.system} system, "
+        f"{found.motion}, from {low:g} to {high:g} rad/s",
+        columns=("as the spin rises", "spin in rad/s", "frequency in rad/s"),
+        rows=[
+            *(
+                (f"this {what[e.kind]} becomes {side[e.stable_side]}", e.spin, e.frequency)
+                for e in found.crossings
+            ),
+            *((pairs[each.complex_side], each.spin, 0.0) for each in found.pair_changes),
+        ],
+        note=found.reason or "",
+    )
+
+
+def _closed_form(closed: CriticalSpeed) -> str:
     meaning = {
         "hopf": f"a pair of frequency {closed.frequency:.6g} rad/s becomes stable there",
         "static": "without eccentricity, a real eigenvalue crosses there",
@@ -121,15 +158,11 @@ def _table(name: str, found: Branches) -> Table:
     )
 
 
-def _draw(
-    found: Branches,
-    motion: str,
-    stable: Sequence[tuple[float, float]] = (),
-    crossings: Sequence[Crossing] = (),
-) -> Any:
+def _draw(found: Branches, motion: str, critical: CriticalSpeeds | None = None) -> Any:
     """Figure of the real and imaginary parts, stable spins shaded and crossings marked."""
     from validation.kit import figures
 
+    stable, crossings = (critical.stable, critical.crossings) if critical else ((), ())
     figure, axes = figures.new_figure(2, height=6.5)
     for column in range(found.values.shape[1]):
         look = {

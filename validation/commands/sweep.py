@@ -5,7 +5,7 @@ import os
 import shutil
 import tomllib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,11 +13,11 @@ from typing import Any
 from analysis.data.checks import choice, positive, whole
 from analysis.data.names import ArgumentError
 from analysis.data.outcomes import DONE
-from validation.commands.options import PATIENCE, chosen_end
+from validation.commands.options import PATIENCE, chosen_end, run_options
 from validation.commands.output import Result
 from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import bar, duration, say
-from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
+from validation.sweeps.axes import Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import Pool, check_executor, open_pool
 from validation.sweeps.results import Results, write_csv
@@ -25,22 +25,24 @@ from validation.sweeps.runner import Told, run_cases
 from validation.sweeps.store import Store, expected_size
 from validation.sweeps.sweep import LookAhead, Sweep, look_ahead
 
-_FILE = ("axes", "layout", "number", "seed")
+_LAYOUT = ("layout", "number", "seed")
 
 
 def sweep(options: argparse.Namespace) -> Result:
     """Run what the store does not hold yet, and say what it holds then."""
-    out = options.out
+    out, processes = options.out, workers(options)
+    time_limit = positive("time_limit", options.time_limit)
     wanted = Sweep(
         scenario=chosen_scenario(options, rest=options.rest),
         design=chosen_design(options),
         plan=_plan(options),
     )
-    processes = workers(options)
-    time_limit = positive("time_limit", options.time_limit)
     _check_size(wanted, out, options.most)
     if options.plot is not None:
-        _check_plot(wanted)
+        try:
+            _pictures().check_drawable(wanted)
+        except ValueError as error:
+            raise ArgumentError("plot", f"cannot be made: {error}") from None
     ahead = look_ahead(wanted)
     with Store(out, wanted, accept_other_code=options.accept_other_code) as store:
         left = wanted.design.size - store.count()
@@ -57,36 +59,18 @@ def sweep(options: argparse.Namespace) -> Result:
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
     return Result(
-        values=_rows(out) if options.json else (),
+        values=list(Results.load(out).rows()) if options.json else (),
         csv=partial(write_csv, out),
-        draw=lambda: _picture(out),
+        draw=lambda: _pictures().draw(Results.load(out)),
         notes=[found],
     )
 
 
-def _check_plot(wanted: Sweep) -> None:
-    from validation.maps.sweeps import check_drawable
+def _pictures() -> Any:
+    # Matplotlib takes half a second, which a sweep without a picture need not wait for.
+    from validation.maps import sweeps
 
-    try:
-        check_drawable(wanted)
-    except ValueError as error:
-        raise ArgumentError("plot", f"cannot be made: {error}") from None
-
-
-def _rows(store: Path) -> list[dict[str, Any]]:
-    """All rows of a store, with null for what is no number."""
-    columns = Results.load(store).columns
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    return [
-        {name: None if value != value else value for name, value in zip(columns, row, strict=True)}  # noqa: PLR0124
-        for row in rows
-    ]
-
-
-def _picture(store: Path) -> Any:
-    from validation.maps.sweeps import draw
-
-    return draw(Results.load(store))
+    return sweeps
 
 
 def workers(options: argparse.Namespace) -> int:
@@ -99,13 +83,9 @@ def workers(options: argparse.Namespace) -> int:
     return options.workers or os.cpu_count() or 1
 
 
-@contextmanager
-def chosen_pool(options: argparse.Namespace) -> Iterator[Pool]:
+def chosen_pool(options: argparse.Namespace) -> AbstractContextManager[Pool]:
     """Workers of the options."""
-    with open_pool(
-        options.executor, workers=workers(options), scheduler=options.scheduler
-    ) as pool:
-        yield pool
+    return open_pool(options.executor, workers=workers(options), scheduler=options.scheduler)
 
 
 def chosen_design(options: argparse.Namespace) -> Design:
@@ -113,28 +93,18 @@ def chosen_design(options: argparse.Namespace) -> Design:
     told: dict[str, Any] = {}
     axes = [axis_from_text(text) for text in options.axes]
     if options.axes_file is not None:
-        told, more = _axes_file(options.axes_file)
-        axes = more + axes
-    told |= {
-        name: value
-        for name in ("layout", "number", "seed")
-        if (value := getattr(options, name)) is not None
-    }
+        try:
+            told = tomllib.loads(options.axes_file.read_text("utf-8"))
+            for name in told:
+                choice("key", name, ("axes", *_LAYOUT))
+            # What is no table is refused as an axis of that name.
+            found = _dotted({"": told.pop("axes", {})})
+            axes = [*(axis_from(field, value) for field, value in found), *axes]
+        except ValueError as error:
+            raise ValueError(f"{options.axes_file}: {error}") from None
+    given = {name: getattr(options, name) for name in _LAYOUT}
+    told |= {name: value for name, value in given.items() if value is not None}
     return Design(axes=tuple(axes), **told)
-
-
-def _axes_file(path: str) -> tuple[dict[str, Any], list[Axis]]:
-    """What a file says besides the axes, and the axes."""
-    try:
-        with Path(path).open("rb") as stream:
-            told = tomllib.load(stream)
-        for name in told:
-            choice("key", name, _FILE)
-        # What is no table is refused as an axis of that name.
-        axes = _dotted({"": told.pop("axes", {})})
-        return told, [axis_from(field, value) for field, value in axes]
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
 
 
 def _dotted(table: dict[str, Any], name: str = "") -> Iterator[tuple[str, Any]]:
@@ -147,16 +117,12 @@ def _dotted(table: dict[str, Any], name: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _plan(options: argparse.Namespace) -> Plan:
+    how = run_options(options)
+    del how["time_limit"]
     return Plan(
-        source=options.source,
-        formulation=options.formulation,
-        method=options.method,
-        tolerance=options.tolerance,
-        local_tolerance=options.local_tolerance,
-        step=options.step,
+        **how,
         end=chosen_end(options),
         spacing=options.spacing,
-        stop_when=options.stop_when,
         to_rest=options.rest,
         witnesses=options.witnesses,
         keep=tuple(name.strip() for name in options.keep.split(",") if name.strip()),

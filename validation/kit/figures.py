@@ -18,15 +18,16 @@ COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73")
 STYLES = ("-", "--", "-.", ":")
 MARKERS = ("o", "s", "^", "D")
 
+LOOKS: Sequence[dict[str, Any]] = [
+    {"color": colour, "linestyle": style} for colour, style in zip(COLOURS, STYLES, strict=True)
+]
+"""Of lines that are told apart, for `Axes.plot`;"""
+
+MARKED = [look | {"marker": marker} for look, marker in zip(LOOKS, MARKERS, strict=True)]
+"""with markers, too."""
+
 WIDTH = 5.8
 """Of a figure in inches, such that its letters can be read on a telephone."""
-
-_DPI = 140
-_PALETTE = 96
-"""Colours of a drawing, shades at the edges of its lines included."""
-
-_EDGE = 5
-"""Pixels left around a panel that is cut out."""
 
 _RC: Any = {
     "axes.grid": True,

@@ -3,7 +3,8 @@
 Also what "apart" means: the deviation of beta and gamma, of the time of an ending, of the energy.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from math import inf, isfinite
 from typing import Any
 
@@ -14,7 +15,7 @@ from analysis import Method, Scenario, Trajectory
 from analysis.data.agreement import error_at_ending
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT, StopWhen
-from analysis.models.simulation import TIGHTEST_LOCAL_TOLERANCE
+from analysis.models.request import TIGHTEST_LOCAL_TOLERANCE
 from mbs_models import EngineError, Integrator
 from validation.kit.limits import largest
 from validation.kit.located import up_to_ending
@@ -91,7 +92,7 @@ def ending_error(run: Trajectory, other: Trajectory) -> float:
 def energy_error(run: Trajectory, other: Trajectory) -> float:
     """Largest deviation of the energy over what two runs have in common, relative."""
     rows = _common(run, other)
-    total, expected = (_energy(each)[:rows] for each in (run, other))
+    total, expected = (energy(each)[:rows] for each in (run, other))
     return float(np.max(np.abs(total - expected)) / np.max(expected))
 
 
@@ -101,7 +102,8 @@ def _common(run: Trajectory, other: Trajectory) -> int:
     return min(run.times.size, other.times.size) - early
 
 
-def _energy(run: Trajectory) -> Array:
+def energy(run: Trajectory) -> Array:
+    """Kinetic and potential energy in J, shape (n,)."""
     result: Array = sum(analysis.energies(run.scenario, run.coordinates, run.rates), np.zeros(1))
     return result
 
@@ -125,58 +127,38 @@ def reference(scenario: Scenario, times: Array, *, stop_when: StopWhen | None = 
     ValueError
         If the motion cannot start.
     """
-    motion = _Motion(scenario, times, stop_when)
-    if scenario.contact is not None:
-        return _penalty_reference(motion)
-    tight = 1e-12 if times[-1] <= LONG else TIGHTEST_LOCAL_TOLERANCE
-    stiff = scenario.friction.finest_speed < STIFF
-    methods: tuple[tuple[Method, float], ...] = (
-        ("Radau", 1e-10) if stiff else ("DOP853", tight),
-        ("LSODA", tight),
-    )
-    first, second = (
-        motion.run(
-            Way(source="in-house", formulation="index-1", integrator=method),
-            spacing,
-            local_tolerance=tolerance,
-        )
-        for (method, tolerance), spacing in zip(methods, SPACINGS, strict=True)
-    )
-    return Reference(first=first, second=second)
 
-
-def _penalty_reference(motion: "_Motion") -> Reference:
-    tree = Way(source="engine", formulation="euler-tree", integrator="DOPRI5")
-    body = Way(source="engine", formulation="floating-lie", integrator="RK67")
-    tight = Integrator(name="DOPRI5", local_tolerance=1e-11)
-    try:
-        first = motion.run(tree, SPACINGS[0], integrator=tight)
-    except EngineError:
-        # Step control cannot pass the jump of a damper that meets the table: short steps can.
-        first, second = (
-            replace(way, integrator="RK44").run(motion.scenario, motion.times, step=step)
-            for way, step in ((tree, 1e-6), (body, 1.3e-6))
-        )
-    else:
-        second = motion.run(body, SPACINGS[1], tolerance=1e-8)
-    return Reference(first=first, second=second)
-
-
-@dataclass(frozen=True, slots=True)
-class _Motion:
-    """The arguments of `reference`."""
-
-    scenario: Scenario
-    times: Array
-    stop_when: StopWhen | None
-
-    def run(self, way: Way, spacing: float, **how: Any) -> Trajectory:
-        """Run it within the limit of steps; up to an ending located apart if it is to be."""
-        with StepLimit(STEPS, self.times[-1]) as count:
-            if self.stop_when is None:
-                return way.run(self.scenario, self.times, progress=count, **how)
+    def run(way: Way, spacing: float, **how: Any) -> Trajectory:
+        with StepLimit(STEPS, times[-1]) as count:
+            if stop_when is None:
+                return way.run(scenario, times, progress=count, **how)
 
             def plain(scenario: Scenario, times: Array) -> Trajectory:
                 return way.run(scenario, times, progress=count, allow_pulling=True, **how)
 
-            return up_to_ending(plain, self.scenario, self.times, self.stop_when, spacing)
+            return up_to_ending(plain, scenario, times, stop_when, spacing)
+
+    if scenario.contact is not None:
+        return _penalty_reference(run, scenario, times)
+    tight = 1e-12 if times[-1] <= LONG else TIGHTEST_LOCAL_TOLERANCE
+    stiff = scenario.friction.finest_speed < STIFF
+    method: Method = "Radau" if stiff else "DOP853"
+    tolerance = 1e-10 if stiff else tight
+    first = run(Way("in-house", "index-1", method), SPACINGS[0], local_tolerance=tolerance)
+    second = run(Way("in-house", "index-1", "LSODA"), SPACINGS[1], local_tolerance=tight)
+    return Reference(first=first, second=second)
+
+
+def _penalty_reference(
+    run: Callable[..., Trajectory], scenario: Scenario, times: Array
+) -> Reference:
+    try:
+        tight = Integrator(name="DOPRI5", local_tolerance=1e-11)
+        first = run(Way("engine", "euler-tree", tight), SPACINGS[0])
+    except EngineError:
+        # Step control cannot pass the jump of a damper that meets the table: short steps can.
+        first = Way("engine", "euler-tree", "RK44").run(scenario, times, step=1e-6)
+        second = Way("engine", "floating-lie", "RK44").run(scenario, times, step=1.3e-6)
+    else:
+        second = run(Way("engine", "floating-lie", "RK67"), SPACINGS[1], tolerance=1e-8)
+    return Reference(first=first, second=second)

@@ -52,11 +52,6 @@ def behind(module: str) -> str:
     return digest([*map(_folder, MECHANICS), *files])
 
 
-def everything() -> str:
-    """Digest of all code of the project."""
-    return digest(map(_folder, PROJECT))
-
-
 @cache
 def modules(module: str) -> frozenset[str]:
     """A module and all that it imports of this project, beside the mechanics."""

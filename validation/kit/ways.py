@@ -7,25 +7,26 @@ from typing import Any
 from analysis import Form, Method, Scenario, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import Source
-from mbs_models import Formulation, IntegratorName
+from mbs_models import Formulation, Integrator, IntegratorName
 from validation.run import run
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Way:
     """A way to compute a motion: formulation and integrator, or in-house form and method.
 
-    Without an integrator, the side chooses one.
+    What is left out, the side chooses.
     """
 
     source: Source
-    formulation: Formulation | Form
-    integrator: IntegratorName | Method | None = None
+    formulation: Formulation | Form | None = None
+    integrator: Integrator | IntegratorName | Method | None = None
 
     @property
     def name(self) -> str:
         """Formulation and integrator."""
-        return f"{self.formulation}, {self.integrator or 'as chosen'}"
+        given = (self.formulation, self.integrator or "as chosen")
+        return ", ".join(str(each) for each in given if each is not None)
 
     def run(self, scenario: Scenario, times: Array, **how: Any) -> Trajectory:
         """Run a scenario this way; the further arguments are those of `validation.run.run`.
@@ -36,6 +37,23 @@ class Way:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return run(scenario, times, source=self.source, formulation=self.formulation, **how)
+
+
+def forms(scenario: Scenario) -> tuple[Form, ...]:
+    """In-house forms that know what is in a scenario, as `mbs_models.formulations` has them.
+
+    Examples
+    --------
+    >>> from analysis import MODELS, Scenario
+    >>> forms(Scenario(constraints=MODELS[4]))
+    ('index-1', 'reduced')
+    """
+    if scenario.contact is not None:
+        return ("free-body",)
+    by_weight = scenario.friction.load == "weight"
+    if scenario.model == 4 and by_weight and scenario.table.is_horizontal:
+        return ("index-1", "reduced")
+    return ("index-1",)
 
 
 class WorkLimitError(ArithmeticError):

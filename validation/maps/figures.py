@@ -53,16 +53,14 @@ _LINE = 34
 """Letters of a title beside others in a line."""
 
 
-def draw(panels: Sequence[Panel], *, points: bool = True, theory: bool = True) -> Figure:
-    """Figure of maps, two in a row.
+def draw(panels: Sequence[Panel], *, points: bool = True) -> Figure:
+    """Figure of maps, two in a row; critical speeds are drawn in where a map has any.
 
     Parameters
     ----------
     panels : sequence of Panel
     points : bool
         Whether the cases that were run are marked, unless all were.
-    theory : bool
-        Whether critical speeds are drawn in, where a map has any.
     """
     points = points and any(len(panel.cells) < np.prod(panel.shape) for panel in panels)
     columns = min(2, len(panels))
@@ -73,10 +71,7 @@ def draw(panels: Sequence[Panel], *, points: bool = True, theory: bool = True) -
     times = [_times(panel) for panel in panels]
     known = np.concatenate([each[np.isfinite(each)] for each in times])
     norm = mpl.colors.Normalize(*(np.percentile(known, [0, 98]) if known.size else (0.0, 1.0)))
-    critical = [
-        critical_points(panel.sweep) if theory and not panel.to_rest else np.empty((0, 2))
-        for panel in panels
-    ]
+    critical = [_critical(panel) for panel in panels]
     for panel, inverted, lines, each in zip(panels, times, critical, axes, strict=True):
         _fill(panel, inverted, norm, each)
         _mark(panel, lines, each, points=points)
@@ -91,13 +86,21 @@ def draw(panels: Sequence[Panel], *, points: bool = True, theory: bool = True) -
     return figure
 
 
+def _critical(panel: Panel) -> Array:
+    """Critical speeds that belong to a map, shape (n, 2)."""
+    if panel.problem is None or panel.problem.to_rest:
+        return np.empty((0, 2))
+    return critical_points(panel.sweep)
+
+
 def _name(panel: Panel, panels: Sequence[Panel], axes: Axes) -> None:
     """Labels, and beside others what tells it apart."""
     up, right = (label(axis.field) for axis in panel.sweep.design.axes)
     axes.set(xlabel=right, ylabel=up)
     if len(panels) > 1:
-        of_models = len({each.title for each in panels}) == 1
-        title = panel.sweep.scenario.name if of_models else panel.title
+        is_one = len({each.problem for each in panels}) == 1
+        asked = None if is_one else panel.problem
+        title = panel.sweep.scenario.name if asked is None else asked.title
         axes.set_title(fill(title, _LINE), fontsize=10, loc="left")
 
 

@@ -1,6 +1,6 @@
 """Panels of maps: grids of two axes, of which those cells have been run where outcomes change."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,14 +12,11 @@ from scipy.interpolate import NearestNDInterpolator
 from analysis.data.checks import Array
 from analysis.data.files import AnyArray
 from validation.maps.problems import Problem, judged
-from validation.maps.refinement import refine
+from validation.maps.refinement import Cell, refine
 from validation.sweeps.pools import Pool
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
-
-RunRows = Callable[[Iterable[int]], Iterable[Mapping[str, Any]]]
-"""Runs some cases of a sweep; returns the rows of all that have been run so far."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,19 +25,17 @@ class Panel:
 
     Parameters
     ----------
-    title : str
     sweep : Sweep
         Over the finest grid.
     cells : DataFrame
         Columns as in `cell`, one row for each cell that was run.
-    to_rest : bool
-        Whether it asks which face is up in the end, instead of the inversion.
+    problem : Problem, optional
+        That it is one of; without it, it is that of any sweep.
     """
 
-    title: str
     sweep: Sweep
     cells: pd.DataFrame
-    to_rest: bool = False
+    problem: Problem | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -77,27 +72,12 @@ class Panel:
         parts = pd.Series(self.outcomes.ravel()).value_counts(normalize=True)
         return ", ".join(f"{name} {100.0 * part:.0f} %" for name, part in parts.items())
 
-    def text(self) -> str:
-        """What it holds, in a line, and in another one what the other side says of it."""
-        told = (
-            f"{self.sweep.scenario.name}: {self.shares}; {len(self.cells)} runs in place of "
-            f"{self.sweep.design.size}, {self.cells['seconds'].sum():.0f} s"
-        )
-        seen = self.seen
-        if seen.empty:
-            return told
-        apart = seen["difference"].astype(float)
-        return (
-            f"{told}\n  other side: {seen['alike'].sum()} of {len(seen)} alike, difference "
-            f"{apart.median():.1e} rad in the median, {apart.max():.1e} at most"
-        )
-
     def places(self, cells: pd.DataFrame) -> AnyArray:
         """Row and column of some cells on the finest grid, shape (n, 2)."""
         return np.column_stack(np.divmod(cells["number"].to_numpy(int), self.shape[1]))
 
 
-def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> dict[str, Any]:
+def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> Cell:
     """What a map takes from the row of a case.
 
     Returns
@@ -124,29 +104,6 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> dict[str, An
     }
 
 
-def refined(sweep: Sweep, levels: int, run: RunRows, *, to_rest: bool) -> list[dict[str, Any]]:
-    """Cells of a panel: a coarse grid, and finer where outcomes change.
-
-    Parameters
-    ----------
-    sweep : Sweep
-    levels : int
-        How often cells are halved.
-    run : callable
-    to_rest : bool
-        As in `Panel`.
-    """
-    found: list[dict[str, Any]] = []
-
-    def outcomes(numbers: Iterable[int]) -> dict[int, str]:
-        found[:] = [cell(sweep, row, to_rest=to_rest) for row in run(numbers)]
-        return {each["number"]: each["outcome"] for each in found}
-
-    first, second = sweep.design.shape
-    refine((first, second), levels, outcomes)
-    return found
-
-
 def run_panel(
     problem: Problem, sweep: Sweep, path: Path, pool: Pool, *, levels: int, **how: Any
 ) -> Panel:
@@ -161,20 +118,15 @@ def run_panel(
         Of the store.
     pool : Pool
     levels : int
-        As in `refined`.
+        How often cells are halved.
     **how
         As in `run_cases`.
     """
     with Store(path, sweep) as store:
 
-        def run(numbers: Iterable[int]) -> Iterable[Mapping[str, Any]]:
+        def run(numbers: Iterable[int]) -> list[Cell]:
             run_cases(sweep, store, pool, numbers=numbers, **how)
-            return store.rows()
+            return [cell(sweep, row, to_rest=problem.to_rest) for row in store.rows()]
 
-        cells = refined(sweep, levels, run, to_rest=problem.to_rest)
-    return panel(problem, sweep, pd.DataFrame(cells))
-
-
-def panel(problem: Problem, sweep: Sweep, cells: pd.DataFrame) -> Panel:
-    """Panel of a map from its cells."""
-    return Panel(title=problem.title, sweep=sweep, cells=cells, to_rest=problem.to_rest)
+        cells = refine(sweep.design.shape, levels, run)
+    return Panel(problem=problem, sweep=sweep, cells=pd.DataFrame(cells))

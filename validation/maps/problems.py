@@ -14,6 +14,7 @@ from analysis.data.checks import Array
 from analysis.data.outcomes import DONE
 from analysis.data.written import unit
 from analysis.stability.critical import critical_speeds
+from validation.kit.ways import forms
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
 from validation.sweeps.sweep import Sweep
@@ -172,10 +173,7 @@ def quickest_plan(
         return Plan(to_rest=True, spacing=1e-2, local_tolerance=1e-6, **how)
     if scenario.model == 1 and not compiled:
         return Plan(source="engine", step=ENGINE_STEP, **how)
-    is_reduced = (
-        scenario.model == 4 and scenario.friction.load == "weight" and scenario.table.is_horizontal
-    )
-    form = "reduced" if is_reduced else None
+    form = "reduced" if "reduced" in forms(scenario) else None
     if compiled:
         of_tree = {"witness_step": ENGINE_STEP}
         how |= of_tree if scenario.model == 1 else {"witness_tolerance": 1e-3}

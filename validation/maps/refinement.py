@@ -1,37 +1,38 @@
 """Cases of a grid that are worth running: coarsely everywhere, finely where outcomes change."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Sequence
 from itertools import product
+from typing import Any
 
-Classes = Mapping[int, str]
-"""Class of the outcome by the number of a case on a grid of two axes, the last one fastest."""
+Cell = dict[str, Any]
+"""With its `number` on a grid of two axes, the last one fastest, and its `outcome`."""
 
-Run = Callable[[Iterable[int]], Classes]
-"""Runs some cases; returns the classes of all that have been run so far."""
+Run = Callable[[Iterable[int]], list[Cell]]
+"""Runs some cases; returns the cells of all that have been run so far."""
 
 _PER_CELL = 5
 """Cases for each cell of a row or column that is halved, as in the maps of the report."""
 
 
-def refine(shape: tuple[int, int], levels: int, run: Run) -> Classes:
-    """Run a coarse grid, and halve its cells as long as a cell holds outcomes of two classes.
+def refine(shape: Sequence[int], levels: int, run: Run) -> list[Cell]:
+    """Run a coarse grid, and halve its squares as long as one holds two outcomes.
 
-    What lies between the points of the coarse grid and touches no cell with two classes, such as
-    an island smaller than a cell, is not found.
+    What lies between the points of the coarse grid and touches no square with two outcomes, such
+    as an island smaller than one, is not found.
 
     Parameters
     ----------
-    shape : tuple of 2 int
+    shape : sequence of 2 int
         Of the finest grid: cells * 2**levels + 1 along each axis.
     levels : int
-        How often cells are halved.
+        How often squares are halved.
     run : callable
         See `Run`.
 
     Returns
     -------
-    mapping
-        Classes of all cases that have been run.
+    list of dict
+        Cells of all cases that have been run.
 
     Raises
     ------
@@ -44,13 +45,13 @@ def refine(shape: tuple[int, int], levels: int, run: Run) -> Classes:
             f"shape must be cells * 2**{levels} + 1 along each axis, got {shape[0]} by {shape[1]}"
         )
     rows, columns = (range(0, size, step) for size in shape)
-    classes = run([row * shape[1] + column for row in rows for column in columns])
+    cells = run([row * shape[1] + column for row in rows for column in columns])
     while step > 1:
-        # A boundary may leave a halved cell through a side that looked uniform.
-        while missing := _missing(classes, shape, step):
-            classes = run(missing)
+        # A boundary may leave a halved square through a side that looked uniform.
+        while missing := _missing(cells, shape, step):
+            cells = run(missing)
         step //= 2
-    return classes
+    return cells
 
 
 def expected_cases(cells: int, levels: int) -> int:
@@ -62,8 +63,9 @@ def expected_cases(cells: int, levels: int) -> int:
     return min((finest + 1) ** 2, (cells + 1) ** 2 + _PER_CELL * 2 * (finest - cells))
 
 
-def _missing(classes: Classes, shape: tuple[int, int], step: int) -> list[int]:
-    """Cases to run in cells of this size that hold more than one class."""
+def _missing(cells: Iterable[Cell], shape: Sequence[int], step: int) -> list[int]:
+    """Cases to run in squares of this size that hold more than one outcome."""
+    known = {cell["number"]: cell["outcome"] for cell in cells}
     wanted: set[int] = set()
     corners = (range(0, size - 1, step) for size in shape)
     for row, column in product(*corners):
@@ -71,6 +73,6 @@ def _missing(classes: Classes, shape: tuple[int, int], step: int) -> list[int]:
             (row + down) * shape[1] + column + right
             for down, right in product((0, step // 2, step), repeat=2)
         ]
-        if len({classes[point] for point in points if point in classes}) > 1:
-            wanted.update(point for point in points if point not in classes)
+        if len({known[point] for point in points if point in known}) > 1:
+            wanted.update(point for point in points if point not in known)
     return sorted(wanted)

@@ -74,8 +74,7 @@ def draw(results: Results) -> Figure:
     title = f"Sweep of {sweep.scenario.name}"
     if len(results.axes) > 2 or sweep.design.layout != "grid":
         return _pairs(results, cells["outcome"].to_numpy(), title)
-    panel = Panel(title=title, sweep=sweep, cells=cells, to_rest=to_rest)
-    figure = figures.draw([panel], theory=False)
+    figure = figures.draw([Panel(sweep=sweep, cells=cells)])
     up, right = sweep.design.axes
     figure.axes[0].set(xscale=_scale(right), yscale=_scale(up))
     return figure

@@ -1,8 +1,8 @@
 """What a study has to show: numbers, tables, figures, checks and verdicts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from dataclasses import dataclass, field, fields
+from typing import Any, NamedTuple, Protocol
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -15,8 +15,7 @@ Rows = Mapping[str, pd.DataFrame]
 """Tables of studies by their names."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class Verdict(NamedTuple):
     """A result that is read first.
 
     Parameters
@@ -51,8 +50,6 @@ class Content:
         With headings as a reader wants them, units included. Each is shown by the text or given
         as a file.
     figures : mapping
-    drawings : mapping
-        SVG in the colours of the text around it.
     animations : mapping
     checks : sequence of Check
         Beside those that confirm what is stored.
@@ -63,10 +60,17 @@ class Content:
     numbers: Mapping[str, Any] = field(default_factory=dict)
     tables: Mapping[str, pd.DataFrame | Table] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
-    drawings: Mapping[str, str] = field(default_factory=dict)
     animations: Mapping[str, Animation] = field(default_factory=dict)
     checks: Sequence[Check] = ()
     verdicts: Sequence[Verdict] = ()
+
+    def __or__(self, other: "Content") -> "Content":
+        """What two parts of a section have to show together."""
+        together: dict[str, Any] = {}
+        for each in fields(self):
+            one, two = getattr(self, each.name), getattr(other, each.name)
+            together[each.name] = {**one, **two} if isinstance(one, Mapping) else [*one, *two]
+        return Content(**together)
 
 
 class StudyModule(Protocol):

@@ -7,6 +7,7 @@ that the text leaves out: everything that a study shows is shown once.
 import base64
 import html
 import io
+import re
 from collections.abc import Iterable, Mapping
 from math import isnan
 from pathlib import Path
@@ -29,15 +30,21 @@ SHOWN = 10
 
 _DPI = 140
 
+_MARK = "\ue000{}\ue001"
+_MARKED = re.compile("(?:<p>)?\ue000(\\d+)\ue001(?:</p>)?")
+"""Where a piece goes: characters that no text has. By itself, it is a paragraph to Markdown."""
+
 
 class Section:
-    """A section that is being filled in.
+    """A section that is being filled in, for a page of HTML and for one of Markdown alone.
 
     Parameters
     ----------
     name : str
         Of the study's module, and in front of the names of its files.
     content : Content
+    known : mapping
+        What its text may name beside the content's numbers: what the module knows.
 
     Attributes
     ----------
@@ -45,24 +52,19 @@ class Section:
         From names to contents of all that lies beside the page.
     """
 
-    def __init__(self, name: str, content: Content) -> None:
+    def __init__(
+        self, name: str, content: Content, known: Mapping[str, Any] | None = None
+    ) -> None:
         self.name = name
+        self._known = known or {}
         self.files: dict[str, bytes] = {}
         self._content = content
-        self._left = {
-            *content.tables,
-            *content.figures,
-            *content.drawings,
-            *content.animations,
-        }
+        self._left = {*content.tables, *content.figures, *content.animations}
+        self._pieces: list[tuple[str, str]] = []
+        self._folder = Path()
 
-    def html(self, about: Mapping[str, Any], text: Path) -> str:
-        """The text with everything filled in; the arguments are those of `filled`."""
-        filled = self.filled(about, text)
-        return str(MarkdownIt("commonmark", {"html": True}).enable("table").render(filled))
-
-    def filled(self, about: Mapping[str, Any], text: Path) -> str:
-        """The text with everything filled in, still as Markdown.
+    def filled(self, about: Mapping[str, Any], text: Path) -> tuple[str, str]:
+        """The text with everything filled in, as HTML and as Markdown.
 
         Parameters
         ----------
@@ -73,20 +75,35 @@ class Section:
         Raises
         ------
         ValueError
-            If it leaves out a table, figure, drawing or animation.
+            If it leaves out a table, figure or animation.
         jinja2.UndefinedError
             If it names what there is not.
         """
+        self._folder = text.parent
+        kinds = ("table", "file", "figure", "drawing", "animation")
         names = {
+            **self._known,
             **self._content.numbers,
             "about": about,
             "tables": self._content.tables,
-            **{kind: getattr(self, kind) for kind in _KINDS},
+            **{kind: getattr(self, kind) for kind in kinds},
         }
         filled = environment(text.parent).get_template(text.name).render(names)
         if self._left:
             raise ValueError(f"{text.name} leaves out {', '.join(sorted(self._left))}")
-        return filled
+        page = MarkdownIt("commonmark", {"html": True}).enable("table").render(filled)
+        return self._put(page, 0), self._put(filled, 1)
+
+    def _piece(self, page: str, plain: str) -> str:
+        """What is put into the text in place of a thing that pages of both kinds show."""
+        self._pieces.append((page, plain))
+        return _MARK.format(len(self._pieces) - 1)
+
+    def _put(self, text: str, kind: int) -> str:
+        """The text with all pieces, as a page of HTML (0) or of Markdown (1) has them."""
+        while (put := _MARKED.sub(lambda found: self._pieces[int(found[1])][kind], text)) != text:
+            text = put
+        return text
 
     def table(
         self,
@@ -116,92 +133,59 @@ class Section:
             shown = shown.loc[chosen].sort_index()
             which = f"with the largest: {worst}" if worst else "the first"
             title = f"{title} ({rows} of {total} rows, {which})"
-        return self._table(name, shown, title, note, digits)
-
-    def _table(self, name: str, shown: pd.DataFrame, title: str, note: str, digits: int) -> str:
-        return _block(
+        lines = [list(map(str, shown.columns)), ["---"] * shown.shape[1]]
+        lines += [[show(cell, digits) for cell in row] for row in _cells(shown)]
+        body = "\n".join(f"| {' | '.join(c.replace('|', '∣') for c in line)} |" for line in lines)
+        return self._piece(
             f'<div class="table" id="{self.name}-{name}">{table_html(shown, title, digits)}</div>'
-            f'<p class="note">{_inline(note)} <span class="files">{self.file(name)}</span></p>'
+            f'<p class="note">{_inline(note)} <span class="files">{self.file(name)}</span></p>',
+            f"**{title}.** {note}\n\n{body}",
         )
 
     def file(self, name: str) -> str:
         """Put a whole table beside the page; a link to it."""
-        text = _as_frame(self._content.tables[name]).to_csv(index=False, lineterminator="\n")
-        return self._linked(name, f"{self.name}-{name}.csv", text.encode())
+        path, table = f"{self.name}-{name}.csv", _as_frame(self._content.tables[name])
+        text = table.to_csv(index=False, lineterminator="\n")
+        return self._piece(self._linked(name, path, text.encode()), f"`{path}`")
 
     def figure(
         self, name: str, title: str, caption: str = "", paper: str = "", wide: bool = False
     ) -> str:
         """A figure, embedded; `paper` is the figure of the paper that it shows."""
-        beside = f" (paper: {paper})" if paper else ""
-        return self._figure(name, f"{title}{beside}", caption, wide)
-
-    def _figure(self, name: str, title: str, caption: str, wide: bool) -> str:
         png, svg = drawn(self._content.figures[name])
         links = self._linked(name, f"{self.name}-{name}.png", png)
         links += ", " + self._linked(name, f"{self.name}-{name}.svg", svg)
-        data = base64.b64encode(png).decode()
+        image = f'<img alt="{{}}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
+        title = f"{title} (paper: {paper})" if paper else title
         kind = ' class="wide"' if wide else ""
-        return _block(
-            f'<figure id="{self.name}-{name}"{kind}>'
-            f'<img alt="{html.escape(title)}" src="data:image/png;base64,{data}">'
-            f"<figcaption><b>{html.escape(title)}.</b> {_inline(caption)} "
-            f'<span class="files">{links}</span></figcaption></figure>'
-        )
+        return self._figure(f' id="{self.name}-{name}"{kind}', image, title, caption, links)
 
     def drawing(self, name: str, title: str, caption: str = "") -> str:
-        """A drawing as SVG in the page."""
-        svg = self._content.drawings[name]
-        self._linked(name, f"{self.name}-{name}.svg", svg.encode())
-        return _block(
-            f'<figure class="drawing">{svg}<figcaption><b>{html.escape(title)}.</b> '
-            f"{_inline(caption)}</figcaption></figure>"
+        """A drawing that lies beside the text as NAME.svg, in the colours of the page."""
+        svg = (self._folder / f"{name}.svg").read_text("utf-8")
+        self.files[f"{self.name}-{name}.svg"] = svg.encode()
+        return self._figure(' class="drawing"', svg, title, caption)
+
+    def _figure(self, kind: str, picture: str, title: str, caption: str, links: str = "") -> str:
+        shown, told = html.escape(title), f"*Figure in the report: {title}.* {caption}"
+        files = f' <span class="files">{links}</span>' if links else ""
+        return self._piece(
+            f"<figure{kind}>{picture.replace('{}', shown)}"
+            f"<figcaption><b>{shown}.</b> {_inline(caption)}{files}</figcaption></figure>",
+            told,
         )
 
     def animation(self, name: str) -> str:
-        """A player in the page, and as a page of its own."""
+        """A player in the page, and as a page of its own; a page of text does not move."""
         made = self._content.animations[name]
         link = self._linked(name, f"{self.name}-{name}.html", made.page.encode())
-        return _block(f'{made.fragment}<p class="files">The animation alone: {link}</p>')
+        page = f'{made.fragment}<p class="files">The animation alone: {link}</p>'
+        return self._piece(page, "")
 
     def _linked(self, name: str, path: str, content: bytes) -> str:
         self._left.discard(name)
         self.files[path] = content
         return f'<a href="{path}">{path}</a>'
-
-
-_KINDS = ("table", "file", "figure", "drawing", "animation")
-"""What a text may call."""
-
-
-class PlainSection(Section):
-    """The same for a page of Markdown by itself, which has no files beside it."""
-
-    def _table(self, name: str, shown: pd.DataFrame, title: str, note: str, digits: int) -> str:
-        self._left.discard(name)
-        lines = [list(map(str, shown.columns)), ["---"] * shown.shape[1]]
-        lines += [[show(_value(cell), digits) for cell in row] for row in _cells(shown)]
-        body = "\n".join(f"| {' | '.join(c.replace('|', '∣') for c in line)} |" for line in lines)
-        return f"\n\n**{title}.** {note}\n\n{body}\n\n"
-
-    def file(self, name: str) -> str:
-        """The name of a file beside the report."""
-        self._left.discard(name)
-        return f"`{self.name}-{name}.csv`"
-
-    def _figure(self, name: str, title: str, caption: str, wide: bool) -> str:  # noqa: ARG002
-        # Nothing is wide in a page of text.
-        self._left.discard(name)
-        return f"\n\n*Figure in the report: {title}.* {caption}\n\n"
-
-    def drawing(self, name: str, title: str, caption: str = "") -> str:
-        """The title of a drawing and what it is about."""
-        return self._figure(name, title, caption, wide=False)
-
-    def animation(self, name: str) -> str:
-        """Nothing: a page of text does not move."""
-        self._left.discard(name)
-        return ""
 
 
 def environment(folder: Path) -> Environment:
@@ -240,8 +224,8 @@ def table_html(table: pd.DataFrame, title: str = "", digits: int = 4) -> str:
     return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def _cells(table: pd.DataFrame) -> list[tuple[Any, ...]]:
-    return list(table.astype(object).itertuples(index=False, name=None))
+def _cells(table: pd.DataFrame) -> list[list[Any]]:
+    return [list(map(_value, row)) for row in table.astype(object).itertuples(index=False)]
 
 
 def _value(cell: Any) -> Any:
@@ -250,8 +234,8 @@ def _value(cell: Any) -> Any:
     return None if isinstance(value, float) and isnan(value) else value
 
 
-def _cell(cell: Any, head: str, digits: int) -> str:
-    value, kind = _value(cell), ""
+def _cell(value: Any, head: str, digits: int) -> str:
+    kind = ""
     if isinstance(value, bool):
         kind = ' class="good"' if value else ' class="bad"'
     elif isinstance(value, int | float):
@@ -267,11 +251,6 @@ def _as_frame(table: pd.DataFrame | Table) -> pd.DataFrame:
 
 def _sizes(column: "pd.Series[Any]") -> "pd.Series[float]":
     return pd.to_numeric(column, errors="coerce").abs().fillna(-1.0)
-
-
-def _block(text: str) -> str:
-    """HTML that Markdown leaves as it is: a paragraph of its own without empty lines."""
-    return "\n\n" + "\n".join(line for line in text.splitlines() if line.strip()) + "\n\n"
 
 
 def _inline(text: str) -> str:

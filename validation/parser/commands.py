@@ -20,6 +20,7 @@ SYSTEMS = ("full", "reduced", "numeric")
 MOTIONS = ("inverted", "noninverted")
 LAYOUTS = ("grid", "random", "latin-hypercube", "sobol")
 MAPS = ("spin-friction", "spin-eccentricity", "attitude", "tilting", "basins", "rest")
+SHELLS = ("bash", "zsh", "fish")
 MOST = 10_000_000
 """Cases of a sweep."""
 
@@ -284,7 +285,7 @@ def _sweep() -> Options:
     )
 
 
-@_command("maps", tables=WHOLE)
+@_command("maps", tables=WHOLE, outputs=ALL[:2])
 def _map() -> Options:
     """Draw what becomes of the disk over two parameters.
 
@@ -488,3 +489,15 @@ def _animate() -> Options:
         option("--width", "GIF only: width and height in pixels", type=int, usual="480"),
         LAW,
     )
+
+
+@_command("completion")
+def _completion() -> Options:
+    """Completion of commands, options and their values in a shell.
+
+    Print a script that teaches it the command line:
+      bash, zsh   source <(tippedisk completion bash), or zsh
+      fish        tippedisk completion fish | source
+    It stays if the line stands in ~/.bashrc, ~/.zshrc or ~/.config/fish/config.fish.
+    """
+    return (option("shell", ", ".join(SHELLS), choices=SHELLS, metavar="SHELL"),)

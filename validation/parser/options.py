@@ -1,6 +1,7 @@
 """Options of the command line: of the scenario, of a run, of what becomes of the result."""
 
 import argparse
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from inspect import cleandoc
@@ -10,6 +11,8 @@ from analysis.data.names import nearest
 from analysis.data.quantities import QUANTITIES, SECTIONS, Quantity, of_table, short
 from validation.parser.paths import PICTURES, existing, writable
 from validation.parser.runs import OPTIONS
+
+_NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
 
 
 class Option(NamedTuple):
@@ -83,6 +86,13 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **how: Any) -> None:
         super().__init__(allow_abbrev=False, **how)
+        # What looks like a negative value, such as -pi/2 or -1e-3, is none of the options.
+        self._negative_number_matcher = _NEGATIVE
+
+    @property
+    def actions(self) -> list[argparse.Action]:
+        """Options and arguments of the command."""
+        return self._actions
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Options of a call, all of which must be known."""

@@ -1,8 +1,7 @@
 """The command line as a whole: which command a call is for, and its options."""
 
-import re
 from argparse import Action, Namespace, RawDescriptionHelpFormatter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from validation.parser.commands import COMMANDS
@@ -50,10 +49,6 @@ exit codes:
 `python -m validation` is the same command.
 """
 
-_NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
-_PLAIN = re.compile(r"-\d+|-\d*\.\d+")
-"""Negative values, and those of them that the parser tells from options by itself."""
-
 
 def parsed(words: Sequence[str]) -> Namespace:
     """Options of a call; `SystemExit` if it is a wrong one or asks for help."""
@@ -64,7 +59,7 @@ def parsed(words: Sequence[str]) -> Namespace:
             # Taken for the end of the options, it would leave a list without a value.
             _top().error(f"argument {name}: expected a value behind =, got '--'")
     if words and words[0] in by_name:
-        return by_name[words[0]].parser().parse_args(_joined(words[1:]))
+        return by_name[words[0]].parser().parse_args(words[1:])
     _top().parse_args(list(words[:1]))
     raise AssertionError("a call without a command is refused, or help")
 
@@ -95,18 +90,3 @@ class _Version(Action):
 def _line(command: Command) -> str:
     first = command.about.partition("\n")[0].rstrip(".")
     return f"  {command.name:16s}{first[0].lower()}{first[1:]}\n"
-
-
-def _joined(words: Iterable[str]) -> list[str]:
-    """Words of which a value such as -pi/2 or -1e-3, which may look like an option, is joined.
-
-    It then stands behind its option and =.
-    """
-    result: list[str] = []
-    for word in words:
-        is_value = _NEGATIVE.match(word) and not _PLAIN.fullmatch(word)
-        if is_value and result and result[-1].startswith("--") and "=" not in result[-1]:
-            result[-1] += f"={word}"
-        else:
-            result.append(word)
-    return result

@@ -13,7 +13,9 @@ from analysis import LEVELS, MODELS, Level, Load, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
 from analysis.data.inversion import DEFINITION
 from analysis.data.trajectory import SOURCES, Source
-from validation.kit import snapshots
+from validation.kit.animation import picture
+from validation.kit.animation.keyframes import keyframes
+from validation.kit.animation.picture import Camera
 from validation.kit.animation.player import player
 from validation.kit.figures import COLOURS, MARKERS, STYLES, angle_axis, legend_above, new_figure
 from validation.page.content import Content, Rows, Verdict
@@ -131,18 +133,16 @@ def present(rows: Rows) -> Content:
     told = ", ".join(f"{time:.2f}" for time in times) or "–"
     return Content(
         numbers={
-            "definition": DEFINITION,
             "times": told,
             "short": np.pi / 2 - gamma[round(PRINTED_TIME / SPACING)],
             "beyond": np.max(gamma) - np.pi / 2,
             "force": np.max(np.abs(contact.normal_force / contact.scenario.weight - 1.0)),
             "change": np.max(np.abs(weight.coordinates - contact.coordinates)[:, 4:]),
             "spins": [whole[case, "engine"].rate("alpha")[-1] for case in models[:3]],
-            "tolerance": TOLERANCE,
         },
         tables={"agreement": apart},
         figures={
-            "snapshots": snapshots.strip(weight, INSTANTS),
+            "snapshots": draw_instants(weight, INSTANTS),
             "load": draw_load(short),
             "models": draw_models(whole, models),
         },
@@ -193,6 +193,36 @@ def agreement(runs: Runs) -> pd.DataFrame:
 
 
 # --- Figures ------------------------------------------------------------------------------------
+
+
+def draw_instants(trajectory: Trajectory, instants: Sequence[float]) -> Figure:
+    """The disk at the samples nearest to some times in s, above the angle gamma over time."""
+    figure, _ = new_figure(width=9.0, height=4.0)
+    figure.clear()
+    upper, lower = figure.subfigures(2, 1, height_ratios=(0.8, 1.0), squeeze=False)[:, 0]
+    poses, radius = keyframes(trajectory), trajectory.scenario.disk.radius
+    indices = [int(np.argmin(np.abs(trajectory.times - time))) for time in instants]
+    for index, axes in zip(indices, upper.subplots(1, len(indices)), strict=True):
+        pose = poses.at(trajectory.times[[index]])
+        # From a quarter to the side, so that the disk shows its face whatever its spin.
+        azimuth = trajectory.coordinate("alpha")[index] - np.pi / 2 + 0.35
+        camera = Camera(np.append(pose.positions[0, :2], 0.75 * radius), azimuth, radius, 0.7)
+        for order, artist in enumerate(picture.artists(pose, camera)):
+            axes.add_artist(artist).set_zorder(order)
+        picture.scene(axes).set(xlim=(-1.3, 1.3), ylim=(-0.95, 1.75), aspect="equal")
+        axes.set_title(f"{trajectory.times[index]:.2f} s", fontsize=10)
+    axes, until = lower.subplots(), max(indices) + 1
+    times, gamma = trajectory.times[:until], trajectory.coordinate("gamma")[:until]
+    axes.plot(times, gamma, color=COLOURS[1])
+    axes.plot(times[indices], gamma[indices], "o", color=COLOURS[0])
+    marks = ("below", -np.pi / 2, "right", -1), ("above", np.pi / 2, "left", 0)
+    for words, height, side, at in marks:
+        axes.axhline(height, color="#999999", linewidth=0.8)
+        place = (times[at], height)
+        axes.annotate(f"COG {words} the centre", place, ha=side, va="bottom", fontsize=9)
+    angle_axis(axes)
+    axes.set(xlabel="time in s", ylabel="γ in rad")
+    return figure
 
 
 def _draw(

@@ -4,16 +4,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from statistics import median
+from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
-from analysis import MODELS, Scenario, SmoothCoulomb
+from analysis import MODELS, Level, Scenario, SmoothCoulomb
 from analysis.data.checks import Array
-from mbs_models import Scene
+from mbs_models import Formulation, Scene
 from mbs_models.ballast import BALLAST, Ballast, six_axes
 from mbs_models.integrators import IntegratorName, find_integrator
 from mbs_models.model import Model
@@ -26,8 +26,17 @@ from validation.study import Row, Study, at_most
 
 TITLE = "Lean scenes"
 
-SMOOTH = SmoothCoulomb(coefficient=0.0)
-MODEL_1, MODEL_2, MODEL_3, MODEL_4 = (Scenario(constraints=each) for each in MODELS.values())
+TREE: Formulation = "euler-tree"
+FREE: Formulation = "floating"
+
+COSTLIER: tuple[tuple[str, tuple[Level, Formulation], tuple[Level, Formulation]], ...] = (
+    ("contact as a constraint, not by topology", (1, TREE), (1, "contact-tree")),
+    ("Euler parameters, not a rotation vector", (2, FREE), (2, "floating-lie")),
+    ("constraint of the spin (Model 4 against 3)", (4, TREE), (3, TREE)),
+    ("carrier and constraint of the spin (Model 4 against 3)", (4, FREE), (3, FREE)),
+)
+"""Ways that cost more than another one to the same motion, or to the next simpler model."""
+
 DURATION, STEP, SPACING = 0.25, 5e-4, 5e-3
 """Of a run, of its steps and between its samples in s."""
 
@@ -36,8 +45,7 @@ SAME = 1e-9
 """Most that a part which a scene does not need may change of what is sampled, in SI units."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Pair:
+class Pair(NamedTuple):
     """A scene with and without something; `same` if the motion is that of the same scene."""
 
     part: str
@@ -45,71 +53,36 @@ class Pair:
     carried: Callable[[], Model]
     left_out: Callable[[], Model]
     same: bool
-    integrator: IntegratorName | None = None
 
 
 def pairs() -> dict[str, Pair]:
-    """Parts added to scenes, and costlier ways to the same motion or to the next simpler model."""
-    bare = [
-        Scene(replace(MODEL_1, friction=SMOOTH), "contact-tree"),
-        Scene(replace(MODEL_2, friction=SMOOTH), "euler-tree"),
-        Scene(replace(MODEL_2, friction=SMOOTH), "floating"),
-    ]
-    tree, free = Scene(MODEL_2, "euler-tree"), Scene(MODEL_2, "floating")
+    """Idle parts added to scenes, and ways of `COSTLIER`, by their names."""
+    bare = [scene(1, "contact-tree"), scene(2, TREE), scene(2, FREE)]
+    smooth = SmoothCoulomb(coefficient=0.0)
+    bare = [replace(each, scenario=replace(each.scenario, friction=smooth)) for each in bare]
+    tree, free = scene(2, TREE), scene(2, FREE)
     friction, sensors, *others = BALLAST
-    made = [_ballast(friction, BALLAST[friction], scene) for scene in bare]
-    made += [_ballast(sensors, BALLAST[sensors], scene) for scene in (tree, free)]
-    made += [_ballast(part, BALLAST[part], free) for part in others]
-    made.append(_ballast("six joint axes where three do", six_axes, tree))
-    beside: list[tuple[str, str, Scene, Scene]] = [
-        (
-            "contact as a constraint, not by topology",
-            "euler-tree and contact-tree, Model 1",
-            Scene(MODEL_1, "euler-tree"),
-            Scene(MODEL_1, "contact-tree"),
-        ),
-        (
-            "Euler parameters, not a rotation vector",
-            "floating and floating-lie, Model 2",
-            free,
-            Scene(MODEL_2, "floating-lie"),
-        ),
-        (
-            "constraint of the spin (Model 4 against 3)",
-            "euler-tree",
-            Scene(MODEL_4, "euler-tree"),
-            Scene(MODEL_3, "euler-tree"),
-        ),
-        (
-            "carrier and constraint of the spin (Model 4 against 3)",
-            "floating",
-            Scene(MODEL_4, "floating"),
-            Scene(MODEL_3, "floating"),
-        ),
-    ]
-    made += [
-        Pair(
-            part=part,
-            scene=name,
-            carried=partial(build, one),
-            left_out=partial(build, other),
-            same=False,
-            integrator="TrapezoidalIndex2",
-        )
-        for part, name, one, other in beside
-    ]
+    idle = [(friction, each) for each in bare] + [(sensors, each) for each in (tree, free)]
+    idle += [(part, free) for part in others]
+    made = [_idle(part, BALLAST[part], each) for part, each in idle]
+    made.append(_idle("six joint axes where three do", six_axes, tree))
+    for part, one, other in COSTLIER:
+        name = " and ".join(dict.fromkeys((one[1], other[1])))
+        name += f", Model {one[0]}" if one[0] == other[0] else ""
+        carried, left_out = (partial(build, scene(*each)) for each in (one, other))
+        made.append(Pair(part, name, carried, left_out, same=False))
     return {f"{pair.part}: {pair.scene}": pair for pair in made}
 
 
-def _ballast(part: str, ballast: Ballast, scene: Scene) -> Pair:
+def scene(level: Level, formulation: Formulation) -> Scene:
+    """A model of the paper."""
+    return Scene(Scenario(constraints=MODELS[level]), formulation)
+
+
+def _idle(part: str, ballast: Ballast, scene: Scene) -> Pair:
     friction = "with" if scene.scenario.rubs else "without"
-    return Pair(
-        part=part,
-        scene=f"{scene.built_as}, {scene.scenario.name}, {friction} friction",
-        carried=partial(_with, scene, ballast),
-        left_out=partial(build, scene),
-        same=True,
-    )
+    name = f"{scene.built_as}, {scene.scenario.name}, {friction} friction"
+    return Pair(part, name, partial(_with, scene, ballast), partial(build, scene), same=True)
 
 
 def _with(scene: Scene, ballast: Ballast) -> Model:
@@ -120,6 +93,7 @@ def _with(scene: Scene, ballast: Ballast) -> Model:
 
 def price(pair: Pair) -> list[Row]:
     """Times of the engine's runs with and without a part, in turns, and what the part changes."""
+    integrator: IntegratorName | None = None if pair.same else "TrapezoidalIndex2"
     spent = 0.0
     ends: dict[Callable[[], Model], Array] = {}
 
@@ -129,7 +103,7 @@ def price(pair: Pair) -> list[Row]:
         constrained = model.has_constraints(model.scenario)
         samples = run(
             model,
-            find_integrator(model.name, pair.integrator, constrained=constrained),
+            find_integrator(model.name, integrator, constrained=constrained),
             spacing=SPACING,
             intervals=round(DURATION / SPACING),
             substeps=round(SPACING / STEP),
@@ -138,7 +112,7 @@ def price(pair: Pair) -> list[Row]:
         ends[make] = samples.records[-1]
 
     both = (pair.carried, pair.left_out)
-    calls = [partial(timed, make) for make in both]
+    calls = (partial(timed, make) for make in both)
     carried, left_out = in_turns(*calls, pairs=PAIRS, clock=lambda: spent)
     middle, low, high = interval([a / b for a, b in zip(carried, left_out, strict=True)])
     change = np.max(np.abs(ends[both[0]] - ends[both[1]])) if pair.same else None
@@ -200,36 +174,32 @@ STUDIES = (PRICES, STARTS)
 def present(rows: Rows) -> Content:
     """Prices of parts, and times to start."""
     table, started = rows["lean"], rows["start-up"]
-    dear, none = table[table["least"] > 0.0], table[(table["least"] <= 0.0) & (table["most"] > 0)]
-    shown = pd.DataFrame(
-        {
-            "part carried": table["part"],
-            "scene": table["scene"],
-            "with in ms": table["carried"],
-            "without in ms": table["left out"],
-            "price in %": table["price"].round(1) + 0.0,
-            "from": table["least"].round(1) + 0.0,
-            "to": table["most"].round(1) + 0.0,
-        }
-    )
+    headings = {
+        "part": "part carried",
+        "scene": "scene",
+        "carried": "with in ms",
+        "left out": "without in ms",
+        "price": "price in %",
+        "least": "from",
+        "most": "to",
+    }
+    rounded = table.round(dict.fromkeys(("price", "least", "most"), 1))
     same = table[table["part"].isin([*BALLAST, "six joint axes where three do"])]
     change = largest(same["change"])
+    idle = (table["least"] <= 0.0) & (table["most"] > 0.0)
     return Content(
         numbers={
-            "duration": DURATION,
-            "step": STEP,
-            "pairs": PAIRS,
-            "dear": len(dear),
-            "none": len(none),
+            "dear": int((table["least"] > 0.0).sum()),
+            "none": int(idle.sum()),
             "number": len(table),
             "dearest": table.loc[table["price"].idxmax()],
             "change": change,
         },
         tables={
-            "prices": shown,
-            "start-up": pd.DataFrame(
-                {"process": started["case"], "time in ms": started["time"].round()}
-            ),
+            "prices": rounded[list(headings)].rename(columns=headings),
+            "start-up": started[["case", "time"]]
+            .round()
+            .set_axis(["process", "time in ms"], axis=1),
         },
         checks=[at_most("lean: what parts that are not needed change of a motion", change, SAME)],
     )

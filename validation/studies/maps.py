@@ -1,6 +1,6 @@
 """Maps of what becomes of the disk over two parameters, refined where it changes."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
@@ -11,8 +11,9 @@ import pandas as pd
 from analysis import Scenario
 from analysis.data.checks import Array
 from validation.maps import figures
-from validation.maps.panel import Panel, cell, panel, refined
+from validation.maps.panel import Panel, cell
 from validation.maps.problems import PROBLEMS, Problem, critical_points, label, panels
+from validation.maps.refinement import refine
 from validation.maps.uncertainty import (
     DISTANCES,
     Uncertainty,
@@ -129,22 +130,19 @@ def _both(known: Case, numbers: Sequence[int]) -> Case:
 
 def measure(case: Case) -> list[Row]:
     """Cells with their places and outcomes, and what the other side says."""
-    done: dict[int, Row] = {}
+    sweep, to_rest, found = case.sweep, case.problem.to_rest, []
 
-    def run(numbers: Iterable[int]) -> Iterable[Row]:
-        done.update({number: run_case(case.sweep, number, TIME_LIMIT) for number in numbers})
-        return done.values()
+    def run(numbers: Iterable[int]) -> list[Row]:
+        for number in numbers:
+            row = run_case(sweep, number, TIME_LIMIT)
+            found.append(cell(sweep, row, to_rest=to_rest) | sweep.design.values_of(number))
+        return found
 
-    to_rest = case.problem.to_rest
     if case.numbers:
-        found = [cell(case.sweep, row, to_rest=to_rest) for row in run(case.numbers)]
+        run(case.numbers)
     else:
-        found = refined(case.sweep, case.levels, run, to_rest=to_rest)
-    design = case.sweep.design
-    return [
-        {**each, **design.values_of(each["number"]), "seconds": round(each["seconds"], 4)}
-        for each in sorted(found, key=lambda each: each["number"])
-    ]
+        refine(sweep.design.shape, case.levels, run)
+    return sorted(found, key=lambda each: each["number"])
 
 
 STUDY = Study(
@@ -180,15 +178,8 @@ def present(rows: Rows) -> Content:
     """Maps, what they say by criteria, and how the sides compare."""
     table = rows["maps"]
     found = _panels(table)
-    fineness = _fineness(table)
-    claims = [
-        *(_speed_claim(name, found[name]) for name in SPEED_MAPS),
-        *_reduction_claims(found),
-        _fineness_claim(fineness),
-        _sides_claim(table),
-    ]
-    basins = [found[name] for name in found if name.startswith("basins")]
-    again = _repeated(table)
+    basins = [each for name, each in found.items() if name.startswith("basins")]
+    models, again = _agreement(basins), _repeated(table)
     return Content(
         numbers={
             "end": PROBLEMS["basins"].end,
@@ -199,44 +190,49 @@ def present(rows: Rows) -> Content:
             "cells": sum(len(each.cells) for each in found.values()),
             "of": sum(each.sweep.design.size for each in found.values()),
             "seconds": float(sum(each.cells["seconds"].sum() for each in found.values())),
-            "agreement": _agreement(basins).set_index("model").iloc[:, -1],
-            "fineness": fineness,
+            "agreement": models.set_index("model").iloc[:, -1],
+            "fineness": _fineness(table),
             "distances": DISTANCES,
             "pairs": PAIRS,
             "repeated": len(again),
         },
         tables={
-            "claims": pd.DataFrame(claims),
-            "models": _agreement(basins),
+            "claims": pd.DataFrame(
+                _claims(table, found),
+                columns=["map", "statement", "criterion", "found", "verdict"],
+            ),
+            "models": models,
             "panels": pd.DataFrame([_summary(name, each) for name, each in found.items()]),
             "repeated": again,
         },
         figures={
-            "maps": figures.draw(
-                [found[name] for name in ("spin-friction", "spin-eccentricity", "tilting")],
-                points=False,
-            ),
-            "basins": figures.draw(basins, points=False),
-            "rest": figures.draw([found["rest"]], points=False),
+            name: figures.draw(shown, points=False)
+            for name, shown in {
+                "maps": [found[n] for n in ("spin-friction", "spin-eccentricity", "tilting")],
+                "basins": basins,
+                "rest": [found["rest"]],
+            }.items()
         },
         checks=checks(table),
-        verdicts=[
-            Verdict(
-                statement="The reduced system tells which starts turn the disk upside down.",
-                answer="yes" if far >= 95.0 else "partly" if near >= 95.0 else "no",
-                numbers=f"Of the starts within {NEAR:g} rad of upright for {near:.0f} %, within "
-                f"{BANDS[-1]:g} rad for {far:.0f} %, as Model 1 in the engine does.",
-                criterion=f"yes: 95 % within {BANDS[-1]:g} rad; partly: within {NEAR:g} rad.",
-                good=far >= 95.0,
-            )
-            for near, far in [_reduction(found)]
-        ],
+        verdicts=[_verdict(*_reduction(found))],
+    )
+
+
+def _verdict(near: float, far: float) -> Verdict:
+    return Verdict(
+        statement="The reduced system tells which starts turn the disk upside down.",
+        answer=_grade(yes=far >= 95.0, partly=near >= 95.0),
+        numbers=f"Of the starts within {NEAR:g} rad of upright for {near:.0f} %, within "
+        f"{BANDS[-1]:g} rad for {far:.0f} %, as Model 1 in the engine does.",
+        criterion=f"yes: 95 % within {BANDS[-1]:g} rad; partly: within {NEAR:g} rad.",
+        good=far >= 95.0,
     )
 
 
 def _panels(table: pd.DataFrame) -> dict[str, Panel]:
     return {
-        name: panel(case.problem, case.sweep, _of(table, name)) for name, case in whole().items()
+        name: Panel(problem=case.problem, sweep=case.sweep, cells=_of(table, name))
+        for name, case in whole().items()
     }
 
 
@@ -291,22 +287,54 @@ def above_critical(panel: Panel, least: float) -> Array:
     return apart
 
 
-def _grade(*, yes: bool, partly: bool = False, no: str = "no") -> str:
-    return "yes" if yes else "partly" if partly else no
+Claim = tuple[str, str, str, str, str]
+"""Map, statement, criterion, what was found, and whether it holds."""
 
 
-def _speed_claim(name: str, panel: Panel) -> Row:
-    least, quantity = SPEED_MAPS[name], label(panel.sweep.design.axes[0].field)
-    apart = above_critical(panel, least)
-    low, high = apart.min(), apart.max()
-    return {
-        "map": name,
-        "statement": "the least spin at the start that inverts is the second critical speed",
-        "criterion": f"0 to {ABOVE:g} rad/s above it, from {least:g} on ({quantity}); partly: "
-        "nowhere below",
-        "found": f"{low:.1f} to {high:.1f} rad/s more",
-        "verdict": _grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
-    }
+def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
+    """What the maps say."""
+    for name, least in SPEED_MAPS.items():
+        apart = above_critical(found[name], least)
+        low, high = apart.min(), apart.max()
+        where = f"from {least:g} on ({label(found[name].sweep.design.axes[0].field)})"
+        yield (
+            name,
+            "the least spin at the start that inverts is the second critical speed",
+            f"0 to {ABOVE:g} rad/s above it, {where}; partly: nowhere below",
+            f"{low:.1f} to {high:.1f} rad/s more",
+            _grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
+        )
+    for band, part in zip((NEAR, BANDS[-1]), _reduction(found), strict=True):
+        near = f"within {band:g} rad of upright"
+        yield (
+            "basins",
+            f"the reduced system tells which starts of Model 1 invert, {near}",
+            "it tells so for at least 95 % of them; partly: 80 %",
+            f"{part:.0f} %",
+            _grade(yes=part >= 95.0, partly=part >= 80.0),
+        )
+    fine = _fineness(table)
+    is_fractal = fine is not None and fine.exponent + 2.0 * fine.error < 1.0
+    yield (
+        "rest",
+        "the face that is up at rest hangs on the start by a fractal boundary",
+        "the exponent is below 1 by more than 2 standard deviations; otherwise it is not shown",
+        f"{fine.exponent:.2f} ± {fine.error:.2f}" if fine else "no exponent",
+        "yes" if is_fractal else "not shown",
+    )
+    seen = table[table["seen"]]
+    alike, number = int(seen["alike"].sum()), len(seen)
+    yield (
+        "all",
+        "engine and in-house equations tell the same",
+        "all cases that both have run end alike; partly: 95 %",
+        f"{alike} of {number}",
+        _grade(yes=0 < alike == number, partly=0 < 0.95 * number <= alike),
+    )
+
+
+def _grade(*, yes: bool, partly: bool) -> str:
+    return "yes" if yes else "partly" if partly else "no"
 
 
 def _reduction(found: Mapping[str, Panel]) -> tuple[float, float]:
@@ -315,48 +343,9 @@ def _reduction(found: Mapping[str, Panel]) -> tuple[float, float]:
     return agreement(first, reduced, NEAR), agreement(first, reduced, BANDS[-1])
 
 
-def _reduction_claims(found: Mapping[str, Panel]) -> list[Row]:
-    return [
-        {
-            "map": "basins",
-            "statement": "the reduced system tells which starts of Model 1 invert, within "
-            f"{band:g} rad of upright",
-            "criterion": "it tells so for at least 95 % of them; partly: 80 %",
-            "found": f"{part:.0f} %",
-            "verdict": _grade(yes=part >= 95.0, partly=part >= 80.0),
-        }
-        for band, part in zip((NEAR, BANDS[-1]), _reduction(found), strict=True)
-    ]
-
-
 def _fineness(table: pd.DataFrame) -> Uncertainty | None:
     outcomes = [_of(table, _pairs(distance))["outcome"].tolist() for distance in (0.0, *DISTANCES)]
     return uncertainty(np.array(DISTANCES), pairs_that_differ(outcomes))
-
-
-def _fineness_claim(found: Uncertainty | None) -> Row:
-    return {
-        "map": "rest",
-        "statement": "the face that is up at rest hangs on the start by a fractal boundary",
-        "criterion": "the uncertainty exponent lies below 1 by more than 2 standard deviations; "
-        "otherwise it is not shown",
-        "found": f"{found.exponent:.2f} ± {found.error:.2f}" if found else "no exponent",
-        "verdict": _grade(
-            yes=found is not None and found.exponent + 2.0 * found.error < 1.0, no="not shown"
-        ),
-    }
-
-
-def _sides_claim(table: pd.DataFrame) -> Row:
-    seen = table[table["seen"]]
-    alike, number = int(seen["alike"].sum()), len(seen)
-    return {
-        "map": "all",
-        "statement": "engine and in-house equations tell the same",
-        "criterion": "all cases that both have run end alike; partly: 95 %",
-        "found": f"{alike} of {number}",
-        "verdict": _grade(yes=0 < alike == number, partly=0 < 0.95 * number <= alike),
-    }
 
 
 def _summary(name: str, panel: Panel) -> Row:

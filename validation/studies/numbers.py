@@ -1,9 +1,10 @@
 """The numbers that the paper prints beside ours, and its misprints."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 from scipy.optimize import brentq
 
@@ -19,15 +20,20 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.mechanics import paper
-from analysis.stability import linear_reduced
-from analysis.stability.linear_full import FullLinearSystem, paper_numbers, printed_matrices
-from analysis.stability.linear_variants import MATRIX_CHANGES
+from analysis.stability.printed import (
+    critical_speed,
+    first_order,
+    paper_numbers,
+    printed_matrices,
+    reduced_matrices,
+)
 from validation.page.content import Content, Rows, Verdict
 from validation.run import run
 from validation.studies.comparisons import random_state
 from validation.studies.stability import measured
 from validation.studies.stability.eigenvalue_check import ComplexArray, spinning
 from validation.studies.stability.measured import rounds_to
+from validation.studies.stability.variants import MATRIX_CHANGES
 from validation.study import Check, Row, Study, at_most, equal
 
 TITLE = "The numbers the paper prints"
@@ -82,7 +88,7 @@ def _pair_gap(spin: float) -> float:
 def engine_numbers(_: Any) -> list[Row]:
     """Numbers of Sections 3 and 6 from the engine's eigenvalues, and the bound of λ₃."""
     spins = np.linspace(0.0, 50.0, 26)
-    critical = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
+    critical = critical_speed(Scenario(constraints=MODELS[4])).spin
     # The error of the limit is of the order of the squared smoothing.
     coarse, fine = (
         float(_spectrum(4, measured.SPIN, each)[0].real) * each / 0.1 for each in (1e-2, 1e-3)
@@ -95,7 +101,7 @@ def engine_numbers(_: Any) -> list[Row]:
     for names, smoothing in ((RUBBING[:2], 0.1), (RUBBING[2:], 0.01)):
         eighth, seventh = _spectrum(1, measured.SPIN, smoothing)[:2].real.tolist()
         found |= dict(zip(names, (seventh, eighth), strict=True))
-    third = linear_reduced.reduced_matrices(Scenario(constraints=MODELS[4]), spins)
+    third = reduced_matrices(Scenario(constraints=MODELS[4]), spins)
     here = float(np.max(np.min(np.linalg.eigvals(third).real, axis=1)))
     engine = max(float(_spectrum(4, spin)[0].real) for spin in spins.tolist())
     rows: list[Row] = [{"quantity": name, "engine": value} for name, value in found.items()]
@@ -119,6 +125,12 @@ def misprints(_: Any) -> list[Row]:
     ]
 
 
+def _sizes(left_over: Iterable[npt.ArrayLike]) -> tuple[float, float]:
+    """Largest numbers of what is left over as printed and as corrected."""
+    one, other = (float(np.max(np.abs(each))) for each in left_over)
+    return one, other
+
+
 def _linear_friction() -> tuple[float, float]:
     scenario, spin = Scenario(), np.array([40.0])
     right: dict[str, Array] = {
@@ -127,12 +139,9 @@ def _linear_friction() -> tuple[float, float]:
     printed = MATRIX_CHANGES["(53) and (54) with the printed signs"](right)
     force = scenario.friction.gradient * scenario.weight
     engine = mbs_models.state_matrix(spinning(scenario, *spin))
-    one, other = (
-        np.max(np.abs(FullLinearSystem.of(each, spin, force).state_matrices[0] - engine))
-        / np.max(np.abs(engine))
-        for each in (printed, right)
-    )
-    return one, other
+    systems = (first_order(each, spin, force)[0] for each in (printed, right))
+    largest = np.max(np.abs(engine))
+    return _sizes((each - engine) / largest for each in systems)
 
 
 def _contact_rate() -> tuple[float, float]:
@@ -140,14 +149,12 @@ def _contact_rate() -> tuple[float, float]:
     r, beta, beta_rate = STEEL_DISK.radius, state.coordinates[4], state.rates[4]
     second = mbs_models.acceleration(Scenario(), state)[0]
     common = second[2] + r * beta_rate**2 * np.sin(beta)
-    one, other = (abs(common - r * each * np.cos(beta)) for each in (beta_rate**2, second[4]))
-    return one, other
+    return _sizes(common - r * each * np.cos(beta) for each in (beta_rate**2, second[4]))
 
 
 def _frame() -> tuple[float, float]:
     e_x, e_y, e_z = np.eye(3)
-    one, other = (float(np.linalg.norm(np.cross(e_z, e_x) - axis)) for axis in (e_x, e_y))
-    return one, other
+    return _sizes(np.linalg.norm(np.cross(e_z, e_x) - axis) for axis in (e_x, e_y))
 
 
 def _velocities() -> tuple[float, float]:
@@ -155,28 +162,19 @@ def _velocities() -> tuple[float, float]:
     (_, _, _, _, beta, gamma), (_, y_rate, _, spin, beta_rate, _) = state.coordinates, state.rates
     e = STEEL_DISK.eccentricity
     common = y_rate - e * np.sin(beta) * np.sin(gamma) * beta_rate
-    one, other = (
-        abs(common - e * spin * np.cos(beta) ** 2 * each)
-        for each in (np.sin(gamma), np.cos(gamma))
-    )
-    return one, other
+    known = (np.sin(gamma), np.cos(gamma))
+    return _sizes(common - e * spin * np.cos(beta) ** 2 * each for each in known)
 
 
 def _lost_spin() -> tuple[float, float]:
-    third, fourth = (
-        run(Scenario(constraints=MODELS[level]), [0.0, 0.5], tolerance=1e-6).rate("alpha")
-        for level in (3, 4)
-    )
-    return abs(third[-1] - third[0]), abs(fourth[-1] - fourth[0])
+    scenarios = (Scenario(constraints=MODELS[level]) for level in (3, 4))
+    return _sizes(np.diff(run(s, [0.0, 0.5], tolerance=1e-6).rate("alpha")) for s in scenarios)
 
 
 def _start() -> tuple[float, float]:
     right = Scenario(constraints=MODELS[2]).initial_state.coordinates
-    one, other = (
-        float(np.max(np.abs(paper.constraint_positions(MODELS[2], STEEL_DISK, place)[1:])))
-        for place in ((0.0, 0.0, *right[2:]), right)
-    )
-    return one, other
+    places = ((0.0, 0.0, *right[2:]), right)
+    return _sizes(paper.constraint_positions(MODELS[2], STEEL_DISK, each)[1:] for each in places)
 
 
 PLACES: dict[str, tuple[str, str, str, Callable[[], tuple[float, float]]]] = {
@@ -208,7 +206,7 @@ def present(rows: Rows) -> Content:
     printed = _beside(rows[measured.NUMBERS.name], engine["engine"])
     wrong = rows[MISPRINTS.name].drop(columns="case")
     agree = printed[DIGITS] == "yes"
-    critical = linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
+    critical = critical_speed(Scenario(constraints=MODELS[4])).spin
     return Content(
         numbers={
             "printed": printed.to_dict("records"),
@@ -217,10 +215,9 @@ def present(rows: Rows) -> Content:
             "third": engine.loc[THIRD],
             "density": STEEL_DISK.mass / (np.pi * 0.01 * (0.045**2 - 0.015**2)),
             "gravity": [GRAVITY * (each / critical) ** 2 for each in (30.915, 30.925)],
-            "given": GRAVITY,
         },
         tables={"printed": printed, "misprints": wrong},
-        checks=[*_checks(printed), *_bound(engine.loc[THIRD]), *_corrected(wrong)],
+        checks=list(_checks(printed, engine.loc[THIRD], wrong)),
         verdicts=[
             Verdict(
                 statement="The numbers that the paper prints come out.",
@@ -263,25 +260,21 @@ def _beside(found: pd.DataFrame, engine: "pd.Series[float]") -> pd.DataFrame:
     return table.assign(why=table["quantity"].map(WHY).fillna(""))
 
 
-def _checks(printed: pd.DataFrame) -> Iterator[Check]:
-    """Whether what is not explained comes out, and the engine has the numbers that it can have."""
+def _checks(
+    printed: pd.DataFrame, third: "pd.Series[float]", wrong: pd.DataFrame
+) -> Iterator[Check]:
+    """Whether what is not explained comes out on both sides, and corrections leave nothing over.
+
+    Of λ₃ Section 6 says that it stays below -100 1/s.
+    """
     for row in printed.to_dict("records"):
         name = f"numbers: {row['quantity']}"
         yield equal(f"{name}, {DIGITS}", row[DIGITS], "no" if row["why"] else "yes")
         if row["quantity"] in measured.IN_PAPER and row["quantity"] != measured.CLOSED:
             apart = abs(row["engine"] - row[HERE]) / abs(row[HERE])
             yield at_most(f"{name}, engine", apart, APART)
-
-
-def _bound(third: "pd.Series[float]") -> Iterator[Check]:
-    """λ₃ below -100 1/s, as Section 6 says, on both sides."""
-    yield from (
-        at_most(f"numbers: {THIRD}, {side}", third[side], -100.0) for side in third.index[1:]
-    )
-
-
-def _corrected(wrong: pd.DataFrame) -> Iterator[Check]:
-    """Whether each correction leaves nothing over of what the print does."""
+    for side in third.index[1:]:
+        yield at_most(f"numbers: {THIRD}, {side}", third[side], -100.0)
     yield equal("misprints: corrected", len(wrong), len(PLACES))
     for row in wrong.to_dict("records"):
         name = f"misprint {row['place']}: left over when corrected"

@@ -1,14 +1,14 @@
 """What varies in a sweep, and how its cases are laid out; every case is found by its number."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+import re
+from dataclasses import dataclass
 from functools import lru_cache
 from math import prod
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from analysis.data.checks import Array, choice, number
+from analysis.data.checks import Array, choice, whole
 from analysis.data.limits import LARGEST_STORAGE
 from analysis.data.names import full_name
 from analysis.data.written import Value, is_text, is_word, read_value
@@ -18,6 +18,8 @@ LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 
 MOST_CASES = 10_000_000
 """Cases of a sweep, unless more are asked for by name."""
+
+_RANGE = re.compile(r"([^:]+):([^:]+?)(?:\s*:\s*(\d+)\s*)?(:\s*log\s*)?")
 
 _BLOCK = 4096
 """Cases that are drawn at once; a power of 2, as Sobol points want it."""
@@ -55,36 +57,34 @@ class Axis:
 
     def __post_init__(self) -> None:
         field = full_name(self.field)
-        object.__setattr__(self, "field", field)
-        if (self.first is None) != (self.last is None) or (self.first is None) != bool(
-            self.values
-        ):
+        is_range = self.first is not None
+        if is_range != (self.last is not None) or is_range == bool(self.values):
             raise ValueError(f"axis {field} must have either values, or first and last")
-        if self.values:
-            values = tuple(read_value(field, value) for value in self.values)
-            if len(set(values)) < len(values):
-                raise ValueError(f"axis {field} must hold each value once, got {values}")
-            object.__setattr__(self, "values", values)
-        else:
-            self._check_range()
+        values = tuple(read_value(field, value) for value in self.values)
+        if len(set(values)) < len(values):
+            raise ValueError(f"axis {field} must hold each value once, got {values}")
+        object.__setattr__(self, "field", field)
+        object.__setattr__(self, "values", values)
+        if is_range:
+            self._check_range(field)
 
-    def _check_range(self) -> None:
-        field, count = self.field, self.count
+    def _check_range(self, field: str) -> None:
         if is_word(field):
             raise ValueError(f"axis {field} takes a list, such as {field}=a,b, and no range")
-        for name in ("first", "last"):
-            object.__setattr__(self, name, read_value(field, getattr(self, name)))
-        first, last = number("first", self.first), number("last", self.last)
-        if count is not None and (type(count) is not int or count < 1):
-            raise ValueError(f"axis {field} must have at least 1 value, got {count!r}")
-        if (first == last) != (count == 1):
-            got = f"{'no count' if count is None else count} from {first:g} to {last:g}"
-            raise ValueError(f"axis {field} is an empty range: one value needs equal ends and "
-                             f"several need different ones, got {got}")  # fmt: skip
-        if self.log and not (first > 0.0 and last > 0.0):
+        ends = [float(read_value(field, each)) for each in (self.first, self.last)]
+        if self.count is not None:
+            whole(f"count of axis {field}", self.count)
+        if (ends[0] == ends[1]) != (self.count == 1):
             raise ValueError(
-                f"axis {field} must be positive to be logarithmic, got {first:g} to {last:g}"
+                f"axis {field} is an empty range: one value needs equal ends and several need "
+                f"different ones, got {self.count} from {ends[0]:g} to {ends[1]:g}"
             )
+        if self.log and min(ends) <= 0.0:
+            raise ValueError(
+                f"axis {field} must be positive to be logarithmic, got {ends[0]:g} to {ends[1]:g}"
+            )
+        object.__setattr__(self, "first", ends[0])
+        object.__setattr__(self, "last", ends[1])
 
     @property
     def size(self) -> int | None:
@@ -93,37 +93,23 @@ class Axis:
 
     def at(self, index: int) -> Value:
         """Value of an index on a grid."""
-        if self.values:
-            return self.values[index]
-        assert self.count is not None
-        return self.between(index / max(1, self.count - 1))
+        last = (self.size or 1) - 1
+        return self.values[index] if self.values else self.between(index / max(1, last))
 
     def draw(self, part: float) -> Value:
         """Value of a random number from 0 to 1; each of a list is as probable."""
-        if self.values:
-            return self.values[min(int(part * len(self.values)), len(self.values) - 1)]
-        return self.between(part)
+        if not self.values:
+            return self.between(part)
+        return self.values[min(int(part * len(self.values)), len(self.values) - 1)]
 
     def between(self, part: float) -> float:
         """Value on a range, of which the ends are exact."""
-        assert self.first is not None
-        assert self.last is not None
+        first, last = self.first, self.last
+        assert first is not None
+        assert last is not None
         if part in (0.0, 1.0):
-            return self.last if part else self.first
-        if self.log:
-            return float(self.first * (self.last / self.first) ** part)
-        return self.first + part * (self.last - self.first)
-
-    def to_values(self) -> dict[str, Any]:
-        """Plain data."""
-        if self.values:
-            return {"field": self.field, "values": list(self.values)}
-        return {name: value for name, value in asdict(self).items() if name != "values"}
-
-    @classmethod
-    def from_values(cls, values: Mapping[str, Any]) -> "Axis":
-        """Axis from what `to_values` has returned."""
-        return cls(**{**values, "values": tuple(values.get("values", ()))})
+            return last if part else first
+        return float(first * (last / first) ** part) if self.log else first + part * (last - first)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,47 +139,39 @@ class Design:
 
     def __post_init__(self) -> None:
         choice("layout", self.layout, LAYOUTS)
+        whole("seed", self.seed, least=0)
         names = [axis.field for axis in self.axes]
         if not names:
             raise ValueError("axes must be at least one, such as spin=0:60:61")
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(f"axis {name} is given twice")
-        if type(self.seed) is not int or self.seed < 0:
-            raise ValueError(f"seed must be a whole number, not negative, got {self.seed!r}")
-        if self.layout != "grid":
-            self._check_drawn()
-            return
-        if self.number is not None:
+        is_grid = self.layout == "grid"
+        if not is_grid:
+            whole("number", self.number)
+        elif self.number is not None:
             raise ValueError(f"number belongs to drawn points, not to a grid, got {self.number}")
         for axis in self.axes:
-            if axis.size is None:
+            if is_grid and axis.size is None:
                 raise ValueError(f"axis {axis.field} needs a count on a grid: first:last:count")
-
-    def _check_drawn(self) -> None:
-        if type(self.number) is not int or self.number < 1:
-            raise ValueError(
-                f"number of points must be given for layout {self.layout}, got {self.number!r}"
-            )
-        for axis in self.axes:
-            if axis.count is not None:
-                raise ValueError(
-                    f"axis {axis.field} takes no count where points are drawn: first:last"
-                )
+            if not is_grid and axis.count is not None:
+                fault = "takes no count where points are drawn: first:last"
+                raise ValueError(f"axis {axis.field} {fault}")
         # A Latin hypercube is drawn as a whole; the others go block by block.
-        held = 8 * self.number * len(self.axes)
-        if self.layout == "latin-hypercube" and held > LARGEST_STORAGE:
+        if self._is_whole and 8 * self.size * len(names) > LARGEST_STORAGE:
             raise ValueError(
                 f"number of points of a Latin hypercube is limited by memory, got {self.number}; "
                 "sobol is not"
             )
 
     @property
+    def _is_whole(self) -> bool:
+        return self.layout == "latin-hypercube"
+
+    @property
     def size(self) -> int:
         """Number of cases."""
-        if self.number is not None:
-            return self.number
-        return prod(self.shape)
+        return prod(self.shape) if self.number is None else self.number
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -208,25 +186,13 @@ class Design:
                 index, place = divmod(index, axis.size or 1)
                 found.insert(0, axis.at(place))
             return tuple(found)
-        # A Latin hypercube is drawn as a whole.
-        is_whole = self.layout == "latin-hypercube"
-        block, row = (0, index) if is_whole else divmod(index, _BLOCK)
+        block, row = (0, index) if self._is_whole else divmod(index, _BLOCK)
         parts = _drawn(self, block)[row].tolist()
         return tuple(axis.draw(part) for axis, part in zip(self.axes, parts, strict=True))
 
     def values_of(self, index: int) -> dict[str, Value]:
         """The same by the names of the fields."""
         return dict(zip([axis.field for axis in self.axes], self.case(index), strict=True))
-
-    def to_values(self) -> dict[str, Any]:
-        """Plain data."""
-        return {**asdict(self), "axes": [axis.to_values() for axis in self.axes]}
-
-    @classmethod
-    def from_values(cls, values: Mapping[str, Any]) -> "Design":
-        """Design from what `to_values` has returned."""
-        axes = tuple(Axis.from_values(axis) for axis in values["axes"])
-        return cls(**{**values, "axes": axes})
 
 
 @lru_cache(maxsize=2)
@@ -237,13 +203,14 @@ def _drawn(design: Design, block: int) -> Array:
         return np.random.default_rng([seed, block]).random((_BLOCK, axes))
     from scipy.stats import qmc  # noqa: PLC0415 - a third of what a worker would take to start
 
+    drawn: Array
     if design.layout == "latin-hypercube":
-        whole: Array = qmc.LatinHypercube(axes, rng=seed).random(design.size)
-        return whole
+        drawn = qmc.LatinHypercube(axes, rng=seed).random(design.size)
+        return drawn
     sobol = qmc.Sobol(axes, rng=seed)
     if block:
         sobol.fast_forward(block * _BLOCK)
-    drawn: Array = sobol.random(_BLOCK)
+    drawn = sobol.random(_BLOCK)
     return drawn
 
 
@@ -269,26 +236,22 @@ def axis_from_text(text: str) -> Axis:
 
 def axis_from(field: str, told: Any) -> Axis:
     """Axis from what a TOML file says of a field: the text of a range, a list, or one value."""
-    if isinstance(told, list):
-        return Axis(field=field, values=tuple(told))
     if not isinstance(told, str):
-        return Axis(field=field, values=(told,))
+        return Axis(field=field, values=tuple(told) if isinstance(told, list) else (told,))
     name = full_name(field)
     # A friction law of one's own is called module:Class.
-    parts = [told] if is_text(name) else [part.strip() for part in told.split(":")]
-    if len(parts) == 1:
+    if ":" not in told or is_text(name):
         return Axis(field=name, values=tuple(told.split(",")))
-    log = parts[-1] == "log"
-    first, last, *counts = [*(parts[:-1] if log else parts), ""][:4]
-    counts = [count for count in counts if count]
-    if not last or len(counts) > 1 or not all(count.isdigit() for count in counts):
+    parts = _RANGE.fullmatch(told)
+    if parts is None:
         raise ValueError(
             f"axis {name} must be first:last:count, with :log behind it or not, got {told!r}"
         )
+    first, last, count, log = parts.groups()
     return Axis(
         field=name,
         first=read_value(name, first),  # type: ignore[arg-type]
         last=read_value(name, last),  # type: ignore[arg-type]
-        count=int(counts[0]) if counts else None,
-        log=log,
+        count=int(count) if count else None,
+        log=bool(log),
     )

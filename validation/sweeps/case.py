@@ -1,24 +1,25 @@
 """Cases of a sweep, run by themselves or together: what is called in a worker."""
 
 import faulthandler
-import json
 import signal
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from analysis import Ensemble, Trajectories, outcomes, simulate_many
-from analysis.data.outcomes import DONE, Row, failure
+from analysis import Ensemble, outcomes, simulate_many
+from analysis.data.outcomes import DONE, failure
 from validation.sweeps.outcomes import difference, outcome, series
-from validation.sweeps.plan import Motion, Plan
+from validation.sweeps.plan import Motion
 from validation.sweeps.sweep import Sweep
 
 _IDLE = 20
 """Times as much may pass on the clock, on a machine that has other things to do."""
+
+CaseRow = dict[str, Any]
+"""Cells by the names of their columns, and under "series" the bytes of series by theirs."""
 
 TIMERS = tuple(
     (getattr(signal, f"ITIMER_{name}"), times, getattr(signal, signal_name))
@@ -28,13 +29,14 @@ TIMERS = tuple(
 """Which ends a process after so many times a limit, and by which signal; none on Windows."""
 
 
-def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: float) -> list[Row]:
+def run_chunk(
+    sweep: Sweep, numbers: Sequence[int], time_limit: float, hanging: float
+) -> list[CaseRow]:
     """Rows of some cases.
 
     Parameters
     ----------
-    text : str
-        From `Sweep.to_text`.
+    sweep : Sweep
     numbers : sequence of int
     time_limit : float
         Of each run in s of processor time.
@@ -42,7 +44,6 @@ def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: flo
         Processor time in s after which a case that does not look at its limit, such as an endless
         loop of a friction law of one's own, ends the process.
     """
-    sweep = _sweep_from(text)
     if sweep.plan.runs_in_batches and len(numbers) > 1:
         # A case of a chunk that takes too long is found when its cases run alone.
         with _ended_after(hanging):
@@ -52,12 +53,6 @@ def run_chunk(text: str, numbers: Sequence[int], time_limit: float, hanging: flo
         with _ended_after(hanging):
             rows.append(run_case(sweep, number, time_limit))
     return rows
-
-
-@lru_cache(maxsize=1)
-def _sweep_from(text: str) -> Sweep:
-    """Sweep from the JSON of `Sweep.to_text`; the last one is kept."""
-    return Sweep.from_values(json.loads(text))
 
 
 @contextmanager
@@ -80,76 +75,67 @@ def _ended_after(seconds: float) -> Iterator[None]:
             faulthandler.cancel_dump_traceback_later()
 
 
-def run_case(sweep: Sweep, index: int, time_limit: float | None) -> Row:
+def run_case(sweep: Sweep, index: int, time_limit: float | None) -> CaseRow:
     """Row of a case: its number, its values and its outcome, or why there is none."""
     begin = time.process_time()
-    row: Row = {"number": index, **sweep.design.values_of(index)}
+    row: CaseRow = {"number": index, **sweep.design.values_of(index)}
     try:
         motion = sweep.plan.motion(sweep.scenario_of(index), time_limit=time_limit)
     except (Exception, SystemExit) as error:  # noqa: BLE001 - a law of one's own may raise any
         return {**row, **failure(error), "seconds": time.process_time() - begin}
     row |= outcome(motion)
     row["seconds"] = time.process_time() - begin
-    return {**row, **_besides(sweep, index, motion, time_limit)} if row["status"] == DONE else row
+    return _with_the_rest(sweep, row, motion, time_limit)
 
 
-def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[Row]:
+def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     """Rows of several cases that are compiled and run together; the plan's method is "taylor".
 
     The time limit is left to whoever calls this.
     """
-    begin = time.process_time()
+    begin, plan = time.process_time(), sweep.plan
     cases = [sweep.design.values_of(number) for number in numbers]
     fields = {name: np.array([case[name] for case in cases]) for name in cases[0]}
     ensemble, members, found = Ensemble.sieved(sweep.scenario, fields)
-    outcome_of: dict[int, Row] = {member: failure(error) for member, error in found.items()}
-    runs = _together(sweep.plan, ensemble) if members.size else None
-    if runs is not None:
+    outcome_of = {member: failure(error) for member, error in found.items()}
+    runs: Any = ()
+    if members.size:
+        how = plan.given("method", "tolerance", "local_tolerance", "stop_when", "allow_pulling")
+        runs = simulate_many(ensemble, plan.times, form=plan.formulation, workers=1, **how)
         outcome_of |= dict(zip(members.tolist(), outcomes(runs).rows(), strict=True))
     each = (time.process_time() - begin) / len(cases)
-    rows: list[Row] = [
+    rows: list[CaseRow] = [
         {**outcome_of[member], "number": number, **case, "seconds": each}
         for member, (number, case) in enumerate(zip(numbers, cases, strict=True))
     ]
     for place, member in enumerate(members.tolist()):
-        wanted = sweep.plan.keep or sweep.has_witness(numbers[member])
-        if runs is not None and wanted and rows[member]["status"] == DONE:
-            rows[member] |= _besides(sweep, numbers[member], runs[place], None)
+        # A motion of a batch is worked out where it is asked for.
+        if rows[member]["status"] == DONE and (plan.keep or sweep.has_witness(numbers[member])):
+            rows[member] = _with_the_rest(sweep, rows[member], runs[place], None)
     return rows
 
 
-def _together(plan: Plan, ensemble: Ensemble) -> Trajectories:
-    form: Any = plan.formulation
-    return simulate_many(
-        ensemble,
-        plan.times,
-        form=form,
-        method="taylor",
-        tolerance=plan.tolerance,
-        local_tolerance=plan.local_tolerance,
-        stop_when=plan.stop_when or (),
-        workers=1,
-    )
-
-
-def _besides(sweep: Sweep, index: int, motion: Motion, time_limit: float | None) -> Row:
-    """Series of a case and what its witness says, where they are asked for."""
-    row = series(motion, sweep.plan.keep)
-    if sweep.has_witness(index):
-        row |= _witnessed(sweep.plan, motion, time_limit)
-    return row
-
-
-def _witnessed(plan: Plan, motion: Motion, time_limit: float | None) -> Row:
+def _with_the_rest(
+    sweep: Sweep, row: CaseRow, motion: Motion, time_limit: float | None
+) -> CaseRow:
+    """Row with series of its motion and what its witness says, where they are asked for."""
+    plan = sweep.plan
+    if row["status"] != DONE:
+        return row
+    if plan.keep:
+        row["series"] = series(motion, plan.keep)
+    if not sweep.has_witness(row["number"]):
+        return row
     begin = time.process_time()
     try:
-        other = plan.witness(motion.scenario, time_limit=time_limit)
+        other = plan.witness.motion(motion.scenario, time_limit=time_limit)
+        found = outcome(other)
     except (ValueError, ArithmeticError) as error:
-        return {"other_inversion": "failed", "reason": failure(error)["reason"]}
-    found = outcome(other)
+        found = failure(error)
     if found["status"] != DONE:
-        return {"other_inversion": "failed", "reason": found["reason"]}
+        return {**row, "other_inversion": "failed", "reason": found["reason"]}
     return {
+        **row,
         "other_inversion": found["inversion"],
         "other_face_end": found["face_end"],
         "other_error_estimate": found["error_estimate"],

@@ -28,9 +28,6 @@ both, or `SpatialMotion.deviation`; `code` names commit and sources that the row
 TIME = "time"
 """The series that goes with all others: times of the samples in s."""
 
-IN_ROW = "series {}"
-"""What a series is called in a row, beside outcomes that may have its name."""
-
 SERIES = tuple(name for columns in quantities(Trajectory).values() for name in columns)[1:]
 """What can be kept of a trajectory; what a scenario does not have, such as a torque, is empty."""
 
@@ -60,13 +57,12 @@ def series_named(names: Iterable[str], *, to_rest: bool) -> tuple[str, ...]:
     return tuple(dict.fromkeys(choice("keep", name, (*groups, *known)) for name in found))
 
 
-def series(motion: Trajectory | SpatialMotion, names: Sequence[str]) -> Row:
-    """Bytes of some series of a motion and of its times by `IN_ROW`; nothing without names."""
-    if not names:
-        return {}
+def series(motion: Trajectory | SpatialMotion, names: Sequence[str]) -> dict[str, bytes]:
+    """Bytes of some series of a motion and of its times; those that it has."""
     held = motion.columns()
-    wanted = [TIME, *(name for name in names if name in held)]
-    return {IN_ROW.format(name): held[name][0].astype(NUMBERS).tobytes() for name in wanted}
+    return {
+        name: held[name][0].astype(NUMBERS).tobytes() for name in (TIME, *names) if name in held
+    }
 
 
 def outcome(motion: Trajectory | SpatialMotion) -> Row:

@@ -16,7 +16,7 @@ from analysis.data.files import whole_file
 from analysis.data.limits import check_storage
 from analysis.data.outcomes import Column, OutcomeTable
 from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
-from validation.sweeps.store import reading
+from validation.sweeps.store import reading, tables
 from validation.sweeps.sweep import Sweep
 
 _BLOCK = 20_000
@@ -53,7 +53,7 @@ class Results(OutcomeTable):
             If it is no store, or damaged.
         """
         with reading(path) as (file, sweep):
-            (table,) = _tables(file, None)
+            table = pd.concat(_tables(file, sweep))
         columns = {name: table[name].to_numpy() for name in table}
         axes = tuple(axis.field for axis in sweep.design.axes)
         return cls(axes=axes, columns=columns, sweep=sweep, path=Path(path))
@@ -99,21 +99,15 @@ class Results(OutcomeTable):
 
     def _series(self, first: int, last: int) -> Iterator[tuple[int, dict[str, Array]]]:
         """Numbers of cases, from the first to the last one, and their series."""
-        if not self.sweep.plan.keep:
-            raise ValueError(f"{self.path} holds no series: its sweep was told to keep none")
         names = (TIME, *self.sweep.plan.keep)
+        if len(names) == 1:
+            raise ValueError(f"{self.path} holds no series: its sweep was told to keep none")
         with reading(self.path) as (file, _):
             asked = "SELECT * FROM series WHERE number BETWEEN ? AND ?"
             for number, *blobs in file.execute(asked, (first, last)):
-                known = zip(names, blobs, strict=True)
-                yield (
-                    number,
-                    {
-                        name: np.frombuffer(blob, NUMBERS).astype(float)
-                        for name, blob in known
-                        if blob is not None
-                    },
-                )
+                held = {name: blob for name, blob in zip(names, blobs, strict=True) if blob}
+                arrays = {name: np.frombuffer(blob, NUMBERS) for name, blob in held.items()}
+                yield number, {name: values.astype(float) for name, values in arrays.items()}
 
     def to_xarray(self) -> Any:
         """An `xarray.Dataset` over the axes of a grid, or over "number" where cases are drawn.
@@ -128,38 +122,29 @@ class Results(OutcomeTable):
         ValueError
             If the series take more than `LARGEST_STORAGE`.
         """
-        design, held = self.sweep.design, super().to_xarray()
-        is_grid = design.layout == "grid"
-        over, shape = (self.axes, design.shape) if is_grid else (("number",), (-1,))
-        if is_grid:
+        held, design, plan = super().to_xarray(), self.sweep.design, self.sweep.plan
+        over: tuple[str, ...] = ("number",)
+        if design.layout == "grid":
+            over = self.axes
             places = {
-                axis.field: [axis.at(index) for index in range(axis.size or 0)]
-                for axis in design.axes
+                each.field: [each.at(i) for i in range(each.size or 0)] for each in design.axes
             }
-            data = {
-                name: (over, self.on_grid(name), held[name].attrs)
-                for name in COLUMNS
-                if name in held
-            }
+            data = {name: (over, self.on_grid(name), held[name].attrs) for name in held.data_vars}
             held = type(held)(data, coords=places)
-        numbers = np.arange(design.size) if is_grid else self.columns["number"]
-        for name, values in self._all_series(numbers).items():
-            held[name] = ((*over, "sample"), values.reshape(*shape, values.shape[1]))
+        if plan.keep:
+            numbers = range(design.size) if over == self.axes else self.columns["number"].tolist()
+            rows = {number: row for row, number in enumerate(numbers)}
+            check_storage("to_xarray", len(rows) * plan.times.size, 1 + len(plan.keep))
+            kept = {
+                name: np.full((len(rows), plan.times.size), np.nan) for name in (TIME, *plan.keep)
+            }
+            for number, found in self._series(0, design.size):
+                for name, series in found.items():
+                    kept[name][rows[number], : series.size] = series
+            shape = (*(held.sizes[name] for name in over), plan.times.size)
+            for name, values in kept.items():
+                held[name] = ((*over, "sample"), values.reshape(shape))
         return held
-
-    def _all_series(self, cases: Column) -> dict[str, Array]:
-        """Series of some cases by name, shape (cases, samples) each."""
-        plan = self.sweep.plan
-        if not plan.keep:
-            return {}
-        check_storage("to_xarray", cases.size * plan.times.size, 1 + len(plan.keep))
-        shape = (cases.size, plan.times.size)
-        values = {name: np.full(shape, np.nan) for name in (TIME, *plan.keep)}
-        rows = {int(number): row for row, number in enumerate(cases)}
-        for number, found in self._series(0, self.sweep.design.size):
-            for name, series in found.items():
-                values[name][rows[number], : series.size] = series
-        return values
 
 
 def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> int:
@@ -173,9 +158,9 @@ def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> in
         If the store is none.
     """
     count = 0
-    with reading(store) as (file, _), whole_file(path) as stream:
+    with reading(store) as (file, sweep), whole_file(path) as stream:
         text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
-        for table in _tables(file, _BLOCK):
+        for table in _tables(file, sweep):
             table.to_csv(text, index=False, header=not count, lineterminator="\n")
             count += len(table)
         text.flush()
@@ -183,17 +168,13 @@ def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> in
     return count
 
 
-def _tables(file: sqlite3.Connection, rows: int | None) -> Iterator[pd.DataFrame]:
-    """All rows of a store at once, or so many at a time; empty cells are None in words, or nan."""
-    held = {name: kind for _, name, kind, *_ in file.execute("PRAGMA table_info(cases)")}
-    kinds: Any = {"INTEGER": int, "REAL": float, "TEXT": object}
+def _tables(file: sqlite3.Connection, sweep: Sweep) -> Iterator[pd.DataFrame]:
+    """Rows of a store, so many at a time; empty cells are None in words, and nan in numbers."""
+    kinds: Any = {"REAL": float, "TEXT": object}
+    dtype = {name: kinds.get(kind, int) for name, kind in tables(sweep)["cases"].items()}
     try:
-        found: Any = pd.read_sql(
-            "SELECT * FROM cases ORDER BY number",
-            file,
-            dtype={name: kinds[kind] for name, kind in held.items()},
-            chunksize=rows,
+        yield from pd.read_sql(
+            "SELECT * FROM cases ORDER BY number", file, dtype=dtype, chunksize=_BLOCK
         )
-        yield from [found] if rows is None else found
     except pd.errors.DatabaseError as error:
         raise error.__cause__ or error from None

@@ -4,7 +4,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager
 from itertools import islice
 from types import FrameType
@@ -15,7 +15,7 @@ from pebble import ProcessExpired
 from analysis.data.outcomes import DONE, Row, failed
 from analysis.data.state import COORDINATES
 from validation.kit.processes import Processes
-from validation.sweeps.case import TIMERS, run_chunk
+from validation.sweeps.case import TIMERS, CaseRow, run_chunk
 from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
 from validation.sweeps.sweep import Sweep, look_ahead
@@ -91,8 +91,7 @@ def run_cases(
     with _interrupts_deferred() as check:
         try:
             while work.fill(todo):
-                rows = work.collect()
-                if rows:
+                if rows := work.collect():
                     store.add(rows)
                     told(len(rows), sum(row["status"] != DONE for row in rows))
                 store.commit_if_due()
@@ -175,19 +174,19 @@ class _Work:
     """
 
     def __init__(self, sweep: Sweep, pool: Pool, time_limit: float) -> None:
-        self._sweep, self._text = sweep, sweep.to_text()
-        held = LARGEST_SERIES // max(1, sweep.plan.series_bytes)
-        if sweep.plan.runs_in_batches:
-            held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * sweep.plan.times.size))
+        self._sweep, self._pool, plan = sweep, pool, sweep.plan
+        held = LARGEST_SERIES // max(1, plan.series_bytes)
+        if plan.runs_in_batches:
+            held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * plan.times.size))
         self._largest = max(1, min(LARGEST_CHUNK, held))
-        self._pool = pool
         # A case is two runs if it has a witness.
         self._limits = (time_limit, 3.0 * time_limit + GRACE)
         self._chunks: dict[Future[Any], list[int]] = {}
-        self._alone: dict[Future[Any], int] = {}
+        self._alone: dict[Future[Any], list[int]] = {}
         self._processes: Processes | None = None
         self._lost: OSError | None = None
-        self._seconds = CHUNK_TIME / (FIRST_BATCH if sweep.plan.runs_in_batches else 1)
+        # Of a case; the first chunk tells how long one takes.
+        self._seconds = CHUNK_TIME / (FIRST_BATCH if plan.runs_in_batches else 1)
         self._chunk_time = max(CHUNK_TIME, pool.workers / MOST_CHUNKS)
 
     def fill(self, todo: Iterator[int]) -> bool:
@@ -202,7 +201,7 @@ class _Work:
                 chunk = list(islice(todo, size))
                 if not chunk:
                     break
-                future = self._pool.submit(run_chunk, self._text, chunk, *self._limits)
+                future = self._pool.submit(run_chunk, self._sweep, chunk, *self._limits)
                 self._chunks[future] = chunk
         except OSError as error:
             self._lost = error
@@ -214,44 +213,43 @@ class _Work:
             raise self._lost
         return bool(self._chunks or self._alone)
 
-    def collect(self) -> list[Row]:
+    def collect(self) -> list[CaseRow]:
         """Rows that have come in, after a second at the latest."""
-        waiting = [*self._chunks, *self._alone]
-        done = wait(waiting, timeout=COMMIT_EVERY, return_when=FIRST_COMPLETED).done
-        rows: list[Row] = []
-        for future in done & self._chunks.keys():
-            chunk = self._chunks.pop(future)
-            if future.cancelled() or future.exception() is not None:
-                self._run_alone(chunk)
-            else:
+        rows: list[CaseRow] = []
+        running = [*self._chunks, *self._alone]
+        for future in wait(running, timeout=COMMIT_EVERY, return_when=FIRST_COMPLETED).done:
+            alone = self._alone.pop(future, None)
+            chunk = alone or self._chunks.pop(future)
+            error = CancelledError() if future.cancelled() else future.exception()
+            if error is None:
                 rows += future.result()
+            elif alone is None:
+                self._run_alone(chunk)
+            elif isinstance(error, ProcessExpired):
+                values = self._sweep.design.values_of(chunk[0])
+                rows.append({"number": chunk[0], **values, **self._ended(error)})
+            else:
+                raise error
         if rows:
             names = ("seconds", "other_seconds")
-            taken = sum(float(row.get(name) or 0.0) for row in rows for name in names)
+            taken = sum(row.get(name) or 0.0 for row in rows for name in names)
             self._seconds = max(0.5 * self._seconds + 0.5 * taken / len(rows), 1e-6)
-        return rows + [
-            self._row(self._alone.pop(each), each) for each in done & self._alone.keys()
-        ]
+        return rows
 
     def _run_alone(self, numbers: Iterable[int]) -> None:
         if isinstance(self._pool.executor, Processes):
             self._pool.executor.check_begun()
         self._processes = self._processes or Processes(1)
         for number in numbers:
-            call = (self._text, [number], *self._limits)
-            self._alone[self._processes.submit(run_chunk, *call)] = number
+            future = self._processes.submit(run_chunk, self._sweep, [number], *self._limits)
+            self._alone[future] = [number]
 
-    def _row(self, number: int, future: "Future[Any]") -> Row:
-        """Row of a case that ran alone."""
-        try:
-            (row,) = future.result()
-        except ProcessExpired as error:
-            why = failed("crashed", f"its process ended with code {error.exitcode}")
-            if error.exitcode in (1, *(-int(each) for _, _, each in TIMERS)):
-                limit = f"no result within {self._limits[1]:g} s of processor time"
-                why = failed("too slow", limit)
-            return {"number": number, **self._sweep.design.values_of(number), **why}
-        return dict(row)
+    def _ended(self, error: ProcessExpired) -> Row:
+        """Why a case has ended its process."""
+        if error.exitcode in (1, *(-int(each) for _, _, each in TIMERS)):
+            limit = f"no result within {self._limits[1]:g} s of processor time"
+            return failed("too slow", limit)
+        return failed("crashed", f"its process ended with code {error.exitcode}")
 
     def close(self) -> None:
         """End the processes of cases that run alone."""

@@ -9,16 +9,17 @@ import json
 import os
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import closing, contextmanager
 from hashlib import sha256
 from pathlib import Path
 
-from analysis.data.outcomes import DONE, Row
+from analysis.data.outcomes import DONE
 from analysis.data.own import foreign_names
 from validation.kit.differences import flat
 from validation.kit.provenance import commit
-from validation.sweeps.outcomes import COLUMNS, IN_ROW, TIME
+from validation.sweeps.case import CaseRow
+from validation.sweeps.outcomes import COLUMNS, TIME
 from validation.sweeps.sweep import Sweep
 
 FORMAT = 2
@@ -69,8 +70,7 @@ class Store:
         # Commits of uncommitted changes are all alike.
         identity = sha256(self._code.encode()).hexdigest()[:10]
         self._code_name = ":".join(filter(None, (commit(), identity)))
-        self._names = ["number", *(axis.field for axis in sweep.design.axes), *COLUMNS]
-        self._series = ["number", TIME, *sweep.plan.keep] if sweep.plan.keep else []
+        self._tables = tables(sweep)
         with told(self.path):
             self._file = sqlite3.connect(path, timeout=0.2, isolation_level=None)
             try:
@@ -87,23 +87,15 @@ class Store:
         self._committed = time.monotonic()
 
     def _create(self) -> None:
-        words = {name for name, unit in COLUMNS.items() if unit is None}
-        for axis in self._sweep.design.axes:
-            words |= {axis.field} if any(isinstance(each, str) for each in axis.values) else set()
-        columns = [f'"{name}" {"TEXT" if name in words else "REAL"}' for name in self._names[1:]]
-        blobs = [f'"{name}" BLOB' for name in self._series[1:]]
-        for table, kinds in (("cases", columns), ("series", blobs)):
-            if kinds:
-                first = "number INTEGER PRIMARY KEY"
-                self._file.execute(f"CREATE TABLE {table} ({', '.join([first, *kinds])})")
-        for table in ("sweep", "code"):
-            self._file.execute(f"CREATE TABLE {table} (name TEXT PRIMARY KEY, value TEXT)")
-        about = {"format": str(FORMAT), "sweep": self._sweep.to_text()}
-        self._file.executemany("INSERT INTO sweep VALUES (?, ?)", about.items())
+        about = {"name": "TEXT PRIMARY KEY", "value": "TEXT"}
+        for table, kinds in {**self._tables, "sweep": about, "code": about}.items():
+            columns = ", ".join(f'"{name}" {kind}' for name, kind in kinds.items())
+            self._file.execute(f"CREATE TABLE {table} ({columns})")
+        told = {"format": str(FORMAT), "sweep": self._sweep.to_text()}
+        self._file.executemany("INSERT INTO sweep VALUES (?, ?)", told.items())
         self._add_code()
         self._file.execute(f"PRAGMA application_id = {APPLICATION}")
-        self._file.execute("COMMIT")
-        self._file.execute("BEGIN IMMEDIATE")
+        self.commit()
 
     def _add_code(self) -> None:
         self._file.execute("INSERT INTO code VALUES (?, ?)", (self._code_name, self._code))
@@ -160,27 +152,24 @@ class Store:
             present = {number for (number,) in found}
         return [number for number in numbers if number not in present]
 
-    def rows(self) -> Iterator[Row]:
+    def rows(self) -> Iterator[CaseRow]:
         """All rows, by their numbers."""
         with told(self.path):
             for cells in self._file.execute("SELECT * FROM cases ORDER BY number"):
-                yield dict(zip(self._names, cells, strict=True))
+                yield dict(zip(self._tables["cases"], cells, strict=True))
 
-    def add(self, rows: Iterable[Row]) -> None:
+    def add(self, rows: Iterable[CaseRow]) -> None:
         """Add rows; they are on the disk at the next commit."""
         rows = [{**row, "code": self._code_name} for row in rows]
+        kept = [{"number": row["number"], **row["series"]} for row in rows if "series" in row]
+        held = {"cases": rows, "series": kept}
         with told(self.path):
-            self._insert("cases", self._names, rows)
-            if self._series:
-                names = ["number", *map(IN_ROW.format, self._series[1:])]
-                self._insert("series", names, [row for row in rows if names[1] in row])
-
-    def _insert(self, table: str, names: Sequence[str], rows: Iterable[Row]) -> None:
-        marks = ", ".join("?" * len(names))
-        self._file.executemany(
-            f"INSERT OR REPLACE INTO {table} VALUES ({marks})",
-            ([row.get(name) for name in names] for row in rows),
-        )
+            for table, names in self._tables.items():
+                marks = ", ".join("?" * len(names))
+                self._file.executemany(
+                    f"INSERT OR REPLACE INTO {table} VALUES ({marks})",
+                    ([row.get(name) for name in names] for row in held[table]),
+                )
 
     def commit_if_due(self) -> None:
         """Commit if the last time is `COMMIT_EVERY` ago."""
@@ -194,6 +183,20 @@ class Store:
                 self._file.execute("COMMIT")
             self._file.execute("BEGIN IMMEDIATE")
         self._committed = time.monotonic()
+
+
+def tables(sweep: Sweep) -> dict[str, dict[str, str]]:
+    """Columns of the tables of a store with their kinds, as SQLite calls them."""
+    kinds = {name: "TEXT" if unit is None else "REAL" for name, unit in COLUMNS.items()}
+    axes = {
+        axis.field: "TEXT" if any(isinstance(each, str) for each in axis.values) else "REAL"
+        for axis in sweep.design.axes
+    }
+    number = {"number": "INTEGER PRIMARY KEY"}
+    found = {"cases": number | axes | kinds}
+    if sweep.plan.keep:
+        found["series"] = number | dict.fromkeys((TIME, *sweep.plan.keep), "BLOB")
+    return found
 
 
 @contextmanager
@@ -228,10 +231,9 @@ def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, 
         told(place),
         closing(sqlite3.connect(address, uri=True, timeout=_PATIENCE)) as file,
     ):
-        said = json.loads(_told(file, place))
         try:
             with foreign_names():
-                sweep = Sweep.from_values(said)
+                sweep = Sweep.from_text(_told(file, place))
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
         yield file, sweep

@@ -2,13 +2,12 @@
 
 import json
 import sys
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from analysis.data.changes import changed, check_field
 from analysis.data.names import ArgumentError
 from analysis.data.trajectory import versions
 from validation.kit.sources import digest
-from validation.sweeps.axes import Design
+from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
 
 _LOOKED_AT = 50
@@ -65,26 +64,27 @@ class Sweep:
         """Whether the other side runs this case as well: evenly spread, in no step with a grid."""
         return bool(_spread(index) <= _spread_limit(self.design.size, self.plan.witnesses))
 
-    def to_values(self) -> dict[str, Any]:
-        """Plain data, by which two sweeps are the same."""
-        return {
+    def to_text(self) -> str:
+        """Plain data as JSON, by which two sweeps are the same."""
+        told = {
             "scenario": self.scenario.values(),
-            "design": self.design.to_values(),
+            "design": asdict(self.design),
             "plan": asdict(self.plan),
         }
+        return json.dumps(told, sort_keys=True, allow_nan=False)
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Any]) -> "Sweep":
-        """Sweep from what `to_values` has returned."""
+    def from_text(cls, text: str) -> "Sweep":
+        """Sweep from what `to_text` has returned."""
+        told = json.loads(text)
+        design, plan = told["design"], told["plan"]
+        axes = tuple(Axis(**axis) for axis in design.pop("axes"))
+        plan.pop("time_limit", None)
         return cls(
-            scenario=Scenario.from_values(values["scenario"]),
-            design=Design.from_values(values["design"]),
-            plan=Plan(**values["plan"]),
+            scenario=Scenario.from_values(told["scenario"]),
+            design=Design(axes=axes, **design),
+            plan=Plan(**plan),
         )
-
-    def to_text(self) -> str:
-        """The plain data as JSON."""
-        return json.dumps(self.to_values(), sort_keys=True, allow_nan=False)
 
     def code(self) -> dict[str, str]:
         """What the results depend on besides: versions, and a digest of all sources."""
@@ -109,8 +109,7 @@ def _spread_limit(size: int, count: int) -> float:
     return float(np.partition(_spread(np.arange(size)), count - 1)[count - 1])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LookAhead:
+class LookAhead(NamedTuple):
     """What some cases, evenly spread over a sweep, tell before it runs.
 
     Parameters
@@ -139,28 +138,22 @@ def look_ahead(sweep: Sweep) -> LookAhead:
     """
     if sweep.plan.runs_in_batches:
         require_heyoka()
-    size = sweep.design.size
+    size, errors, seconds = sweep.design.size, [], []
     numbers = sorted({round(part * (size - 1)) for part in np.linspace(0.0, 1.0, _LOOKED_AT)})
-    reasons, seconds = [], []
     for number in numbers:
         try:
             scenario = sweep.scenario_of(number)
             effort = sweep.plan.effort(scenario)
             effort.check()
-            seconds.append(effort.seconds)
         except ValueError as error:
-            reasons.append(str(error))
+            errors.append(error)
             continue
-        if sweep.plan.witnesses:
-            # A case that the other side cannot run takes it no time.
-            with suppress(ValueError):
-                part = sweep.plan.witnesses / size
-                seconds[-1] += part * sweep.plan.witness_effort(scenario).seconds
+        seconds.append(effort.seconds)
+        # A case that the other side cannot run takes it no time.
+        with suppress(ValueError):
+            if part := sweep.plan.witnesses / size:
+                seconds[-1] += part * sweep.plan.witness.effort(scenario).seconds
     if not seconds:
-        raise ValueError(reasons[0])
-    return LookAhead(
-        looked_at=len(numbers),
-        refused=len(reasons),
-        reason=reasons[0] if reasons else "",
-        seconds=sum(seconds) / len(numbers),
-    )
+        raise errors[0]
+    reason = str(errors[0]) if errors else ""
+    return LookAhead(len(numbers), len(errors), reason, sum(seconds) / len(numbers))

@@ -16,7 +16,6 @@ from analysis import (
     MODELS,
     POSSIBLE_SETS,
     ConstraintSet,
-    Ensemble,
     Form,
     FrictionLaw,
     Level,
@@ -31,17 +30,18 @@ from analysis import (
     Trajectory,
     ViscousFriction,
     simulate,
-    simulate_many,
 )
 from analysis.compiled import code, library, systems
-from analysis.compiled.runs import CompiledScenario
+from analysis.compiled.ensemble import simulate_compiled
+from analysis.compiled.runs import integrate
 from analysis.compiled.systems import SIGN, Structure
 from analysis.data.checks import Array
 from analysis.data.quantities import LOADS
+from analysis.data.watch import Watch
 from analysis.mechanics import reduced
 from analysis.mechanics.recorded import solver
-from analysis.models.forms import pose
-from tests.helpers import assert_close, model, mostly_slow, random_disk, random_table
+from analysis.models.request import Request
+from tests.helpers import assert_close, model, mostly_slow, not_none, random_disk, random_table
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
@@ -194,24 +194,8 @@ def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy(level: Level) -> No
     assert difference(run, pure) < 1e-7
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("level", [1, 2])
-def test_single_runs_of_random_starts_are_as_good_as_their_local_tolerance(level: Level) -> None:
-    random = np.random.default_rng(16)
-    drawn = {
-        "beta": random.uniform(0.6, 2.5, 300),
-        "gamma": random.uniform(-3.0, 3.0, 300),
-        "spin": random.uniform(5.0, 60.0, 300),
-        "beta_rate": random.uniform(-2.0, 2.0, 300),
-    }
-    starts = Ensemble(scenario=model(level), fields=drawn)
-    run, truth = (
-        simulate_many(starts, np.linspace(0.0, 2.0, 21), local_tolerance=local, workers=1)
-        for local in (1e-9, 3e-14)
-    )
-    apart = np.abs(run.coordinates - truth.coordinates)[:, :, 4:]
-    assert np.nanmax(apart) < 1e-6
-    assert np.mean(np.nanmax(apart, axis=(1, 2)) > 1e-7) < 0.01
+def turned(state: State) -> float:
+    return -1.0 - state.coordinates[5]
 
 
 def test_compiled_run_ends_where_the_pure_one_does() -> None:
@@ -220,17 +204,16 @@ def test_compiled_run_ends_where_the_pure_one_does() -> None:
         (pulling, None, (), "contact would pull"),
         (model(4), "reduced", "inverted", "inverted"),
         (model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)), "reduced", (), "flat"),
+        (model(4), "reduced", turned, "turned"),
     ):
         how: dict[str, Any] = {"form": form, "stop_when": stop_when}
         times = np.linspace(0.0, 2.0, 201)
         pure = simulate(scenario, times, **how, local_tolerance=1e-12)
         run = simulate(scenario, times, **how, method="taylor", local_tolerance=1e-12)
-        assert pure.ending is not None
-        assert run.ending is not None
-        assert run.ending.reason == pure.ending.reason == reason
-        assert run.ending.time == pytest.approx(pure.ending.time, abs=1e-10)
-        assert run.times[-1] == run.ending.time
-        assert abs(run.ending.value) < 1e-8
+        ending, expected = not_none(run.ending), not_none(pure.ending)
+        assert ending.reason == expected.reason == reason
+        assert run.times[-1] == ending.time == pytest.approx(expected.time, abs=1e-10)
+        assert abs(ending.value) < 1e-8
         assert run.times.size == pure.times.size
 
 
@@ -245,19 +228,6 @@ def test_pulling_is_told_as_by_the_pure_path() -> None:
     assert run.times.size == times.size
 
 
-def turned(state: State) -> float:
-    return -1.0 - state.coordinates[5]
-
-
-def test_condition_of_ones_own_ends_a_compiled_run() -> None:
-    how: dict[str, Any] = {"form": "reduced", "stop_when": turned, "local_tolerance": 1e-12}
-    run, pure = (simulate(model(4), TIMES, method=each, **how) for each in ("taylor", "DOP853"))
-    assert run.ending is not None
-    assert pure.ending is not None
-    assert run.ending.reason == "turned"
-    assert run.ending.time == pytest.approx(pure.ending.time, abs=1e-9)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Branching(FrictionLaw):
     """Law that asks how large a number is, which a symbol cannot tell."""
@@ -270,18 +240,6 @@ class Branching(FrictionLaw):
         return 0.01
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Rooted(FrictionLaw):
-    """Law that takes a root with `math`, which knows no symbols."""
-
-    def per_speed(self, speed: float) -> float:
-        return 0.3 / math.sqrt(speed * speed + 0.01)
-
-    @property
-    def finest_speed(self) -> float:
-        return 0.1
-
-
 def fast(state: State) -> float:
     return 1.0 - math.hypot(*state.rates)
 
@@ -290,7 +248,6 @@ def fast(state: State) -> float:
     ("scenario", "how", "message"),
     [
         (model(4, friction=Branching()), {"form": "reduced"}, "cannot express .* law Branching"),
-        (model(1, friction=Rooted()), {}, "cannot express friction law Rooted"),
         (model(4), {"form": "reduced", "stop_when": fast}, "cannot express stop_when 'fast'"),
         (Scenario(contact=PenaltyContact(stiffness=1e5)), {}, "knows the ideal contact alone"),
         (
@@ -345,10 +302,12 @@ def test_scenarios_alike_in_structure_share_what_is_compiled() -> None:
 
 @pytest.mark.parametrize("rate", [np.nan, np.inf, 1e200])
 def test_state_that_is_not_finite_ends_a_compiled_run(rate: float) -> None:
-    made = CompiledScenario(model(4), "reduced", {}, allow_pulling=False)
-    problem = replace(pose(model(4), "reduced").problem, start=np.array([1.5, 0.1, rate]))
-    with pytest.raises(ArithmeticError, match="no longer finite"):
-        made.integrate(replace(problem, normal_force=lambda _: 1.0), TIMES, 1e-12)
+    how = Request(times=TIMES, form="reduced", method="taylor", local_tolerance=1e-12)
+    (part,), _ = simulate_compiled([model(4)], [np.inf], how)
+    part.group.states[0, 10] = rate
+    only = np.array([0])
+    _, failures = integrate(part.group, only, TIMES, 1e-12, 1.0, watch=Watch())
+    assert "no longer finite" in str(failures[0])
 
 
 def test_time_limit_ends_a_compiled_run() -> None:
@@ -357,35 +316,8 @@ def test_time_limit_ends_a_compiled_run() -> None:
     def tell(reached: float, _: float) -> None:
         told.append(reached)
 
-    run = simulate(
-        model(4),
-        TIMES,
-        form="reduced",
-        method="taylor",
-        local_tolerance=1e-12,
-        time_limit=1e-9,
-        progress=tell,
-    )
-    assert run.ending is not None
-    assert run.ending.reason == "time limit"
+    how: dict[str, Any] = {"form": "reduced", "method": "taylor", "local_tolerance": 1e-12}
+    run = simulate(model(4), TIMES, time_limit=1e-9, progress=tell, **how)
+    assert not_none(run.ending).reason == "time limit"
     assert run.times[-1] == pytest.approx(told[-1])
     assert len(told) == 1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("level", [1, 2, 3])
-def test_random_starts_keep_the_tolerance(level: Any) -> None:
-    random = np.random.default_rng(15)
-    for _ in range(30):
-        start = Start(
-            beta=random.uniform(0.6, 2.5),
-            gamma=random.uniform(-3.0, 3.0),
-            spin=random.uniform(5, 60),
-        )
-        scenario = Scenario(constraints=MODELS[level], start=start)
-        run = simulate(scenario, TIMES, method="taylor", tolerance=1e-8)
-        pure = simulate(scenario, TIMES, local_tolerance=1e-13)
-        common = min(run.times.size, pure.times.size) - 1
-        apart = np.abs(run.coordinates[:common, 4:] - pure.coordinates[:common, 4:])
-        assert run.times.size == pure.times.size
-        assert np.max(apart) <= 1e-8

@@ -1,8 +1,6 @@
 """Compiled batches: members are those of single runs, and each on its own."""
 
-import sys
 from dataclasses import dataclass
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -11,16 +9,15 @@ import pytest
 from analysis import (
     Ensemble,
     FrictionLaw,
-    SmoothCoulomb,
     Start,
     ToleranceError,
     Trajectory,
     simulate,
     simulate_many,
 )
-from analysis.compiled import code, places
-from analysis.models import simulation
-from tests.helpers import assert_close, model, not_none
+from analysis.compiled import code
+from analysis.models import request
+from tests.helpers import model, not_none
 from validation import benchmark, by_hand
 
 pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
@@ -45,31 +42,6 @@ class Capped(FrictionLaw):
         return 0.01
 
 
-def test_members_of_a_batch_are_those_of_single_runs() -> None:
-    # More than one batch, and members that end: inverted, flat, or by an error of their own.
-    spins = (20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 60.0)
-    members = [model(4, start=Start(spin=spin)) for spin in spins]
-    members.append(model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)))
-    members.append(model(4, friction=SmoothCoulomb(load="contact")))
-    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted"}
-    times = np.linspace(0.0, 1.0, 51)
-    outcomes = simulate_many(members, times, **how, tolerance=1e-8)
-    reasons = set()
-    for member, outcome in zip(members[:-1], outcomes, strict=False):
-        assert isinstance(outcome, Trajectory)
-        single = simulate(member, times, **how, method="taylor", tolerance=1e-8)
-        reasons.add(outcome.ending and outcome.ending.reason)
-        assert outcome.method == single.method
-        assert outcome.error_estimate == pytest.approx(single.error_estimate, abs=1e-11)
-        assert_close(outcome.times, single.times, relative=1e-10)
-        assert_close(outcome.coordinates, single.coordinates, relative=1e-10)
-        assert_close(outcome.multipliers, single.multipliers, relative=1e-8)
-        assert (outcome.ending is None) == (single.ending is None)
-    assert reasons == {None, "inverted", "flat"}
-    assert isinstance(outcomes[-1], ValueError)
-    assert "takes the load 'weight' alone" in str(outcomes[-1])
-
-
 def test_estimates_cover_the_time_at_which_a_condition_ends_a_member() -> None:
     members = [model(4, start=Start(spin=spin)) for spin in (36.0, 40.0, 44.0)]
     how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted"}
@@ -88,7 +60,7 @@ def test_estimates_cover_the_time_at_which_a_condition_ends_a_member() -> None:
 def test_members_that_taylor_takes_to_no_tolerance_run_with_dop853(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(simulation, "COMPILED_TOLERANCES", (1e-6, 1e-6))
+    monkeypatch.setattr(request, "COMPILED_TOLERANCES", (1e-6, 1e-6))
     members = [model(4, start=Start(spin=spin)) for spin in (30.0, 40.0)]
     how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-9}
     times = np.linspace(0.0, 0.5, 6)
@@ -102,6 +74,17 @@ def test_members_that_taylor_takes_to_no_tolerance_run_with_dop853(
             np.testing.assert_array_equal(outcome.coordinates, alone.coordinates)
     insisting = simulate_many(members, times, **how, method="taylor")
     assert all(isinstance(outcome, ToleranceError) for outcome in insisting)
+
+
+def test_members_of_a_batch_pull_when_they_do_alone() -> None:
+    fields = {"spin": np.array([40.0, 60.0]), "beta_rate": np.array([2.0, 25.0])}
+    ensemble = Ensemble(scenario=model(4), fields=fields)
+    how: dict[str, Any] = {"form": "reduced", "allow_pulling": True, "local_tolerance": 1e-12}
+    runs = simulate_many(ensemble, TIMES, method="taylor", **how)
+    for run, scenario in zip(runs, ensemble, strict=True):
+        pure = simulate(scenario, TIMES, **how)
+        np.testing.assert_allclose(run.pulling, pure.pulling, rtol=0.0, atol=1e-9)
+    assert runs[1].pulling
 
 
 def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
@@ -123,24 +106,6 @@ def test_member_that_fails_leaves_its_batch_alone() -> None:
     assert isinstance(first, Trajectory)
     assert isinstance(last, Trajectory)
     np.testing.assert_array_equal(first.coordinates, last.coordinates)
-
-
-@pytest.mark.parametrize("faster", [False, True], ids=["where it is", "deeper"])
-def test_calls_go_on_from_the_place_on_the_stack_that_took_less_time(
-    monkeypatch: pytest.MonkeyPatch, faster: bool
-) -> None:
-    deeper: list[bool] = []
-    clock = [0.0]
-
-    def call() -> int:
-        deeper.append(sys._getframe(1).f_code.co_name == "_called")
-        clock[0] += 1.0 if deeper[-1] == faster else 1.2
-        return len(deeper)
-
-    monkeypatch.setattr(places, "perf_counter", lambda: clock[0])
-    tried = places.Places()
-    assert [tried.call(call) for _ in range(8)] == list(range(1, 9))
-    assert deeper == [False, True] * 2 + [faster] * 4
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """What the data types accept, refuse and compute."""
 
 import json
+import re
 from dataclasses import asdict, replace
 from math import nan, pi
 from typing import Any
@@ -18,12 +19,10 @@ from analysis import (
     Dissipation,
     PenaltyContact,
     Scenario,
-    SmoothCoulomb,
     Start,
     State,
     Table,
     ViscousFriction,
-    multiplier_names,
 )
 from analysis.data.checks import Array
 
@@ -190,10 +189,6 @@ def test_hole_lies_inside_the_ring() -> None:
         Disk.ring(hole_distance=0.03)
 
 
-def test_a_table_without_friction_is_allowed() -> None:
-    assert SmoothCoulomb(coefficient=0.0).coefficient == 0.0
-
-
 @pytest.mark.parametrize("field", ["coordinates", "rates"])
 def test_state_needs_six_numbers(field: str) -> None:
     good: dict[str, Any] = {"coordinates": (0, 0, 0, 0, 1, 0), "rates": (0,) * 6}
@@ -214,12 +209,6 @@ def test_state_vector_holds_coordinates_before_rates() -> None:
     np.testing.assert_array_equal(state.vector, [1, 2, 3, 4, 0.5, 6, 7, 8, 9, 10, 11, 12])
 
 
-@pytest.mark.parametrize(("level", "count"), [(1, 1), (2, 3), (3, 4), (4, 5)])
-def test_each_model_has_one_multiplier_for_each_constraint(level: Any, count: int) -> None:
-    everything = ("normal_force", "cog_force_x", "cog_force_y", "tangential_force", "spin_torque")
-    assert multiplier_names(MODELS[level]) == everything[:count]
-
-
 def test_table_pulls_down_and_along() -> None:
     table = Table(gravity=2.0, inclination=pi / 6, downhill=pi / 2)
     np.testing.assert_allclose(table.vector, (0.0, 1.0, -np.sqrt(3.0)), atol=1e-15)
@@ -231,29 +220,18 @@ SOFT = PenaltyContact(stiffness=1e5)
 
 
 @pytest.mark.parametrize(
-    ("fields", "message"),
+    ("name", "value", "kind"),
     [
-        ({"disk": 3}, "disk must be a Disk, got 3"),
-        ({"friction": "stick"}, "friction must be a FrictionLaw, got 'stick'"),
-        ({"table": None}, "table must be a Table, got None"),
-        ({"contact": 1e6}, r"contact must be a PenaltyContact, got 1000000\.0"),
-        ({"start": (1, 2)}, r"start must be a Start or a State, got \(1, 2\)"),
-        ({"dissipation": Dissipation(pivoting=1e-4)}, "dissipation acts on a penalty contact"),
-        ({"start": Start(height=0.01)}, "height must be 0 or left out on an ideal contact"),
-        (
-            {"contact": SOFT, "constraints": MODELS[2]},
-            "contact must be left out, or constraints be those of Model 1: .* got Model 2",
-        ),
-        ({"contact": PenaltyContact(stiffness=1.0)}, "stiffness must be at least weight"),
-        (
-            {"contact": replace(SOFT, half_thickness=0.1)},
-            "half_thickness must not exceed the radius of the disk = 0.045",
-        ),
+        ("disk", 3, "a Disk"),
+        ("friction", "stick", "a FrictionLaw"),
+        ("table", None, "a Table"),
+        ("contact", 1e6, "a PenaltyContact"),
+        ("start", (1, 2), "a Start or a State"),
     ],
 )
-def test_scenario_refuses_what_does_not_fit(fields: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=f"^{message}"):
-        Scenario(**fields)
+def test_scenario_refuses_what_is_of_another_kind(name: str, value: Any, kind: str) -> None:
+    with pytest.raises(ValueError, match=f"^{name} must be {kind}, got {re.escape(repr(value))}"):
+        Scenario(**{name: value})
 
 
 def test_replacing_one_field_of_a_scenario_changes_all_that_follows_from_it() -> None:
@@ -305,8 +283,6 @@ def test_scenario_comes_back_from_its_values(scenario: Scenario) -> None:
         ({"disk": 3}, "disk must be a table, got 3"),
         ({"disk": {"radius": 1.0}}, r"\[disk\] lacks mass, eccentricity, "),
         ({"table": {"tilt": 0.1}}, r"tilt is unknown here; \[table\] takes gravity, "),
-        ({"constraints": "contact"}, "constraints must be a list of names"),
-        ({"contact": {"damping": 1.0}}, r"\[contact\] lacks stiffness"),
     ],
 )
 def test_values_that_are_no_scenario_are_named(values: dict[str, Any], message: str) -> None:

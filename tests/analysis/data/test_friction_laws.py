@@ -17,9 +17,13 @@ from analysis import (
     LAWS,
     LEVELS,
     LOADS,
+    AnisotropicCoulomb,
     FrictionLaw,
     Level,
     Load,
+    LubricatedCoulomb,
+    PenaltyContact,
+    PowerLawCoulomb,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -32,18 +36,19 @@ from analysis import (
 from analysis.data.checks import Array
 from analysis.data.friction import law_from, law_values
 from analysis.data.own import foreign_names
+from analysis.mechanics.contact_load import any_contact_load
 from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
 from analysis.stability.spectra import SYSTEMS, System
 from mbs_models import Scene, formulations
-from mbs_models.friction import per_speed
-from tests.calls import refusal
+from mbs_models.friction import law_force
 from tests.helpers import derivative, model
-from validation import cli
 
 TIMES = np.linspace(0.0, 0.2, 21)
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
 OTHERS = SHIPPED[1:]
+SIMPLE = [law for law in SHIPPED if law.is_simple]
+GENERAL = [law for law in SHIPPED if not law.is_simple]
 SPEEDS = (0.0, 1e-9, 1e-5, 0.99e-5, 1.01e-5, 1e-3, 0.03, 0.1, 0.4, 3.0, 50.0)
 
 
@@ -68,20 +73,22 @@ class SquareRoot(FrictionLaw):
 
 @pytest.mark.parametrize("law", SHIPPED, ids=name)
 def test_both_sides_write_the_same_law(law: FrictionLaw) -> None:
-    engine = per_speed(law)
-    assert engine != law.per_speed
+    engine = law_force(law)
+    assert engine != law.force
     for speed in SPEEDS:
-        assert engine(speed) == pytest.approx(law.per_speed(speed), rel=1e-14)
+        for turn, load in ((0.3, 1.0), (2.0, 4.3), (4.0, 0.02)):
+            slip = speed * np.cos(turn), speed * np.sin(turn)
+            assert engine(*slip, load) == pytest.approx(law.force(*slip, load), rel=2e-14)
 
 
-@pytest.mark.parametrize("law", SHIPPED, ids=name)
+@pytest.mark.parametrize("law", SIMPLE, ids=name)
 def test_gradient_is_the_slope_at_no_slip(law: FrictionLaw) -> None:
     slip = 1e-6 * law.finest_speed
     assert law.per_speed(slip) * slip / slip == pytest.approx(law.gradient, rel=2e-6)
     assert law.gradient == pytest.approx(law.per_speed(0.0), rel=1e-14)
 
 
-@pytest.mark.parametrize("law", [*SHIPPED, SquareRoot()], ids=name)
+@pytest.mark.parametrize("law", [*SIMPLE, SquareRoot()], ids=name)
 def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: FrictionLaw) -> None:
     unit = law.gradient / law.finest_speed
     for relative in (1e-4, 0.049, 0.051, 0.3, 1.0, 3.0):
@@ -111,6 +118,61 @@ def test_full_force_of_the_laws() -> None:
 def test_stribeck_without_a_drop_is_the_papers_law() -> None:
     plain = Stribeck(static=0.3, kinetic=0.3)
     assert [plain.per_speed(v) for v in SPEEDS] == [SmoothCoulomb().per_speed(v) for v in SPEEDS]
+
+
+def test_general_laws_are_the_papers_where_they_have_to_be() -> None:
+    equal = (
+        AnisotropicCoulomb(along=0.3, across=0.3),
+        PowerLawCoulomb(exponent=1.0),
+        LubricatedCoulomb(film=0.0),
+    )
+    for law in equal:
+        found, papers = law.force(0.2, -0.7, 3.0), SmoothCoulomb().force(0.2, -0.7, 3.0)
+        assert found == pytest.approx(papers, rel=1e-15)
+    assert PowerLawCoulomb().force(0.0, 1e9, 8.0)[1] == pytest.approx(-0.3 * 8.0 ** (2 / 3))
+    assert LubricatedCoulomb().force(2.0, 0.0, 0.0) == pytest.approx((-0.2, 0.0))
+
+
+def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
+    law = AnisotropicCoulomb(along=0.5, across=0.2, smoothing=1e-9)
+    turns = np.linspace(0.0, 2.0 * np.pi, 721)
+    ellipse = np.array((0.5 * np.cos(turns), 0.2 * np.sin(turns)))
+    for slip in ((1.0, 0.0), (0.3, 0.8), (-0.6, 0.1)):
+        power = np.dot(law.force(*slip, 1.0), slip)
+        assert power == pytest.approx(-np.max(slip @ ellipse), rel=2e-5)
+
+
+@pytest.mark.parametrize("law", GENERAL, ids=name)
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_stability_under_any_law_is_that_of_the_engine(law: FrictionLaw, level: Level) -> None:
+    spinning = Start.stationary(31.0)
+    for load in LOADS:
+        scenario = model(level, friction=replace(law, load=load), start=spinning)
+        found = spectra.eigenvalues(scenario, np.array([31.0]), "numeric")[0]
+        engine = mbs_models.eigenvalues(Scene(scenario))
+        missing = [np.min(np.abs(found - each)) for each in engine]
+        np.testing.assert_allclose(missing, 0.0, atol=1e-4 * np.abs(engine).max())
+
+
+@pytest.mark.parametrize("law", GENERAL, ids=name)
+def test_what_a_general_law_cannot_have_is_refused_with_the_reason(law: FrictionLaw) -> None:
+    with pytest.raises(ValueError, match="has no force for each newton of load and each m/s"):
+        spectra.eigenvalues(model(4, friction=law), np.array([31.0]), "reduced")
+    with pytest.raises(ValueError, match="takes friction that is isotropic"):
+        analysis.simulate(model(1, friction=law), TIMES, method="taylor")
+
+
+def test_contact_force_without_or_with_several_solutions_is_told() -> None:
+    # Each newton of friction across adds three to the normal force.
+    per_newton, slip = (0.0, -3.0), (0.0, 9.0)
+    steep = PowerLawCoulomb(coefficient=0.5, load="contact", exponent=2.0)
+    with pytest.raises(ArithmeticError, match="has 0 solutions"):
+        any_contact_load(steep, 1.0, *per_newton, *slip)
+    with pytest.raises(ArithmeticError, match=r"has 2 solutions for it: 0\.10"):
+        any_contact_load(steep, 0.1, 0.0, -1.5, *slip)
+    flat = replace(steep, exponent=0.5)
+    load = any_contact_load(flat, 1.0, *per_newton, *slip)
+    assert load == pytest.approx(1.0 - 3.0 * flat.force(0.0, 9.0, load)[1], rel=1e-12)
 
 
 @pytest.mark.parametrize("load", LOADS)
@@ -147,20 +209,19 @@ def test_reduced_and_full_equations_agree_under_every_law(law: FrictionLaw) -> N
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
-@pytest.mark.parametrize("law", OTHERS, ids=name)
+@pytest.mark.parametrize("law", SIMPLE[1:], ids=name)
 def test_linear_stability_depends_on_the_gradient_alone(law: FrictionLaw, system: System) -> None:
     level: Level = 4 if system == "reduced" else 1
     papers = SmoothCoulomb(coefficient=law.gradient, smoothing=1.0)
     spins = np.linspace(10.0, 50.0, 9)
     found, expected = (
-        spectra.state_matrices(model(level, friction=each), spins, system)
-        for each in (law, papers)
+        spectra.eigenvalues(model(level, friction=each), spins, system) for each in (law, papers)
     )
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-9)
 
 
 @pytest.mark.parametrize("level", LEVELS)
-@pytest.mark.parametrize("law", OTHERS, ids=name)
+@pytest.mark.parametrize("law", SIMPLE[1:], ids=name)
 def test_engine_eigenvalues_depend_on_the_gradient_alone(law: FrictionLaw, level: Level) -> None:
     papers = SmoothCoulomb(coefficient=law.gradient * 0.1, smoothing=0.1)
     start = Start.stationary(25.0)
@@ -185,24 +246,6 @@ def test_file_runs_no_module_that_it_names() -> None:
     with foreign_names(), pytest.raises(ValueError, match="'this:Law' must be imported first"):
         law_from({"law": "this:Law"})
     assert "this" not in sys.modules
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"law": "glue"}, "must be one of smooth-coulomb, stribeck, tanh, viscous or module"),
-        (
-            {"law": "tanh", "viscosity": 1.0},
-            "viscosity is no parameter of the friction law tanh, which takes load",
-        ),
-        ({"law": "stribeck", "static": 0.1}, "kinetic must not exceed static = 0.1, got 0.3"),
-        ({"law": "no.such.module:Law"}, "cannot be loaded"),
-        ({"law": "math:sin"}, "must be a class derived from FrictionLaw"),
-    ],
-)
-def test_bad_law_is_refused(values: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        law_from(values)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -237,20 +280,50 @@ def test_law_that_says_no_friction_is_refused_before_anything_runs(
         Scenario(friction=law)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pushing(FrictionLaw):
+    """Law with any force."""
+
+    says: Any
+
+    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        return self.says(along, across, load)  # type: ignore[no-any-return]
+
+    @property
+    def finest_speed(self) -> float:
+        return 0.1
+
+
 @pytest.mark.parametrize(
-    "law", ["stribeck,static=0.5", "tanh,coefficient=0.4,smoothing=0.05", "viscous"]
+    ("says", "message"),
+    [
+        (lambda x, y, n: (n * x, n * y), "slope of force at no slip must"),
+        (lambda x, y, n: (-n * x, n * y), "must be against the slip if IS_ISOTROPIC"),
+        (lambda x, y, n: (-n * x, -2.0 * n * y), "must be against the slip if IS_ISOTROPIC"),
+        (lambda x, y, n: (-n * n * x, -n * n * y), "must double with the load"),
+        (lambda x, y, n: (nan, n * x * y), "must be a finite number, got nan"),
+    ],
 )
-def test_command_line_takes_a_law(law: str, tmp_path: Path) -> None:
-    runs = []
-    for source in ("engine", "in-house"):
-        out = tmp_path / f"{source}.npz"
-        call = ["simulate", "--source", source, "--law", law, "--end", "0.2", "--samples", "21"]
-        assert cli.main([*call, "--tolerance", "1e-7", "--out", str(out)]) == 0
-        runs.append(load_run(out, Trajectory))
-    assert runs[0].scenario == runs[1].scenario
-    assert type(runs[0].scenario.friction) is LAWS[law.partition(",")[0]]
-    np.testing.assert_allclose(runs[0].coordinates, runs[1].coordinates, atol=2e-7)
-    assert cli.main(["critical", "--system", "reduced", "--law", law]) == 0
+def test_force_that_is_not_what_its_law_says_of_it_is_refused(says: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Scenario(friction=Pushing(says=says))
+
+
+def test_edge_without_direction_takes_isotropic_friction_alone() -> None:
+    law = AnisotropicCoulomb(load="contact")
+    with pytest.raises(ValueError, match="friction must be isotropic on a rounded rim"):
+        Scenario.rest(friction=law)
+
+
+@pytest.mark.parametrize("law", GENERAL, ids=name)
+def test_yielding_table_knows_every_law_on_both_sides(law: FrictionLaw) -> None:
+    contact = PenaltyContact(stiffness=2e5, damping=20.0)
+    scenario = Scenario(contact=contact, friction=replace(law, load="contact"))
+    state = scenario.initial_state
+    expected, _ = accelerations(scenario, state.coordinates, state.rates)
+    for formulation in formulations(scenario):
+        found, _ = mbs_models.acceleration(Scene(scenario, formulation))
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-7)
 
 
 @pytest.mark.slow
@@ -284,17 +357,3 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     assert tippedisk("sweep", *cases, "--out=own.db").stdout == "own.db: 2 cases\n"
     cases = ("law=tanh,rough:SquareRoot", "--model=4", "--end=0.1", "--workers=1")
     assert tippedisk("sweep", *cases, "--out=laws.db").stdout == "laws.db: 2 cases\n"
-
-
-@pytest.mark.parametrize(
-    ("law", "message"),
-    [
-        ("glue", "friction law must be one of smooth-coulomb"),
-        ("tanh,0.4", "--law: law must hold parameter=value behind its name, got '0.4'"),
-        ("tanh,coefficient=much", "coefficient must be a number, got 'much'"),
-    ],
-)
-def test_bad_law_on_the_command_line_is_one_line(
-    law: str, message: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    assert message in refusal(capsys, "simulate --law", law, f"--out={tmp_path / 'x.npz'}")

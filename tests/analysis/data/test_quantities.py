@@ -34,6 +34,7 @@ STEADY = {
     "disk.inertia_y": 2.5e-4,
     "disk.inertia_z": 4.7e-4,
     "friction.static": 0.5,
+    "friction.exponent": 0.5,
     "contact.stiffness": 2e6,
     "dissipation.rolling_smoothing": 0.02,
 }

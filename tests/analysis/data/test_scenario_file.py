@@ -11,19 +11,30 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from analysis import (
+    DISKS,
+    LOADS,
+    MODELS,
+    POSSIBLE_SETS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Dissipation,
+    FrictionLaw,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    State,
+    Stribeck,
+    Table,
+    TanhCoulomb,
+    ViscousFriction,
+    load_scenario,
+    scenario_text,
+)
 from analysis.data.angles import angle, spelled_angle
-from analysis.data.constraint_set import MODELS, POSSIBLE_SETS
-from analysis.data.contact import PenaltyContact
-from analysis.data.disk import DISKS, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
-from analysis.data.dissipation import Dissipation
-from analysis.data.friction import LAWS, FrictionLaw, TanhCoulomb
-from analysis.data.quantities import LOADS
-from analysis.data.scenario import Scenario
-from analysis.data.scenario_file import LARGEST_FILE, load_scenario
-from analysis.data.scenario_text import scenario_text
-from analysis.data.start import Start
-from analysis.data.state import State
-from analysis.data.table import Table
+from analysis.data.scenario_file import LARGEST_FILE
 from tests.scenario_texts import with_key
 
 QUICK = settings(
@@ -64,21 +75,14 @@ RINGS = st.builds(
     density=reals(100.0, 2e4),
 )
 TEXT = st.text(st.characters(exclude_categories=["Cs"]))
-LAW_OF: dict[str, dict[str, st.SearchStrategy[Any]]] = {
-    "smooth-coulomb": {"coefficient": reals(0.0, 2.0), "smoothing": reals(1e-3, 1e3)},
-    "stribeck": {"static": reals(0.5, 1.0), "kinetic": reals(0.0, 0.5)},
-    "tanh": {"coefficient": reals(0.0, 2.0), "smoothing": reals(1e-3, 1e3)},
-    "viscous": {"viscosity": reals(0.0, 10.0)},
-    "own": {
-        "strength": reals(0.0, 2.0),
-        "kind": st.text(st.characters(exclude_categories=["Cs"])),
-    },
-}
+LOAD = st.sampled_from(LOADS)
+AMOUNT = reals(0.0, 2.0)
 FRICTION: st.SearchStrategy[FrictionLaw] = st.one_of(
-    [
-        st.builds(LAWS.get(name, Own), load=st.sampled_from(LOADS), **parameters)
-        for name, parameters in LAW_OF.items()
-    ]
+    st.builds(SmoothCoulomb, load=LOAD, coefficient=AMOUNT, smoothing=reals(1e-3, 1e3)),
+    st.builds(TanhCoulomb, load=LOAD, coefficient=AMOUNT, smoothing=reals(1e-3, 1e3)),
+    st.builds(Stribeck, load=LOAD, static=reals(0.5, 1.0), kinetic=reals(0.0, 0.5)),
+    st.builds(ViscousFriction, load=LOAD, viscosity=AMOUNT),
+    st.builds(Own, load=LOAD, strength=AMOUNT, kind=TEXT),
 )
 TABLES = st.builds(
     Table, gravity=reals(0.1, 30.0), inclination=reals(0.0, 1.5), downhill=reals(-7.0, 7.0)
@@ -223,11 +227,8 @@ def test_angle_is_spelled_exactly_or_not_at_all(value: float) -> None:
     ("text", "line", "message"),
     [
         ("format = 1\nmodel = \n", 2, "not TOML: Invalid value"),
-        ("format = 1\nmodel = 1\nmodel = 2\n", 3, "not TOML: Cannot overwrite a value"),
-        ("format = 1\n[disk\n", 2, "not TOML: Expected ']'"),
         ('format = 1\nlaw = """\n\n', 2, "not TOML: "),
         ("a = " + "[" * 5000, 1, "not TOML: nested too deeply"),
-        ("a = " + "9" * 5000, 1, "not TOML: "),
         ("", 1, "format is missing; it must be 1"),
         ("format = 1\nmodel = 1\ndisk = 3\n", 3, "disk must be a table, got 3"),
         ("format = 1\nmodel = 1\ndisk = {name = 'gold'}\n", 3, "name must be one of steel"),

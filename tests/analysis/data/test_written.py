@@ -6,7 +6,7 @@ import pytest
 
 from analysis import Scenario, load_scenario, scenario_text
 from analysis.data.written import UnitWarning
-from tests.validation.cli.test_cli_scenario import RING
+from tests.validation.cli.test_refusals import RING
 from validation import cli
 
 

@@ -124,6 +124,9 @@ def test_printed_systems_have_the_same_solution_under_every_law(
 ) -> None:
     random, found = np.random.default_rng(len(constraints)), 0
     for law in LAWS.values():
+        if load == "contact" and not law.IS_PROPORTIONAL:
+            # Its contact force is no solution of a linear system.
+            continue
         disk, friction = random_disk(random), law(load=load)
         scenario = Scenario(constraints=constraints, disk=disk, friction=friction)
         for _ in range(10):
@@ -187,7 +190,7 @@ def test_jacobian_is_the_slope_of_the_time_derivative(
     assert_close(exact_jacobian(scenario)(state), slopes, relative=1e-9)
 
 
-@pytest.mark.parametrize("law", LAWS.values())
+@pytest.mark.parametrize("law", [law for law in LAWS.values() if law().is_simple])
 def test_friction_has_its_slope_at_no_slip(law: type[FrictionLaw]) -> None:
     # Differences err by the kink of the law, however small their step.
     scenario = Scenario(friction=law())

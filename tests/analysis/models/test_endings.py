@@ -2,7 +2,6 @@
 
 from functools import cache
 from math import pi, sin
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 import analysis
 import mbs_models
 from analysis import (
-    Ending,
     Form,
     Level,
     PenaltyContact,
@@ -20,7 +18,6 @@ from analysis import (
     Start,
     State,
     Trajectory,
-    load_run,
 )
 from analysis.data.endings import REACHED
 from tests.helpers import model, not_none
@@ -61,18 +58,12 @@ def test_a_fall_is_a_result_that_ends_where_the_disk_lies_flat(form: Form) -> No
     assert "the disk lies flat" in str(run.ending)
 
 
-def test_falling_flat_ends_the_integration() -> None:
-    # Beyond beta = 0 the equations go on to the next singular tilt and get stuck there.
-    run = analysis.simulate(Scenario(start=FALLING), [0.0, 0.5], tolerance=1e-6)
-    assert not_none(run.ending).reason == "flat"
-    assert 100 < run.counts["right_hand_sides"] < 8000
-
-
 @pytest.mark.parametrize("contact", [None, SOFT], ids=["ideal", "penalty"])
 def test_a_run_ends_where_the_disk_is_inverted(contact: PenaltyContact | None) -> None:
     scenario = Scenario(contact=contact)
     whole = analysis.simulate(scenario, TIMES, tolerance=1e-8)
-    ended = analysis.simulate(scenario, TIMES, tolerance=1e-8, stop_when="inverted")
+    once = iter(["inverted"])
+    ended = analysis.simulate(scenario, TIMES, tolerance=1e-8, stop_when=once)
     assert not_none(ended.ending).reason == "inverted"
     assert ended.cog_direction[-1] == pytest.approx(REACHED, abs=1e-9)
     count = ended.times.size - 1
@@ -93,13 +84,6 @@ def test_a_run_ends_where_the_inversion_is_lost() -> None:
     assert "below the geometric centre" in str(ended.ending)
     other = mbs_models.simulate(mbs_models.Scene(falling), TIMES, tolerance=1e-8, stop_when="lost")
     assert not_none(other.ending).time == pytest.approx(ended.ending.time, abs=1e-8)
-
-
-def test_a_disk_that_was_never_up_loses_nothing() -> None:
-    lying = Scenario(start=Start(beta=1.2, gamma=-pi / 2, spin=5.0))
-    run = analysis.simulate(lying, TIMES[:16], tolerance=1e-6, stop_when="lost")
-    assert np.all(run.cog_direction < 0.0)
-    assert run.ending is None
 
 
 def lateral(state: State) -> float:
@@ -130,12 +114,6 @@ def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
     assert run.ending is None
 
 
-def test_ending_comes_back_from_a_file(tmp_path: Path) -> None:
-    run = analysis.simulate(Scenario(), TIMES, tolerance=1e-6, stop_when=slow)
-    run.save(tmp_path / "run.npz")
-    assert load_run(tmp_path / "run.npz", Trajectory).ending == run.ending
-
-
 @pytest.mark.parametrize(
     ("stop_when", "message"),
     [
@@ -164,12 +142,6 @@ def test_of_two_conditions_of_one_name_none_is_forgotten() -> None:
     both: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
     with pytest.raises(ValueError, match="functions of different names, got <lambda> twice"):
         analysis.simulate(Scenario(), TIMES, stop_when=both)
-
-
-@pytest.mark.parametrize("reason", ["", 3])
-def test_an_ending_has_a_reason(reason: Any) -> None:
-    with pytest.raises(ValueError, match=f"^reason must be text, got {reason!r}$"):
-        Ending(reason=reason, time=1.0, value=0.0)
 
 
 @cache

@@ -1,10 +1,8 @@
 """Many runs at once: the same as single ones, and each on its own."""
 
 import os
-import re
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from typing import Any
 
 import numpy as np
 import pytest
@@ -62,21 +60,3 @@ def killer(_: State) -> float:
 def test_members_of_a_killed_process_say_so() -> None:
     outcomes = simulate_many([model(4)] * 3, TIMES, method="DOP853", stop_when=killer, workers=2)
     assert [type(outcome) for outcome in outcomes] == [BrokenProcessPool] * 3
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"workers": 0}, "workers must be at least 1, got 0"),
-        ({"tolerance": [1e-6, 1e-8]}, "tolerance must be one number or 3 of them, got 2"),
-        (
-            {"stop_when": "upside down"},
-            "stop_when must be one of inverted, lost, module:function, got 'upside down'",
-        ),
-    ],
-)
-def test_bad_call_is_refused_before_any_member_runs(
-    arguments: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(ValueError, match=re.escape(message)):
-        simulate_many([model(4)] * 3, TIMES, **arguments)

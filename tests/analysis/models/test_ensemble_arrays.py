@@ -10,14 +10,10 @@ import pytest
 
 from analysis import (
     LEVELS,
-    LOADS,
     MODELS,
     Ensemble,
     PenaltyContact,
     Scenario,
-    SmoothCoulomb,
-    Start,
-    Stribeck,
     Trajectories,
     simulate,
     simulate_many,
@@ -85,18 +81,6 @@ def test_members_of_a_compiled_ensemble_are_those_of_single_runs() -> None:
     again = pickle.loads(pickle.dumps(runs))  # noqa: S301 - as worker processes do
     np.testing.assert_array_equal(again.coordinates, runs.coordinates)
     np.testing.assert_array_equal(again[3].multipliers, runs[3].multipliers)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("load", LOADS)
-def test_members_of_an_index_1_ensemble_are_those_of_single_runs(load: Any) -> None:
-    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
-    scenario = model(1, friction=SmoothCoulomb(load=load))
-    fields = {"spin": np.array([30.0, 40.0, 200.0]), "mu": np.array([0.3, 0.2, 0.3])}
-    how: dict[str, Any] = {"method": "taylor", "tolerance": 1e-8}
-    runs = simulate_many(Ensemble(scenario=scenario, fields=fields), TIMES, **how)
-    assert_same_as_alone(runs, 1e-9, **how)
-    assert runs.endings.tolist() == [None, None, "contact would pull"]
 
 
 def test_members_of_a_pure_ensemble_are_those_of_single_runs() -> None:
@@ -203,13 +187,6 @@ def test_members_start_and_are_weighed_as_single_scenarios(level: Any) -> None:
         assert_close(in_columns(found, rows.size), alone, relative=1e-13)
         seen += rows.tolist()
     assert sorted(seen) == list(range(SOME))
-
-
-def test_words_vary_as_numbers_do() -> None:
-    fields = {"model": np.array([1, 4, 4]), "friction.law": np.array(["tanh", "stribeck", "tanh"])}
-    ensemble = Ensemble(scenario=Scenario(), fields={**fields, "spin": np.array([1.0, 2.0, 3.0])})
-    assert ensemble[1] == model(4, friction=Stribeck(), start=Start(spin=2.0))
-    assert [scenario.model for scenario in ensemble] == [1, 4, 4]
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Disks that fall: they end flat when they lie flat, or pass nearly flat and go on."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import cos, sin, sqrt
 from typing import Any
 
@@ -103,15 +102,6 @@ def test_rates_that_grow_near_flat_are_in_the_way_of_no_tolerance(
     assert fine.counts["right_hand_sides"] < 100_000
     assert coarse.ending is None is fine.ending
     assert np.abs(coarse.coordinates - fine.coordinates)[:, 4:].max() < 1e-5
-
-
-def test_disk_that_begins_nearly_flat_falls_in_the_time_that_it_takes() -> None:
-    start = Start(spin=0.0, beta=np.pi - np.radians(0.01), gamma=-np.pi / 2)
-    low = Scenario(friction=SmoothCoulomb(coefficient=0.0), start=start)
-    ending = not_none(analysis.simulate(low, [0.0, 1.0], tolerance=1e-9).ending)
-    mirrored = replace(low, start=replace(start, beta=np.radians(0.01)))
-    assert ending.reason == FLAT
-    assert ending.time == pytest.approx(time_of_fall(mirrored), abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ import analysis
 import mbs_models
 from analysis import (
     LOADS,
-    Form,
     Level,
     Load,
     PenaltyContact,
@@ -31,7 +30,6 @@ from mbs_models import Formulation, Scene, formulations
 from mbs_models.endings import dips, pulling_times
 from tests.helpers import arc, cog, model, not_none, second_derivative, slip
 from tests.scenes import scene_of
-from validation import cli
 
 TIMES = np.linspace(0.0, 0.2, 21)
 CONTACT = SmoothCoulomb(load="contact")
@@ -76,15 +74,6 @@ def test_both_sides_end_where_the_contact_would_pull(
         assert not_none(run.ending).value == run.normal_force[-1]
 
 
-def test_reduced_and_full_equations_end_together() -> None:
-    scenario = model(4, start=Start(beta=1.0, gamma=-1.0, spin=100.0))
-    forms: tuple[Form, ...] = ("index-1", "reduced")
-    full, reduced = (
-        analysis.simulate(scenario, TIMES, form=form, tolerance=1e-10) for form in forms
-    )
-    assert not_none(reduced.ending).time == pytest.approx(not_none(full.ending).time, abs=1e-9)
-
-
 @pytest.mark.parametrize("load", ["weight", "contact"])
 def test_friction_takes_energy_even_where_the_contact_is_allowed_to_pull(load: Load) -> None:
     scenario = model(2, friction=LOADED[load], start=FAST)
@@ -93,16 +82,6 @@ def test_friction_takes_energy_even_where_the_contact_is_allowed_to_pull(load: L
     assert np.min(run.normal_force) < -0.1 * run.scenario.weight
     assert np.all(power(run) <= 0.0)
     assert np.max(energy(run) - energy(run)[0]) < 1e-8
-
-
-def test_friction_takes_energy_in_the_engine_too() -> None:
-    scene = scene_of(2, friction=CONTACT, start=FAST)
-    run = mbs_models.simulate(scene, TIMES, step=2e-4, allow_pulling=True)
-    truth = analysis.simulate(scene.scenario, TIMES, allow_pulling=True, tolerance=1e-9)
-    np.testing.assert_allclose(run.coordinates[:, 4:], truth.coordinates[:, 4:], atol=4e-4)
-    assert np.max(energy(run) - energy(run)[0]) < 1e-5
-    assert len(run.pulling) == len(truth.pulling) > 1
-    np.testing.assert_allclose(run.pulling, truth.pulling, atol=1e-3)
 
 
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating-lie"])
@@ -186,11 +165,6 @@ def test_a_short_dip_between_two_samples_is_found() -> None:
     assert times[dip.row] < 0.51 < times[dip.row] + dip.width * times[1]
 
 
-def test_a_minimum_above_zero_is_no_dip() -> None:
-    times = np.linspace(0.0, 1.0, 21)
-    assert not list(dips((times - 0.52) ** 2 + 0.01, "contact would pull"))
-
-
 def test_times_of_pulling_are_those_of_a_negative_force() -> None:
     assert pulling_times([0.0, 1.0, 2.0, 3.0], [1.0, -1.0, -1.0, 3.0]) == ((0.5, 2.25),)
     assert pulling_times([0.0, 1.0, 2.0], [-1.0, 1.0, -1.0]) == ((0.0, 0.5), (1.5, 2.0))
@@ -224,23 +198,6 @@ def test_a_tolerance_that_nothing_has_met_by_the_time_limit_raises(side: str) ->
 
 
 @SIDES
-def test_progress_goes_up_to_the_end(side: str) -> None:
-    seen: list[tuple[float, float]] = []
-
-    def progress(reached: float, end: float) -> None:
-        seen.append((reached, end))
-
-    if side == "engine":
-        mbs_models.simulate(Scene(), TIMES, step=5e-3, progress=progress)
-    else:
-        analysis.simulate(Scenario(), TIMES, local_tolerance=1e-6, progress=progress)
-    reached = [moment for moment, _ in seen]
-    assert reached == sorted(reached)
-    assert reached[-1] == pytest.approx(TIMES[-1])
-    assert {end for _, end in seen} == {TIMES[-1]}
-
-
-@SIDES
 def test_an_exception_of_the_progress_ends_the_run_and_comes_through(side: str) -> None:
     def progress(reached: float, _end: float) -> None:
         if reached > 0.1:
@@ -252,14 +209,6 @@ def test_an_exception_of_the_progress_ends_the_run_and_comes_through(side: str) 
     }
     with pytest.raises(KeyboardInterrupt):
         run[side]()
-
-
-@pytest.mark.parametrize("limit", [0.0, -1.0, np.nan])
-def test_time_limit_must_be_positive(limit: float) -> None:
-    with pytest.raises(ValueError, match="time_limit"):
-        analysis.simulate(Scenario(), TIMES, time_limit=limit)
-    with pytest.raises(ValueError, match="time_limit"):
-        mbs_models.simulate(Scene(), TIMES, time_limit=limit)
 
 
 def test_ending_and_pulling_come_back_from_a_file(tmp_path: Path) -> None:
@@ -274,15 +223,3 @@ def test_ending_and_pulling_come_back_from_a_file(tmp_path: Path) -> None:
         assert again.pulling == run.pulling
     assert ended.ending is not None
     assert pulled.pulling
-
-
-@pytest.mark.parametrize("source", ["engine", "in-house"])
-def test_command_line_says_where_the_contact_would_pull(
-    source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    call = ["simulate", "--source", source, "--spin", "150", "--end", "0.2", "--samples", "41"]
-    call += ["--tolerance", "1e-5", "--out", str(tmp_path / "run.npz")]
-    assert cli.main(call) == 0
-    assert "ended at t = 0.1434426" in capsys.readouterr().out
-    assert cli.main([*call, "--allow-pulling"]) == 0
-    assert "the contact pulls from t = 0.143" in capsys.readouterr().out

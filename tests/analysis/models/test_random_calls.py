@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import analysis
@@ -109,100 +109,56 @@ def nothing_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rest, "announce", lambda _, effort, __=None: effort.check())
 
 
-@pytest.mark.usefixtures("nothing_is_computed", "_counted")
-@QUICK
-@given(SIDES, with_values(*SIMULATE))
-@example("engine", ["--samples=1000000000000"])
-@example("engine", ["--step=1e-300", "--end=1e300"])
-@example("in-house", ["--mu=1e300", "--eps=1e-300"])
-def test_simulate_answers_in_one_line(
-    capsys: pytest.CaptureFixture[str], source: str, given_options: list[str]
-) -> None:
-    with TemporaryDirectory() as folder:
-        answer(
-            ["simulate", "--source", source, "--out", f"{folder}/run.npz", *given_options], capsys
-        )
+COMMANDS = {
+    "simulate --out {folder}/run.npz --source": SIMULATE,
+    "rest --source": REST,
+    "eigenvalues --spin=30 --system=reduced --source": ("--mu", "--eps", "--spin"),
+    "scenario": PROBLEM,
+    "scene": ("--mu", "--stiffness", "--half-thickness", "--model", *LOSSES),
+}
 
 
 @pytest.mark.usefixtures("nothing_is_computed", "_counted")
+@pytest.mark.parametrize("call", COMMANDS)
 @QUICK
-@given(SIDES, with_values(*REST))
-def test_rest_answers_in_one_line(
-    capsys: pytest.CaptureFixture[str], source: str, given_options: list[str]
+@given(st.data())
+def test_command_answers_in_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, call: str, data: st.DataObject
 ) -> None:
-    answer(["rest", "--source", source, *given_options], capsys)
-
-
-@pytest.mark.usefixtures("_counted")
-@pytest.mark.slow
-@QUICK
-@given(with_values(*PROBLEM))
-@example(["--radius=1", "--hole-radius=0.1", "--hole-distance=1", "--thickness=1", "--density=1"])
-@example(["--mass=1", "--density=1"])
-@example(["--law=.x:Law"])
-@example(["--bilateral"])
-def test_scenario_answers_in_one_line_or_prints_what_can_be_read(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, given_options: list[str]
-) -> None:
-    answer(["scenario", *given_options], capsys)
-    if cli.main(["scenario", *given_options]) == 0:
-        text = capsys.readouterr().out
-        (tmp_path / "my.toml").write_text(text)
-        assert cli.main(["scenario", str(tmp_path / "my.toml")]) == 0
-        assert capsys.readouterr().out == text
-
-
-@pytest.mark.slow
-@QUICK
-@given(st.binary(max_size=60) | st.text(max_size=60).map(str.encode))
-def test_any_file_is_a_scenario_or_refused_in_one_line(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, content: bytes
-) -> None:
-    (tmp_path / "my.toml").write_bytes(content)
-    answer(["scenario", str(tmp_path / "my.toml")], capsys)
-
-
-@pytest.mark.slow
-@QUICK
-@given(st.lists(st.tuples(st.integers(0), st.integers(0)), max_size=4), st.integers(0))
-def test_any_mutilated_scenario_is_answered_in_one_line(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, swaps: list[tuple[int, int]], cut: int
-) -> None:
-    lines = scenario_text(Scenario()).replace("# ", "").split("\n")
-    for first, second in swaps:
-        one, other = first % len(lines), second % len(lines)
-        lines[one], lines[other] = lines[other], lines[one]
-    del lines[cut % len(lines)]
-    (tmp_path / "my.toml").write_text("\n".join(lines))
-    answer(["scenario", str(tmp_path / "my.toml")], capsys)
+    words = call.format(folder=tmp_path).split()
+    if words[-1] == "--source":
+        words.append(data.draw(SIDES))
+    answer([*words, *data.draw(with_values(*COMMANDS[call]))], capsys)
 
 
 TABLE_3 = Start().state(MODELS[1], STEEL_DISK)
+
+
+@pytest.mark.usefixtures("_counted")
+@QUICK
+@given(with_values("--begin", "--end", "--speed"), with_values("--fps", "--width"))
+def test_animate_answers_in_one_line(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    given_options: list[str],
+    of_a_gif: list[str],
+) -> None:
+    random_trajectory().save(tmp_path / "run.npz")
+    words = ["animate", str(tmp_path / "run.npz"), *given_options]
+    answer(words, capsys)
+    # Drawing takes seconds; what is drawn has passed all checks but that of the width.
+    monkeypatch.setattr("validation.kit.animation.gif._Picture", None)
+    if of_a_gif and not any(name.startswith("--width") for name in of_a_gif):
+        of_a_gif.append("--width=1")
+        answer([*words, "--out", str(tmp_path / "run.gif"), *of_a_gif], capsys)
+
+
 LITERALS = st.one_of(
     st.floats().map(repr),
     st.integers(-(10**30), 10**30).map(str),
-    st.sampled_from(
-        [
-            "true",
-            '"pi/2"',
-            '"x"',
-            '""',
-            "[]",
-            "[1, [2]]",
-            "{}",
-            "{a = 1}",
-            "1979-05-27",
-            "07:32:00",
-            "1e400",
-            "0x10",
-            "1_000",
-            "'steel'",
-            '"tanh"',
-            '"os:path"',
-            "9" * 5000,
-            "-0.0",
-        ]
-    ),
+    st.sampled_from(["true", '"pi/2"', '"x"', '""', "[1, [2]]", "{a = 1}", "1979-05-27", "1e400"]),
+    st.sampled_from(["0x10", "1_000", "'steel'", '"tanh"', '"os:path"', "9" * 5000, "-0.0"]),
 )
 
 
@@ -233,53 +189,12 @@ def test_any_value_of_a_key_is_answered_in_one_line(
     answer(["scenario", str(tmp_path / "my.toml")], capsys)
 
 
-@pytest.mark.usefixtures("_counted")
-@settings(QUICK, max_examples=20)
-@given(SIDES, with_values("--mu", "--eps", "--spin"))
-@example("in-house", ["--spin=5", "--mu=1e9", "--eps=1e-3"])
-@example("in-house", ["--spin=5", "--mu=1e9", "--eps=1e-12"])
-def test_eigenvalues_answer_in_one_line(
-    capsys: pytest.CaptureFixture[str], source: str, given_options: list[str]
-) -> None:
-    words = ["eigenvalues", "--spin=30", "--system=reduced", f"--source={source}"]
-    answer([*words, *given_options], capsys)
-
-
 def test_eigenvalues_of_the_steepest_friction_are_followed(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     # Differences of rounding only, divided by each other, overflowed.
     answer(["eigenvalues", "--spin", "3", "--mu", "1e9", "--eps", "1e-3"], capsys)
     answer(["eigenvalues", "--spin", "3", "--mu", "0", "--eps", "1e-12"], capsys)
-
-
-@pytest.mark.usefixtures("_counted")
-@QUICK
-@given(with_values("--mu", "--stiffness", "--half-thickness", "--model", *LOSSES))
-def test_scene_answers_in_one_line(
-    capsys: pytest.CaptureFixture[str], given_options: list[str]
-) -> None:
-    answer(["scene", *given_options], capsys)
-
-
-@pytest.mark.usefixtures("_counted")
-@QUICK
-@given(with_values("--begin", "--end", "--speed"), with_values("--fps", "--width"))
-def test_animate_answers_in_one_line(
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    given_options: list[str],
-    of_a_gif: list[str],
-) -> None:
-    random_trajectory().save(tmp_path / "run.npz")
-    words = ["animate", str(tmp_path / "run.npz"), *given_options]
-    answer(words, capsys)
-    # Drawing takes seconds; what is drawn has passed all checks but that of the width.
-    monkeypatch.setattr("validation.kit.animation.gif._Picture", None)
-    if of_a_gif and not any(name.startswith("--width") for name in of_a_gif):
-        of_a_gif.append("--width=1")
-        answer([*words, "--out", str(tmp_path / "run.gif"), *of_a_gif], capsys)
 
 
 @pytest.mark.usefixtures("_counted")

@@ -12,7 +12,7 @@ import mbs_models
 from analysis import LEVELS, STEEL_DISK, Level, PenaltyContact, Scenario, SmoothCoulomb, Start
 from analysis.data.limits import MOST_STEPS, Effort
 from analysis.solve import effort
-from analysis.solve.stepping import METHODS, Method
+from analysis.solve.stepping import Method
 from mbs_models import Integrator, Scene, rest_run
 from mbs_models import effort as engine_effort
 from tests.helpers import model
@@ -88,13 +88,6 @@ def test_steps_of_engine_runs_are_predicted(scene: Scene, tolerance: float) -> N
     predicted = engine_effort.simulation_effort(scene, times, tolerance=tolerance)
     taken = mbs_models.simulate(scene, times, tolerance=tolerance).counts["steps"]
     assert 1.0 / FACTOR < predicted.steps / taken < FACTOR
-
-
-@pytest.mark.parametrize("times", [[0.0, 0.01, 0.02], [0.0, 0.01, 0.013]])
-@pytest.mark.parametrize("step", [1e-3, 0.7e-3, 1.0])
-def test_steps_of_a_given_length_are_counted(times: list[float], step: float) -> None:
-    predicted = engine_effort.simulation_effort(Scene(), np.array(times), step=step)
-    assert predicted.steps == mbs_models.simulate(Scene(), times, step=step).counts["steps"]
 
 
 def test_steps_to_rest_are_predicted_on_both_sides() -> None:
@@ -201,42 +194,11 @@ def test_stiff_methods_do_not_mind_steep_friction() -> None:
     assert explicit.steps > 1000.0 * stiff.steps
 
 
-def test_every_method_has_its_numbers() -> None:
-    assert set(effort.METHODS) == set(METHODS)
-
-
-def test_step_control_does_not_go_below_its_minimum() -> None:
-    scene = scene_of(friction=SmoothCoulomb(smoothing=1e-12))
-    found = engine_effort.simulation_effort(
-        scene, np.array([0.0, 0.01]), Integrator(name="DOPRI5")
-    )
-    assert found.steps == pytest.approx(1e7)
-
-
 def test_smoothing_below_every_step_is_said_to_be_in_vain() -> None:
     scene = scene_of(2, friction=SmoothCoulomb(smoothing=1e-7))
     halved = Integrator(name="TrapezoidalIndex2")
     found = engine_effort.simulation_effort(scene, np.linspace(0.0, 2.0, 201), halved)
     assert "it needs steps of 4e-09 s, the shortest tried is 1e-06 s" in str(found)
-
-
-def test_steps_under_control_go_below_the_shortest_fixed_one_and_are_told() -> None:
-    scene = scene_of(friction=SmoothCoulomb(smoothing=1e-5))
-    times = np.array([0.0, 0.01])
-    told = engine_effort.simulation_effort(scene, times)
-    run = mbs_models.simulate(scene, times)
-    assert not told.doubt
-    assert 1.0 / FACTOR < told.steps / run.counts["steps"] < FACTOR
-
-
-def test_a_disk_whose_slip_decays_too_fast_for_any_step_is_run_by_its_accelerations() -> None:
-    # Of 40 m in radius, and of the mass and the moments of inertia of the paper's disk.
-    scenario, times = Scenario(disk=replace(STEEL_DISK, radius=40.0)), np.array([0.0, 1.0, 2.0])
-    told = engine_effort.simulation_effort(Scene(scenario), times, Integrator(name="RK67"))
-    assert "it needs steps of 1e-08 s" in str(told)
-    run = mbs_models.simulate(Scene(scenario), times)
-    check = analysis.simulate(scenario, times, method="Radau")
-    assert np.max(np.abs(run.coordinates - check.coordinates)[:, 4:]) < 1e-8
 
 
 SHORT = Effort(steps=100.0, seconds=1.0, cause="tolerance 1")
@@ -263,16 +225,6 @@ def test_long_runs_alone_are_announced(
     assert shown.out == ""
     assert said in shown.err
     assert shown.err.count("\n") == bool(said)
-
-
-def test_time_limit_silences_what_it_ends(capsys: pytest.CaptureFixture[str]) -> None:
-    long = replace(SHORT, seconds=600.0)
-    options.announce("simulate", long)
-    assert capsys.readouterr().err.endswith("; --time-limit ends it early\n")
-    options.announce("simulate", long, 5.0)
-    assert capsys.readouterr().err == ""
-    options.announce("simulate", replace(long, doubt="in vain"), 5.0)
-    assert capsys.readouterr().err.endswith("; in vain\n")
 
 
 def test_limit_itself_is_allowed() -> None:

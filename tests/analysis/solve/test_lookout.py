@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import analysis
-import mbs_models
 from analysis import METHODS, MODELS, Method, Scenario, Start, State, Trajectory
 from analysis.data.checks import Array
 from analysis.data.watch import Watch
@@ -23,8 +22,6 @@ SHORT_PULL = Start(spin=139.0)
 """Its contact would pull for 2.2 ms."""
 
 FAST = Start(beta=2.0, spin=40.0)
-
-AIMED = model(4, start=Start(beta=0.63878, beta_rate=5.14286))
 
 
 def random_scenario(random: np.random.Generator) -> Scenario:
@@ -60,17 +57,6 @@ def test_a_short_pull_between_two_samples_ends_a_run(spin: float, tolerance: flo
     assert_said(few, "contact would pull", said(many)[1], tolerance)
 
 
-def test_the_short_pull_is_noted_where_it_ends_nothing() -> None:
-    scenario = Scenario(start=SHORT_PULL)
-    few, many = (
-        analysis.simulate(scenario, times, tolerance=1e-9, allow_pulling=True).pulling
-        for times in ([0.0, 0.2], np.linspace(0.0, 0.2, 401))
-    )
-    np.testing.assert_allclose(few, many, atol=1e-8)
-    assert few[0][0] == pytest.approx(0.15983, abs=1e-5)
-    assert few[0][1] - few[0][0] == pytest.approx(2.2e-3, abs=1e-4)
-
-
 def test_a_pull_behind_the_end_of_a_run_in_the_same_step_is_not_noted() -> None:
     before = analysis.simulate(Scenario(start=SHORT_PULL), [0.0, 0.1597], local_tolerance=1e-9)
     turned = float(before.coordinate("gamma")[-1])
@@ -97,20 +83,6 @@ def test_conditions_say_nothing_of_what_comes_after_a_fall() -> None:
     assert_said(run, "flat", 0.148187, 1e-5)
 
 
-@pytest.mark.parametrize("samples", [2, 31, 601])
-def test_the_reduced_system_ends_whatever_the_samples(samples: int) -> None:
-    times = np.linspace(0.0, 0.3, samples)
-    run = analysis.simulate(AIMED, times, form="reduced", tolerance=1e-6)
-    assert_said(run, "contact would pull", 0.10066573, 1e-6)
-
-
-@pytest.mark.parametrize("method", SCIPY_METHODS)
-def test_every_method_sees_the_short_pull(method: Method) -> None:
-    scenario = Scenario(start=SHORT_PULL)
-    run = analysis.simulate(scenario, [0.0, 0.2], method=method, local_tolerance=1e-6)
-    assert_said(run, "contact would pull", 0.15983, 1e-4)
-
-
 @pytest.mark.parametrize("starts", mostly_slow([QUICK, ALL], [QUICK]))
 def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: int) -> None:
     random = np.random.default_rng(21)
@@ -132,18 +104,6 @@ def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: i
             assert_said(other, reason, time, 2e-6)
         ended += bool(reason)
     assert ended > starts // 4
-
-
-@pytest.mark.slow
-def test_endings_are_those_of_the_engine() -> None:
-    random = np.random.default_rng(22)
-    for _ in range(30):
-        scenario = random_scenario(random)
-        how: dict[str, Any] = {"tolerance": 1e-6, "stop_when": ["inverted", "lost"]}
-        run = analysis.simulate(scenario, [0.0, 0.4], **how)
-        engine = mbs_models.simulate(mbs_models.Scene(scenario), np.linspace(0, 0.4, 201), **how)
-        reason, time = said(run)
-        assert_said(engine, reason, time, 2e-6)
 
 
 def turned_by(angle: float) -> Callable[[State], float]:

@@ -7,26 +7,30 @@ import numpy as np
 import pytest
 
 from analysis import (
-    GRAVITY,
     MODELS,
-    MOTIONS,
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
     Disk,
-    Motion,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Table,
 )
 from analysis.data.checks import Array
-from analysis.stability.chart import stability_chart, static_gradient
+from analysis.stability.chart import stability_chart
 from analysis.stability.hopf_curves import hopf_curves
-from analysis.stability.linear_full import full_system, paper_numbers, printed_matrices
-from analysis.stability.linear_reduced import closed_form, critical_speed, reduced_matrices
 from analysis.stability.linearisation import spinning
+from analysis.stability.printed import (
+    closed_form,
+    critical_speed,
+    full_matrices,
+    paper_numbers,
+    printed_matrices,
+    reduced_matrices,
+    static_gradient,
+)
 from analysis.stability.sensitivities import closed_form_sensitivities, full_sensitivities
-from analysis.stability.spectra import branches, eigenvalues, state_matrices
+from analysis.stability.spectra import branches, eigenvalues
 
 FULL = Scenario()
 PAPER = Scenario(constraints=MODELS[4])
@@ -43,39 +47,6 @@ def test_printed_matrices_are_as_symmetric_as_the_paper_says() -> None:
     # Friction takes energy and never brings any.
     assert np.linalg.eigvalsh(printed["D_C"]).min() > -1e-12
     assert np.linalg.eigvalsh(printed["M"]).min() > 0.0
-
-
-@pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK])
-@pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize("gradient", [0.0, 1000.0])
-def test_a_disk_spinning_elsewhere_circles_in_the_rotating_frame(
-    disk: Disk, motion: Motion, gradient: float
-) -> None:
-    friction = SmoothCoulomb(coefficient=gradient, smoothing=1.0)
-    matrix = full_system(Scenario(disk=disk, friction=friction), 7.0, motion).state_matrices[0]
-    shifted_along_x = np.array([1.0, 0.0, 0.0, 0.0, 0.0, -7.0, 0.0, 0.0])
-    shifted_along_y = np.array([0.0, 1.0, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0])
-    tolerance = 1e-13 * np.max(np.abs(matrix))
-    np.testing.assert_allclose(matrix @ shifted_along_x, -7 * shifted_along_y, atol=tolerance)
-    np.testing.assert_allclose(matrix @ shifted_along_y, 7 * shifted_along_x, atol=tolerance)
-
-
-def test_without_drift_leaves_the_six_other_eigenvalues() -> None:
-    matrices = full_system(FULL, SPINS).state_matrices
-    six = np.linalg.eigvals(full_system(FULL, SPINS).relevant_matrices).astype(complex)
-    with_pair = np.column_stack((six, 1j * SPINS, -1j * SPINS))
-    for found, expected in zip(with_pair, np.linalg.eigvals(matrices), strict=True):
-        np.testing.assert_allclose(np.sort(found.real), np.sort(expected.real), atol=1e-6)
-        np.testing.assert_allclose(np.sort(found.imag), np.sort(expected.imag), atol=1e-6)
-
-
-def test_fast_eigenvalues_are_those_printed_for_the_tenth_smoothing() -> None:
-    for smoothing, expected in ((0.1, (-156.418, -93.940)), (0.01, (-1584.48, -915.874))):
-        matrix = full_system(
-            Scenario(friction=SmoothCoulomb(smoothing=smoothing)), 30.0
-        ).state_matrices
-        slowest = np.sort(np.linalg.eigvals(matrix[0]).real)[:2]
-        np.testing.assert_allclose(slowest, expected, rtol=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -130,27 +101,12 @@ def test_noninverted_spinning_is_a_saddle_at_every_spin() -> None:
     assert np.all(form.eigenvalues[:, 0].real * form.eigenvalues[:, 1].real < 0.0)
 
 
-def test_without_eccentricity_the_critical_speed_is_finite_and_static() -> None:
-    disk = replace(STEEL_DISK, eccentricity=0.0)
-    for motion in MOTIONS:
-        critical = critical_speed(replace(PAPER, disk=disk), motion)
-        assert critical.kind == "static"
-        assert critical.frequency == 0.0
-        assert critical.spin == pytest.approx(
-            np.sqrt(disk.radius * disk.mass * GRAVITY / disk.inertia_y), rel=1e-14
-        )
-    values = np.linalg.eigvals(reduced_matrices(replace(PAPER, disk=disk), critical.spin)[0])
-    assert np.min(np.abs(values)) == 0.0
-    assert np.sort(np.abs(values))[1] < 1e-12
-
-
 CALLS: dict[str, tuple[str, Any]] = {
-    "full matrices": ("full", full_system),
+    "full matrices": ("full", full_matrices),
     "reduced matrices": ("reduced", reduced_matrices),
     "closed form": ("closed", closed_form),
     "spectra": ("any", eigenvalues),
     "branches": ("any", branches),
-    "state matrices": ("any", state_matrices),
     "chart": ("full", lambda s, spins, **more: stability_chart(s, spins, [1.0], **more)),
     "static": ("full", static_gradient),
     "hopf curves": ("full", lambda s, _, **more: hopf_curves(s, **more)),

@@ -16,20 +16,15 @@ from analysis import (
     Motion,
     Scenario,
 )
-from analysis.stability.chart import (
-    gradient_matrices,
-    stability_chart,
-    static_gradient,
-    with_gradient,
-)
-from analysis.stability.corners import Corner, corners
+from analysis.stability.chart import stability_chart, with_gradient
+from analysis.stability.corners import corners
 from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import ExtendedSystem, HopfCurve, hopf_curves
-from analysis.stability.linear_full import full_system
-from analysis.stability.linear_reduced import critical_speed
 from analysis.stability.linearisation import spin_scale
+from analysis.stability.printed import critical_speed, full_matrices, static_gradient
 from analysis.stability.sensitivities import (
-    DISK_PARAMETERS,
+    FIELDS,
+    SIZE,
     closed_form_sensitivities,
     full_sensitivities,
 )
@@ -43,21 +38,10 @@ def curves() -> Mapping[Motion, tuple[HopfCurve, ...]]:
     return {motion: hopf_curves(PAPER, motion) for motion in MOTIONS}
 
 
-@pytest.fixture(scope="module")
-def meeting(curves: Mapping[Motion, tuple[HopfCurve, ...]]) -> dict[str, Corner]:
-    return {corner.kind: corner for corner in corners(PAPER, curves["inverted"])}
-
-
-def test_with_the_paper_friction_inverted_spinning_is_unstable_at_all_its_spins() -> None:
-    chart = stability_chart(PAPER, np.linspace(0.0, 50.0, 501), [3.0])
-    assert chart.unstable.min() == 2
-    assert set(np.unique(chart.unstable)) == {2, 4}
-
-
 def test_noninverted_spinning_is_unstable_with_every_friction() -> None:
     gradients = np.geomspace(1e-3, 1e4, 40)
     chart = stability_chart(PAPER, np.linspace(0.0, 200.0, 60), gradients, "noninverted")
-    assert np.all(chart.unstable % 2 == 1)
+    assert np.all(chart % 2 == 1)
     assert np.all(np.isnan(static_gradient(PAPER, np.linspace(0, 200, 60), "noninverted")))
 
 
@@ -66,15 +50,15 @@ def test_chart_counts_what_the_eigenvalues_of_the_whole_system_say() -> None:
     chart = stability_chart(PAPER, spins, gradients)
     for row, gradient in enumerate(gradients):
         scenario = with_gradient(PAPER, gradient)
-        values = np.linalg.eigvals(full_system(scenario, spins).state_matrices)
-        np.testing.assert_array_equal(chart.unstable[row], np.sum(values.real > 1e-8, axis=1))
+        values = np.linalg.eigvals(full_matrices(scenario, spins, drift=True))
+        np.testing.assert_array_equal(chart[row], np.sum(values.real > 1e-8, axis=1))
 
 
 @pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK], ids=["unrounded", "Table 1"])
 def test_static_curve_is_where_an_eigenvalue_is_zero(disk: Disk) -> None:
     spins, scenario = np.array([21.5, 30.0, 50.0, 90.0]), Scenario(disk=disk)
     for spin, gradient in zip(spins, static_gradient(scenario, spins), strict=True):
-        matrix = gradient_matrices(scenario, np.array([spin]), gradient, "inverted")[0]
+        matrix = full_matrices(scenario, spin, "inverted", gradient=gradient)[0]
         assert np.min(np.abs(np.linalg.eigvals(matrix))) < 1e-10
 
 
@@ -102,46 +86,33 @@ def test_every_point_of_a_hopf_curve_has_its_imaginary_eigenvalue(
         for spin, gradient, frequency in zip(
             curve.spins[1:], curve.gradients[1:], curve.frequencies[1:], strict=True
         ):
-            matrix = gradient_matrices(PAPER, np.array([spin]), gradient, curve.motion)[0]
+            matrix = full_matrices(PAPER, spin, curve.motion, gradient=gradient)[0]
             values = np.linalg.eigvals(matrix)
             assert np.min(np.abs(values - 1j * frequency)) < 1e-9 * max(1.0, np.abs(values).max())
 
 
-def test_slow_hopf_curve_runs_from_a_double_zero_to_any_gradient(
-    curves: Mapping[Motion, tuple[HopfCurve, ...]], meeting: dict[str, Corner]
+def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable(
+    curves: Mapping[Motion, tuple[HopfCurve, ...]],
 ) -> None:
     slow, _ = curves["inverted"]
     assert slow.ends == ("double zero", "gradient")
-    start = meeting["double zero"]
-    assert start.spin == pytest.approx(28.60972, abs=1e-5)
-    assert start.gradient == pytest.approx(0.881178, abs=1e-6)
-    assert static_gradient(PAPER, start.spin)[0] == pytest.approx(start.gradient, rel=1e-6)
     assert slow.spins[-1] == pytest.approx(30.2722, abs=1e-4)
-
-
-def test_the_two_hopf_curves_cross_in_a_double_hopf_point(meeting: dict[str, Corner]) -> None:
-    double = meeting["double hopf"]
-    assert double.spin == pytest.approx(29.84697, abs=1e-5)
-    assert double.gradient == pytest.approx(1.851081, abs=1e-6)
+    found = {each.kind: each for each in corners(PAPER, curves["inverted"])}
+    expected = {
+        "double zero": (28.60972, 0.881178),
+        "zero hopf": (36.83647, 1.347031),
+        "double hopf": (29.84697, 1.851081),
+    }
+    assert {kind: (each.spin, each.gradient) for kind, each in found.items()} == {
+        kind: pytest.approx(place, abs=5e-6) for kind, place in expected.items()
+    }
+    start, double = found["double zero"], found["double hopf"]
+    assert static_gradient(PAPER, start.spin)[0] == pytest.approx(start.gradient, rel=1e-6)
     np.testing.assert_allclose(double.frequencies, (5.23009, 25.80421), atol=1e-5)
-    matrix = gradient_matrices(PAPER, np.array([double.spin]), double.gradient, "inverted")
-    values = np.linalg.eigvals(matrix[0])
-    assert np.sum(np.abs(values.real) < 1e-9) == 4
-
-
-def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable(
-    meeting: dict[str, Corner],
-) -> None:
-    assert meeting["zero hopf"].spin == pytest.approx(36.83647, abs=1e-5)
-    assert meeting["zero hopf"].gradient == pytest.approx(1.347031, abs=1e-6)
-    points = [(corner.spin, log(corner.gradient)) for corner in meeting.values()]
-    assert len(points) == 3
-    spin, gradient = np.mean(points, axis=0)
-    chart = stability_chart(PAPER, [spin], [np.exp(gradient)])
-    assert chart.unstable[0, 0] == 0
+    matrices = full_matrices(PAPER, double.spin, gradient=double.gradient)
+    assert np.sum(np.abs(np.linalg.eigvals(matrices).real) < 1e-9) == 4
     spins, gradients = np.linspace(10.0, 90.0, 161), np.geomspace(0.1, 100.0, 120)
-    wide = stability_chart(PAPER, spins, gradients)
-    rows, columns = np.nonzero(wide.unstable == 0)
+    rows, columns = np.nonzero(stability_chart(PAPER, spins, gradients) == 0)
     assert 28.6 < spins[columns].min() < spins[columns].max() < 36.9
     assert 0.88 < gradients[rows].min() < gradients[rows].max() < 1.852
 
@@ -158,25 +129,22 @@ def test_jacobian_of_the_extended_system_is_exact() -> None:
         )
 
 
-def test_closed_form_sensitivities_are_derivatives_of_the_closed_form() -> None:
-    for disk in (STEEL_DISK, ROUNDED_STEEL_DISK):
-        found = closed_form_sensitivities(Scenario(disk=disk))
-        for name, fields in DISK_PARAMETERS.items():
-            ahead, behind = (
-                critical_speed(
-                    Scenario(
-                        disk=replace(
-                            disk,
-                            **{
-                                field: getattr(disk, field) * np.exp(step * power)
-                                for field, power in fields.items()
-                            },
-                        )
-                    )
-                ).spin
-                for step in (1e-5, -1e-5)
-            )
-            assert found[name] == pytest.approx(log(ahead / behind) / 2e-5, abs=1e-8)
+@pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK], ids=["unrounded", "Table 1"])
+def test_closed_form_sensitivities_are_derivatives_of_the_closed_form(disk: Disk) -> None:
+    found = closed_form_sensitivities(Scenario(disk=disk))
+    powers = {name: {name: 1} for name in FIELDS}
+    for name, fields in {**powers, "size": dict(zip(FIELDS, SIZE, strict=True))}.items():
+        ahead, behind = (
+            critical_speed(Scenario(disk=scaled(disk, fields, step))).spin
+            for step in (1e-5, -1e-5)
+        )
+        assert found[name] == pytest.approx(log(ahead / behind) / 2e-5, abs=1e-8)
+
+
+def scaled(disk: Disk, fields: Mapping[str, int], step: float) -> Disk:
+    """Disk with fields times powers of e to a step."""
+    changes = {name: getattr(disk, name) * np.exp(step * fields[name]) for name in fields}
+    return replace(disk, **changes)
 
 
 def test_dimensions_tie_size_and_friction_together() -> None:
@@ -202,12 +170,3 @@ def test_full_sensitivities_are_derivatives_of_the_critical_speeds(name: str) ->
         log(one.spin / other.spin) / (2 * change) for one, other in zip(ahead, behind, strict=True)
     ]
     assert found == pytest.approx(expected, rel=1e-4, abs=1e-7)
-
-
-def test_full_system_feels_the_inertia_that_the_closed_form_does_not_know() -> None:
-    closed = closed_form_sensitivities(PAPER)
-    _, slow = full_sensitivities(PAPER)
-    assert closed["inertia_x"] == 0.0
-    assert closed["inertia_y"] == pytest.approx(-0.5061, abs=5e-5)
-    assert slow.values["inertia_x"] == pytest.approx(-0.506, abs=5e-4)
-    assert abs(slow.values["inertia_y"]) < 0.01

@@ -10,20 +10,17 @@ import pytest
 from tests.calls import printed, refusal, run
 
 
-def test_json_holds_the_cycle_at_a_spin(capsys: pytest.CaptureFixture[str]) -> None:
-    (cycle,) = json.loads(printed(capsys, "cycles --spin 30.85 --json"))["motions"]
-    assert cycle["spin"] == pytest.approx(30.85)
-    assert cycle["stable"] is True
-    assert 0.0 < cycle["multiplier"] < 1.0
-
-
-def test_a_table_and_a_picture_hold_the_cycles(tmp_path: Path) -> None:
-    table, picture = tmp_path / "cycles.csv", tmp_path / "cycles.png"
-    assert run(f"cycles --spin 30.9 30.91 --csv {table}") == 0
+def test_cycles_at_spins_go_to_csv_plot_and_json(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, picture = tmp_path / "cycles.csv", tmp_path / "cycles.svg"
+    call = f"cycles --spin 30.9 30.91 --json --csv {table} --plot {picture}"
+    motions = json.loads(printed(capsys, call))["motions"]
     rows = list(csv.DictReader(table.read_text().splitlines()))
-    assert [float(row["spin in rad/s"]) for row in rows] == pytest.approx([30.9, 30.91])
-    assert run(f"cycles --spin 30.9 --plot {picture}") == 0
-    assert picture.stat().st_size > 100
+    assert [float(row["spin in rad/s"]) for row in rows] == [each["spin"] for each in motions]
+    assert [each["spin"] for each in motions] == pytest.approx([30.9, 30.91])
+    assert all(each["stable"] and 0.0 < each["multiplier"] < 1.0 for each in motions)
+    assert "<svg" in picture.read_text()
 
 
 def test_a_cycle_is_followed_over_a_parameter(
@@ -43,13 +40,13 @@ def test_a_cycle_is_followed_over_a_parameter(
 def test_cycles_without_symmetry_are_followed_from_where_they_are_born(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("analysis.nonlinear.family._amplitudes", lambda _: (0.5, 1.0, 1.5, 1.9))
-    monkeypatch.setattr("analysis.nonlinear.asymmetric.BEYOND", np.array((0.2, 0.4, 0.6)))
+    monkeypatch.setattr("analysis.nonlinear.families._amplitudes", lambda _: (0.5, 1.0, 1.5, 1.9))
+    monkeypatch.setattr("analysis.nonlinear.families.BEYOND", np.array((0.2, 0.4, 0.6)))
     picture = tmp_path / "asymmetric.svg"
     call = "cycles --asymmetric --mu 0.1 --eps 0.4"
     found = json.loads(printed(capsys, f"{call} --json --plot {picture}"))
     born, change = found["events"]
-    assert (born["kind"], round(born["amplitude"], 5)) == ("symmetry breaking", 1.78157)
+    assert (born["kind"], round(born["amplitude"], 5)) == ("symmetry-breaking", 1.78157)
     assert [each["stable"] for each in found["motions"]] == [True, True, False]
     assert (change["kind"], round(change["spin"], 3)) == ("period-doubling", 29.969)
     assert "<svg" in picture.read_text()
@@ -76,6 +73,7 @@ def test_the_connection_is_followed_over_a_parameter(capsys: pytest.CaptureFixtu
         ("cycles --mu 1e9", "gradient of at most 10000 s/m"),
         ("cycles --amplitude 1", "--amplitude: amplitude belongs to --over"),
         ("cycles --asymmetric --spin 30", "--spin: spin does not go together with asymmetric"),
+        ("cycles --rotating --spin 30", "--spin: spin does not go together with rotating"),
         ("cycles --asymmetric --rotating", "--asymmetric: asymmetric does not go together with"),
         ("cycles --over mu=0.1:1:3", "--over: over needs what is held"),
         ("cycles --over mu=0.1:1 --spin 30", "needs a count"),
@@ -91,12 +89,12 @@ def test_bad_calls_say_why(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("analysis.nonlinear.family.AMPLITUDES", [0.3])
+    monkeypatch.setattr("analysis.nonlinear.families.AMPLITUDES", [0.3])
     assert message in refusal(capsys, call)
 
 
 @pytest.mark.slow
-def test_the_connection_is_printed_beside_its_prediction(
+def test_the_connection_is_told_beside_its_prediction_and_drawn(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     picture = tmp_path / "heteroclinic.svg"
@@ -110,10 +108,23 @@ def test_the_connection_is_printed_beside_its_prediction(
 def test_the_whole_family_is_printed_and_drawn(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("analysis.nonlinear.family.AMPLITUDES", [0.2, 0.4, 0.6, 0.8, 1.0])
-    text = printed(capsys, "cycles")
+    monkeypatch.setattr("analysis.nonlinear.families.AMPLITUDES", [0.2, 0.4, 0.6, 0.8, 1.0])
+    picture = tmp_path / "cycles.svg"
+    text = printed(capsys, f"cycles --plot {picture}")
     assert "Hopf bifurcation of inverted spinning is supercritical" in text
     assert "stability does not change" in text
-    picture = tmp_path / "cycles.png"
-    assert run(f"cycles --plot {picture}") == 0
-    assert picture.stat().st_size > 100
+    assert "<svg" in picture.read_text()
+
+
+@pytest.mark.slow
+def test_rotating_motions_are_told_and_drawn(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("analysis.nonlinear.families.TILTS", np.array((0.1, 0.12, 0.14)))
+    picture = tmp_path / "rotating.svg"
+    found = json.loads(printed(capsys, f"cycles --rotating --json --plot {picture}"))
+    assert [each["tilt"] for each in found["motions"]] == [0.1, 0.12, 0.14]
+    assert [each["stable"] for each in found["motions"]] == [True, True, False]
+    assert found["events"][0]["spin"] == pytest.approx(30.0820066, abs=1e-6)
+    assert found["connection"] == pytest.approx(30.120961805, abs=1e-8)
+    assert "<svg" in picture.read_text()

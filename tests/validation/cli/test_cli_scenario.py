@@ -1,7 +1,5 @@
 """A problem told by options, by a file, or by a stored run."""
 
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from math import pi
@@ -11,7 +9,6 @@ from typing import Any
 import pytest
 
 from analysis import (
-    MODELS,
     ROUNDED_STEEL_DISK,
     Disk,
     Dissipation,
@@ -30,6 +27,7 @@ from analysis.data.scenario_file import load_scenario
 from analysis.data.scenario_text import scenario_text
 from tests.calls import printed, refusal
 from tests.scenario_texts import with_key
+from tests.validation.cli.test_refusals import RING
 from validation import cli
 from validation.commands.scenarios import chosen_scenario
 from validation.parser.top import parsed
@@ -37,7 +35,6 @@ from validation.studies import crosscheck
 
 ROOT = Path(__file__).parents[3]
 PAPER = Scenario()
-RING = "--radius 0.05 --hole-radius 0.02 --hole-distance 0.02 --thickness 0.01 --density 7700"
 STATE = State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.1), rates=(0.0,) * 6)
 SOFT = PenaltyContact(stiffness=1e5, damping=3.0, half_thickness=1e-4)
 TANH = TanhCoulomb(coefficient=0.7, load="contact")
@@ -77,31 +74,8 @@ OPTIONS: list[tuple[str, Scenario]] = [
         replace(PAPER, disk=replace(ROUNDED_STEEL_DISK, mass=0.5, inertia_z=4.7e-4)),
     ),
     ("--hole-distance 0.01", replace(PAPER, disk=Disk.ring(hole_distance=0.01))),
-    (
-        "--radius 1 --mass 2 --eccentricity 0.1 --inertia-x 3 --inertia-y 3 --inertia-z 4",
-        replace(
-            PAPER,
-            disk=Disk(
-                radius=1.0, mass=2.0, eccentricity=0.1, inertia_x=3.0, inertia_y=3.0, inertia_z=4.0
-            ),
-        ),
-    ),
     ("--law tanh --mu 0.2", replace(PAPER, friction=TanhCoulomb(coefficient=0.2))),
-    (
-        "--inclination 2deg --downhill -pi/2",
-        replace(PAPER, table=Table(inclination=pi / 90, downhill=-pi / 2)),
-    ),
     ("--stiffness 1e5", replace(PAPER, contact=PenaltyContact.damped(1e5, PAPER.disk))),
-    (
-        "--stiffness 1e5 --damping 2 --half-thickness 1e-4 --bilateral --rolling 1e-3",
-        replace(
-            PAPER,
-            contact=PenaltyContact(
-                stiffness=1e5, damping=2.0, half_thickness=1e-4, bilateral=True
-            ),
-            dissipation=Dissipation(rolling_dry=1e-3),
-        ),
-    ),
     (
         "--spin 35 --gamma -pi/2+0.2 --beta-rate -1e-3 --y-rate -.4",
         replace(PAPER, start=Start(spin=35.0, gamma=-pi / 2 + 0.2, beta_rate=-1e-3, y_rate=-0.4)),
@@ -140,34 +114,6 @@ def test_way_to_rest_has_its_own_defaults(
     )
     assert chosen(f"{file(PAPER)}", rest=True) == PAPER
     assert printed(capsys, "scenario", "--rest") == scenario_text(Scenario.rest())
-
-
-REFUSED = [
-    ("--disk steel-rounded --radius 0.04", "--radius: radius varies the paper's ring alone, of"),
-    (f"{RING} --disk steel-rounded", "--radius: radius varies the paper's ring alone, of which"),
-    (f"{RING} --mass 1", "--mass: mass does not go together with radius, from which it follows"),
-    ("--constraints glue", "--constraints: constraints must be one of contact, fixed-cog"),
-    ("--constraints fixed-cog", "--constraints: constraints must hold 'contact'"),
-    ("--model 1 --constraints contact", "--constraints: constraints do not go together with"),
-    ("--law viscous --mu 1", "--mu: coefficient is no parameter of the friction law viscous"),
-    ("--law tanh,coefficient=1,coefficient=2", "--law: law tells coefficient, which is told"),
-    ("--law tanh,coefficient=1 --mu 2", "--law: law tells coefficient, which is told twice"),
-    ("--damping 1", "--damping: damping needs a penalty contact, told by its stiffness, got 1"),
-    ("--bilateral", "--bilateral: bilateral needs a penalty contact, told by its stiffness"),
-    ("--rolling 1e-3", "dissipation acts on a penalty contact alone"),
-    ("--height 1", "--height: height must be 0 or left out on an ideal contact"),
-    ("--model 2 --stiffness 1e5", "contact must be left out, or constraints be those of Model 1"),
-    ("--model 2 --x 1", "--x: x must be -0.000249584 in Model 2"),
-    ("no-such.toml", "must be a file that exists, got 'no-such.toml'"),
-    ("no-such.npz", "must be a file that exists, got 'no-such.npz'"),
-]
-
-
-@pytest.mark.parametrize(("words", "message"), REFUSED, ids=[words for words, _ in REFUSED])
-def test_options_that_do_not_fit_are_refused_in_one_line(
-    words: str, message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert message in refusal(capsys, "scenario", words)
 
 
 def test_a_law_named_again_keeps_its_parameters(file: Callable[[Scenario], str]) -> None:
@@ -263,37 +209,29 @@ def test_scene_lists_a_scenario_of_ones_own(
     assert capsys.readouterr().out.startswith("contact + no-slip-along, formulation floating\n")
 
 
-def made_check(difference: float) -> crosscheck.Check:
-    return crosscheck.Check(
-        quantity="accelerations",
-        formulation="floating",
-        criterion=1e-8,
-        difference=difference,
-        detail="relative",
-    )
-
-
+@pytest.mark.parametrize(
+    ("differences", "code", "verdict"),
+    [([1e-9, 1e-10], 0, "All 2 checks hold."), ([1e-9, 1e-3], 1, "1 checks FAIL.")],
+)
 def test_check_answers_by_its_exit_code(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    differences: list[float],
+    code: int,
+    verdict: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     asked: list[Scenario] = []
-    for differences, code, verdict in (
-        ([1e-9, 1e-10], 0, "All 2 checks hold."),
-        ([1e-9, 1e-3], 1, "1 checks FAIL."),
-    ):
-        checks = [made_check(difference) for difference in differences]
 
-        def answer(
-            scenario: Scenario, *, found: list[crosscheck.Check] = checks, **how: float
-        ) -> Any:
-            assert how == {"states": 10, "end": 2.0}
-            asked.append(scenario)
-            return found
+    def answer(scenario: Scenario, **how: float) -> list[crosscheck.Check]:
+        assert how == {"states": 10, "end": 2.0}
+        asked.append(scenario)
+        about: Any = {"quantity": "accelerations", "formulation": "floating", "detail": "relative"}
+        return [crosscheck.Check(criterion=1e-8, difference=each, **about) for each in differences]
 
-        monkeypatch.setattr(crosscheck, "check_scenario", answer)
-        assert cli.main(["check", "--mu", "0.2", "--states", "10"]) == code
-        assert capsys.readouterr().out.endswith(f"{verdict}\n")
-    assert asked == [chosen("--mu 0.2")] * 2
+    monkeypatch.setattr(crosscheck, "check_scenario", answer)
+    assert cli.main(["check", "--mu", "0.2", "--states", "10"]) == code
+    assert capsys.readouterr().out.endswith(f"{verdict}\n")
+    assert asked == [chosen("--mu 0.2")]
 
 
 @pytest.mark.slow
@@ -303,9 +241,3 @@ def test_check_answers_by_its_exit_code(
 )
 def test_check_of_ones_own_problem_holds(problem: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert "checks hold" in printed(capsys, "check", *problem.split())
-
-
-def test_module_of_the_command_line_is_the_command() -> None:
-    call = [sys.executable, "-m", "validation.cli", "scenario", "--model", "2"]
-    done = subprocess.run(call, capture_output=True, text=True, check=True, cwd=ROOT)
-    assert done.stdout == scenario_text(replace(PAPER, constraints=MODELS[2]))

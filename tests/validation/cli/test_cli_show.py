@@ -32,15 +32,6 @@ def falling() -> SpatialMotion:
     return simulate_to_rest(Scenario.rest(start=Start(spin=5.0, beta=1.2)), 0.1)
 
 
-def test_runs_are_drawn_over_each_other(tmp_path: Path) -> None:
-    out = str(tmp_path / "run.npz")
-    random_trajectory().save(out)
-    for suffix, magic in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
-        picture = tmp_path / f"picture{suffix}"
-        assert cli.main(["show", out, out, "--plot", str(picture)]) == 0
-        assert picture.read_bytes().startswith(magic)
-
-
 def test_difference_is_the_largest_and_the_root_mean_square() -> None:
     one = random_trajectory()
     shift = np.zeros_like(one.coordinates)

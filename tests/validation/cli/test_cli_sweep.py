@@ -12,6 +12,7 @@ from tests.calls import refusal, run
 from tests.sweeps import sweep
 from tests.validation.cli.test_cli_scenario import chosen
 from validation.commands.sweep import chosen_design
+from validation.parser.top import parsed
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_sweep
 
@@ -40,12 +41,8 @@ def test_axes_come_from_a_file_as_well(tmp_path: Path) -> None:
         'layout = "sobol"\nnumber = 3\nseed = 5\n\n[axes]\nstart.spin = "30:40"\n'
         'friction.coefficient = "0.1:1:log"\nmodel = [1, 4]\n'
     )
-    # A failing step keeps the processes out of this: every case is refused.
-    assert run("sweep", "--axes", str(told), "gamma=0,1", "--out", str(out), "--step", "-1") == 2
-    assert not out.exists()
-    options = SimpleNamespace(axes=["gamma=0,1"], axes_file=str(told), layout=None, number=None)
-    options.seed = 6
-    design = chosen_design(options)  # type: ignore[arg-type]
+    words = ["sweep", "--axes", str(told), "gamma=0,1", "--seed", "6", "--out", str(out)]
+    design = chosen_design(parsed(words))
     assert (design.layout, design.number, design.seed) == ("sobol", 3, 6)
     assert [axis.field for axis in design.axes] == [
         "start.spin",
@@ -53,51 +50,6 @@ def test_axes_come_from_a_file_as_well(tmp_path: Path) -> None:
         "model",
         "start.gamma",
     ]
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("spim=0:1:2", "axis must be a field of a scenario"),
-        ("", "axes must be at least one, such as spin=0:60:61"),
-        (
-            "spin=0:60:1000 gamma=0:1:1000 --most 999999",
-            "--most: most allows 999999 cases",
-        ),
-        ("mu=-2,-1", "coefficient must not be negative, got -2"),
-        ("spin=1,2 --workers 0", "--workers: workers must be at least 1, got 0"),
-        ("spin=1,2 --scheduler tcp://here:1", "--scheduler: scheduler needs --executor dask"),
-        ("spin=1,2 --witnesses -1", "witnesses must be a number of cases, got -1"),
-        ("spin=1,2 --end 0", "--end: end must be positive"),
-        ("spin=1,2 --spacing 5", "spacing must be less than end"),
-        ("spin=1,2 --formulation reduced", "form 'reduced' exists for Model 4 alone"),
-        ("spin=1,2 --method euler", "--method: invalid choice"),
-        ("spin=1,2 --local-tolerance 2", "local_tolerance must lie from"),
-        ("spin=1,2 --rest --stiffness 0", "stiffness must be positive"),
-        ("spin=1,2 --step 1e-3", "--step: step must be left out for source 'in-house'"),
-        ("spin=1,2 --keep beta,gama", "--keep: keep must be one of coordinates"),
-        ("spin=1,2 --keep spin_torque", "--keep: keep must name what Model 1 has"),
-        ("spin=1,2 --rest --keep beta", "keep must be one of position_x"),
-        ("spin=1,2 --plot a.txt", "--plot: must end in .png, .svg or .pdf"),
-        (
-            "spin=1,2 mu=0.1 --plot a.png",
-            "--plot: plot cannot be made: several axes can be drawn",
-        ),
-        ("spin=1,2 --time-limit 0", "--time-limit: time_limit must be positive"),
-        ("spin=1,2 --out a.csv", "--out: must end in .db"),
-        ("--axes no-such.toml", "--axes: must be a file that exists"),
-    ],
-)
-def test_wrong_call_is_told_in_one_line_and_leaves_no_file(
-    words: str,
-    message: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert message in refusal(capsys, "sweep --out a.db", words)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_store_that_the_disk_cannot_hold_is_refused_before_it_starts(
@@ -119,13 +71,6 @@ def test_a_method_that_is_not_installed_is_refused_before_anything_is_kept(
     with pytest.raises(ValueError, match=r"^method 'taylor' needs heyoka, which is not"):
         run_sweep(sweep("spin=30,31", method="taylor"), out)
     assert not out.exists()
-
-
-def test_cases_that_would_take_too_many_steps_count_as_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    call = "sweep eps=1e-11,1e-12 --end 4 --workers 1 --out"
-    assert "s/m up to t = 4 s would take about" in refusal(capsys, call, str(tmp_path / "a.db"))
 
 
 @pytest.mark.parametrize(("executor", "module"), [("dask", "distributed"), ("mpi", "mpi4py")])

@@ -12,6 +12,7 @@ import analysis
 import mbs_models
 from analysis.data.endings import CONDITIONS
 from analysis.data.inversion import DEFINITION
+from analysis.data.quantities import QUANTITIES
 from analysis.data.trajectory import SOURCES
 from analysis.solve.stepping import METHODS
 from analysis.stability.spectra import SYSTEMS
@@ -63,7 +64,7 @@ def test_choices_are_those_of_the_packages() -> None:
 
 def options_of(command: Command) -> list[Action]:
     """Options of a command but --help."""
-    return [each for each in command.parser()._actions if each.option_strings][1:]
+    return [each for each in command.parser().actions if each.option_strings][1:]
 
 
 @pytest.fixture(autouse=True)
@@ -80,9 +81,13 @@ def test_nonsense_is_refused_in_one_line_that_names_the_option(
 ) -> None:
     for action in options_of(command):
         option = action.option_strings[0]
-        value = "/dev/null/glue" if action.dest in PATHS else "glue"
-        words = [NEEDED.get(command.name, ""), BESIDE.get(action.dest, ""), f"{option}={value}"]
-        assert option in refusal(capsys, command.name, *words)
+        is_number = action.type in (float, int) or (
+            action.dest in QUANTITIES and not QUANTITIES[action.dest].choices
+        )
+        values = ("glue", "nan") if is_number else ("glue",)
+        for value in ("/dev/null/glue",) if action.dest in PATHS else values:
+            words = [NEEDED.get(command.name, ""), BESIDE.get(action.dest, "")]
+            assert option in refusal(capsys, command.name, *words, f"{option}={value}")
     assert [each.name for each in folder.iterdir()] == ["run.npz"]
 
 
@@ -91,6 +96,9 @@ def test_help_says_what_every_option_means(
     command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shown = printed(capsys, command.name, "--help")
+    usage = shown.partition("\n")[0].partition("[OPTION ...]")[2]
+    arguments = [each for each in command.parser().actions if not each.option_strings]
+    assert usage.replace(" ...", "").split() == [each.metavar for each in arguments]
     for action in options_of(command):
         assert action.option_strings[0] in shown
         assert action.help

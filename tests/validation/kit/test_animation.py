@@ -33,8 +33,9 @@ from tests.calls import refusal, run
 from tests.helpers import not_none, random_trajectory
 from validation import animate
 from validation.kit.animation import gif as animation_gif
+from validation.kit.animation import picture as drawing
 from validation.kit.animation.body import shape
-from validation.kit.animation.keyframes import keyframes
+from validation.kit.animation.keyframes import Keyframes, keyframes
 from validation.kit.animation.player import Animation, player
 
 
@@ -176,27 +177,17 @@ def test_part_of_a_motion_begins_and_ends_where_asked() -> None:
     assert embedded(player(part, name="a", title="A").page)["begin"] == 0.1234
 
 
-@pytest.mark.parametrize(
-    ("speed", "made", "shown"),
-    [
-        (None, "short", (0.1, None)),
-        (None, "long", (None, 5.2)),
-        (None, "long without inversion", (1.0, None)),
-        (0.25, "long", (0.25, 5.2)),
-    ],
-)
-def test_speed_lets_the_inversion_be_seen(
-    speed: float | None, made: str, shown: tuple[float | None, float | None]
-) -> None:
+def test_speed_lets_the_inversion_be_seen() -> None:
+    def shown(poses: Keyframes, speed: float | None = None) -> tuple[Any, Any]:
+        data = embedded(player(poses, name="a", title="A", speed=speed).page)
+        return data["speed"], data["slowUntil"]
+
     short = keyframes(inversion())
     lasting = replace(short, times=10.0 * short.times, marks=(("inversion", 5.0),))
-    chosen = {
-        "short": short,
-        "long": lasting,
-        "long without inversion": replace(lasting, marks=()),
-    }
-    data = embedded(player(chosen[made], name="a", title="A", speed=speed).page)
-    assert (data["speed"], data["slowUntil"]) == shown
+    assert shown(short) == (0.1, None)
+    assert shown(lasting) == (None, 5.2)
+    assert shown(lasting, 0.25) == (0.25, 5.2)
+    assert shown(replace(lasting, marks=())) == (1.0, None)
 
 
 def test_page_needs_nothing_from_elsewhere() -> None:
@@ -301,7 +292,7 @@ def test_gif_shows_the_heavy_half_low_and_then_high() -> None:
         for index in (0, picture.n_frames - 1):
             picture.seek(index)
             pixels = np.asarray(picture.convert("RGB"), dtype=int)
-            halves = [[animation_gif.FRONT[k], animation_gif.BACK[k]] for k in (0, 1)]
+            halves = [[drawing.FRONT[k], drawing.BACK[k]] for k in (0, 1)]
             light, heavy = (
                 np.concatenate([_rows(pixels, colour) for colour in colours]).mean()
                 for colours in halves
@@ -334,18 +325,12 @@ def test_command_writes_a_gif(stored: Path, capsys: pytest.CaptureFixture[str]) 
 
 
 BAD = [
-    ("missing.npz", "FILE: must be a file that exists, got"),
     ("truncated.npz", "truncated.npz is not a readable motion"),
-    ("run.npz --out run.avi", "--out: must end in .html or .gif, got 'run.avi'"),
-    ("run.npz --out nowhere/run.html", "--out: must lie in an existing folder"),
     ("run.npz --begin 0.5 --end 0.5", "--begin: begin must lie before 0.5, got 0.5"),
-    ("run.npz --begin 1.6", "begin must lie before end, got 1.6 and 1.6"),
     ("run.npz --end 3", "end must lie within the data, from 0 to 1.6 s, got 3"),
     ("run.npz --end nan", "--end: end must be a finite number, got nan"),
     ("run.npz --speed 0", "--speed: speed must be positive, got 0"),
     ("run.npz --fps 20", "--fps: fps needs --out FILE.gif"),
-    ("run.npz --out run.gif --fps -5", "--fps: fps must be positive, got -5"),
-    ("run.npz --out run.gif --fps 60", "fps must be at most 50 for a GIF, got 60"),
     ("run.npz --out run.gif --width 20", "width must lie from 100 to 2000 pixels, got 20"),
     ("run.npz --out run.gif --speed 1e-3", "may have 2000 frames, not 32001: raise the speed"),
 ]

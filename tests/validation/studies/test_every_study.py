@@ -39,7 +39,7 @@ def failing(study: Study, found: Found, stored: pd.DataFrame) -> list[str]:
     return [check.name for check in kit.confirm(study, found, stored) if not check.holds]
 
 
-def first(study: Study, found: Found) -> tuple[tuple[str, str, int], list[Row], Row]:
+def first(study: Study, found: Found) -> tuple[tuple[str, str], list[Row], Row]:
     """A sampled case of a study, its rows, and the one with most numbers that did not fail."""
     every = [
         (key, rows, row)

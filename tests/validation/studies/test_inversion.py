@@ -86,15 +86,6 @@ def test_a_missing_run_or_a_number_that_is_none_makes_no_section(table: pd.DataF
             shown(broken)
 
 
-def test_figures_show_the_engine_as_lines_and_in_house_as_markers(table: pd.DataFrame) -> None:
-    runs = inversion.motions(table)
-    axes = inversion.draw_models(runs, ["Model 1", "Model 3"]).axes[2]
-    for index, case in ((0, "Model 1"), (2, "Model 3")):
-        for line, source in zip(axes.lines[index : index + 2], SOURCES, strict=True):
-            np.testing.assert_array_equal(line.get_ydata(), runs[case, source].rate("alpha"))
-            assert (line.get_linestyle() == "None") == (source == "in-house")
-
-
 def test_a_case_is_run_by_both_sides() -> None:
     rows = plain(inversion.measure((1, "weight", 0.1)))
     assert [row["source"] for row in rows] == list(SOURCES)

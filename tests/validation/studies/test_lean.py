@@ -1,6 +1,5 @@
 """What scenes pay for what they do not need."""
 
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -8,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from mbs_models import Scene
 from mbs_models.scene import build
 from validation.studies import lean
 
@@ -46,8 +44,8 @@ def test_part_that_does_something_is_seen_to_change_the_motion(
 ) -> None:
     monkeypatch.setattr(lean, "PAIRS", 5)
     monkeypatch.setattr(lean, "DURATION", 0.05)
-    rough = partial(build, Scene(lean.MODEL_1, "contact-tree"))
-    (row,) = lean.price(replace(lean.pairs()[IDLE], carried=rough))
+    rough = partial(build, lean.scene(1, "contact-tree"))
+    (row,) = lean.price(lean.pairs()[IDLE]._replace(carried=rough))
     assert row["change"] > 1e3 * lean.SAME
 
 

@@ -15,7 +15,7 @@ from validation.maps.panel import Panel
 from validation.maps.problems import PROBLEMS, panels
 from validation.maps.refinement import expected_cases
 from validation.studies import maps
-from validation.study import confirm, load
+from validation.study import load
 from validation.sweeps.sweep import look_ahead
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -81,27 +81,6 @@ def test_check_fails_where_a_wrong_value_is_planted(name: str, stored: pd.DataFr
     assert name in failing(wrong)
 
 
-def test_repeated_cells_that_come_out_otherwise_or_not_at_all_are_not_confirmed(
-    stored: pd.DataFrame,
-) -> None:
-    label = "spin-friction, again"
-    study = replace(maps.STUDY, sample=(label,))
-    known = stored[stored["case"] == label].drop(columns="case").to_dict("records")
-    rows: list[Any] = [
-        {name: None if pd.isna(value) else value for name, value in row.items()} for row in known
-    ]
-    assert all(check.holds for check in confirm(study, {("maps", label, 0): rows}, stored))
-    for wrong in (
-        [rows[0] | {"outcome": "lost"}, *rows[1:]],
-        [rows[0] | {"difference": np.nan}, *rows[1:]],
-        [rows[0] | {"alike": False}, *rows[1:]],
-        rows[1:],
-    ):
-        assert not all(
-            check.holds for check in confirm(study, {("maps", label, 0): wrong}, stored)
-        )
-
-
 def test_table_of_the_docs_is_that_of_the_stored_maps(stored: pd.DataFrame) -> None:
     stated = rows_below((DOCS / "sweeps.md").read_text(encoding="utf-8"), TABLE)
     assert [row[0].partition(",")[0] for row in stated] == list(maps.LEVELS)
@@ -153,7 +132,7 @@ def toy(**outcomes: str) -> Panel:
     every = ["inverted"] * 9
     for name, value in outcomes.items():
         every[int(name[1:])] = value
-    return Panel(title="", sweep=sweep, cells=pd.DataFrame({"number": range(9), "outcome": every}))
+    return Panel(sweep=sweep, cells=pd.DataFrame({"number": range(9), "outcome": every}))
 
 
 def test_models_agree_where_both_invert_or_neither_does() -> None:

@@ -2,24 +2,19 @@
 
 from math import inf, nan
 from pathlib import Path
-from typing import Any
 from unittest.mock import MagicMock
 
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.axes import Axes
 
-from analysis import SmoothCoulomb
-from analysis.nonlinear.family import CycleFamily, cycle_family
-from analysis.nonlinear.heteroclinic import NoConnectionError
-from tests.helpers import model
 from validation import report
 from validation import study as kit
 from validation.kit.figures import new_figure
+from validation.nonlinear import figures
 from validation.page.content import Content
 from validation.page.section import Section
-from validation.studies.nonlinear import figures, measured, portraits, section
+from validation.studies.nonlinear import measured, portraits, section
 from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, ROTATING, SLOW, SWINGING
 from validation.studies.nonlinear.section import SAME_CYCLE, present
 from validation.study import Row
@@ -94,7 +89,7 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.Dat
     content = present(rows)
     assert not failing(content)
     text = Path(section.__file__).parent / "nonlinear.md"
-    page = " ".join(Section("nonlinear", content).html({}, text).split())
+    page = " ".join(Section("nonlinear", content).filled({}, text)[0].split())
     assert "Model 1 at held spin: stable at 0.1 rad, unstable at 0.2 rad" in page
     assert "Of 3 cycles" in page
     assert [verdict.answer for verdict in content.verdicts] == ["yes", "no"]
@@ -104,6 +99,7 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.Dat
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(section, "figures", MagicMock())
+    monkeypatch.setattr(section, "drawings", MagicMock())
     monkeypatch.setattr(portraits, "draw", MagicMock())
 
 
@@ -164,23 +160,17 @@ def test_verdicts_come_out_otherwise_when_the_disk_behaves_otherwise(
     assert "2 of 3 cycles" in present(rows).verdicts[0].numbers
 
 
-@pytest.fixture(scope="module")
-def family() -> CycleFamily:
-    """Of friction so weak and smooth that its larger cycles are unstable."""
-    weak = SmoothCoulomb(coefficient=0.1, smoothing=0.4)
-    return cycle_family(model(4, friction=weak), (0.5, 1.2, 1.7, 1.9))
-
-
-def _lines(axes: Axes, style: str) -> list[Any]:
-    return [line for line in axes.get_lines() if line.get_linestyle() == style]
-
-
-def test_stable_cycles_are_solid_and_unstable_ones_dashed(family: CycleFamily) -> None:
-    axes = new_figure()[1]
-    figures.lines(axes, family.cycles, family.values("amplitude"), "cycles", first=(30.9, 0.0))
-    (solid,), (dashed,) = _lines(axes, "-"), _lines(axes, "--")
-    np.testing.assert_equal(solid.get_ydata(), [0.0, 0.5, 1.2, 1.7, np.nan])
-    np.testing.assert_equal(dashed.get_ydata(), [np.nan, np.nan, np.nan, 1.7, 1.9])
+def test_stable_cycles_are_solid_and_unstable_ones_dashed() -> None:
+    axes, stable = new_figure()[1], (True, True, False, False)
+    cycles = [{"spin": 30.0, "stable": each} for each in stable]
+    values = np.array((0.5, 1.2, 1.7, 1.9))
+    figures.lines(axes, cycles, values, first=(30.9, 0.0))
+    (solid,), (dashed,) = (
+        [line for line in axes.get_lines() if line.get_linestyle() == style]
+        for style in ("-", "--")
+    )
+    np.testing.assert_equal(solid.get_ydata(), [0.0, 0.5, 1.2, np.nan, np.nan])
+    np.testing.assert_equal(dashed.get_ydata(), [np.nan, np.nan, 1.2, 1.7, 1.9])
 
 
 def test_curves_are_broken_where_they_leave_the_cylinder() -> None:
@@ -195,16 +185,6 @@ def test_below_the_connection_a_motion_goes_over_and_above_the_hopf_point_it_inv
     inverts = portraits.portrait((33.0, False))[0]
     assert inverts["gamma"][0] == pytest.approx(-np.pi / 2, abs=0.01)
     assert inverts["gamma"][-1] == pytest.approx(np.pi / 2, abs=0.3)
-
-
-def test_friction_without_a_connection_is_no_crash(monkeypatch: pytest.MonkeyPatch) -> None:
-    def none(_: object) -> None:
-        raise NoConnectionError("none")
-
-    monkeypatch.setattr(measured, "heteroclinic_connection", none)
-    (row,) = measured.connect(("steel", 0.02, 0.4))
-    assert "spin" not in row
-    assert "predicted" not in row
 
 
 @pytest.mark.slow

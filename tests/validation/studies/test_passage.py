@@ -8,16 +8,9 @@ import pytest
 from analysis import Dissipation, Scenario
 from tests.calls import run as call
 from tests.helpers import not_none
+from validation.nonlinear.passage import Passage, SlowPair, follow, measure
 from validation.run import run
-from validation.studies.nonlinear.passage import (
-    SMALL,
-    Passage,
-    SlowPair,
-    delay_law,
-    follow,
-    measure,
-    slowed,
-)
+from validation.studies.nonlinear.delay import SMALL, delay_law, slowed
 
 README = Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3, pivoting=5e-5))
 

@@ -1,5 +1,6 @@
 """The study of linear stability: engine against in-house, and what its page says of that."""
 
+from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,11 @@ import pytest
 from matplotlib.figure import Figure
 
 import mbs_models
-from analysis import MODELS, POSSIBLE_SETS, ConstraintSet, Scenario, SmoothCoulomb
+from analysis import POSSIBLE_SETS, ConstraintSet, Scenario
 from analysis.data.constraint_set import set_name
-from analysis.stability import linear_reduced, spectra
+from analysis.stability import spectra
+from analysis.stability.critical import Crossing, critical_speeds
+from analysis.stability.printed import critical_speed
 from validation import report
 from validation import study as kit
 from validation.page.content import Content
@@ -21,9 +24,9 @@ from validation.studies.stability.eigenvalue_check import (
     EIGENVALUE_LIMIT,
     distance,
     engine_matrices,
-    spinning,
 )
 from validation.studies.stability.section import STUDIES, present
+from validation.studies.stability.variants import PRINTED, hopf_speeds, reproduces, variants
 
 PAPER = Scenario()
 VALUES = np.array([1.0 + 2.0j, 1.0 - 2.0j, -3.0])
@@ -50,23 +53,34 @@ def test_other_eigenvalues_are_infinitely_far_off(found: Any) -> None:
     assert distance(found[:0], VALUES[:0]) == inf
 
 
-def test_small_smoothing_does_not_spoil_the_derivatives() -> None:
-    for constraints in MODELS.values():
-        scenario = Scenario(constraints=constraints, friction=SmoothCoulomb(smoothing=1e-4))
-        expected = spectra.eigenvalues(scenario, [25.0])[0]
-        assert distance(mbs_models.eigenvalues(spinning(scenario, 25.0)), expected) < 1e-5
-
-
 def test_engine_finds_the_closed_form_critical_speed() -> None:
     found = measured.engine_critical_spin(4, 30.0, 32.0, 7.1)
-    assert found == pytest.approx(linear_reduced.critical_speed(PAPER).spin, rel=1e-7)
+    assert found == pytest.approx(critical_speed(PAPER).spin, rel=1e-7)
 
 
-def test_unknown_motions_and_spins_are_refused() -> None:
-    with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
-        spinning(PAPER, 30.0, motion="upright")  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="spin must be a finite number, got nan"):
-        spinning(PAPER, float("nan"))
+@pytest.fixture(scope="module")
+def tried() -> dict[str, tuple[Crossing, ...]]:
+    return variants()
+
+
+def test_no_obvious_choice_reproduces_the_printed_critical_speeds(
+    tried: dict[str, tuple[Crossing, ...]],
+) -> None:
+    assert len(tried) > 25
+    assert not any(reproduces(crossings) for crossings in tried.values())
+    right = tried["equations as they are"]
+    shifted = (replace(each, spin=spin) for each, spin in zip(right, PRINTED, strict=True))
+    assert reproduces(tuple(shifted))
+
+
+def test_printed_signs_give_the_speeds_of_the_full_system_in_the_wrong_directions(
+    tried: dict[str, tuple[Crossing, ...]],
+) -> None:
+    printed = tried["(53) and (54) with the printed signs"]
+    expected = [each.spin for each in critical_speeds(PAPER).hopf]
+    for found in (printed, hopf_speeds()):
+        np.testing.assert_allclose([each.spin for each in found], expected, rtol=1e-10)
+    assert [crossing.stable_side for crossing in printed] == ["above", "below"]
 
 
 @pytest.fixture(scope="module")

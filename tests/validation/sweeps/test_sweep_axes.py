@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.stats import qmc
 
 from validation.sweeps.axes import LAYOUTS, Axis, Design, axis_from, axis_from_text
@@ -25,10 +27,15 @@ def points(design: Design) -> Any:
     return np.array([design.case(index) for index in range(design.size)])
 
 
-def test_grid_holds_all_combinations_with_the_last_axis_fastest() -> None:
-    design = grid("spin=0:60:4", "mu=0.3,0.1", "model=1,4")
-    expected = list(product([0.0, 20.0, 40.0, 60.0], [0.3, 0.1], [1, 4]))
-    assert [design.case(index) for index in range(design.size)] == expected
+@given(st.lists(st.integers(1, 4), min_size=1, max_size=4))
+def test_grid_holds_all_combinations_with_the_last_axis_fastest(sizes: list[int]) -> None:
+    fields = ("spin", "mu", "beta", "x")[: len(sizes)]
+    values = [[0.1 * (k + 1) for k in range(size)] for size in sizes]
+    texts = [
+        f"{name}={','.join(map(str, each))}" for name, each in zip(fields, values, strict=True)
+    ]
+    design = grid(*texts)
+    assert [design.case(index) for index in range(design.size)] == list(product(*values))
 
 
 def test_ends_of_a_range_are_exact_and_steps_even() -> None:
@@ -90,10 +97,8 @@ BAD_AXES: dict[str, str] = {
     "spim=0:1:2": "got 'spim'; did you mean spin?",
     "spin": "axis must be field=first:last:count",
     "spin=1:2:3:4": "axis start.spin must be first:last:count",
-    "spin=1:log": "axis start.spin must be first:last:count",
-    "spin=1:2:0": "axis start.spin must have at least 1 value, got 0",
+    "spin=1:2:0": "count of axis start.spin must be at least 1, got 0",
     "spin=1:1:5": "axis start.spin is an empty range",
-    "spin=1:2:1": "axis start.spin is an empty range",
     "spin=1,1.0": "axis start.spin must hold each value once",
     "mu=0:1:3:log": "must be positive to be logarithmic, got 0 to 1",
     "mu=a,b": "friction.coefficient must be a number, got 'a'",
@@ -123,10 +128,10 @@ def test_words_are_no_numbers_and_numbers_no_words() -> None:
         (("spin=1:2:3", "start.spin=4,5"), {}, r"axis start\.spin is given twice"),
         (("spin=1:2",), {}, r"axis start\.spin needs a count on a grid"),
         (("spin=1,2",), {"number": 5}, "number belongs to drawn points"),
-        (("spin=1:2",), {"layout": "sobol"}, "number of points must be given"),
+        (("spin=1:2",), {"layout": "sobol"}, "number must be a whole number"),
         (("spin=1:2:3",), {"layout": "random", "number": 5}, "takes no count where points are"),
         (("spin=1:2",), {"layout": "latin-hypercube", "number": 10**9}, "limited by memory"),
-        (("spin=1,2",), {"seed": -1}, "seed must be a whole number"),
+        (("spin=1,2",), {"seed": -1}, "seed must be at least 0"),
         (("spin=1,2",), {"layout": "hexagonal"}, "layout must be one of grid"),
     ],
 )
@@ -135,14 +140,3 @@ def test_axes_that_do_not_fit_are_refused(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         Design(axes=tuple(map(axis_from_text, axes)), **how)
-
-
-@pytest.mark.parametrize("layout", LAYOUTS)
-def test_plain_data_make_the_same_design_again(layout: Any) -> None:
-    texts = ("spin=1,2", "mu=0.1:0.3:log") if layout != "grid" else ("spin=1,2", "mu=0.1:0.3:5")
-    design = Design(
-        axes=tuple(map(axis_from_text, texts)),
-        layout=layout,
-        number=None if layout == "grid" else 7,
-    )
-    assert Design.from_values(design.to_values()) == design

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from analysis.data.outcomes import DONE
-from tests.sweeps import direct, sweep
+from tests.sweeps import sweep, swept
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
@@ -35,9 +35,8 @@ pytestmark = [
 def check_complete(path: Path, folder: Path) -> None:
     """Every case is there, with the numbers of a run in this process."""
     wanted = sweep(*AXES, end=0.3)
-    with Store(folder / "here.db", wanted) as kept:
-        run_cases(wanted, kept, direct(), numbers=range(0, 60, 7))
-    here, found = Results.load(folder / "here.db").columns, Results.load(path).columns
+    here = swept(wanted, folder / "here.db", numbers=range(0, 60, 7)).columns
+    found = Results.load(path).columns
     assert found["number"].tolist() == list(range(60))
     assert set(found["status"]) == {DONE}
     np.testing.assert_array_equal(found["energy_end"][::7], here["energy_end"])
@@ -126,9 +125,7 @@ def test_tables_of_other_packages_hold_the_columns(tmp_path: Path) -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")
     wanted, path = sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct())
-    results = Results.load(path)
+    results = swept(wanted, path)
     frame, cube = results.to_dataframe(), results.to_xarray()
     assert frame.loc[4, "start.spin"] == 40.0
     assert frame["status"].tolist() == [DONE, "refused"] * 3

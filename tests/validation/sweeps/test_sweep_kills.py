@@ -10,10 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.helpers import is_running
-from tests.sweeps import direct, sweep
-from validation.sweeps.results import Results
-from validation.sweeps.runner import run_cases
-from validation.sweeps.store import Store
+from tests.sweeps import sweep, swept
 
 ROOT = Path(__file__).parents[3]
 
@@ -75,10 +72,8 @@ def test_store_outlives_many_kills(tmp_path: Path) -> None:
 def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
     path = tmp_path / "a.db"
     path.touch()
-    wanted = sweep("spin=30:40:3")
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct(), numbers=[2])
-    assert Results.load(path).columns["number"].tolist() == [2]
+    found = swept(sweep("spin=30:40:3"), path, numbers=[2])
+    assert found.columns["number"].tolist() == [2]
 
 
 def children(process: int) -> list[int]:

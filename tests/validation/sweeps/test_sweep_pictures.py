@@ -8,19 +8,15 @@ import pytest
 from matplotlib.figure import Figure
 
 from tests.calls import run
-from tests.sweeps import direct, sweep
+from tests.sweeps import sweep, swept
 from validation.maps.sweeps import check_drawable, draw
 from validation.sweeps.axes import Design, axis_from_text
 from validation.sweeps.results import Results
-from validation.sweeps.runner import run_cases
-from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
 
 
 def drawn(wanted: Sweep, path: Path) -> tuple[Figure, Results]:
-    with Store(path, wanted) as store:
-        run_cases(wanted, store, direct())
-    results = Results.load(path)
+    results = swept(wanted, path)
     return draw(results), results
 
 

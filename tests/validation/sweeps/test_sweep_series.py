@@ -8,21 +8,10 @@ import numpy as np
 import pytest
 
 from analysis import MODELS, Scenario, Start, Trajectory, simulate_to_rest
-from tests.sweeps import direct, sweep
+from tests.sweeps import sweep, swept
 from validation.run import run
-from validation.sweeps import outcomes
-from validation.sweeps.outcomes import (
-    COLUMNS,
-    IN_ROW,
-    REST_SERIES,
-    SERIES,
-    TIME,
-    series,
-    series_named,
-)
-from validation.sweeps.results import Results
-from validation.sweeps.runner import run_cases
-from validation.sweeps.store import Store, expected_size
+from validation.sweeps.outcomes import COLUMNS, REST_SERIES, SERIES, TIME, series, series_named
+from validation.sweeps.store import expected_size
 
 REDUCED = Scenario(constraints=MODELS[4])
 AXES = ("spin=30:40:2", "mu=0.3,-0.1")
@@ -50,10 +39,8 @@ def test_kept_series_are_those_of_the_run_itself_also_in_a_sweep_that_goes_on(
     tmp_path: Path,
 ) -> None:
     wanted, path = sweep(*AXES, keep=KEEP), tmp_path / "a.db"
-    for numbers in ([0, 1], None):
-        with Store(path, wanted) as kept:
-            run_cases(wanted, kept, direct(), numbers=numbers)
-    found = Results.load(path).series(2)
+    swept(wanted, path, numbers=[0, 1])
+    found = swept(wanted, path).series(2)
     made = motion(replace(REDUCED, start=Start(spin=40.0)))
     assert tuple(found) == (TIME, *KEEP)
     np.testing.assert_array_equal(found["time"], made.times)
@@ -63,10 +50,7 @@ def test_kept_series_are_those_of_the_run_itself_also_in_a_sweep_that_goes_on(
 
 def test_case_without_a_motion_has_no_series(tmp_path: Path) -> None:
     pytest.importorskip("xarray")
-    wanted, path = sweep(*AXES, keep=KEEP), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct())
-    results = Results.load(path)
+    results = swept(sweep(*AXES, keep=KEEP), tmp_path / "a.db")
     with pytest.raises(ValueError, match="holds no series of case 1"):
         results.series(1)
     beta = results.to_xarray()["beta"]
@@ -76,34 +60,9 @@ def test_case_without_a_motion_has_no_series(tmp_path: Path) -> None:
     assert np.all(np.isnan(beta[:, 1]))
 
 
-def test_store_without_series_says_so(tmp_path: Path) -> None:
-    wanted, path = sweep(*AXES), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct(), numbers=[0])
-    with pytest.raises(ValueError, match="holds no series: its sweep was told to keep none"):
-        Results.load(path).series(0)
-
-
 def test_force_that_a_case_does_not_have_is_left_out() -> None:
     pushed = motion(Scenario(), formulation="index-1")
-    kept = series(pushed, ("beta", "spin_torque"))
-    assert set(kept) == {IN_ROW.format(name) for name in (TIME, "beta")}
-
-
-def test_a_series_named_like_an_outcome_is_kept_beside_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    columns = Trajectory.columns
-    monkeypatch.setattr(outcomes, "SERIES", (*SERIES, "seconds"))
-    monkeypatch.setattr(
-        Trajectory, "columns", lambda run: columns(run) | {"seconds": columns(run)["time"]}
-    )
-    wanted, path = sweep("spin=30,40", keep=("seconds",)), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct())
-    results = Results.load(path)
-    assert np.all(np.isfinite(results.columns["seconds"]))
-    np.testing.assert_array_equal(results.series(0)["seconds"], results.series(0)["time"])
+    assert set(series(pushed, ("beta", "spin_torque"))) == {TIME, "beta"}
 
 
 def test_groups_stand_for_their_series_each_once() -> None:

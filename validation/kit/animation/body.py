@@ -1,6 +1,6 @@
-"""What is drawn of a body: the one description for the player, the GIF and snapshots."""
+"""What is drawn of a body: the one description for the player, the GIF and pictures."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,8 +11,7 @@ _CORNERS = 73
 """Points of a circle, the last one the first again."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Shape:
+class Shape(NamedTuple):
     """Outlines and points in the plane of a body, in its x and y axes, in m.
 
     Parameters
@@ -29,12 +28,6 @@ class Shape:
     heavy: list[Array]
     cog: tuple[float, float]
     mark: tuple[float, float]
-
-    def to_values(self) -> dict[str, object]:
-        """Plain data, to a micrometre."""
-        face, heavy = ([np.round(each, 6).tolist() for each in some]
-                       for some in (self.face, self.heavy))  # fmt: skip
-        return {"face": face, "heavy": heavy, "cog": self.cog, "mark": self.mark}
 
 
 def shape(disk: Disk) -> Shape:

@@ -1,34 +1,26 @@
 """A motion of the disk as an animated GIF, for slides and wherever scripts do not run."""
 
-from collections.abc import Callable, Iterator
 from typing import Any, BinaryIO
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path
 from matplotlib.text import Text
 from PIL import Image
 
 from analysis.data.checks import Array, positive
 from analysis.data.limits import SLOWEST_FRAMES, WIDEST_PICTURE
-from validation.kit import snapshots
-from validation.kit.animation.body import circle, shape
+from validation.kit.animation import picture
 from validation.kit.animation.keyframes import Keyframes
+from validation.kit.animation.picture import Camera
 from validation.kit.progress import counted
 
 MOST_FRAMES = 2000
 FASTEST = 50.0
 """Frames per second above which browsers slow a GIF down."""
 
-FRONT, BACK = ("#8cc6ee", "#0b5c97"), ("#f7cf86", "#b85300")
-"""Light and heavy half of each face, as in the player."""
-
-_PATH = "#00795b"
 _AZIMUTH = -1.25
 _TRAIL = 0.5
 _DPI = 100
@@ -126,14 +118,10 @@ class _Picture:
 
     def __init__(self, poses: Keyframes, width: int) -> None:
         self.poses, self.scale = poses, width / 480
-        self.shape = shape(poses.disk)
         self.figure = Figure(figsize=(width / _DPI, width / _DPI), dpi=_DPI)
         canvas: Any = FigureCanvasAgg(self.figure)  # its methods carry no types
         self.canvas = canvas
-        self.scene = self.figure.add_axes((0.0, 0.24, 1.0, 0.76))
-        self.scene.set_axis_off()
-        self.scene.set_xlim(-2.04, 2.04)
-        self.scene.set_ylim(-1.25, 1.85)
+        self.scene = picture.scene(self.figure.add_axes((0.0, 0.24, 1.0, 0.76)))
         self.cursor = self._draw_strip(self.figure.add_axes((0.1, 0.08, 0.86, 0.12)))
         self.canvas.draw()
         self.background = self.canvas.copy_from_bbox(self.figure.bbox)
@@ -161,92 +149,32 @@ class _Picture:
         self.cursor.set_xdata([time, time])
         renderer = self.canvas.get_renderer()
         self.cursor.draw(renderer)
-        for artist in self._artists(self.poses.at(np.array([time]))):
+        pose, radius = self.poses.at(np.array([time])), self.poses.disk.radius
+        middle = pose.positions[0, :2] if self.follows else self.middle
+        camera = Camera(np.append(middle, 0.75 * radius), _AZIMUTH, radius, self.scale)
+        readout = Text(-1.95, 1.78, _readout(pose), va="top", fontsize=9.0 * self.scale)
+        for artist in (*picture.artists(pose, camera, self._trail(time)), readout):
             artist.set_figure(self.figure)
             artist.set_transform(self.scene.transData)
             artist.set_clip_box(self.scene.bbox)
             artist.draw(renderer)
         return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
 
-    def _artists(self, pose: Keyframes) -> Iterator[Artist]:
-        """What is seen of one instant, the farthest first."""
-        disk, scale = pose.disk, self.scale
-        place = pose.positions[0]
-        target = np.array([*(place[:2] if self.follows else self.middle), 0.75 * disk.radius])
-        first, second, _ = pose.rotations[0].T
-
-        def project(points: Array) -> Array:
-            """Picture coordinates in radii, shape (n, 2)."""
-            return snapshots.project((np.atleast_2d(points) - target) / disk.radius, _AZIMUTH)
-
-        def placed(outline: Array) -> Array:
-            points: Array = place + outline @ np.array([first, second])
-            return points
-
-        yield from self._table(target, project)
-        whole = [placed(outline) for outline in self.shape.face]
-        shadow = [project(outline * (1.0, 1.0, 0.0)) for outline in whole]
-        yield _filled(shadow, "#000000", alpha=0.13)
-        yield _line(project(self._path(pose.times[0])), _PATH, 1.6 * scale)
-        # The body's x axis turns into its y axis counterclockwise if its z axis points to the eye.
-        counterclockwise = np.linalg.det(project(target + np.array([first, second]))) > 0.0
-        light, heavy = FRONT if counterclockwise else BACK
-        yield _filled([project(outline) for outline in whole], light)
-        if self.shape.heavy:
-            yield _filled([project(placed(outline)) for outline in self.shape.heavy], heavy)
-        for outline, width in zip(whole, (2.0, 0.8), strict=False):
-            yield _line(project(outline), heavy, width * scale)
-        for point, marker, inner, edge in (
-            (self.shape.mark, "o", "white", "#222222"),
-            (self.shape.cog, "o", "black", "white"),
-            ((0.0, 0.0), "+", "none", "#222222"),
-        ):
-            look: dict[str, Any] = {"ms": 7 * scale, "mew": scale, "mfc": inner, "mec": edge}
-            yield Line2D(*project(placed(np.array([point]))).T, marker=marker, **look)
-        yield Text(-1.95, 1.78, _readout(pose), va="top", fontsize=9.0 * scale)
-
-    def _table(self, target: Array, project: Callable[[Array], Array]) -> Iterator[Artist]:
-        radius = self.poses.disk.radius
-        reach, cell = 3.0 * radius, 0.5 * radius
-        middle = np.array([target[0], target[1], 0.0])
-        edge = np.column_stack((circle(reach), np.zeros(len(circle(reach)))))
-        yield _filled([project(edge + middle)], "#f3f3f0")
-        lines = []
-        for axis in (0, 1):
-            lowest = np.ceil((middle[axis] - reach) / cell)
-            for value in cell * np.arange(lowest, (middle[axis] + reach) / cell):
-                half = np.sqrt(max(0.0, reach**2 - (value - middle[axis]) ** 2))
-                line = np.tile(middle, (3, 1))
-                line[:, axis] = value
-                line[:, 1 - axis] += (-half, half, np.nan)
-                lines.append(line)
-        yield _line(project(np.vstack(lines)), "#d9d9d4", 0.7 * self.scale)
-
-    def _path(self, now: float) -> Array:
-        """Path of the contact point over the last moments, shape (n, 3)."""
+    def _trail(self, now: float) -> Array:
+        """Contact points of the last moments, shape (n, 2)."""
         times = self.poses.times
         since = max(float(times[0]), now - _TRAIL)
         inside = times[(times > since) & (times < now)]
-        points = self.poses.at(np.concatenate(([since], inside, [now]))).contact_points
-        return np.column_stack((points, np.zeros(len(points))))
+        return self.poses.at(np.concatenate(([since], inside, [now]))).contact_points
 
 
 def _readout(pose: Keyframes) -> str:
     lift = 1e3 * float(pose.cog_height[0] - pose.positions[0, 2])
-    flat = np.sin(pose.tilt[0]) < 1e-3
-    gamma = "–" if flat else f"{pose.gamma[0]:.2f} rad"
+    sine, cosine, up = pose.rotations[0, 2]
+    gamma = "–" if np.hypot(sine, cosine) < 1e-3 else f"{np.arctan2(sine, cosine):.2f} rad"
+    beta = np.arccos(np.clip(up, -1.0, 1.0))
     return (
-        f"t = {pose.times[0]:.3f} s,  β = {pose.tilt[0]:.2f} rad,  γ = {gamma},  "
+        f"t = {pose.times[0]:.3f} s,  β = {beta:.2f} rad,  γ = {gamma},  "
         f"spin {pose.spins[0]:.1f} rad/s\n"
         f"COG {abs(lift):.1f} mm {'above' if lift >= 0.0 else 'below'} the centre"
     )
-
-
-def _filled(outlines: list[Array], colour: str, alpha: float = 1.0) -> Artist:
-    """Area within outlines, shape (n, 2) each; those that turn the other way are holes."""
-    path = Path.make_compound_path(*(Path(outline, closed=True) for outline in outlines))
-    return PathPatch(path, color=colour, alpha=alpha, linewidth=0.0)
-
-
-def _line(points: Array, colour: str, width: float) -> Artist:
-    return Line2D(*points.T, color=colour, linewidth=width)

@@ -13,8 +13,14 @@ from analysis.data.limits import MOST_KEYFRAMES
 _TURN_BETWEEN = 0.25
 """Angle in rad the disk may turn between keyframes taken from co-rotating coordinates."""
 
+_ATTITUDE = slice(3, 7)
+
 _LARGEST_TURN = 0.9 * np.pi
 """Beyond this angle in rad between samples, a quaternion no longer tells the way round."""
+
+
+COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "contactX", "contactY", "spin")
+"""Of `Keyframes.table`, as the player calls them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -25,14 +31,11 @@ class Keyframes:
     ----------
     times : ndarray, shape (n,)
         In s, strictly increasing.
-    positions : ndarray, shape (n, 3)
-        Of the geometric centre G in m, inertial.
-    quaternions : ndarray, shape (n, 4)
-        Attitude of the body frame, scalar part first, of unit length.
-    contact_points : ndarray, shape (n, 2)
-        Where the disk touches the table, in m.
-    spins : ndarray, shape (n,)
-        Vertical angular velocity in rad/s; unlike the rate of alpha it exists in every attitude.
+    table : ndarray, shape (n, 10)
+        Position of the geometric centre G in m, inertial; attitude of the body frame as a
+        quaternion of unit length, scalar part first, of the sign that is nearer to the one
+        before; where the disk touches the table in m; vertical angular velocity in rad/s, which
+        unlike the rate of alpha exists in every attitude.
     disk : Disk
     marks : sequence of (str, float)
         Names of phases and the times in s at which they begin.
@@ -41,29 +44,30 @@ class Keyframes:
     """
 
     times: Array
-    positions: Array
-    quaternions: Array
-    contact_points: Array
-    spins: Array
+    table: Array
     disk: Disk
     marks: tuple[tuple[str, float], ...]
     source: str
 
     @property
+    def positions(self) -> Array:
+        """Of the geometric centre in m, shape (n, 3)."""
+        return self.table[:, :3]
+
+    @property
+    def contact_points(self) -> Array:
+        """In m, shape (n, 2)."""
+        return self.table[:, 7:9]
+
+    @property
+    def spins(self) -> Array:
+        """Vertical angular velocity in rad/s, shape (n,)."""
+        return self.table[:, 9]
+
+    @property
     def rotations(self) -> Array:
         """Rotation matrices, whose columns are the body axes, shape (n, 3, 3)."""
-        return frames.rotations(self.quaternions)
-
-    @property
-    def tilt(self) -> Array:
-        """Inclination beta in rad, shape (n,)."""
-        return frames.tilts(self.rotations)
-
-    @property
-    def gamma(self) -> Array:
-        """Rotation angle gamma in rad from -pi to pi, shape (n,); without meaning if flat."""
-        result: Array = np.arctan2(self.rotations[:, 2, 0], self.rotations[:, 2, 1])
-        return result
+        return frames.rotations(self.table[:, _ATTITUDE])
 
     @property
     def cog_height(self) -> Array:
@@ -74,30 +78,14 @@ class Keyframes:
     def at(self, times: Array) -> "Keyframes":
         """Keyframes at other times within the range, shape (m,).
 
-        Linear in all values, the shorter way round in the quaternions, which are brought back to
-        unit length; the player does the same.
+        Linear in all values, with quaternions brought back to unit length, as in the player.
         """
-        before = np.searchsorted(self.times, times, side="right") - 1
-        before = np.clip(before, 0, self.times.size - 2)
-        part = (times - self.times[before]) / np.diff(self.times)[before]
-
-        def mix(values: Array) -> Array:
-            first, second = values[before], values[before + 1]
-            weight = part.reshape(-1, *[1] * (values.ndim - 1))
-            result: Array = first + weight * (second - first)
-            return result
-
-        first, second = self.quaternions[before], self.quaternions[before + 1]
-        second = np.where(np.sum(first * second, axis=1)[:, None] < 0.0, -second, second)
-        mixed = first + part[:, None] * (second - first)
-        return replace(
-            self,
-            times=times,
-            positions=mix(self.positions),
-            quaternions=mixed / np.linalg.norm(mixed, axis=1)[:, None],
-            contact_points=mix(self.contact_points),
-            spins=mix(self.spins),
-        )
+        row = np.clip(np.searchsorted(self.times, times, "right") - 1, 0, self.times.size - 2)
+        begin, end = self.times[row], self.times[row + 1]
+        part = ((times - begin) / (end - begin))[:, None]
+        table = self.table[row] + part * (self.table[row + 1] - self.table[row])
+        table[:, _ATTITUDE] /= np.linalg.norm(table[:, _ATTITUDE], axis=1)[:, None]
+        return replace(self, times=times, table=table)
 
     def between(self, begin: float | None = None, end: float | None = None) -> "Keyframes":
         """Those from `begin` to `end` in s, by default the first and the last.
@@ -159,10 +147,12 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
     marks = () if inverted is None else (("inversion", inverted),)
     return Keyframes(
         times=times,
-        positions=positions,
-        quaternions=frames.quaternions(rotations),
-        contact_points=positions[:, :2] - trajectory.scenario.disk.radius * uphill,
-        spins=frames.twists(coordinates, rates)[1][:, 2],
+        table=_table(
+            positions,
+            frames.quaternions(rotations),
+            positions[:, :2] - trajectory.scenario.disk.radius * uphill,
+            frames.twists(coordinates, rates)[1][:, 2],
+        ),
         disk=trajectory.scenario.disk,
         marks=marks,
         source=f"{trajectory.source}, {trajectory.scenario.name}"
@@ -184,11 +174,17 @@ def _from_spatial(motion: SpatialMotion) -> Keyframes:
     )
     return Keyframes(
         times=motion.times,
-        positions=motion.positions,
-        quaternions=motion.quaternions,
-        contact_points=motion.contact_points[:, :2],
-        spins=motion.spin,
+        table=_table(
+            motion.positions, motion.quaternions, motion.contact_points[:, :2], motion.spin
+        ),
         disk=motion.scenario.disk,
         marks=tuple((name, time) for name, time in starts if time is not None),
         source=f"{motion.source}, on a unilateral contact",
     )
+
+
+def _table(positions: Array, quaternions: Array, contact_points: Array, spins: Array) -> Array:
+    """Columns of `Keyframes.table`, each quaternion of the sign nearer to the one before."""
+    turned = np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0
+    signs = np.cumprod(np.append(1.0, np.where(turned, -1.0, 1.0)))
+    return np.column_stack((positions, signs[:, None] * quaternions, contact_points, spins))

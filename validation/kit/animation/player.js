@@ -1,4 +1,4 @@
-// What a page has been given of a motion: times, columns, the keyframe before a time, and poses.
+// What a page has been given of a motion: times and columns.
 function diskMotion(data) {
   "use strict";
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
@@ -10,6 +10,13 @@ function diskMotion(data) {
     column[name] = Float64Array.from(
       integers.subarray(k * count, (k + 1) * count), (n) => data.low[name] + data.step[name] * n);
   });
+  return diskPoses(data.shape, times, column);
+}
+
+// The same with the keyframe before a time, and poses.
+function diskPoses(shape, times, column) {
+  "use strict";
+  const count = times.length;
 
   function before(t) { // index of the last keyframe that is not after t and has a successor
     let low = 0, high = count - 1;
@@ -43,37 +50,32 @@ function diskMotion(data) {
     result.gamma = Math.sin(result.beta) > 1e-3 ? Math.atan2(result.ex[2], result.ey[2]) : null;
     result.inPlane = ([x, y]) => result.centre.map(
       (value, k) => value + x * result.ex[k] + y * result.ey[k]);
-    result.height = result.inPlane(data.shape.cog)[2];
+    result.height = result.inPlane(shape.cog)[2];
     return result;
   }
 
   return { times, column, before, pose };
 }
 
-// Plays one motion of the disk; runs once per player, in a scope of its own.
-(() => {
+// Plays a motion of the disk in an element; returns a function that gives it another one.
+function diskPlayer(root, data, motion) {
   "use strict";
-  if (typeof document === "undefined") return; // a test asks for poses alone
-  const root = document.currentScript.closest(".disk-player");
   const find = (selector) => root.querySelector(selector);
-  const data = JSON.parse(find('script[type="application/json"]').textContent);
   const COLOUR = {
     front: ["#8cc6ee", "#0b5c97"], back: ["#f7cf86", "#b85300"], // light half, heavy half
     table: "#f3f3f0", grid: "#d9d9d4", path: "#00795b", ink: "#222", faint: "#767676",
   };
   const TRAIL = 0.5; // seconds of the contact point's path that are shown
-  const { times, column, before, pose } = diskMotion(data);
-  const count = times.length, begin = times[0], end = times[count - 1];
+  let times, column, before, pose, count, begin, end;
 
   // ---- The picture ------------------------------------------------------------------------
 
   const scene = find(".scene canvas"), strip = find(".strip");
-  const R = data.radius, TABLE = 3 * R, DISTANCE = 9 * R;
+  let R, TABLE, DISTANCE;
   const camera = { azimuth: -1.25, elevation: 0.3, zoom: 1 };
   const range = (values) => values.reduce((r, v) => [Math.min(r[0], v), Math.max(r[1], v)],
     [Infinity, -Infinity]);
-  const [left, right] = range(column.x), [near, far] = range(column.y);
-  const follows = Math.max(right - left, far - near) > 1.5 * R; // a disk that rolls away
+  let left, right, near, far, follows;
   const nice = (size) => {
     const power = 10 ** Math.floor(Math.log10(size));
     return power * [1, 2, 5, 10].find((step) => step * power >= 0.999 * size);
@@ -194,13 +196,7 @@ function diskMotion(data) {
 
   // ---- The strip: inclination and height of the centre of gravity over time ---------------
 
-  const curves = { beta: [], height: [], centre: [] };
-  times.forEach((t) => {
-    const { beta, height, centre } = pose(t);
-    curves.beta.push(beta);
-    curves.height.push(1e3 * height);
-    curves.centre.push(1e3 * centre[2]);
-  });
+  let curves;
   const LEFT = 56, RIGHT = 16;
   const along = (t, width) => LEFT + (t - begin) / (end - begin) * (width - LEFT - RIGHT);
   const background = document.createElement("canvas");
@@ -307,15 +303,38 @@ function diskMotion(data) {
     show(time);
   }
 
+  // ---- A motion ---------------------------------------------------------------------------
+
+  function load(about, played) {
+    data = about;
+    ({ times, column, before, pose } = played);
+    count = times.length;
+    [begin, end] = [times[0], times[count - 1]];
+    R = data.radius;
+    [TABLE, DISTANCE] = [3 * R, 9 * R];
+    [left, right] = range(column.x);
+    [near, far] = range(column.y);
+    follows = Math.max(right - left, far - near) > 1.5 * R; // a disk that rolls away
+    curves = { beta: [], height: [], centre: [] };
+    times.forEach((t) => {
+      const { beta, height, centre } = pose(t);
+      curves.beta.push(beta);
+      curves.height.push(1e3 * height);
+      curves.centre.push(1e3 * centre[2]);
+    });
+    slider.min = begin;
+    slider.max = end;
+    drawCurves();
+  }
+
   const named = (value) => value < 1 ? `1/${+(1 / value).toPrecision(3)}` : `${value}×`;
+  load(data, motion);
   const choices = [0.02, 0.05, 0.1, 0.2, 0.5, 1];
   if (end - begin > 5) choices.push(2, 5);
   if (data.speed && !choices.includes(data.speed)) choices.push(data.speed);
   choices.sort((a, b) => a - b).forEach((value) => speed.add(new Option(named(value), value)));
   if (data.slowUntil !== null) speed.add(new Option(`${named(data.slow)}, then 1×`, ""), 0);
   speed.value = data.speed ?? "";
-  slider.min = begin;
-  slider.max = end;
   data.marks.forEach(([name, when]) => {
     const jump = document.createElement("button");
     jump.type = "button";
@@ -372,11 +391,20 @@ function diskMotion(data) {
   new ResizeObserver(() => { drawCurves(); show(time); }).observe(root);
 
   const asked = /^#t=(\d*\.?\d+)$/.exec(location.hash); // page.html#t=0.4 shows that instant
-  drawCurves();
   show(asked ? +asked[1] : begin);
   if ("alone" in root.dataset) {
     scene.focus({ preventScroll: true });
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     if (!asked && !calm) toggle();
   }
-})();
+  return (about, played) => { load(about, played); show(begin); };
+}
+
+if (typeof document !== "undefined") { // a test asks for poses alone
+  const root = document.currentScript.closest(".disk-player");
+  const told = root.querySelector('script[type="application/json"]');
+  if (told) {
+    const data = JSON.parse(told.textContent);
+    diskPlayer(root, data, diskMotion(data));
+  }
+}

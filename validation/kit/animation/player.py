@@ -17,27 +17,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jinja2 import Environment
 
 from analysis import StoredRun
 from analysis.data.files import whole_file
 from validation.kit.animation.body import shape
-from validation.kit.animation.keyframes import Keyframes, keyframes
+from validation.kit.animation.keyframes import COLUMNS, Keyframes, keyframes
 
 LEVELS = 65535
 """Largest integer of a column."""
-
-COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "contactX", "contactY", "spin")
-"""What is stored per keyframe besides the time."""
 
 SHORT = 5.0
 """Longest motion in s that is played slowly from begin to end."""
 
 SLOW = 0.1
 """Speed at which the eye can follow a disk that turns six times a second."""
-
-KEY = "● centre of gravity, + centre, ○ mark on the rim, green: path of the contact point"
-FACES = "Blue and orange: the two faces of the disk. "
-HEAVY_KEY = "Dark half: its heavy side. "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,29 +137,37 @@ def player(
     """
     poses = motion if isinstance(motion, Keyframes) else keyframes(motion)
     # Within a script element, only "</" could end it early.
-    data = json.dumps(encode(poses) | _playback(poses, speed)).replace("</", "<\\/")
-    text = html.escape(f"{title}. {caption}".strip())
-    fragment = (
-        f'<figure class="disk-player" id="{html.escape(name)}">'
-        f"<style>{_asset('player.css')}</style>"
-        f"<figcaption><b>{html.escape(title)}.</b> {html.escape(caption)} "
-        f"<small>Simulated by: {html.escape(poses.source)}.</small></figcaption>"
-        f'<div class="scene"><canvas tabindex="0" role="img" aria-label="{text} Space plays, left '
-        'and right move in time, up and down tilt the view, plus and minus zoom."></canvas>'
-        '<p class="readout"></p><div class="zoom">'
-        '<button type="button" aria-label="Zoom in">+</button>'
-        '<button type="button" aria-label="Zoom out">−</button></div></div>'
-        '<div class="controls"><button type="button" class="play">Play</button>'
-        '<label>Speed <select class="speed"></select></label><span class="jumps"></span></div>'
-        '<input class="time" type="range" min="0" max="1" step="any" value="0" aria-label="Time">'
-        '<canvas class="strip" role="img" aria-label="Inclination and height of the centre of '
-        'gravity over time"></canvas>'
-        f'<p class="key">{FACES}{HEAVY_KEY if poses.disk.eccentricity else ""}{KEY}.</p>'
-        "<noscript>The animation needs JavaScript.</noscript>"
-        f'<script type="application/json">{data}</script>'
-        f"<script>{_asset('player.js')}</script></figure>"
+    told = encode(poses) | _playback(poses, speed)
+    data = json.dumps(told, default=lambda outline: outline.round(6).tolist())
+    fragment = frame(
+        name=name,
+        title=title,
+        caption=caption,
+        source=poses.source,
+        is_heavy=bool(poses.disk.eccentricity),
+        data=data.replace("</", "<\\/"),
     )
     return Animation(name=name, title=title, fragment=fragment, poses=poses, speed=speed)
+
+
+def frame(*, name: str, title: str, **about: Any) -> str:
+    """Element with the player, for a motion or, without `data`, for what a page's code gives it.
+
+    Parameters
+    ----------
+    name, title : str
+        As in `player`.
+    **about
+        What else `player.html` names.
+    """
+    template = Environment(autoescape=True).from_string(_asset("player.html"))
+    return template.render(
+        name=name,
+        title=title,
+        style=_asset("player.css"),
+        script=_asset("player.js"),
+        **about,
+    )
 
 
 def encode(poses: Keyframes) -> dict[str, object]:
@@ -179,9 +181,7 @@ def encode(poses: Keyframes) -> dict[str, object]:
         that a value is low + step * integer; `radius` in m; `shape`, that of `body.shape`;
         `marks`.
     """
-    table = np.column_stack(
-        (poses.positions, poses.quaternions, poses.contact_points, poses.spins)
-    )
+    table = poses.table
     low, step = table.min(axis=0), np.ptp(table, axis=0) / LEVELS
     integers = np.rint((table - low) / np.where(step > 0.0, step, 1.0))
     return {
@@ -191,7 +191,7 @@ def encode(poses: Keyframes) -> dict[str, object]:
         "low": dict(zip(COLUMNS, low.tolist(), strict=True)),
         "step": dict(zip(COLUMNS, step.tolist(), strict=True)),
         "radius": poses.disk.radius,
-        "shape": shape(poses.disk).to_values(),
+        "shape": shape(poses.disk)._asdict(),
         "marks": [list(mark) for mark in poses.marks],
     }
 

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from analysis import LEVELS, MODELS, Level, Scenario, Trajectory, energies
+from analysis.data import frames
 from analysis.data.checks import Array
-from analysis.mechanics import paper
 from validation.run import run as run_scenario
 from validation.studies import inversion
 from validation.studies.claims.grades import Judged, grade, within
@@ -39,10 +39,8 @@ def first_time(run: Trajectory, name: str, value: float) -> float:
     index = int(np.argmax(values >= value))
     if values[index] < value:
         return float("nan")
-    if index == 0:
-        return float(run.times[0])
-    part = (value - values[index - 1]) / (values[index] - values[index - 1])
-    return float(run.times[index - 1] + part * (run.times[index] - run.times[index - 1]))
+    before = slice(max(index - 1, 0), index + 1)
+    return float(np.interp(value, values[before], run.times[before]))
 
 
 def overshoot(run: Trajectory) -> float:
@@ -90,29 +88,22 @@ def potential_share(run: Trajectory) -> float:
 
 def cog_path(run: Trajectory) -> tuple[Array, Array]:
     """Horizontal position and velocity of the COG in the inertial frame, each shape (n, 2)."""
-    e = run.scenario.disk.eccentricity
-    x, y, _, alpha, beta, gamma = run.coordinates.T
-    xd, yd, _, alpha_d, beta_d, gamma_d = run.rates.T
-    sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
-    across, along = x + e * cg, y + e * cb * sg
-    across_d = xd - e * sg * gamma_d - along * alpha_d
-    along_d = yd - e * sb * sg * beta_d + e * cb * cg * gamma_d + across * alpha_d
-    c, s = np.cos(alpha), np.sin(alpha)
-    position = np.column_stack((c * across - s * along, s * across + c * along))
-    velocity = np.column_stack((c * across_d - s * along_d, s * across_d + c * along_d))
-    return position, velocity
+    positions, rotations = frames.poses(run.coordinates)
+    velocities, turning = frames.twists(run.coordinates, run.rates)
+    arm = run.scenario.disk.eccentricity * rotations[:, :, 0]
+    return (positions + arm)[:, :2], (velocities + np.cross(turning, arm))[:, :2]
 
 
 def speeds(run: Trajectory) -> tuple[float, float]:
     """Root mean square of the COG's horizontal speed and of the slip in m/s, until inverted."""
-    slip = [
-        paper.tangential_directions(run.scenario.disk, z).T @ u
-        for z, u in zip(run.coordinates, run.rates, strict=True)
-    ]
+    positions, _ = frames.poses(run.coordinates)
+    velocities, turning = frames.twists(run.coordinates, run.rates)
+    arm = run.contact_points - positions
+    slip = (velocities + np.cross(turning, arm))[:, :2]
     rising = run.times <= (run.inversion_time or run.times[-1])
     one, other = (
         float(np.sqrt(np.mean(np.sum(each[rising] ** 2, axis=1))))
-        for each in (cog_path(run)[1], np.array(slip))
+        for each in (cog_path(run)[1], slip)
     )
     return one, other
 

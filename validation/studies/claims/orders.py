@@ -5,7 +5,7 @@ import pandas as pd
 
 from analysis import MODELS, Scenario, SmoothCoulomb
 from analysis.data.checks import Array
-from analysis.stability.linear_reduced import closed_form, reduced_matrices
+from analysis.stability.printed import closed_form, reduced_matrices
 from validation.studies.claims.grades import Judged, within
 from validation.study import Row, Study
 
@@ -30,14 +30,11 @@ QUANTITIES = {
 def values(smoothing: float, spin: float) -> Array:
     """Sizes of `QUANTITIES` at one smoothing in m/s and spin in rad/s, shape (7,)."""
     scenario = Scenario(constraints=MODELS[4], friction=SmoothCoulomb(smoothing=smoothing))
-    third, *pair = sorted(
-        np.linalg.eigvals(reduced_matrices(scenario, [spin]))[0],
-        key=lambda value: (value.real, value.imag),
-    )
-    a, b, c = third.real, -sum(pair).real, (pair[0] * pair[1]).real
+    matrix = reduced_matrices(scenario, [spin])[0]
+    third, lower, upper = np.sort_complex(np.linalg.eigvals(matrix))
+    a, b, c = third.real, -(lower + upper).real, (lower * upper).real
     form = closed_form(scenario, [spin])
     first = max(form.eigenvalues[0][:2], key=lambda value: value.imag)
-    upper = max(pair, key=lambda value: value.imag)
     return np.abs((a, b, c, a - form.a, b - form.b[0], c - form.c[0], upper - first))
 
 
@@ -64,7 +61,6 @@ def judge(table: pd.DataFrame) -> Judged:
     told = table.dropna(subset=["order"])
     wrong = int((~((told["fitted"] - told["order"]).abs() <= CLOSE)).sum())
     return within(wrong, 0, len(told) - 1) | {
-        "close": CLOSE,
         "orders": told["order"].tolist(),
         "fitted": told["fitted"].tolist(),
         "spin": told["spin"].iloc[0],

@@ -1,7 +1,8 @@
 """Whether a disk that rolls without slip inverts (Sect. 4.3)."""
 
+from dataclasses import replace
 from math import inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -49,14 +50,15 @@ def cases() -> dict[str, Case]:
 
 def measure(case: Case) -> list[Row]:
     """How high the centre of gravity gets on either side, from Table 3's position."""
-    start, rolls = Start(spin=case.spin), case.coefficient == inf
-    scenario = Scenario(constraints=ROLLING, start=start)
+    scenario, rolls = Scenario(start=Start(spin=case.spin)), case.coefficient == inf
+    held: Any = {"constraints": ROLLING}
     if not rolls:
-        scenario = Scenario(friction=SmoothCoulomb(coefficient=case.coefficient), start=start)
+        held = {"friction": SmoothCoulomb(coefficient=case.coefficient)}
+    scenario = replace(scenario, **held)
+    accuracy: dict[str, Any] = {"tolerance": ENGINE_TOLERANCE} if rolls else {"step": ENGINE_STEP}
     method = "DOP853" if rolls else "LSODA"
-    step, tolerance = (None, ENGINE_TOLERANCE) if rolls else (ENGINE_STEP, None)
     runs = (
-        run(scenario, TIMES, formulation="euler-tree", step=step, tolerance=tolerance),
+        run(scenario, TIMES, formulation="euler-tree", **accuracy),
         run(scenario, TIMES, source="in-house", method=method, local_tolerance=1e-8),
     )
     return [
@@ -93,8 +95,6 @@ def judge(table: pd.DataFrame) -> Judged:
     rolled = table[table["gradient"].isna()]
     stays = (rolled["outcome"] == "not inverted").groupby(rolled["spin"]).all()
     return within(len(SPINS) - int(stays.sum()), 0, len(SPINS) - 1) | {
-        "spins": SPINS,
-        "end": TIMES[-1],
         "highest": rolled.groupby("spin")["highest"].max().tolist(),
         "longest": rolled["longest_up"].max(),
     }
@@ -122,16 +122,10 @@ def draw(table: pd.DataFrame) -> Figure:
     """Where the centre of gravity goes, with the paper's friction and without slip."""
     figure, axes = figures.new_figure(height=3.4)
     shown = TIMES <= 2.0
-    curves = table.set_index(["case", "source"])["direction"]
-    first, limit = "μ = 0.3", f"no slip, {Start().spin:g} rad/s"
-    for index, (case, label) in enumerate(((first, f"Model 1, {first}"), (limit, "no slip"))):
-        axes.plot(
-            TIMES[shown],
-            np.array(curves[case, "engine"])[shown],
-            color=figures.COLOURS[index],
-            linestyle=figures.STYLES[index],
-            label=label,
-        )
+    curves = table[table["source"] == "engine"].set_index("case")["direction"]
+    labels = {"μ = 0.3": "Model 1, μ = 0.3", f"no slip, {Start().spin:g} rad/s": "no slip"}
+    for (case, label), look in zip(labels.items(), figures.LOOKS, strict=False):
+        axes.plot(TIMES[shown], np.array(curves[case])[shown], label=label, **look)
     axes.axhline(REACHED, color="#999999", linewidth=0.8, label=f"counts as up: {REACHED:g}")
     axes.set(xlabel="time in s", ylabel="height of the COG over\nthe centre / eccentricity")
     figures.legend_above(axes)

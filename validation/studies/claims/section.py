@@ -48,8 +48,6 @@ def present(rows: Rows) -> Content:
             "c": judged,
             "counted": {answer: counted[answer] for answer in ANSWERS},
             "critical": starts.critical_speed(),
-            "starts": starts,
-            "motion": motion,
             "shares": shares.groupby(["starts", "model"])["inverted in %"].max(),
         },
         tables={

@@ -17,7 +17,7 @@ from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
 from analysis.data.inversion import OUTCOMES as DECIDED
 from analysis.data.inversion import STAYING
 from analysis.data.trajectory import Source
-from analysis.stability import linear_reduced
+from analysis.stability import printed
 from analysis.stability.critical import critical_speeds
 from validation.kit import figures
 from validation.run import run
@@ -51,7 +51,7 @@ def inverts(result: str) -> bool:
 
 def critical_speed() -> float:
     """That of the reduced system in closed form, in rad/s."""
-    return linear_reduced.critical_speed(Scenario(constraints=MODELS[4])).spin
+    return printed.critical_speed(Scenario(constraints=MODELS[4])).spin
 
 
 # --- Random starts ------------------------------------------------------------------------------
@@ -176,19 +176,11 @@ def judge_attraction(found: pd.DataFrame) -> Judged:
 def draw(found: pd.DataFrame) -> Figure:
     """Share of the starts that are inverted over the spin, with intervals."""
     figure, axes = figures.new_figure(height=4.0)
-    for index, ((model, tilt), group) in enumerate(found.groupby(["model", "starts"], sort=False)):
-        share = group["inverted in %"]
-        axes.errorbar(
-            group["spin"],
-            share,
-            yerr=(share - group["from"], group["to"] - share),
-            color=figures.COLOURS[index],
-            linestyle=figures.STYLES[index],
-            marker=figures.MARKERS[index],
-            markersize=4,
-            capsize=2.5,
-            label=f"{model}, {tilt}",
-        )
+    groups = found.groupby(["model", "starts"], sort=False)
+    for ((model, tilt), group), look in zip(groups, figures.MARKED, strict=False):
+        share, label = group["inverted in %"], f"{model}, {tilt}"
+        bars = (share - group["from"], group["to"] - share)
+        axes.errorbar(group["spin"], share, bars, markersize=4, capsize=2.5, label=label, **look)
     axes.axvline(critical_speed(), color="#999999", linewidth=0.8, label="$Ω_{crit}$ (126)")
     axes.axhline(100 * NEARLY_ALL, color="#999999", linewidth=0.8, linestyle=":")
     axes.set(xlabel="spin at the start in rad/s", ylabel="inverted in %", ylim=(-3.0, 103.0))

@@ -14,12 +14,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from analysis import MODELS, ConstraintSet, Scenario, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import Source
-from analysis.nonlinear.cycle import Cycle, is_stable
+from analysis.nonlinear.motions import PeriodicMotion, is_stable
 from analysis.stability.critical import critical_speeds
 from validation.run import run
 
@@ -62,62 +61,46 @@ class HeldCycle:
     ----------
     unknowns : ndarray, shape (k + 3,)
         What tells it; see above.
-    half_multipliers : ndarray, complex, shape (k + 1,)
-        Multipliers over half a period with the mirror image, without that along the motion;
-        falling in size.
     residual : float
         Last step of Newton's method, relative to the unknowns.
+    spin, period, amplitude : float
+        In rad/s, s and rad.
+    multiplier : float
+        Size of the largest Floquet multiplier over a whole period.
+    half_multiplier : float
+        The largest real one over half a period, with the mirror image.
+    complex_multiplier : float or None
+        Size of the largest complex pair over half a period, if there is one.
     """
 
     unknowns: Array
-    half_multipliers: npt.NDArray[np.complex128]
     residual: float
-
-    @property
-    def spin(self) -> float:
-        """In rad/s."""
-        return float(self.unknowns[SPIN])
-
-    @property
-    def period(self) -> float:
-        """In s."""
-        return 2.0 * float(self.unknowns[HALF_PERIOD])
-
-    @property
-    def amplitude(self) -> float:
-        """Largest deviation of gamma from pi/2 in rad."""
-        return float(self.unknowns[AMPLITUDE])
-
-    @property
-    def multiplier(self) -> float:
-        """Size of the largest Floquet multiplier over a whole period."""
-        return float(abs(self.half_multipliers[0])) ** 2
+    spin: float
+    period: float
+    amplitude: float
+    multiplier: float
+    half_multiplier: float
+    complex_multiplier: float | None
 
     @property
     def stable(self) -> bool | None:
-        """Whether all of them lie inside the unit circle; None if too close to tell."""
+        """Whether all multipliers lie inside the unit circle; None if too close to tell."""
         return is_stable(self.multiplier)
 
-    @property
-    def half_multiplier(self) -> float:
-        """Largest real multiplier over half a period."""
-        real = self.half_multipliers[np.abs(self.half_multipliers.imag) <= 1e-6].real
-        return float(real[np.argmax(np.abs(real))])
-
-    @property
-    def complex_multiplier(self) -> float | None:
-        """Size of the largest complex pair of multipliers over half a period, if there is one."""
-        pairs = self.half_multipliers[np.abs(self.half_multipliers.imag) > 1e-6]
-        return float(np.max(np.abs(pairs))) if pairs.size else None
+    def told(self) -> dict[str, Any]:
+        """What tables and files tell of it, as plain data by names."""
+        own = ("amplitude", "half_multiplier", "complex_multiplier")
+        names = (*own, "spin", "period", "multiplier", "stable")
+        return {name: getattr(self, name) for name in names}
 
 
 class NoHeldCycleError(ArithmeticError):
     """Shooting has not converged."""
 
 
-def beginning(cycle: Cycle) -> Array:
+def beginning(cycle: PeriodicMotion) -> Array:
     """What tells a cycle of the reduced system."""
-    return np.array((cycle.spin, cycle.period / 2.0, cycle.amplitude, *cycle.states[0, 2:]))
+    return np.array((cycle.spin, cycle.period / 2.0, cycle.value, *cycle.states[0, 2:]))
 
 
 def family(name: str, amplitudes: Sequence[float]) -> list[HeldCycle]:
@@ -179,16 +162,32 @@ def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN)
         unknowns = unknowns + step
         last = float(np.max(np.abs(step[:3] / unknowns[:3])))
         if last < _CONVERGED:
-            # The map between largest gammas: what displacing changes, less what time makes good.
-            poincare = slopes[1:, 2:] - np.outer(rates[1:], slopes[0, 2:]) / rates[0]
-            values = np.linalg.eigvals(-poincare).astype(complex)
-            values = values[np.argsort(-np.abs(values))]
-            return HeldCycle(unknowns=unknowns, half_multipliers=values, residual=last)
+            return _cycle(unknowns, slopes, rates, last)
         if not last < 0.5:
             break
     raise NoHeldCycleError(
         f"no cycle of {scenario.name} found near an amplitude of {guess[AMPLITUDE]:.6g} rad at "
         f"{guess[SPIN]:.6g} rad/s: the last step was {last:.1e} of the unknowns"
+    )
+
+
+def _cycle(unknowns: Array, slopes: Array, rates: Array, residual: float) -> HeldCycle:
+    """The cycle with its multipliers over half a period, without that along the motion."""
+    # The map between largest gammas: what displacing changes, less what time makes good.
+    poincare = slopes[1:, 2:] - np.outer(rates[1:], slopes[0, 2:]) / rates[0]
+    values = np.linalg.eigvals(-poincare).astype(complex)
+    real = values[np.abs(values.imag) <= 1e-6].real
+    pairs = np.abs(values[np.abs(values.imag) > 1e-6])
+    spin, half, amplitude = unknowns[:3].tolist()
+    return HeldCycle(
+        unknowns=unknowns,
+        residual=residual,
+        spin=spin,
+        period=2.0 * half,
+        amplitude=amplitude,
+        multiplier=float(np.max(np.abs(values))) ** 2,
+        half_multiplier=float(real[np.argmax(np.abs(real))]),
+        complex_multiplier=float(np.max(pairs)) if pairs.size else None,
     )
 
 

@@ -2,35 +2,31 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from analysis import DISKS, MODELS, Dissipation, Motion, Scenario, SmoothCoulomb
-from analysis.nonlinear.family import cycle_at, cycle_family
+from analysis.nonlinear.families import Family, cycle_at, cycle_family, events, rotating_family
 from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
     heteroclinic_connection,
     period_growth,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.nonlinear.rotating import folds, rotating_family
-from analysis.nonlinear.slow_manifold import distances, slow_cycle, time_scales
+from analysis.nonlinear.slow_manifold import distances, separation, slow_cycle
 from analysis.nonlinear.stationary import stationary_motions
-from analysis.stability import spectra
-from validation.studies.nonlinear import passage
+from analysis.stability.spectra import matrices_over_spin
+from validation.nonlinear import passage
+from validation.nonlinear.tables import prediction, small_cycles
+from validation.studies.nonlinear.delay import slowed
 from validation.studies.nonlinear.held_spin import AMPLITUDE, HELD, beginning, family, find
-from validation.studies.nonlinear.tables import prediction, small_cycles
 from validation.study import Row, Study
 
 PAPER = Scenario(constraints=MODELS[4])
 
 HELD_NAMES = ("Model 1 at held spin", "Model 2 at held spin")
-
-COMMON = ("spin", "period", "multiplier", "stable")
-"""What is told of every periodic motion."""
 
 SWINGING, ROTATING = "cycles of Model 4", "rotating motions of Model 4"
 SLOW = "cycles on the slow manifold"
@@ -62,34 +58,31 @@ def follow_family(follow: Callable[[], list[Row]]) -> list[Row]:
 
 
 def _held(name: str) -> list[Row]:
-    own = ("amplitude", "half_multiplier", "complex_multiplier")
-    return [{"kind": "motion", **told(each, *own, *COMMON)} for each in family(name, AMPLITUDES)]
+    return [{"kind": "motion", **each.told()} for each in family(name, AMPLITUDES)]
 
 
 def _swinging() -> list[Row]:
-    found = _whole(cycle_family(PAPER))
-    own = ("amplitude", "half_multiplier", "log_strong")
-    rows: list[Row] = [{"kind": "motion", **told(c, *own, *COMMON)} for c in found.cycles]
-    normal, small = hopf_type(PAPER), small_cycles(found)
-    birth = fitted_growth([c.spin for c in small], [c.amplitude for c in small], normal.spin)
-    fitted = {f"fitted_{name}": value for name, value in asdict(birth).items()}
+    found = cycle_family(PAPER)
+    motions = _whole(found)
+    normal = hopf_type(PAPER)
+    fitted = fitted_growth(*small_cycles(motions), normal.spin)._asdict()
     connection = heteroclinic_connection(PAPER)
-    off = abs(found.cycles[-1].spin - connection.spin)
-    end = asdict(period_growth(found.cycles, connection))
-    rows.append({"kind": "birth", "type": normal.kind, "curvature": normal.curvature, **fitted})
-    rows.append({"kind": "end", "off": off, **end})
-    return rows
+    off = abs(found.motions[-1].spin - connection.spin)
+    return [
+        *motions,
+        {
+            "kind": "birth",
+            "type": normal.kind,
+            "curvature": normal.curvature,
+            **{f"fitted_{name}": value for name, value in fitted.items()},
+        },
+        {"kind": "end", "off": off, **period_growth(found.motions, connection)},
+    ]
 
 
 def _rotating() -> list[Row]:
-    found = _whole(rotating_family(PAPER))
-    motions = {"motion": found.rotations, "fold": folds(found)}
-    own = ("tilt", "largest_tilt", "log_strong")
-    return [
-        {"kind": kind, **told(each, *own, *COMMON)}
-        for kind, those in motions.items()
-        for each in those
-    ]
+    found = rotating_family(PAPER)
+    return _whole(found) + [{"kind": kind, **each.told()} for kind, each in events(found)]
 
 
 def _slow() -> list[Row]:
@@ -98,15 +91,17 @@ def _slow() -> list[Row]:
     rows: list[Row] = [{"kind": "motion", **told(each, "amplitude", "spin")} for each in cycles]
     laws = [SmoothCoulomb(smoothing=each) for each in SMOOTHING]
     near = distances([Scenario(constraints=MODELS[4], friction=law) for law in laws], 30.5)
-    separation = time_scales(PAPER, hopf_type(PAPER).spin).separation
-    orders = dict(zip(("surface", "corrected"), near.orders.tolist(), strict=True))
-    return [*rows, {"kind": "slow", "separation": separation, **orders}]
+    orders = dict(zip(("surface", "corrected"), near.tolist(), strict=True))
+    return [
+        *rows,
+        {"kind": "slow", "separation": separation(PAPER, hopf_type(PAPER).spin), **orders},
+    ]
 
 
-def _whole(found: Any) -> Any:
+def _whole(found: Family) -> list[Row]:
     if found.reason is not None:
         raise ArithmeticError(f"the family ends early: {found.reason}")
-    return found
+    return [{"kind": "motion", **each.told()} for each in found.motions]
 
 
 FAMILIES = Study(name="families", cases=families, measure=follow_family, keys=("number",))
@@ -135,7 +130,10 @@ def find_on_both(case: tuple[str, float]) -> list[Row]:
         sides["in-house"] = cycle_at(scenario, value)
         sides["engine"] = find(scenario, beginning(sides["in-house"]), source="engine")
     names = ("spin", "amplitude", "period", "multiplier")
-    return [{"source": source, **told(each, *names)} for source, each in sides.items()]
+    return [
+        {"source": source, **{name: each.told()[name] for name in names}}
+        for source, each in sides.items()
+    ]
 
 
 ENGINE = Study(name="engine-cycles", cases=repeated, measure=find_on_both, keys=("source",))
@@ -193,9 +191,8 @@ def search(case: tuple[str, float]) -> list[Row]:
         motion: Motion = "inverted" if each.gamma > 0.0 else "noninverted"
         of_spectra = None
         if not each.is_tilted:
-            values = spectra.branches(scenario, [spin], motion=motion)
-            moving = np.delete(values.values[0], values.drift)
-            of_spectra = float(np.max(moving.real))
+            matrices = matrices_over_spin(scenario, motion=motion)(np.array([spin]))
+            of_spectra = float(np.max(np.linalg.eigvals(matrices).real))
         row = {"number": number, "motion": "tilted" if each.is_tilted else motion}
         rows.append({**row, **told(each, "beta", "gamma", "growth"), "of_spectra": of_spectra})
     return rows
@@ -225,7 +222,7 @@ def passages() -> dict[str, Callable[[], passage.Passage]]:
         DISSIPATED: partial(passage.follow, dissipated, 11.9, "in-house"),
         f"{DISSIPATED}, engine": partial(passage.follow, dissipated, 11.9, "engine"),
         **{
-            f"{SLOWED}, {lever:g} m": partial(passage.slowed, lever, "in-house")
+            f"{SLOWED}, {lever:g} m": partial(slowed, lever, "in-house")
             for lever in (1e-5, 2e-5, 4e-5, 8e-5)
         },
     }

@@ -16,9 +16,9 @@ from scipy.integrate import solve_ivp
 from analysis import MODELS, Scenario
 from analysis.data.checks import Array
 from analysis.mechanics import reduced
-from analysis.nonlinear.cycle import INVERTED
-from analysis.nonlinear.family import cycle_at
+from analysis.nonlinear.families import cycle_at
 from analysis.nonlinear.heteroclinic import heteroclinic_connection, saddle
+from analysis.nonlinear.motions import INVERTED
 from analysis.nonlinear.slow_manifold import slow_rates
 from validation.kit import figures
 from validation.study import Row, Study
@@ -66,7 +66,7 @@ def portrait(case: tuple[float | None, bool]) -> list[Row]:
         start = _on_slow_manifold(scenario, spin, np.pi / 2 + part)
         curves.append(("motion", _forwards(scenario, spin, start)))
     if has_cycle:
-        curves.append(("cycle", cycle_at(scenario, spin).full[1][:, 1::-1]))
+        curves.append(("cycle", cycle_at(scenario, spin).whole[1][:, 1::-1]))
     return [
         {"number": number, "kind": kind, "spin": spin, "gamma": curve[:, 0], "beta": curve[:, 1]}
         for number, (kind, curve) in enumerate(curves)

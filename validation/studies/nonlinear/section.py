@@ -1,16 +1,16 @@
 """What the report says of the nonlinear dynamics."""
 
 from collections.abc import Iterator
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from analysis.stability.linear_reduced import critical_speed
+from analysis.stability.printed import CriticalSpeed, critical_speed
 from validation.kit.limits import largest
+from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, Verdict
-from validation.studies.nonlinear import figures, measured, passage, portraits, tables
+from validation.studies.nonlinear import delay, drawings, measured, portraits
 from validation.studies.nonlinear.measured import (
     DISSIPATED,
     HELD_NAMES,
@@ -19,7 +19,7 @@ from validation.studies.nonlinear.measured import (
     SLOW,
     SWINGING,
 )
-from validation.study import Check, at_most, equal
+from validation.study import Check, Row, at_most, equal
 
 TITLE = "Nonlinear dynamics"
 STUDIES = (
@@ -60,10 +60,8 @@ def present(rows: Rows) -> Content:
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
     delays = slowed.hopf - slowed.lowest_spin
-    law = passage.delay_law(slowed.rate, delays)
+    law = delay.delay_law(slowed.rate, delays)
     held = families[families.case.isin(HELD_NAMES)]
-    swinging: Any = SimpleNamespace(cycles=cycles, hopf=hopf)
-    rotating: Any = SimpleNamespace(rotations=rotations, connection=connection, reason=None)
     return Content(
         numbers={
             "cycles": cycles,
@@ -74,12 +72,12 @@ def present(rows: Rows) -> Content:
             "held": held,
             "followed": followed.set_index("case"),
             "law": law,
-            "growth": np.log(passage.LOST / passage.SMALL),
+            "growth": np.log(passage.LOST / delay.SMALL),
         },
         tables={
-            "cycles": tables.cycle_table(cycles),
-            "some-cycles": tables.cycle_table(cycles[::5]),
-            "rotations": tables.rotation_table(rotating, [fits.fold]),
+            "cycles": tables.motion_table(cycles),
+            "some-cycles": tables.motion_table(cycles[::5]),
+            "rotations": tables.motion_table(rotations, "rotating"),
             "held": _headed(held, "half_multiplier", "complex_multiplier"),
             "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
@@ -87,34 +85,53 @@ def present(rows: Rows) -> Content:
             "stationary": stationary[["case", "motion", "beta", "gamma", "growth"]],
         },
         figures={
-            "bifurcations": figures.bifurcation_diagram(
-                swinging,
-                connection=connection.spin,
+            "bifurcations": drawings.bifurcation_diagram(
+                cycles,
+                hopf,
+                connection=connection["spin"],
                 slow=_places(families[(families.case == SLOW) & (families.kind == "motion")]),
                 engine=_places(engine[(engine.source == "engine") & engine.case.isin(on_model_4)]),
-            ).figure,
-            "periods": figures.period_diagram(swinging, connection=connection.spin)[0].figure,
+            ),
+            "periods": figures.diagram(
+                cycles,
+                ("period", "multiplier", "log_strong"),
+                first=_born(hopf),
+                marks={"heteroclinic": connection["spin"]},
+            ),
             "portraits": portraits.draw(curves),
             "plane": _plane(hopf.spin, connections),
-            "rotations": figures.rotation_diagram(rotating).figure,
+            "rotations": figures.diagram(
+                figures.near(rotations, connection["spin"]),
+                ("largest_tilt", "tilt"),
+                marks={"heteroclinic": connection["spin"]},
+            ),
             "passages": figures.passage_diagram(
                 [(p.case, p) for p in followed[followed.source == "in-house"].itertuples()]
-            )[0].figure,
-            "delays": figures.delay_diagram(slowed.rate, delays),
+            ),
+            "delays": drawings.delay_diagram(slowed.rate, delays),
         },
         checks=[
             *_cycle_checks(fits, apart),
             *_other_checks(connections, stationary, passages),
             at_most("passage: power of the rate of decay", abs(law.exponent - 0.5), ROOT),
         ],
-        verdicts=[_swings(cycles, hopf.spin, connection.spin, fits.fold, apart), _lost(followed)],
+        verdicts=[
+            _swings(cycles, hopf.spin, connection["spin"], fits.fold, apart),
+            _lost(followed),
+        ],
     )
 
 
-def _motions(rows: pd.DataFrame, case: str) -> list[Any]:
-    """Rows of a case, fits and folds left out, which tell a motion by its attributes' names."""
+def _motions(rows: pd.DataFrame, case: str) -> list[Row]:
+    """Rows of a case, fits and folds left out."""
     found = rows[rows.case == case]
-    return list((found[found.kind == "motion"] if "kind" in found else found).itertuples())
+    motions = found[found.kind == "motion"] if "kind" in found else found
+    records: list[Row] = motions.to_dict("records")
+    return records
+
+
+def _born(hopf: CriticalSpeed) -> dict[str, float]:
+    return {"spin": hopf.spin, "period": 2.0 * np.pi / hopf.frequency, "multiplier": 1.0}
 
 
 def _places(cycles: pd.DataFrame) -> list[tuple[float, float]]:
@@ -159,7 +176,7 @@ def _plane(hopf: float, connections: pd.DataFrame) -> Any:
         mu: (found.smoothing, found.spin, found.predicted.iloc[0])
         for mu, found in of_steel.groupby("coefficient")
     }
-    return figures.plane(hopf, curves)
+    return drawings.plane(hopf, curves)
 
 
 # --- Checks and verdicts ------------------------------------------------------------------------
@@ -198,9 +215,9 @@ def _other_checks(
 
 
 def _swings(
-    cycles: list[Any], hopf: float, connection: float, fold: Any, apart: pd.DataFrame
+    cycles: list[Row], hopf: float, connection: float, fold: Any, apart: pd.DataFrame
 ) -> Verdict:
-    stable = sum(bool(each.stable) for each in cycles)
+    stable = sum(bool(each["stable"]) for each in cycles)
     return Verdict(
         statement="Below the critical speed, a disk of Model 4 swings about inverted spinning.",
         answer="yes" if stable == len(cycles) else "partly" if stable else "no",

@@ -1,9 +1,10 @@
 """Centred disks against the textbook, and their last moments against power laws."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from math import nan, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -24,6 +25,7 @@ from analysis.rest.stationary_rolling import (
 from mbs_models import Scene
 from mbs_models.rest_run import largest_step
 from validation.kit.figures import COLOURS, new_figure
+from validation.kit.limits import largest
 from validation.page.content import Content, Rows
 from validation.run import run_to_rest
 from validation.study import Check, Row, Study, at_most
@@ -61,56 +63,62 @@ STAGES = {
 """Losses, and the exponents of the time to go that theory gives for β and Ω."""
 
 
-def cases() -> dict[str, str]:
-    """Names of what rolls, and of what comes to lie flat."""
-    return {name: name for name in ("Euler's disk", "rolling", *UPRIGHT, *STAGES)}
+QUANTITIES: dict[str, Callable[[SpatialMotion], Any]] = {
+    "Ω in rad/s": lambda motion: np.mean(precession(motion)),
+    "energy in J": lambda motion: np.mean(motion.energies[:, :2].sum(axis=1)),
+    "contact force in N": lambda motion: np.mean(motion.normal_force),
+    "β in rad": lambda motion: np.mean(motion.tilt),
+    "largest lean in rad": lambda motion: np.max(np.abs(motion.tilt - pi / 2)),
+}
 
 
-def measure(case: str) -> list[Row]:
+class Rolling(NamedTuple):
+    """A disk that rolls: how it starts, until when in s, and its closed forms by quantity."""
+
+    start: Start
+    end: float
+    exact: dict[str, float]
+
+
+def cases() -> dict[str, Rolling | str]:
+    """What rolls, and by name what comes to lie flat."""
+    euler = euler_disk_precession(ON_TABLE, EULER_BETA)
+    of_euler = (euler, euler_disk_energy(ON_TABLE, EULER_BETA), ON_TABLE.weight)
+    found: dict[str, Rolling | str] = {
+        "Euler's disk": Rolling(
+            rolling_start(DISK, EULER_BETA, euler, 0.0),
+            1.0,
+            dict(zip(QUANTITIES, of_euler, strict=False)),
+        ),
+        "rolling": Rolling(
+            rolling_start(DISK, *ROLLING, axial_spin(ON_TABLE, *ROLLING)),
+            0.3,
+            {"β in rad": ROLLING[0], "Ω in rad/s": ROLLING[1]},
+        ),
+    }
+    for name, part in UPRIGHT.items():
+        # Along a line, slightly pushed to a side.
+        spin = part * upright_rolling_spin(ON_TABLE)
+        push = {"x_rate": -DISK.radius * spin, "beta_rate": 1e-3, "gamma_rate": spin}
+        start = Start(gamma=0.0, spin=0.0, **push)
+        found[name] = Rolling(start, 2.5, {"largest lean in rad": nan})
+    return found | {name: name for name in STAGES}
+
+
+def measure(case: Rolling | str) -> list[Row]:
     """Quantities with their closed forms: of what rolls on both sides, else in-house."""
-    if case in STAGES:
+    if isinstance(case, str):
         return [{"source": "in-house", **row} for row in _last_moments(case)]
-    start, end = _start(case)
-    scenario = replace(ON_TABLE, start=start)
+    scenario = replace(ON_TABLE, start=case.start)
     step = 0.6 * largest_step(Scene(scenario))
     controls: dict[Any, Any] = {"engine": {"step": step}, "in-house": {"local_tolerance": 1e-10}}
     found = []
     for source in SOURCES:
-        motion = run_to_rest(scenario, end, source=source, spacing=1e-2, **controls[source])
-        for quantity, (exact, value) in _rolling(case, motion).items():
+        motion = run_to_rest(scenario, case.end, source=source, spacing=1e-2, **controls[source])
+        for quantity, exact in case.exact.items():
+            value = QUANTITIES[quantity](motion)
             found.append({"source": source, "quantity": quantity, "exact": exact, "value": value})
     return found
-
-
-def _start(case: str) -> tuple[Start, float]:
-    """Start of a rolling disk, and for how long in s to run it."""
-    if case == "Euler's disk":
-        rate = euler_disk_precession(ON_TABLE, EULER_BETA)
-        return rolling_start(DISK, EULER_BETA, rate, 0.0), 1.0
-    if case == "rolling":
-        return rolling_start(DISK, *ROLLING, axial_spin(ON_TABLE, *ROLLING)), 0.3
-    spin = UPRIGHT[case] * upright_rolling_spin(ON_TABLE)
-    # Along a line, slightly pushed to a side.
-    push = {"x_rate": -DISK.radius * spin, "beta_rate": 1e-3, "gamma_rate": spin}
-    return Start(gamma=0.0, spin=0.0, **push), 2.5
-
-
-def _rolling(case: str, motion: SpatialMotion) -> dict[str, tuple[float, float]]:
-    """Closed form and value of each quantity of a rolling disk."""
-    if case in UPRIGHT:
-        return {"largest lean in rad": (nan, float(np.max(np.abs(motion.tilt - pi / 2))))}
-    turning = float(np.mean(precession(motion)))
-    if case == "rolling":
-        return {
-            "β in rad": (ROLLING[0], float(np.mean(motion.tilt))),
-            "Ω in rad/s": (ROLLING[1], turning),
-        }
-    energy = float(np.mean(motion.energies[:, :2].sum(axis=1)))
-    return {
-        "Ω in rad/s": (euler_disk_precession(ON_TABLE, EULER_BETA), turning),
-        "energy in J": (euler_disk_energy(ON_TABLE, EULER_BETA), energy),
-        "contact force in N": (ON_TABLE.weight, float(np.mean(motion.normal_force))),
-    }
 
 
 def _last_moments(case: str) -> list[Row]:
@@ -150,44 +158,40 @@ def present(rows: Rows) -> Content:
     """Closed forms beside what both sides give."""
     table = rows[STUDY.name]
     keys = ["case", "quantity"]
-    found = table[[*keys, "exact"]].drop_duplicates(keys)
-    for source in SOURCES:
-        values = table[table["source"] == source].set_index(keys)["value"]
-        found[source] = values.reindex(pd.MultiIndex.from_frame(found[keys])).to_numpy()
+    both = table.pivot(index=keys, columns="source", values="value")
+    found = table[[*keys, "exact"]].drop_duplicates(keys).join(both, on=keys)
     upright = found["case"].isin(UPRIGHT)
     leans, found = found[upright], found[~upright]
-    ratios = found[list(SOURCES)].div(found["exact"], axis=0) - 1.0
-    found = found.assign(difference=ratios.abs().max(axis=1))
-    checks = []
-    for row in found.to_dict("records"):
-        name = f"rest, {row['case']}, {row['quantity']}"
-        both = SOURCES if row["case"] not in STAGES else SOURCES[1:]
-        worst = max(abs(row[source] / row["exact"] - 1.0) for source in both)
-        checks.append(at_most(f"{name}: difference", worst, CLOSE))
-        checks += [
-            at_most(f"{name}: engine against in-house", abs(row["engine"] / row["in-house"] - 1.0),
-                    SAME)
-            for _ in both[1:]
-        ]  # fmt: skip
-    for row, stays in zip(leans.to_dict("records"), (True, False), strict=True):
-        values = [row[source] for source in SOURCES]
-        right = all(value < LEAN if stays else value > LEAN for value in values)
-        limit = f"{'below' if stays else 'above'} {LEAN:g}"
-        checks.append(
-            Check(f"rest, {row['case']}: lean in rad", str(values), limit, "fresh", right)
-        )
+    parts = found[list(SOURCES)].div(found["exact"], axis=0) - 1.0
+    found = found.assign(difference=parts.abs().max(axis=1))
     laws = table[table["quantity"] == "exponent of β"].set_index("case")
     return Content(
         numbers={
             "upright_spin": upright_rolling_spin(ON_TABLE),
             "upright_leans": leans[list(SOURCES)].max(axis=1).tolist(),
             "laws": laws,
-            "stage_fit": FIT,
         },
         tables={"closed": found.rename(columns={"difference": "largest relative difference"})},
         figures={"final": draw(laws)},
-        checks=checks,
+        checks=list(checks(found, leans)),
     )
+
+
+def checks(found: pd.DataFrame, leans: pd.DataFrame) -> Iterator[Check]:
+    """Whether each side that was run has the closed form and both have the same."""
+    for row in found.to_dict("records"):
+        name = f"rest, {row['case']}, {row['quantity']}"
+        engine, inhouse = (row[source] / row["exact"] for source in SOURCES)
+        of_both = row["case"] not in STAGES
+        worst = largest(abs(each - 1.0) for each in (engine, inhouse)[1 - of_both :])
+        yield at_most(f"{name}: difference", worst, CLOSE)
+        if of_both:
+            yield at_most(f"{name}: engine against in-house", abs(engine / inhouse - 1.0), SAME)
+    for row, stays in zip(leans.to_dict("records"), (True, False), strict=True):
+        values = [row[source] for source in SOURCES]
+        right = all(value < LEAN if stays else value > LEAN for value in values)
+        limit = f"{'below' if stays else 'above'} {LEAN:g}"
+        yield Check(f"rest, {row['case']}: lean in rad", str(values), limit, "fresh", right)
 
 
 def draw(laws: pd.DataFrame) -> Figure:

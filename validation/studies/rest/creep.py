@@ -12,16 +12,18 @@ With an energy of 3/2 m g r sin(beta),
 Friction that drags the centre of gravity along makes k smaller, but keeps the law.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from analysis import MODELS, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
-from validation.kit.figures import COLOURS, MARKERS, new_figure
+from validation.kit.figures import MARKED, new_figure
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows
 from validation.run import run_to_rest
@@ -126,49 +128,48 @@ def fit(times: Array, tilts: Array) -> Law:
 
 def present(rows: Rows) -> Content:
     """The law for each smoothing, and how long it takes."""
-    runs = {row["case"]: row for row in rows[STUDY.name].to_dict("records")}
+    runs = rows[STUDY.name].set_index("case").map(np.array)
+    laws = {case: fit(*runs.loc[case, ["times", "tilts"]]) for case in SMOOTHINGS}
+    scenarios = {case: scenario_of(smoothing) for case, smoothing in SMOOTHINGS.items()}
+    table = pd.DataFrame(
+        {
+            "ε/μ in m/s": 1.0 / scenarios[case].friction.gradient,
+            "growth in 1/s, fitted": law.rate,
+            "part of that for weak friction": law.rate / weak_friction_rate(scenarios[case]),
+            "largest relative deviation in β": law.error,
+            f"from {START:g} to {START / 2:g} rad in min": law.time_between(START, START / 2) / 60,
+            f"to {FAR:g} rad in h": law.time_between(START, FAR) / 3600,
+        }
+        for case, law in laws.items()
+    )
+    shares = table["part of that for weak friction"]
+    rising = bool(np.all(np.diff([0.0, *shares, 1.0]) > 0.0))
+    begin, whole = (runs.loc[case, "tilts"] for case in (BEGIN, next(iter(SMOOTHINGS))))
+    same = largest(np.abs(begin - whole[: begin.size]).tolist())
+    return Content(
+        numbers={"creep_law": table.iloc[0].tolist()},
+        tables={"creep": table},
+        figures={"creep": draw(runs, laws)},
+        checks=[
+            *(at_most(f"rest, creep at {case}: deviation from the law", law.error, DEVIATION,
+                      "stored") for case, law in laws.items()),
+            Check("rest, creep: parts of the rate for weak friction",
+                  str(shares.round(3).tolist()), "rise with weaker friction, up to 1", "stored",
+                  rising),
+            at_most("rest, creep: its first 10 s in rad", same, 1e-6, "stored"),
+        ],
+    )  # fmt: skip
+
+
+def draw(runs: pd.DataFrame, laws: Mapping[str, Law]) -> Figure:
+    """1 / beta² over time with the fitted lines."""
     figure, axes = new_figure()
-    found, checks = [], []
-    for index, (case, smoothing) in enumerate(SMOOTHINGS.items()):
-        times, tilts = (np.array(runs[case][name]) for name in ("times", "tilts"))
-        scenario, law = scenario_of(smoothing), fit(times, tilts)
-        width, colour = 1.0 / scenario.friction.gradient, COLOURS[index]
-        label = f"ε/μ = {width:.3g} m/s"
-        axes.plot(times, tilts**-2, MARKERS[index], label=label, color=colour)
-        axes.plot(times, law.offset + law.rate * times, linestyle=":", color=colour)
-        found.append(
-            {
-                "ε/μ in m/s": width,
-                "growth in 1/s, fitted": law.rate,
-                "part of that for weak friction": law.rate / weak_friction_rate(scenario),
-                "largest relative deviation in β": law.error,
-                f"from {START:g} to {START / 2:g} rad in min": law.time_between(START, START / 2)
-                / 60.0,
-                f"to {FAR:g} rad in h": law.time_between(START, FAR) / 3600.0,
-            }
-        )
-        name = f"rest, creep at {case}: deviation from the law"
-        checks.append(at_most(name, law.error, DEVIATION, "stored"))
+    for (case, law), look in zip(laws.items(), MARKED, strict=False):
+        times, tilts = runs.loc[case, ["times", "tilts"]]
+        label = f"ε/μ = {1.0 / scenario_of(SMOOTHINGS[case]).friction.gradient:.3g} m/s"
+        axes.plot(times, tilts**-2, **look | {"linestyle": ""}, label=label)
+        axes.plot(times, law.offset + law.rate * times, linestyle=":", color=look["color"])
     axes.axvspan(*TIMES[:2], color="#dddddd", zorder=0)
     axes.set(xlabel="time in s", ylabel="1/β² in 1/rad²")
     axes.legend(loc="upper left")
-    table = pd.DataFrame(found)
-    shares = table["part of that for weak friction"]
-    rising = bool(np.all(np.diff([0.0, *shares, 1.0]) > 0.0))
-    begin = runs[BEGIN]["tilts"]
-    same = np.abs(np.subtract(begin, runs[next(iter(SMOOTHINGS))]["tilts"][: len(begin)]))
-    checks += [
-        Check("rest, creep: parts of the rate for weak friction", str(shares.round(3).tolist()),
-              "rise with weaker friction, up to 1", "stored", rising),
-        at_most("rest, creep: its first 10 s in rad", largest(same.tolist()), 1e-6, "stored"),
-    ]  # fmt: skip
-    return Content(
-        numbers={
-            "creep": table.iloc[0].tolist(),
-            "creep_range": (START, FAR),
-            "creep_times": TIMES,
-        },
-        tables={"creep": table},
-        figures={"creep": figure},
-        checks=checks,
-    )
+    return figure

@@ -41,15 +41,10 @@ _CROWDED = 0.05
 def story(motion: SpatialMotion, tilt: Sequence[float], spacing: float) -> Figure:
     """The whole story over time, with the tilt of the engine's run, sampled so often in s."""
     figure = draw_story(motion)
-    panel, shown = figure.axes[0], slice(None, None, _DOT)
-    panel.plot(
-        (spacing * np.arange(len(tilt)))[shown],
-        np.degrees(tilt)[shown],
-        ".",
-        color=figures.COLOURS[2],
-        markersize=4,
-        label="engine",
-    )
+    dots = np.arange(0, len(tilt), _DOT)
+    look: Any = {"color": figures.COLOURS[2], "linestyle": "", "marker": ".", "markersize": 4}
+    panel = figure.axes[0]
+    panel.plot(spacing * dots, np.degrees(tilt)[dots], label="engine", **look)
     panel.legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), fontsize=8, frameon=False)
     return figure
 
@@ -57,30 +52,26 @@ def story(motion: SpatialMotion, tilt: Sequence[float], spacing: float) -> Figur
 def draw_story(motion: SpatialMotion, axes: Any = None) -> Figure:
     """Draw tilt, COG height, spin, energies and contact force, into five axes if given."""
     axes = figures.new_figure(5, height=11.0)[1] if axes is None else axes
-    times, colours = motion.times, figures.COLOURS
-    axes[0].plot(times, np.degrees(motion.tilt), color=colours[0])
+    times, force = motion.times, motion.normal_force
+    lines = (np.degrees(motion.tilt), 1e3 * motion.cog_height, motion.spin, None, force)
+    for panel, values in zip(axes, lines, strict=True):
+        if values is not None:
+            width = 0.5 if values is force else 1.5
+            panel.plot(times, values, color=figures.COLOURS[0], linewidth=width)
     # Room above for the names of the phases.
     axes[0].set(ylabel="tilt β in °", ylim=(0, 250), yticks=range(0, 181, 45))
-    axes[1].plot(times, 1e3 * motion.cog_height, color=colours[0])
     axes[1].set(ylabel="COG height in mm", ylim=(0, None))
-    axes[2].plot(times, motion.spin, color=colours[0])
     axes[2].set(ylabel="vertical spin in rad/s")
-    labels = ["kinetic", "potential", *(CAUSE_NAMES[c] for c in CAUSES)]
-    parts = np.column_stack(
-        (motion.energies[:, 0], motion.energies[:, 1:].sum(axis=1), motion.dissipated)
-    )
-    used = [i for i in range(len(labels)) if i < 2 or parts[-1, i] > 1e-6 * parts[0].sum()]
-    axes[3].stackplot(
-        times,
-        parts[:, used].T,
-        labels=[labels[i] for i in used],
-        colors=[_SHADES[i] for i in used],
-    )
-    axes[3].set(ylabel="energy in J")
-    axes[3].legend(ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0), fontsize=8, frameon=False)
-    axes[4].plot(times, motion.normal_force, color=colours[0], linewidth=0.5)
     axes[4].set(ylabel="contact force in N", xlabel="time in s", xlim=(times[0], times[-1]))
-    _mark_phases(motion.phases, axes, motion.times[-1])
+    potential = motion.energies[:, 1:].sum(axis=1)
+    parts = np.column_stack((motion.energies[:, 0], potential, motion.dissipated))
+    used = [i for i in range(parts.shape[1]) if i < 2 or parts[-1, i] > 1e-6 * parts[0].sum()]
+    labels = ["kinetic", "potential", *(CAUSE_NAMES[cause] for cause in CAUSES)]
+    shades = [_SHADES[i] for i in used]
+    axes[3].stackplot(times, parts[:, used].T, labels=[labels[i] for i in used], colors=shades)
+    axes[3].set(ylabel="energy in J")
+    figures.legend_above(axes[3], size=8)
+    _mark_phases(motion.phases, axes, times[-1])
     figure: Figure = axes[0].figure
     return figure
 

@@ -92,7 +92,7 @@ def present(rows: Rows) -> Content:
     table = rows[STUDY.name]
     resting, worst = int(table["rest"].notna().sum()), table[["force", "residual"]]
     return Content(
-        numbers={"starts": table, "starts_resting": resting, "slow_spins": SLOW_SPINS},
+        numbers={"started": table, "starts_resting": resting},
         tables={"starts": table},
         checks=[
             equal("rest, other starts: missing", len({*table["case"]} ^ {*cases()}), 0, "stored"),

@@ -14,32 +14,11 @@ from validation.kit.animation.player import player
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.rest import figures
-from validation.studies.rest.runs import (
-    CASES,
-    COARSE,
-    END,
-    ENGINE,
-    ENGINE_END,
-    EVERY,
-    FASTER,
-    FRESH,
-    IDEAL,
-    INHOUSE,
-    PHASES,
-    SHOWN,
-    SLIDING,
-    SPACING,
-    STEPS,
-    STUDY,
-    TAKEN,
-    VARIANTS,
-    WINDOWS,
-    Case,
-    fresh_cases,
-)  # fmt: skip
+from validation.studies.rest import runs as made
+from validation.studies.rest.runs import ENGINE, INHOUSE, PHASES, SHOWN, SLIDING, TAKEN, VARIANTS
 from validation.study import Check, Row, at_most, equal
 
-STUDIES = (STUDY, FRESH)
+STUDIES = (made.STUDY, made.FRESH)
 
 RISE = 1e-9
 """Largest rise of the energy from one sample to the next in J."""
@@ -57,9 +36,9 @@ BOTH_SIDES = {"tilt in rad": 1e-3, "phases in s": SHIFT, "energy taken": 0.05, "
 """Largest differences between engine and in-house."""
 
 COMPARED: dict[str, tuple[str, dict[str, float]]] = {
-    **{ENGINE[losses]: (INHOUSE[losses], BOTH_SIDES) for losses in CASES},
-    COARSE: (ENGINE[SHOWN], {"tilt in rad": 1e-3, "phases in s": SHIFT}),
-    IDEAL: (INHOUSE[SLIDING], {"phases in s": SHIFT}),
+    **{ENGINE[losses]: (INHOUSE[losses], BOTH_SIDES) for losses in made.CASES},
+    made.COARSE: (ENGINE[SHOWN], {"tilt in rad": 1e-3, "phases in s": SHIFT}),
+    made.IDEAL: (INHOUSE[SLIDING], {"phases in s": SHIFT}),
     **{name: (INHOUSE[SHOWN], {"phases in s": SHIFT}) for name in VARIANTS},
     "rim half as thick": (INHOUSE[SHOWN], {"phases in s": 0.2}),
 }
@@ -115,7 +94,7 @@ def present(rows: Rows) -> Content:
     base = runs[INHOUSE[SHOWN]]
     arrays: dict[str, Any] = {n: np.array(base[n]) for n in filled(SpatialMotion)}
     shown = SpatialMotion(
-        scenario=Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
+        scenario=made.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )
     sliding = runs[INHOUSE[SLIDING]]
     headings = {
@@ -125,7 +104,7 @@ def present(rows: Rows) -> Content:
         "loss": "loss in W",
         "viscous_loss": "loss by μ λ_N s² / ε in W",
     }
-    windows = {"time in s": [f"{begin:g} to {end:g}" for begin, end in WINDOWS]}
+    windows = {"time in s": [f"{begin:g} to {end:g}" for begin, end in made.WINDOWS]}
     return Content(
         numbers=numbers(runs),
         tables={
@@ -134,7 +113,7 @@ def present(rows: Rows) -> Content:
             "losses": pd.DataFrame(windows | {h: sliding[name] for name, h in headings.items()}),
         },
         figures={
-            "story": figures.story(shown, runs[ENGINE[SHOWN]]["tilt"], EVERY * SPACING),
+            "story": figures.story(shown, runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING),
             "path": figures.draw_path(shown),
             "dependence": dependence(runs, shown),
         },
@@ -153,7 +132,7 @@ def present(rows: Rows) -> Content:
 
 def checks(runs: Mapping[str, Row]) -> list[Check]:
     """Each run against another, and what none may do."""
-    fresh = fresh_cases()
+    fresh = made.fresh_cases()
     found = []
     for name, (other, limits) in COMPARED.items():
         where: Any = "fresh" if {name, other} & fresh.keys() else "stored"
@@ -163,7 +142,7 @@ def checks(runs: Mapping[str, Row]) -> list[Check]:
             for what, limit in limits.items()
         ]  # fmt: skip
     for name, row in runs.items():
-        if name != IDEAL:
+        if name != made.IDEAL:
             where = "fresh" if name in fresh else "stored"
             lost = row["unexplained"] / row["energy"]
             found += [
@@ -172,40 +151,35 @@ def checks(runs: Mapping[str, Row]) -> list[Check]:
                 at_most(f"rest, {name}: contact pulls by N", -row["force"], 0.0, where),
                 at_most(f"rest, {name}: unexplained part", lost, UNEXPLAINED, where),
             ]
-    uneven = abs(growth(runs) * FASTER[1] / FASTER[0] - 1.0)
+    uneven = abs(growth(runs) * made.FASTER[1] / made.FASTER[0] - 1.0)
     return [*found, at_most("rest, spin: effect out of proportion", uneven, PROPORTION)]
 
 
 def growth(runs: Mapping[str, Row]) -> float:
     """How many times more the larger change of the spin does to the tilt than the smaller one."""
     base = runs[INHOUSE[SHOWN]]
-    large, small = (np.max(apart(runs[f"spin {more:g} rad/s faster"], base)) for more in FASTER)
+    large, small = (
+        np.max(apart(runs[f"spin {more:g} rad/s faster"], base)) for more in made.FASTER
+    )
     return float(large / small)
 
 
 def numbers(runs: Mapping[str, Row]) -> Row:
     """Those of the text."""
     base, engine = runs[INHOUSE[SHOWN]], runs[ENGINE[SHOWN]]
-    change = apart(runs[f"spin {FASTER[0]:g} rad/s faster"], base)
-    times = EVERY * SPACING * np.arange(change.size)
+    change = apart(runs[f"spin {made.FASTER[0]:g} rad/s faster"], base)
+    times = made.EVERY * made.SPACING * np.arange(change.size)
     return {
-        "shown": SHOWN,
+        "runs": made,
         "base": base,
         "apart": largest(apart(engine, base).tolist()),
-        "faster": FASTER,
         "change_before": np.max(change[times < base["inversion_lost"]]),
         "change": np.max(change),
         "growth": growth(runs),
         "shifts": [shift(runs[name], base) for name in (*VARIANTS, ENGINE[SHOWN])],
-        "contact": Case(SHOWN).scenario.penalty_contact,
-        "losses": list(CASES.values())[1:],
-        "window": WINDOWS[-1],
-        "steps": list(STEPS.values())[1:],
-        "ideal": runs[IDEAL],
+        "contact_of": made.Case(SHOWN).scenario.penalty_contact,
+        "ideal": runs[made.IDEAL],
         "sliding": runs[INHOUSE[SLIDING]],
-        "end": END,
-        "engine_end": ENGINE_END,
-        "spacing": SPACING,
     }
 
 
@@ -218,10 +192,10 @@ def verdict(runs: Mapping[str, Row]) -> Verdict:
     return Verdict(
         statement="On a slow timescale the disk comes to lie flat on the table.",
         answer=answer,
-        numbers=f"After {END:g} s of sliding friction alone it leans by {lean:.2f} rad"
+        numbers=f"After {made.END:g} s of sliding friction alone it leans by {lean:.2f} rad"
         + "".join(f"; with {losses} it is flat after {flat[losses]:.1f} s" for losses in lies)
         + ". The coefficients of rolling and pivoting are chosen here, not the paper's.",
-        criterion=f"flat to the end within {END:g} s by sliding friction alone, as the paper "
+        criterion=f"flat to the end within {made.END:g} s by sliding friction alone, as the paper "
         "models it; partly: with further losses.",
         good=answer == "yes",
     )
@@ -229,8 +203,8 @@ def verdict(runs: Mapping[str, Row]) -> Verdict:
 
 def phases(table: pd.DataFrame, runs: Mapping[str, Row]) -> pd.DataFrame:
     """When each phase began, and how far runs are apart from what they are compared with."""
-    order = [each for losses in CASES for each in (INHOUSE[losses], ENGINE[losses])]
-    found = table.loc[[*order, IDEAL, *VARIANTS, COARSE], [*PHASES, "face"]].copy()
+    order = [each for losses in made.CASES for each in (INHOUSE[losses], ENGINE[losses])]
+    found = table.loc[[*order, made.IDEAL, *VARIANTS, made.COARSE], [*PHASES, "face"]].copy()
     found["compared with"] = [COMPARED.get(name, (None,))[0] for name in found.index]
     headings = {"tilt in rad": "tilt apart in rad", "phases in s": "phases apart in s"}
     for what, heading in headings.items():
@@ -246,7 +220,7 @@ def phases(table: pd.DataFrame, runs: Mapping[str, Row]) -> pd.DataFrame:
 
 def budget(table: pd.DataFrame) -> pd.DataFrame:
     """Where each joule went, and whether energy and contact force keep to their signs."""
-    names = [each for losses in CASES for each in (ENGINE[losses], INHOUSE[losses])]
+    names = [each for losses in made.CASES for each in (ENGINE[losses], INHOUSE[losses])]
     used = [name for name in TAKEN if table.loc[names, name].any()]
     headings = {
         "energy": "at first",
@@ -262,4 +236,4 @@ def dependence(runs: Mapping[str, Row], shown: SpatialMotion) -> Figure:
     """How far the tilt of variants departs from that of the in-house run."""
     names = {"in the engine": ENGINE[SHOWN], **{name: name for name in VARIANTS}}
     changes = {name: apart(runs[case], runs[INHOUSE[SHOWN]]) for name, case in names.items()}
-    return figures.draw_dependence(changes, EVERY * SPACING, shown.phases)
+    return figures.draw_dependence(changes, made.EVERY * made.SPACING, shown.phases)

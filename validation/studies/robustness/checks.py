@@ -10,11 +10,18 @@ from analysis import LOADS
 from validation.kit.limits import largest
 from validation.page.content import Rows
 from validation.studies.robustness.conservation import DRIFTING, FREE
-from validation.studies.robustness.outcomes import GOOD, cases, is_broken, is_right, ways
+from validation.studies.robustness.outcomes import (
+    CASES,
+    CHOSEN,
+    GOOD,
+    is_broken,
+    is_right,
+    ways,
+)
 from validation.studies.robustness.penalty import STIFFNESSES
 from validation.studies.robustness.refusals import REQUESTS
 from validation.studies.robustness.steps import EXPLICIT, STEPS, WAYS
-from validation.study import Check, Row, at_most
+from validation.study import Check, Row, Study, at_most
 
 NEAR = 0.03
 """Largest relative difference of a stable step from the predicted one."""
@@ -28,6 +35,9 @@ ENERGY = 1e-4
 GROWTH = 1.5
 """Largest drift in the second half of the time over that in the first that does not grow."""
 
+LEFT = 3
+"""Most of the cases as chosen that may be left without an accurate result."""
+
 ORDER = 0.1
 """Largest deviation from one of the order in which the penalty contact tends to the ideal one."""
 
@@ -37,7 +47,10 @@ INTEGRATED = 0.01
 
 def checks(rows: Rows) -> Iterator[Check]:
     """All of them."""
-    yield from _cases(rows["robustness"])
+    for study in (CASES, CHOSEN):
+        yield from _cases(study, rows[study.name])
+    left = int((~rows[CHOSEN.name]["verdict"].isin(GOOD)).sum())
+    yield at_most("cases as chosen: without an accurate result", left, LEFT, "stored")
     yield from _steps(rows["robustness-steps"])
     yield from _conservation(rows["robustness-conservation"])
     yield from _penalty(rows["robustness-penalty"])
@@ -48,7 +61,7 @@ def checks(rows: Rows) -> Iterator[Check]:
 
 def broken(table: pd.DataFrame) -> int:
     """Number of cases that crashed or broke their promise, as noted or by their numbers."""
-    return sum(row["broken"] or is_broken(row["tolerance"], row) for row in _rows(table))
+    return sum(row["broken"] or is_broken(row) for row in _rows(table))
 
 
 def _rows(table: pd.DataFrame) -> list[Row]:
@@ -59,15 +72,14 @@ def _rows(table: pd.DataFrame) -> list[Row]:
     ]
 
 
-def _cases(table: pd.DataFrame) -> Iterator[Check]:
-    wanted = {(name, way.name) for name, problem in cases().items() for way in ways(problem)}
+def _cases(study: Study, table: pd.DataFrame) -> Iterator[Check]:
+    name = "cases" if study is CASES else "cases as chosen"
+    wanted = {(label, way.name) for label, each in study.cases().items() for way in ways(each)}
     other = wanted ^ set(zip(table["case"], table["way"], strict=True))
-    yield at_most("cases: missing or too many", len(other), 0, "stored")
-    yield at_most("cases: crashed or promise broken", broken(table), 0, "stored")
-    wrong = sum(
-        row["verdict"] in GOOD and not is_right(row["tolerance"], row) for row in _rows(table)
-    )
-    yield at_most("cases: called right against their numbers", wrong, 0, "stored")
+    yield at_most(f"{name}: missing or too many", len(other), 0, "stored")
+    yield at_most(f"{name}: crashed or promise broken", broken(table), 0, "stored")
+    wrong = sum(row["verdict"] in GOOD and not is_right(row) for row in _rows(table))
+    yield at_most(f"{name}: called right against their numbers", wrong, 0, "stored")
 
 
 def _steps(limits: pd.DataFrame) -> Iterator[Check]:

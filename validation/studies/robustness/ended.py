@@ -1,8 +1,8 @@
 """Motions that end by themselves, most of them sampled at their two ends alone."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import pi
-from typing import Literal
+from typing import Any
 
 import numpy as np
 
@@ -23,8 +23,7 @@ FEW = 0.7
 SEED = 5
 """Of the random starts."""
 
-OWN = "validation.studies.robustness.ended:"
-"""In front of the conditions of this module by name."""
+Condition = str | Callable[[State], float]
 
 
 def passes_sideways(state: State) -> float:
@@ -35,6 +34,10 @@ def passes_sideways(state: State) -> float:
 def falls_low(state: State) -> float:
     """Negative where the disk leans so far that its centre is below 0.85 of its radius."""
     return float(np.sin(state.coordinates[4]) - 0.85)
+
+
+CONDITIONS: tuple[Condition | None, ...] = ("inverted", "lost", passes_sideways, falls_low, None)
+"""Of the random motions in turn; None for a contact that would pull."""
 
 
 def ended() -> Iterator[Problem]:
@@ -50,43 +53,19 @@ def ended() -> Iterator[Problem]:
         yield _problem(Scenario(constraints=MODELS[4], start=start), "inverted", digits)
     # The contact would pull for two milliseconds, far from the next sample.
     for spin, digits in ((139.0, 8), (140.0, 3)):
-        yield _problem(Scenario(start=Start(spin=spin)), "", digits, end=1.0)
-    rising = Start(beta=0.63878, beta_rate=5.14286)
-    scenario = Scenario(constraints=MODELS[4], start=rising)
-    yield _problem(scenario, "", 6, samples=31, end=0.3)
+        yield _problem(Scenario(start=Start(spin=spin)), None, digits, end=1.0)
+    rising = Scenario(constraints=MODELS[4], start=Start(beta=0.63878, beta_rate=5.14286))
+    yield _problem(rising, None, 6, samples=31, end=0.3)
     rng = np.random.default_rng(SEED)
     for number in range(RANDOM):
         yield _drawn(rng, number)
 
 
-def _problem(
-    scenario: Scenario,
-    condition: str,
-    digits: int,
-    *,
-    samples: int = 2,
-    end: float = 1.5,
-    cover: Literal["first", "fastest"] = "fastest",
-) -> Problem:
-    name = condition.removeprefix(OWN).replace("_", " ") or "pull"
-    spin = scenario.initial_state.rates[3]
-    return Problem(
-        axis=AXIS,
-        label=f"{name} {spin:.4g} rad/s 1e-{digits}{' sampled' if samples > 2 else ''}",
-        scenario=scenario,
-        end=end,
-        samples=samples,
-        cover=cover,
-        tolerance=10.0**-digits,
-        stop_when=(condition,) if condition else (),
-    )
-
-
 def _drawn(rng: np.random.Generator, number: int) -> Problem:
     """A random start, so that the condition is met in most of them."""
-    condition = ("inverted", "lost", f"{OWN}passes_sideways", f"{OWN}falls_low", "")[number % 5]
+    condition = CONDITIONS[number % 5]
     # What is lost or falls is up at first, and slow.
-    slow = condition in {"lost", f"{OWN}falls_low"}
+    slow = condition in ("lost", falls_low)
     low, high = (5.0, 25.0) if slow else (35.0, 60.0) if condition else (100.0, 300.0)
     beta = rng.uniform(1.1, pi - 1.1)
     gamma = (pi / 2 if slow else -pi / 2) + rng.uniform(-0.6, 0.6)
@@ -101,4 +80,27 @@ def _drawn(rng: np.random.Generator, number: int) -> Problem:
         samples=2 if rng.random() < FEW else 101,
         end=1.5 if condition else 0.25,
         cover="fastest" if number % 7 else "first",
+    )
+
+
+def _problem(
+    scenario: Scenario,
+    condition: Condition | None,
+    digits: int,
+    samples: int = 2,
+    end: float = 1.5,
+    **asked: Any,
+) -> Problem:
+    name = condition or "pull" if isinstance(condition, str | None) else condition.__name__
+    spin = f"{scenario.initial_state.rates[3]:.4g} rad/s"
+    sampled = " sampled" if samples > 2 else ""
+    return Problem(
+        axis=AXIS,
+        label=f"{name.replace('_', ' ')} {spin} 1e-{digits}{sampled}",
+        scenario=scenario,
+        end=end,
+        samples=samples,
+        tolerance=10.0**-digits,
+        stop_when=(condition,) if condition else (),
+        **{"cover": "fastest", **asked},
     )

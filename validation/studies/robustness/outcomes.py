@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from math import isfinite
 
@@ -9,9 +10,9 @@ import numpy as np
 
 import analysis
 import mbs_models
-from analysis import Form, Method, Trajectory
+from analysis import Method, Trajectory
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
-from mbs_models import IntegratorName, Scene
+from mbs_models import Scene
 from validation.kit.limits import holds, largest
 from validation.kit.references import (
     STIFF,
@@ -21,20 +22,10 @@ from validation.kit.references import (
     energy_error,
     reference,
 )
-from validation.kit.ways import StepLimit, Way, WorkLimitError
+from validation.kit.ways import StepLimit, Way, WorkLimitError, forms
 from validation.studies.robustness.ended import ended
 from validation.studies.robustness.problems import Problem, problems
-from validation.study import Row, Study
-
-ENGINE: tuple[IntegratorName, ...] = (
-    *("RK67", "RK44", "DOPRI5"),
-    *("TrapezoidalIndex2", "GeneralizedAlpha"),
-)
-"""Integrators of the engine that are tried where a problem says so; enter a further one here,"""
-
-EVERYWHERE: tuple[IntegratorName | None, ...] = ()
-"""and here if it is to be tried in each problem, beside the first that applies; None is whatever
-the library chooses, which steps the engine's accelerations where that is faster."""
+from validation.study import Row, Study, load
 
 IN_HOUSE: tuple[Method, ...] = ("DOP853", "Radau")
 """Methods of the in-house equations, of which stiff friction is left to the last one."""
@@ -65,24 +56,27 @@ FEW = 3
 """Samples up to which a run is repeated, to see whether it gives the same bits; but for those
 of which the ending is looked at, which are many."""
 
+Known = Reference | ArithmeticError | ValueError
+"""The reference of a problem, or why there is none: a `ValueError` if it cannot start."""
+
 COLUMNS = {
     "axis": "what is extreme",
     "label": "how extreme",
     "model": "of the paper; none for another set of constraints",
     "way": "formulation and integrator",
     "tolerance": "error asked for in rad, and of the time of an ending in s",
-    "verdict": "see the text of the section",
+    "verdict": "verdict",
     "broken": "whether it crashed, broke its promise or, run again, gave other bits",
     "cause": "why there is no accurate result",
-    "error": "largest deviation of beta and gamma from the reference in rad",
-    "ending_error": "deviation of the time at which it ends in s; infinite for another reason",
-    "doubt": "deviation of two references by different methods, in rad or s",
-    "estimate": "the run's own error estimate in rad",
-    "drift": "largest residual of the position-level constraints over the radius",
-    "energy": "largest deviation of the energy from the reference over its largest value",
+    "error": "largest error of β and γ in rad",
+    "ending_error": "error of the time at which it ends in s; infinite for another reason",
+    "doubt": "difference of both references in rad or s",
+    "estimate": "the run's own estimate of its error in rad",
+    "drift": "drift / radius",
+    "energy": "energy error, relative",
     "repeatable": "whether a second run gives the same bits",
     "steps": "of all passes",
-    "seconds": "by the clock",
+    "seconds": "time in s by the clock",
     "reason": "what the run said",
 }
 
@@ -98,34 +92,24 @@ def ways(problem: Problem) -> list[Way]:
 
     On a penalty contact those of the engine: the formulations are compared with each other.
     """
-    scenario = problem.scenario
+    if problem.cover == "chosen":
+        return [Way("engine")]
+    scenario, found = problem.scenario, []
     most = None if problem.cover == "all" else 1
-    found = []
     formulations = mbs_models.formulations(scenario)
     for formulation in formulations[: 1 if problem.cover == "fastest" else None]:
         constrained = Scene(scenario, formulation).has_constraints
-        available = mbs_models.integrators(formulation, constrained=constrained)
-        first = [each for each in available if each in ENGINE][:most]
-        found += [
-            Way(source="engine", formulation=formulation, integrator=each)
-            for each in (*available, None)
-            if each in {*first, *EVERYWHERE}
-        ]
+        integrators = mbs_models.integrators(formulation, constrained=constrained)
+        found += [Way("engine", formulation, each) for each in integrators[:most]]
     if scenario.contact is not None:
         return found
     methods = IN_HOUSE[-1:] if scenario.friction.finest_speed < STIFF else IN_HOUSE[:most]
-    forms: tuple[Form, ...] = ("index-1",)
-    by_weight = scenario.friction.load == "weight"
-    if scenario.model == 4 and by_weight and scenario.table.is_horizontal:
-        forms = ("index-1", "reduced")
     return found + [
-        Way(source="in-house", formulation=form, integrator=method)
-        for form in forms
-        for method in methods
+        Way("in-house", form, method) for form in forms(scenario) for method in methods
     ]
 
 
-# --- One case -----------------------------------------------------------------------------------
+# --- Running ------------------------------------------------------------------------------------
 
 
 def measure(problem: Problem) -> list[Row]:
@@ -138,33 +122,33 @@ def failed(problem: Problem, reason: str) -> list[Row]:
     """Rows of a problem of which the process had to be ended, or ended itself."""
     verdict = "time limit" if reason.startswith("not finished") else "crashed"
     found: Row = {"verdict": verdict, "reason": reason, "steps": 0}
-    return [_row(problem, way, found) for way in ways(problem)]
+    return [_told(problem, way, found) for way in ways(problem)]
 
 
-def reference_or_error(problem: Problem) -> Reference | ArithmeticError | ValueError:
-    """The reference of a problem, or why there is none: a `ValueError` if it cannot start."""
+def reference_or_error(problem: Problem) -> Known:
+    """The reference of a problem, or why there is none."""
     try:
         return reference(problem.scenario, problem.times, stop_when=problem.stop_when)
     except (ArithmeticError, ValueError) as error:
         return error
 
 
-def outcome(problem: Problem, way: Way, known: Reference | ArithmeticError | ValueError) -> Row:
+def outcome(problem: Problem, way: Way, known: Known) -> Row:
     """Run a problem in one way, and classify what becomes of it."""
     count = StepLimit(STEPS[way.source], problem.end)
     begin = time.perf_counter()
     try:
-        run: Trajectory | Exception = simulate(problem, way, count)
+        run = simulate(problem, way, count)
     except (ArithmeticError, ValueError) as error:
-        run = error
-    found: Row = {"steps": count.steps, "seconds": time.perf_counter() - begin}
-    if isinstance(run, Exception):
-        found |= {"verdict": _verdict_of(run, count), "reason": _line(run)}
-        return _row(problem, way, found)
-    if problem.samples <= FEW and problem.stop_when is None:
-        again = simulate(problem, way, StepLimit(STEPS[way.source], problem.end))
-        found["repeatable"] = _same(run, again)
-    return _row(problem, way, found | judged(problem, run, known))
+        found: Row = {"verdict": _failure(error, count), "reason": _line(error)}
+        seconds = time.perf_counter() - begin
+    else:
+        seconds = time.perf_counter() - begin
+        found = judged(problem, run, known)
+        if problem.samples <= FEW and problem.stop_when is None:
+            again = simulate(problem, way, StepLimit(STEPS[way.source], problem.end))
+            found["repeatable"] = _same(run, again)
+    return _told(problem, way, found | {"steps": count.steps, "seconds": seconds})
 
 
 def simulate(problem: Problem, way: Way, count: StepLimit) -> Trajectory:
@@ -181,7 +165,7 @@ def simulate(problem: Problem, way: Way, count: StepLimit) -> Trajectory:
         )
 
 
-def _verdict_of(error: Exception, count: StepLimit) -> str:
+def _failure(error: Exception, count: StepLimit) -> str:
     if isinstance(error, WorkLimitError):
         return "not finished in the limit"
     if isinstance(error, ValueError):
@@ -190,9 +174,33 @@ def _verdict_of(error: Exception, count: StepLimit) -> str:
     return "diverged"
 
 
-def judged(
-    problem: Problem, run: Trajectory, known: Reference | ArithmeticError | ValueError
-) -> Row:
+def _told(problem: Problem, way: Way, found: Row) -> Row:
+    """A row with all columns."""
+    row = dict.fromkeys(COLUMNS) | {
+        "axis": problem.axis,
+        "label": problem.label,
+        "model": str(problem.scenario.model or "none"),
+        "way": way.name,
+        "tolerance": problem.tolerance,
+        "reason": "",
+    }
+    row |= found
+    return row | {"broken": is_broken(row), "cause": cause(row)}
+
+
+def _same(run: Trajectory, other: Trajectory) -> bool:
+    names = ("coordinates", "rates", "multipliers")
+    return all(np.array_equal(getattr(run, name), getattr(other, name)) for name in names)
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split())
+
+
+# --- Judging ------------------------------------------------------------------------------------
+
+
+def judged(problem: Problem, run: Trajectory, known: Known) -> Row:
     """Classify a result by its deviation from the reference.
 
     `accurate`: the error is within what was asked for and the doubt of the reference, that doubt
@@ -200,7 +208,7 @@ def judged(
     …`: so it is, up to where it ends, and the reference ends there for the same reason.
     `inaccurate`: it is beyond that. `reference in doubt`: no reference is good enough.
     """
-    found: Row = {"estimate": run.error_estimate}
+    found: Row = {"tolerance": problem.tolerance, "estimate": run.error_estimate}
     if isinstance(known, ValueError):
         reason = f"runs, and the reference cannot start: {_line(known)}"
         return found | {"verdict": "inaccurate", "reason": reason}
@@ -221,61 +229,42 @@ def judged(
         one, other = (each.ending or "does not end early" for each in (run, truth))
         same = holds(found["ending_error"], problem.tolerance)
         found["reason"] = str(one) if same else f"{one}; reference: {other}"
-    return found | {"verdict": _verdict(problem, run, found)}
+    return found | {"verdict": _verdict(run, found)}
 
 
-def _verdict(problem: Problem, run: Trajectory, found: Row) -> str:
-    allowed = _allowed(problem.tolerance, found)
-    right = holds(_worst(found), allowed)
-    if not holds(found["doubt"], DOUBT * problem.tolerance) and (right or not isfinite(allowed)):
+def _verdict(run: Trajectory, found: Row) -> str:
+    is_known = holds(found["doubt"], DOUBT * found["tolerance"])
+    if not is_known and (_has_right_angles(found) or not isfinite(_allowed(found))):
         return "reference in doubt"
     pulls = run.scenario.contact is None and not np.all(run.normal_force[:-1] >= 0.0)
-    if pulls or not is_right(problem.tolerance, found):
+    if pulls or not is_right(found):
         return "inaccurate"
     if run.ending is None:
         return "accurate"
-    return {CONTACT_WOULD_PULL: "ends: contact would pull", FLAT: "ends: lies flat"}.get(
-        run.ending.reason, "ends: condition met"
-    )
+    kinds = {CONTACT_WOULD_PULL: "ends: contact would pull", FLAT: "ends: lies flat"}
+    return kinds.get(run.ending.reason, "ends: condition met")
 
 
-def is_right(tolerance: float, found: Row) -> bool:
+def is_right(found: Row) -> bool:
     """Whether the numbers of a run are those of an accurate one, up to where it ends."""
-    allowed = _allowed(tolerance, found)
     kept = largest((found.get("drift") or 0.0, found["energy"]))
-    return (
-        holds(found["doubt"], DOUBT * tolerance)
-        and holds(_worst(found), allowed)
-        and holds(kept, SLACK * allowed)
-    )
+    is_known = holds(found["doubt"], DOUBT * found["tolerance"])
+    return is_known and _has_right_angles(found) and holds(kept, SLACK * _allowed(found))
 
 
-def _allowed(tolerance: float, found: Row) -> float:
-    """Error in rad that is asked for, and what the references leave open beside it."""
+def _has_right_angles(found: Row) -> bool:
+    """Whether the angles are within what was asked for, and where and why it ends."""
+    worst = largest((found["error"], found.get("ending_error") or 0.0))
+    return holds(worst, _allowed(found))
+
+
+def _allowed(found: Row) -> float:
+    """Error in rad, or in s, that is asked for, and what the references leave open beside it."""
     # What they leave open cannot be held against the run.
-    return tolerance + (found.get("doubt") or 0.0)
+    return float(found["tolerance"] + (found.get("doubt") or 0.0))
 
 
-def _worst(found: Row) -> float:
-    """Larger of both errors, in rad or in s; infinite if one is no number."""
-    return largest((found["error"], found.get("ending_error") or 0.0))
-
-
-def _row(problem: Problem, way: Way, found: Row) -> Row:
-    """A row with all columns."""
-    told = {
-        "axis": problem.axis,
-        "label": problem.label,
-        "model": str(problem.scenario.model or "none"),
-        "way": way.name,
-        "tolerance": problem.tolerance,
-    }
-    told["broken"] = is_broken(problem.tolerance, found)
-    told["cause"] = cause(problem.tolerance, found)
-    return dict.fromkeys(COLUMNS) | {"reason": ""} | told | found
-
-
-def is_broken(tolerance: float, found: Row) -> bool:
+def is_broken(found: Row) -> bool:
     """Whether a run crashed, broke its promise or, run again, gave other bits.
 
     The promise is about the angles, and about where and why the run ends. A run without an error
@@ -283,25 +272,11 @@ def is_broken(tolerance: float, found: Row) -> bool:
     """
     if found["verdict"] == "crashed" or found.get("repeatable") is False:
         return True
-    if found.get("error") is None or found.get("estimate") is None:
-        return False
-    return found["verdict"] != "reference in doubt" and not holds(
-        _worst(found), _allowed(tolerance, found)
-    )
+    promises = found.get("error") is not None and found.get("estimate") is not None
+    return promises and found["verdict"] != "reference in doubt" and not _has_right_angles(found)
 
 
-def _same(run: Trajectory, other: Trajectory) -> bool:
-    names = ("coordinates", "rates", "multipliers")
-    return all(np.array_equal(getattr(run, name), getattr(other, name)) for name in names)
-
-
-def _line(error: Exception) -> str:
-    return " ".join(str(error).split())
-
-
-# --- Causes -------------------------------------------------------------------------------------
-
-_BY_WORDS = {
+_CAUSES = {
     "a contact that pulls": "starts where the contact would pull",
     "lies flat": "falls flat, where Euler angles end",
     "lies nearly flat": "falls flat, where Euler angles end",
@@ -317,26 +292,28 @@ _BY_WORDS = {
 }
 """Words of a message, and the cause they stand for; the first that fits counts."""
 
+UNFINISHED = ("too many steps", _CAUSES["Newton's iteration did not converge"])
+"""Causes for which another way may do better."""
 
-def cause(tolerance: float, found: Row) -> str:
+
+def cause(found: Row) -> str:
     """Why a case is not accurate; empty if it is."""
     verdict, reason = found["verdict"], found.get("reason", "")
     if verdict in GOOD:
         return ""
     if verdict in {"diverged", "refused"}:
-        return next((told for words, told in _BY_WORDS.items() if words in reason), str(reason))
+        return next((told for words, told in _CAUSES.items() if words in reason), str(reason))
     if verdict == "inaccurate" and found.get("error") is not None:
-        if holds(_worst(found), _allowed(tolerance, found)):
-            return "angles accurate, energy or constraint not"
-        return "wrong angles or ending"
+        right = _has_right_angles(found)
+        return "angles accurate, energy or constraint not" if right else "wrong angles or ending"
     return {
         "inaccurate": "runs where the reference cannot start",
-        "not finished in the limit": "too many steps",
+        "not finished in the limit": UNFINISHED[0],
         "reference in doubt": "no reference is good enough",
     }.get(verdict, str(verdict))
 
 
-# --- The study ----------------------------------------------------------------------------------
+# --- The studies --------------------------------------------------------------------------------
 
 SAMPLE = (
     "smoothing ε in m/s: 1, Model 1",
@@ -379,3 +356,23 @@ CASES = Study(
     failed=failed,
     columns=COLUMNS,
 )
+
+
+def unfinished() -> dict[str, Problem]:
+    """Problems in which a way of the engine's own does not finish, left to the library."""
+    table = load(CASES)
+    names = table.loc[table["cause"].isin(UNFINISHED), "case"].unique()
+    return {name: replace(cases()[name], cover="chosen") for name in names}
+
+
+CHOSEN = replace(
+    CASES,
+    name="robustness-chosen",
+    cases=unfinished,
+    sample=(
+        "smoothing ε in m/s: 1e-5, Model 1",
+        "inertia about the COG: rod along y, Model 1",
+        "smoothing ε in m/s: 1e-4, Model 3",
+    ),
+)
+"""The same with the formulation and integrator that the library chooses."""

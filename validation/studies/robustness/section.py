@@ -8,41 +8,29 @@ from validation.kit import located, references
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.robustness import checks, conservation, ended, figures, outcomes, steps
 from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
-from validation.studies.robustness.outcomes import CASES, GOOD, VERDICTS, cases
+from validation.studies.robustness.outcomes import (
+    CASES,
+    CHOSEN,
+    GOOD,
+    UNFINISHED,
+    VERDICTS,
+    cases,
+)
 from validation.studies.robustness.penalty import PENALTY
 from validation.studies.robustness.problems import TOLERANCE
 from validation.studies.robustness.refusals import REFUSALS
 from validation.studies.robustness.steps import STEPS
 
 TITLE = "Hard cases"
-STUDIES = (CASES, STEPS, CONSERVATION, PENALTY, REFUSALS)
+STUDIES = (CASES, CHOSEN, STEPS, CONSERVATION, PENALTY, REFUSALS)
 
 VERY_STIFF = 1e-4
 """Finest speed of friction in m/s from which on most runs take too many steps."""
 
-_LARGEST = {
-    "error": "largest error in rad",
-    "drift": "drift / radius",
-    "energy": "energy error, relative",
-}
-
-_DRIFT = {
-    "case": "constraints met on",
-    "position": "largest position residual in m",
-    "allowed": "allowed in m",
-    "at_end": "at the end in m",
-    "growth": "second half over first",
-    "velocity": "largest velocity residual in m/s",
-    "energy": "energy residual / (weight · radius)",
-}
-
-_CONSERVED = {
-    "case": "formulation, integrator",
-    "energy": "energy / (weight · radius)",
-    "momentum": "horizontal momentum / (mass · rim speed)",
-    "spin": "vertical angular momentum about the COG, relative",
-    "allowed": "each allowed",
-}
+_LARGEST = ["error", "drift", "energy"]
+_CHOSEN = ["case", "verdict", "cause", "error", "doubt", "estimate", "seconds"]
+_DRIFT = ["case", "position", "allowed", "at_end", "growth", "velocity", "energy"]
+_CONSERVED = ["case", "energy", "momentum", "spin", "allowed"]
 
 
 def present(rows: Rows) -> Content:
@@ -50,12 +38,16 @@ def present(rows: Rows) -> Content:
     table, limits = rows["robustness"], rows["robustness-steps"]
     long = rows["robustness-conservation"].set_index("case", drop=False)
     penalty, refusals = rows["robustness-penalty"], rows["robustness-refusals"]
-    counts, numbers = by_axis(table), case_numbers(table)
-    worst = table.groupby("axis")[list(_LARGEST)].max().rename(columns=_LARGEST)
+    counts, numbers, chosen = by_axis(table), case_numbers(table), rows["robustness-chosen"]
+    worst = table.groupby("axis")[_LARGEST].max().rename(columns=CASES.columns)
     wrong = table[~table["verdict"].isin(GOOD)]
     return Content(
         numbers={
             **numbers,
+            "chosen": chosen,
+            "left": int((~chosen["verdict"].isin(GOOD)).sum()),
+            "chosen_broken": checks.broken(chosen),
+            "sampled_chosen": len(CHOSEN.sample),
             **_step_numbers(limits),
             **{each.__name__.rpartition(".")[2]: each for each in _SETTINGS},
             "growing": long[long.index.str.startswith("acceleration level")],
@@ -70,9 +62,10 @@ def present(rows: Rows) -> Content:
             "causes": _causes(table),
             "cases": table.drop(columns="case").rename(columns=CASES.columns),
             "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
+            "chosen": chosen[_CHOSEN].rename(columns={"case": "motion", **CASES.columns}),
             "steps": limits.drop(columns="case"),
-            "drift": long.loc[list(DRIFTING), list(_DRIFT)].rename(columns=_DRIFT),
-            "conserved": long.loc[list(FREE), list(_CONSERVED)].rename(columns=_CONSERVED),
+            "drift": long.loc[list(DRIFTING), _DRIFT].rename(columns=CONSERVATION.columns),
+            "conserved": long.loc[list(FREE), _CONSERVED].rename(columns=CONSERVATION.columns),
             "penalty": penalty.drop(columns="case"),
             "refusals": refusals.drop(columns="seconds"),
         },
@@ -107,7 +100,7 @@ def _causes(table: pd.DataFrame) -> pd.DataFrame:
 def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the hard cases that the text, the verdict and the manual state."""
     counts = {verdict: int((table["verdict"] == verdict).sum()) for verdict in VERDICTS}
-    late = table["cause"].isin(["too many steps", "Newton's iteration does not converge"])
+    late = table["cause"].isin(UNFINISHED)
     finest = table["case"].map(lambda name: cases()[name].scenario.friction.finest_speed)
     told = table.dropna(subset=["error", "estimate"])
     return {

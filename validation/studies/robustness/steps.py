@@ -1,19 +1,29 @@
 """The largest step that works, over the smoothing of the friction and the contact's stiffness."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from math import inf, pi, sqrt
-from typing import Literal
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from math import pi, sqrt
+from typing import Any, Literal
 
 import numpy as np
 
 import mbs_models
-from analysis import STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
+from analysis import (
+    STEEL_DISK,
+    Method,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    State,
+    Trajectory,
+)
 from analysis.data.checks import Array
-from analysis.stability.linearisation import ComplexArray
-from analysis.stability.spectra import state_matrices
+from analysis.stability.printed import full_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
+from validation.kit.limits import holds
 from validation.kit.references import STIFF, deviation
 from validation.kit.ways import Way
 from validation.study import Row, Study
@@ -79,116 +89,93 @@ _LATE = slice(-8, None)
 def measure(place: Place) -> list[Row]:
     """Largest stable steps of explicit integrators, and largest accurate ones, at a place."""
     axis, value = place
-    disturbed = (_slipping if axis == "smoothing" else _bouncing)(value)
-    found = [("stable", TREES[axis], each, *_stable(disturbed, each)) for each in EXPLICIT]
+    ideal, scenario = _scenarios(axis, value)
+    rows = list(_stable(axis, ideal, scenario))
     if axis == "stiffness" or value >= STIFFEST:
-        ideal, scenario = _table_3(axis, value)
         method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
-        equations = Way(source="in-house", formulation="index-1", integrator=method)
-        truth = equations.run(ideal, np.linspace(0.0, END, 5), local_tolerance=1e-8)
+        times = np.linspace(0.0, END, 5)
+        truth = Way("in-house", "index-1", method).run(ideal, times, local_tolerance=1e-8)
         for formulation, integrator in WAYS[axis]:
             step = largest_accurate(Scene(scenario, formulation), integrator, truth)
-            found.append(("accurate", formulation, integrator, step, None))
+            rows.append(("accurate", formulation, integrator, step, None))
     names = ("over", "value", "kind", "formulation", "integrator", "step", "predicted")
-    return [dict(zip(names, (axis, value, *row), strict=True)) for row in found]
+    return [dict(zip(names, (axis, value, *row), strict=True)) for row in rows]
+
+
+def _scenarios(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
+    """The scenario with an ideal contact, and the one to be run."""
+    if axis == "smoothing":
+        ideal = Scenario(friction=SmoothCoulomb(smoothing=value))
+        return ideal, ideal
+    ideal = Scenario(friction=SmoothCoulomb(load="contact"))
+    contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
+    return ideal, replace(ideal, contact=contact)
 
 
 # --- Stable: a small disturbance of inverted spinning does not grow ------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class _Disturbed:
-    """Inverted spinning with a small disturbance.
-
-    Parameters
-    ----------
-    scene : Scene
-    decays : list of complex
-        Eigenvalues of the disturbance in 1/s.
-    growth : callable
-        From a run to the disturbance over its start, shape (n,).
-    own : float
-        Rate in 1/s at which the spinning itself grows unstable.
-    """
-
-    scene: Scene
-    decays: list[complex]
-    growth: Callable[[Trajectory], Array]
-    own: float = -inf
+Growth = Callable[[Trajectory], Array]
+"""From a run to a disturbance over its start, shape (n,)."""
 
 
-def _slipping(smoothing: float) -> _Disturbed:
-    """With a small slip, in which friction is linear with a rate of one over the smoothing.
-
-    Slip that grows does not blow up, since the friction force is bounded, but chatters.
-    """
-    slip = _SMALL * smoothing
-    scenario = Scenario(
-        friction=SmoothCoulomb(smoothing=smoothing),
-        start=Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / STEEL_DISK.radius),
-    )
-    values = _eigenvalues(scenario)
-    return _Disturbed(
-        Scene(scenario, TREES["smoothing"]),
-        _fast(values),
-        lambda run: _slip(run) / slip,
-        own=float(np.max(values.real)),
-    )
-
-
-def _bouncing(stiffness: float) -> _Disturbed:
-    """On a damped penalty contact, with a small vertical speed."""
-    contact = PenaltyContact.damped(stiffness, STEEL_DISK, ratio=DAMPING_RATIO)
-    scenario = Scenario(
-        friction=SmoothCoulomb(load="contact"),
-        contact=contact,
-        start=Start.stationary(SPIN, "inverted"),
-    )
-    rate = sqrt(stiffness / scenario.disk.mass)
-    depth = contact.resting_penetration(scenario.weight)
-    resting = scenario.initial_state
-    along, across, _, *turning = resting.rates
-    start = replace(resting, rates=(along, across, _SMALL * depth * rate, *turning))
-
-    def growth(run: Trajectory) -> Array:
-        height = run.coordinate("z") - run.scenario.disk.radius * np.sin(run.coordinate("beta"))
-        found: Array = np.abs(height + depth) / (_SMALL * depth)
-        return found
-
-    bouncing = rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2))
-    decays = [bouncing, *_fast(_eigenvalues(replace(scenario, contact=None)))]
-    return _Disturbed(Scene(replace(scenario, start=start), TREES["stiffness"]), decays, growth)
-
-
-def _stable(disturbed: _Disturbed, integrator: IntegratorName) -> tuple[float | None, ...]:
-    """Largest stable step by bisection, and its prediction.
+def _stable(axis: Axis, ideal: Scenario, scenario: Scenario) -> Iterator[tuple[Any, ...]]:
+    """Largest stable steps by bisection, and their prediction.
 
     With much smoothing the inverted spinning itself is unstable about as fast as the step could
     make it; then there is no limit to be seen, and none is given.
     """
-    predicted = min(largest_step(integrator, value) for value in disturbed.decays)
-
-    def stable(step: float) -> bool:
-        times = step * np.linspace(0.0, _STEPS, 25)
-        try:
-            run = mbs_models.simulate(disturbed.scene, times, step=step, integrator=integrator)
-        except ArithmeticError:
-            return False
-        return run.ending is None and bool(np.max(disturbed.growth(run)[_LATE]) <= _GROWTH)
-
-    if np.exp(disturbed.own * _STEPS * predicted) > 0.5 * _GROWTH:
-        return None, None
-    return bisected(stable, predicted), predicted
-
-
-def _eigenvalues(scenario: Scenario) -> ComplexArray:
-    values = np.linalg.eigvals(state_matrices(scenario, [SPIN], system="full")[0])
-    return values.astype(complex)
+    values = np.linalg.eigvals(full_matrices(ideal, [SPIN], drift=True)[0])
+    # Those of which the decay is friction's; the slow ones need no small step.
+    decays = [complex(value) for value in values[np.argsort(values.real)[:2]]]
+    start, growth = _slipping(ideal) if axis == "smoothing" else _bouncing(scenario)
+    if scenario.contact is not None:
+        rate = sqrt(scenario.contact.stiffness / scenario.disk.mass)
+        decays.append(rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2)))
+    scene = Scene(replace(scenario, start=start), TREES[axis])
+    for integrator in EXPLICIT:
+        predicted = min(largest_step(integrator, value) for value in decays)
+        limits: tuple[float | None, float | None] = (None, None)
+        if np.exp(np.max(values.real) * _STEPS * predicted) <= 0.5 * _GROWTH:
+            works = partial(_is_stable, scene, integrator, growth)
+            limits = bisected(works, predicted), predicted
+        yield "stable", TREES[axis], integrator, *limits
 
 
-def _fast(values: ComplexArray) -> list[complex]:
-    """The two eigenvalues whose decay is friction's; the slow ones need no small step."""
-    return [complex(value) for value in values[np.argsort(values.real)[:2]]]
+def _is_stable(scene: Scene, integrator: IntegratorName, growth: Growth, step: float) -> bool:
+    times = step * np.linspace(0.0, _STEPS, 25)
+    try:
+        run = mbs_models.simulate(scene, times, step=step, integrator=integrator)
+    except ArithmeticError:
+        return False
+    return run.ending is None and bool(np.max(growth(run)[_LATE]) <= _GROWTH)
+
+
+def _slipping(scenario: Scenario) -> tuple[Start, Growth]:
+    """With a small slip, in which friction is linear with a rate of one over the smoothing.
+
+    Slip that grows does not blow up, since the friction force is bounded, but chatters.
+    """
+    slip = _SMALL * scenario.friction.finest_speed
+    start = Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / scenario.disk.radius)
+    return start, lambda run: _slip(run) / slip
+
+
+def _bouncing(scenario: Scenario) -> tuple[State, Growth]:
+    """On a damped penalty contact, with a small vertical speed."""
+    contact, disk = scenario.contact, scenario.disk
+    assert contact is not None
+    depth = contact.resting_penetration(scenario.weight)
+    resting = replace(scenario, start=Start.stationary(SPIN, "inverted")).initial_state
+    along, across, _, *turning = resting.rates
+    speed = _SMALL * depth * sqrt(contact.stiffness / disk.mass)
+
+    def growth(run: Trajectory) -> Array:
+        height = run.coordinate("z") - disk.radius * np.sin(run.coordinate("beta"))
+        found: Array = np.abs(height + depth) / (_SMALL * depth)
+        return found
+
+    return replace(resting, rates=(along, across, speed, *turning)), growth
 
 
 def _slip(run: Trajectory) -> Array:
@@ -223,16 +210,6 @@ def bisected(works: Callable[[float], bool], guess: float) -> float | None:
 # --- Accurate: the error from Table 3 stays small ------------------------------------------------
 
 
-def _table_3(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
-    """The scenario with an ideal contact, and the one to be run."""
-    if axis == "smoothing":
-        ideal = Scenario(friction=SmoothCoulomb(smoothing=value))
-        return ideal, ideal
-    ideal = Scenario(friction=SmoothCoulomb(load="contact"))
-    contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
-    return ideal, replace(ideal, contact=contact)
-
-
 def largest_accurate(scene: Scene, integrator: IntegratorName, truth: Trajectory) -> float | None:
     """Largest step of `LADDER` in s with which a run stays close to another; None without one."""
     for step in LADDER:
@@ -240,16 +217,14 @@ def largest_accurate(scene: Scene, integrator: IntegratorName, truth: Trajectory
             run = mbs_models.simulate(scene, truth.times, step=step, integrator=integrator)
         except ArithmeticError:
             continue
-        if run.ending is None and deviation(run, truth) <= ACCURACY:
+        if run.ending is None and holds(deviation(run, truth), ACCURACY):
             return step
     return None
 
 
 def _cases() -> Mapping[str, Place]:
-    found: dict[str, Place] = {
-        f"smoothing {each:g} m/s": ("smoothing", each) for each in SMOOTHINGS
-    }
-    return found | {f"stiffness {each:g} N/m": ("stiffness", each) for each in STIFFNESSES}
+    smoothings: dict[str, Place] = {f"smoothing {e:g} m/s": ("smoothing", e) for e in SMOOTHINGS}
+    return smoothings | {f"stiffness {e:g} N/m": ("stiffness", e) for e in STIFFNESSES}
 
 
 STEPS = Study(

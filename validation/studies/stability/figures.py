@@ -13,13 +13,14 @@ from matplotlib.figure import Figure
 
 from analysis import MODELS, Scenario
 from analysis.data.checks import Array
-from analysis.stability import linear_reduced, spectra
-from analysis.stability.chart import stability_chart, static_gradient
+from analysis.stability import spectra
+from analysis.stability.chart import stability_chart
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linear_variants import PRINTED
+from analysis.stability.printed import closed_form, static_gradient
 from validation.kit.figures import legend_above, new_figure
 from validation.studies.stability.eigenvalue_check import ComplexArray
 from validation.studies.stability.measured import PAPER_GRADIENT
+from validation.studies.stability.variants import PRINTED
 
 Engine = tuple[Array, ComplexArray]
 """Spins in rad/s, shape (n,), and eigenvalues of the engine there in 1/s, shape (n, k)."""
@@ -130,7 +131,7 @@ def figure_10(engine: Engine, critical: float, frequency: float, born: float) ->
     branches = spectra.branches(REDUCED, SPINS)
     here = critical_speeds(REDUCED, (SPINS[0], SPINS[-1]))
     crossing, birth = here.hopf[0], here.pair_changes[0]
-    closed = linear_reduced.closed_form(REDUCED, SPINS).eigenvalues[:, :2]
+    closed = closed_form(REDUCED, SPINS).eigenvalues[:, :2]
     figure, axes = new_figure(2, height=7.0)
     for each, part in zip(axes, PARTS, strict=True):
         panel(each, part, branches, engine, {0: "$λ_{1,2}$"})
@@ -168,13 +169,13 @@ def chart(region: pd.DataFrame) -> Figure:
     region : DataFrame
         Rows of `measured.stable_region`.
     """
-    grid = stability_chart(FULL, np.linspace(0.0, 80.0, 200), np.geomspace(0.3, 30.0, 200))
+    shown_spins, shown_gradients = np.linspace(0.0, 80.0, 200), np.geomspace(0.3, 30.0, 200)
     figure, axes = new_figure(height=5.6)
     colours = ListedColormap(["#ffffff", "#f6e3c5", "#e7b46a", "#c07a2c", "#7d4a12"])
     shades = axes.pcolormesh(
-        grid.spins,
-        grid.gradients,
-        grid.unstable,
+        shown_spins,
+        shown_gradients,
+        stability_chart(FULL, shown_spins, shown_gradients),
         cmap=colours,
         norm=BoundaryNorm(np.arange(-0.5, 5.0), colours.N),
         shading="nearest",
@@ -186,8 +187,8 @@ def chart(region: pd.DataFrame) -> Figure:
     for index, (spins, gradients) in enumerate(zip(curves.spins, curves.gradients, strict=True)):
         label = "a slow pair crosses" if index == 0 else "a fast pair crosses"
         axes.plot(spins, gradients, ("-", "--", "-.")[index % 3], color="#0072b2", label=label)
-    static = static_gradient(FULL, grid.spins, grid.motion)
-    axes.plot(grid.spins, static, ":", color="black", label="a real eigenvalue is zero")
+    static = static_gradient(FULL, shown_spins)
+    axes.plot(shown_spins, static, ":", color="black", label="a real eigenvalue is zero")
     axes.plot(corners.spin, corners.gradient, "o", color="black", markersize=5, label="corners")
     axes.plot(points.spin, points.gradient, **{**_CIRCLE, "marker": "s"}, label="engine asked")
     axes.axhline(PAPER_GRADIENT, color="#777777", linewidth=0.8)
@@ -195,7 +196,7 @@ def chart(region: pd.DataFrame) -> Figure:
     axes.set(xlabel=_SPIN, ylabel="friction gradient μ/ε in s/m, logarithmic", yscale="log")
     ticks = [0.3, 1.0, 3.0, 10.0, 30.0]
     axes.set_yticks(ticks, [f"{each:g}" for each in ticks])
-    axes.set(xlim=grid.spins[[0, -1]], ylim=grid.gradients[[0, -1]])
+    axes.set(xlim=shown_spins[[0, -1]], ylim=shown_gradients[[0, -1]])
     figure.colorbar(shades, ax=axes, ticks=range(5), label="number of unstable eigenvalues")
     legend_above(axes, columns=2, size=9)
     return figure

@@ -20,11 +20,11 @@ from analysis import (
     SmoothCoulomb,
     ViscousFriction,
 )
-from analysis.stability import linear_reduced, spectra
+from analysis.stability import spectra
 from analysis.stability.corners import corners
 from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import hopf_curves
-from analysis.stability.linear_variants import PRINTED, reproduces, variants
+from analysis.stability.printed import closed_form, critical_speed
 from analysis.stability.sensitivities import closed_form_sensitivities, full_sensitivities
 from mbs_models import Formulation
 from validation.kit.limits import largest
@@ -37,7 +37,7 @@ from validation.studies.stability.eigenvalue_check import (
     gaps,
     spinning,
 )
-from validation.studies.stability.tables import stable_range
+from validation.studies.stability.variants import PRINTED, reproduces, variants
 from validation.study import Row, Study
 
 SPIN = 30.0
@@ -90,7 +90,7 @@ def compare(case: tuple[ConstraintSet, Formulation]) -> list[Row]:
                 OWN: np.max(np.min(gaps(own, found[at]), axis=0)),
                 "is constrained": scene.has_constraints,
                 "but for the spin": Scenario(constraints=free).name,
-                "stable spins in rad/s": stable_range(scenario, INTERVAL, motion),
+                "stable spins in rad/s": critical_speeds(scenario, INTERVAL, motion=motion).where,
                 "difference": largest(map(distance, found, expected)),
                 "spins": spins,
                 "real": found.real,
@@ -165,10 +165,10 @@ def rounds_to(value: float | None, printed: str) -> bool:
 def in_house_numbers(disk: Disk) -> dict[str, float]:
     """What the in-house systems give, by the names of `IN_PAPER`."""
     model_1, model_4 = (Scenario(constraints=MODELS[level], disk=disk) for level in (1, 4))
-    closed = linear_reduced.critical_speed(model_4)
+    closed = critical_speed(model_4)
     reduced = critical_speeds(model_4, INTERVAL, "reduced")
     found = [closed.spin, reduced.hopf[0].spin, closed.frequency, reduced.pair_changes[0].spin]
-    found.append(float(linear_reduced.closed_form(model_4, [SPIN]).a))
+    found.append(float(closed_form(model_4, [SPIN]).a))
     found += [crossing.spin for crossing in critical_speeds(model_1, INTERVAL, "full").hopf]
     for smoothing in (0.1, 0.01):
         rubbing = replace(model_1, friction=SmoothCoulomb(smoothing=smoothing))

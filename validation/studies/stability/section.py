@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from analysis.stability.linear_variants import PRINTED
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.stability import figures, measured
@@ -20,6 +19,7 @@ from validation.studies.stability.measured import (
     UPPER,
     rounds_to,
 )
+from validation.studies.stability.variants import PRINTED
 from validation.study import Check, at_most, equal
 
 TITLE = "Linear stability"

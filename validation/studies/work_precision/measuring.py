@@ -1,4 +1,4 @@
-"""Measuring one method on one problem: its ladder, its repeats, and what is derived from them.
+"""Measuring one method on one problem: its ladder, and what is derived from it.
 
 Nothing here looks at a clock to decide anything: ladders end by errors and by counted work, so
 that every machine makes the same runs.
@@ -6,20 +6,21 @@ that every machine makes the same runs.
 
 import time
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
+from itertools import product
 from math import inf, nan
 from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-import analysis
 import mbs_models
 from analysis import Trajectory
-from mbs_models import Integrator, Newton, Scene
+from analysis.data.trajectory import Source
+from mbs_models import Integrator, Newton
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import ACCELERATED
 from validation.kit.timing import in_turns
+from validation.kit.ways import Way, forms
 from validation.studies.work_precision.problems import (
     PROBLEMS,
     SPACING,
@@ -34,9 +35,6 @@ GOALS = (1e-3, 1e-6, 1e-9)
 
 USEFUL = 0.1
 """Error from which on a run says nothing about the motion any more."""
-
-LONG = 30_000
-"""Evaluations from which on a run is not repeated within a round."""
 
 NEAR = 1e3
 """Estimated error over a tolerance from which the library takes two rungs or so to get there."""
@@ -79,15 +77,22 @@ class Curve(NamedTuple):
         return None if self.formulation in IN_HOUSE else INTEGRATORS[self.scheme]
 
     @property
+    def kind(self) -> str:
+        """What its ladder makes finer: "step" or "local tolerance"."""
+        fixed = self.integrator is not None and not self.integrator.controls_step
+        return "step" if fixed else "local tolerance"
+
+    @property
     def takes_tolerance(self) -> bool:
         """Whether the library can be asked for a tolerance of the whole run."""
         integrator = self.integrator
-        return self.fixed_step or (integrator is not None and integrator.steps_accelerations)
+        return integrator is not None and (self.kind == "step" or integrator.steps_accelerations)
 
     @property
-    def fixed_step(self) -> bool:
-        """Whether it is a step that its ladder halves, not a tolerance."""
-        return self.integrator is not None and not self.integrator.controls_step
+    def is_implicit(self) -> bool:
+        """Whether it has fixed steps of an implicit rule."""
+        integrator = self.integrator
+        return integrator is not None and self.kind == "step" and integrator.implicit
 
     def ladder(self) -> list[float]:
         """Steps in s or local tolerances, from coarse to fine."""
@@ -95,59 +100,63 @@ class Curve(NamedTuple):
             # Stability, not accuracy, gives explicit methods their steps there: all cost the same.
             bound = self.problem == "stiff" and self.scheme in {"RK45", "DOP853"}
             return [10.0**-k for k in range(3, FINEST[self.scheme] + 1, 3 if bound else 1)]
-        if not self.fixed_step:
+        if self.kind != "step":
             return [10.0**-k for k in range(3, 14)]
         damped = self.integrator.name == "GeneralizedAlpha"
         return [SPACING * 0.5**k for k in range(9 - damped + (self.problem == "fast"))]
 
-    def run(self, setting: float, *, to_tolerance: bool = False) -> tuple[Trajectory, float]:
+    def run(self, setting: float, kind: str = "") -> tuple[Trajectory, float]:
         """One run, and processor time in s of its integration, to a tolerance of the whole call.
+
+        Parameters
+        ----------
+        setting : float
+        kind : {"step", "local tolerance", "tolerance"}
+            Of the setting, by default that of the ladder.
 
         Raises
         ------
         ArithmeticError
             If it fails.
         """
-        scenario, begin = PROBLEMS[self.problem], time.process_time()
-        how: dict[str, Any] = {"form": self.formulation, "method": self.scheme}
-        if self.integrator is None:
-            run = analysis.simulate(scenario, TIMES, local_tolerance=setting, **how)
-        else:
-            how = {"integrator": self.integrator}
-            if self.integrator.controls_step and not to_tolerance:
-                how["integrator"] = replace(self.integrator, local_tolerance=setting)
-            else:
-                how["tolerance" if to_tolerance else "step"] = setting
-            scene = Scene(scenario, cast("Any", self.formulation))
-            run = mbs_models.simulate(scene, TIMES, **how)
-        if to_tolerance or run.solver_seconds is None:
+        kind = kind or self.kind
+        integrator, how = self.integrator, {kind.replace(" ", "_"): setting}
+        if integrator is not None and kind == "local tolerance":
+            integrator, how = replace(integrator, local_tolerance=setting), {}
+        source: Source = "in-house" if integrator is None else "engine"
+        way = Way(source, cast("Any", self.formulation), cast("Any", integrator or self.scheme))
+        begin = time.process_time()
+        run = way.run(PROBLEMS[self.problem], TIMES, **how)
+        if kind == "tolerance" or run.solver_seconds is None:
             return run, time.process_time() - begin
         return run, run.solver_seconds
 
 
 def curves() -> dict[str, Curve]:
     """Every method on every problem that it can take."""
-    found = []
-    for problem, scenario in PROBLEMS.items():
-        for formulation in mbs_models.formulations(scenario):
-            found += [
-                Curve(problem, formulation, scheme) for scheme in _schemes(problem, formulation)
-            ]
-        for form in IN_HOUSE if scenario.model == 4 else IN_HOUSE[:1]:
-            found += [Curve(problem, form, scheme) for scheme in FINEST]
+    found = [
+        Curve(problem, formulation, scheme)
+        for problem, scenario in PROBLEMS.items()
+        for formulation in (*mbs_models.formulations(scenario), *forms(scenario))
+        for scheme in _schemes(problem, formulation)
+    ]
     return {", ".join(curve): curve for curve in found}
 
 
 def _schemes(problem: str, formulation: str) -> list[str]:
+    if formulation in IN_HOUSE:
+        return list(FINEST)
     varied, stiff = problem in VARIED, problem == "stiff"
-    accelerated = [
-        f"accelerations, {name}" for name in (ACCELERATED if stiff else ACCELERATED[:1])
-    ]
+    accelerated: Sequence[str] = ACCELERATED[:1]
+    if stiff:
+        # On the Lie group alone they took a third of the time of the whole study.
+        accelerated = () if formulation == "floating-lie" else ACCELERATED
+    stepped = [f"accelerations, {name}" for name in accelerated]
     if formulation == "contact-tree":
         # There, the trapezoidal rule gives what it gives on the Euler tree.
-        return ["RK67", "RK44", "DOPRI5", *(["trapezoidal"] if varied else []), *accelerated]
+        return ["RK67", "RK44", "DOPRI5", *(["trapezoidal"] if varied else []), *stepped]
     radii = ("1", "0.9", "0.6") if varied else ("0.9",)
-    return ["trapezoidal", *(f"generalized-α {radius}" for radius in radii), *accelerated]
+    return ["trapezoidal", *(f"generalized-α {radius}" for radius in radii), *stepped]
 
 
 class Extrapolation:
@@ -161,71 +170,85 @@ class Extrapolation:
     ----------
     rows : list of Row
         Of the runs that it is made of.
+    estimate : float
+        The last one of the error in rad; infinite as long as nothing tells it.
     """
 
     def __init__(self, curve: Curve) -> None:
-        integrator = curve.integrator
+        self._curve = curve
+        self.estimate = inf
+        self._start()
+
+    def _start(self) -> None:
+        integrator = self._curve.integrator
         assert integrator is not None
-        decay = PROBLEMS[curve.problem].slip_decay
-        self.ladder = Ladder(cast("Any", curve.formulation), integrator.name, decay)
+        decay = PROBLEMS[self._curve.problem].slip_decay
+        self._ladder = Ladder(cast("Any", self._curve.formulation), integrator.name, decay)
         self.rows: list[Row] = []
 
-    def add(self, run: Trajectory, row: Row) -> Trajectory | None:
-        """The extrapolated run; None as long as nothing tells its error."""
-        self.rows = [*self.rows, row]
-        values = np.hstack((run.coordinates, run.rates, run.multipliers))
-        self.ladder.add(values, run.times, row["setting"])
-        if not np.isfinite(self.ladder.estimate):
+    def add(self, run: Trajectory | None, row: Row) -> Trajectory | None:
+        """The extrapolated run; None as long as nothing tells its error.
+
+        A run that failed makes it start anew, since it needs unbroken halving.
+        """
+        if run is None:
+            self._start()
             return None
-        coordinates, rates, multipliers = np.split(self.ladder.best, (6, 12), axis=1)
+        self.rows.append(row)
+        values = np.hstack((run.coordinates, run.rates, run.multipliers))
+        self._ladder.add(values, run.times, row["setting"])
+        if not np.isfinite(self._ladder.estimate):
+            return None
+        self.estimate = self._ladder.best_estimate
+        coordinates, rates, multipliers = np.split(self._ladder.best, (6, 12), axis=1)
         return replace(run, coordinates=coordinates, rates=rates, multipliers=multipliers)
+
+    def total(self) -> Row:
+        """What all runs took together."""
+        names = ("seconds", "work", "steps")
+        return {name: sum(row[name] for row in self.rows) for name in names}
 
 
 def measure(curve: Curve) -> list[Row]:
+    """Rows of a method, with the lesser time of two sweeps: no disturbance meets both."""
+    rows, again = _sweep(curve), _sweep(curve)
+    for row, other in zip(rows, again, strict=True):
+        if not row["failure"]:
+            row["seconds"] = min(row["seconds"], other["seconds"])
+    return rows
+
+
+def _sweep(curve: Curve) -> list[Row]:
     """Run a method along its ladder, extrapolated and to tolerances beside it."""
-    coarsest, *_ = curve.ladder()
-    with suppress(ArithmeticError):
-        curve.run(coarsest)
-    rungs, extrapolated, end, known = _ladder(curve)
-    _repeat(curve, rungs)
-    joined = []
-    for row, parts in extrapolated:
-        total = {name: sum(part[name] for part in parts) for name in ("seconds", "work", "steps")}
-        joined.append({**row, **total, "kind": "extrapolated"})
-    asked: list[Row] = []
-    if curve.takes_tolerance:
-        best = min((row["error"] for row in [*rungs, *joined] if not row["failure"]), default=inf)
-        # Nothing is to run on without end: the library needs an estimate that is small, too.
-        goals = [goal for goal in GOALS if max(best, known) <= goal]
-        asked = [_attempt(curve, goal, "tolerance")[0] for goal in goals]
-        _repeat(curve, asked)
-    return [{**row, "end": end} for row in (*rungs, *joined, *asked)]
+    rows, end, known = _ladder(curve)
+    best = min((row["error"] for row in rows if not row["failure"]), default=inf)
+    # Nothing is to run on without end: the library needs an estimate that is small, too.
+    goals = [goal for goal in GOALS if curve.takes_tolerance and max(best, known) <= goal]
+    rows += [_attempt(curve, goal, "tolerance")[0] for goal in goals]
+    return [{**row, "end": end} for row in rows]
 
 
-def _ladder(curve: Curve) -> tuple[list[Row], list[tuple[Row, list[Row]]], str, float]:
-    """Rows of the rungs; extrapolated ones with their parts; why it ends; estimate to be met."""
+def _ladder(curve: Curve) -> tuple[list[Row], str, float]:
+    """Rows of the rungs, then of extrapolated ones; why it ends; estimate that can be met."""
     rungs: list[Row] = []
-    extrapolated: list[tuple[Row, list[Row]]] = []
+    extrapolated: list[Row] = []
     judged: list[float] = []
-    chain = Extrapolation(curve) if curve.fixed_step else None
-    implicit = chain is not None and curve.integrator is not None and curve.integrator.implicit
-    known = inf if implicit else 0.0
+    fixed_step = curve.kind == "step"
+    chain = Extrapolation(curve) if fixed_step else None
     for setting in curve.ladder():
-        row, run = _attempt(curve, setting, "step" if curve.fixed_step else "local tolerance")
+        row, run = _attempt(curve, setting, curve.kind)
         rungs.append(row)
         judged.append(inf if run is None else row["error"])
-        if chain is not None and run is None:
-            chain = Extrapolation(curve)  # It needs unbroken halving.
-        elif chain is not None and run is not None and (better := chain.add(run, row)) is not None:
+        if chain is not None and (better := chain.add(run, row)) is not None:
             found = errors(better, reference(curve.problem))
-            extrapolated.append(({**row, **found}, chain.rows))
+            extrapolated.append({**row, **found, **chain.total(), "kind": "extrapolated"})
             # Implicit rules are of second order and would take minutes to get there alone.
-            if implicit:
+            if curve.is_implicit:
                 judged[-1] = min(judged[-1], found["error"])
-                known = chain.ladder.best_estimate / NEAR
-        if (end := ladder_end(judged, fixed_step=curve.fixed_step)) is not None:
-            return rungs, extrapolated, end, known
-    return rungs, extrapolated, "work" if curve.fixed_step else "finest", known
+        if (end := ladder_end(judged, fixed_step=fixed_step)) is not None:
+            break
+    known = chain.estimate / NEAR if chain is not None and curve.is_implicit else 0.0
+    return [*rungs, *extrapolated], end or ("work" if fixed_step else "finest"), known
 
 
 def ladder_end(judged: Sequence[float], *, fixed_step: bool) -> str | None:
@@ -257,21 +280,13 @@ def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory |
     """Row of one run, and the run; None if it failed, which is a result with its reason."""
     row: Row = {**curve._asdict(), "kind": kind, "setting": setting, "failure": ""}
     try:
-        run, seconds = curve.run(setting, to_tolerance=kind == "tolerance")
+        run, seconds = curve.run(setting, kind)
         row |= errors(run, reference(curve.problem))
     except ArithmeticError as error:
         nothing = dict.fromkeys(("seconds", "work", "steps", *_ERRORS))
         return {**row, **nothing, "failure": " ".join(str(error).split())}, None
     work = run.counts.get("right_hand_sides") or run.counts.get("newton_iterations", 0)
     return {**row, "seconds": seconds, "work": work, "steps": run.counts.get("steps", 0)}, run
-
-
-def _repeat(curve: Curve, rows: list[Row]) -> None:
-    """Give rows the lesser time of a second sweep, which a disturbance does not hit twice."""
-    for row in rows:
-        if not row["failure"] and row["work"] <= LONG:
-            _, seconds = curve.run(row["setting"], to_tolerance=row["kind"] == "tolerance")
-            row["seconds"] = min(row["seconds"], seconds)
 
 
 # --- Prices: what an option costs, from pairs of runs in turns ---------------------------------
@@ -296,22 +311,19 @@ class Price(NamedTuple):
 def prices() -> dict[str, Price]:
     """All comparisons."""
     found = []
-    for problem in VARIED:
-        for formulation in CONSTRAINED:
-            plain = Curve(problem, formulation, "trapezoidal")
-            full = plain._replace(scheme="trapezoidal, full Newton")
-            damped = plain._replace(scheme="generalized-α 0.9")
-            found.append(Price("full for modified Newton", full, plain))
-            found.append(Price("generalized-α 0.9 for the trapezoidal rule", damped, plain))
-            found.append(Price(EXTRAPOLATED, plain, plain))
-        usual = Curve(problem, "floating", "trapezoidal")
-        for formulation in ("euler-tree", "floating-lie"):
-            other = usual._replace(formulation=formulation)
-            found.append(Price("instead of floating with Euler parameters", other, usual))
-    for formulation in CONSTRAINED:
-        plain = Curve("model-1", formulation, "trapezoidal")
-        knowing = plain._replace(problem="contact-load")
-        found.append(Price("friction that knows the contact force", knowing, plain))
+    for problem, formulation in product(VARIED, CONSTRAINED):
+        plain = Curve(problem, formulation, "trapezoidal")
+        full = plain._replace(scheme="trapezoidal, full Newton")
+        damped = plain._replace(scheme="generalized-α 0.9")
+        found.append(Price("full for modified Newton", full, plain))
+        found.append(Price("generalized-α 0.9 for the trapezoidal rule", damped, plain))
+        found.append(Price(EXTRAPOLATED, plain, plain))
+        if formulation != "floating":
+            usual = plain._replace(formulation="floating")
+            found.append(Price("instead of floating with Euler parameters", plain, usual))
+        if problem == "model-1":
+            knowing = plain._replace(problem="contact-load")
+            found.append(Price("friction that knows the contact force", knowing, plain))
     return {f"{p.what}, {p.one.formulation}, {p.one.problem}": p for p in found}
 
 
@@ -350,7 +362,7 @@ def _outcome(curve: Curve, steps: Sequence[float]) -> tuple[int, float]:
         if run is None:
             raise ArithmeticError(row["failure"])
         error = errors(chain.add(run, row) or run, reference(curve.problem))["error"]
-    return sum(row["work"] for row in chain.rows), error
+    return chain.total()["work"], error
 
 
 def _to_goal(curve: Curve, goal: float) -> tuple[_Side, _Side]:
@@ -359,13 +371,10 @@ def _to_goal(curve: Curve, goal: float) -> tuple[_Side, _Side]:
     joined: Sequence[float] = ()
     for step in curve.ladder():
         row, run = _attempt(curve, step, "step")
-        if run is None:
-            chain = Extrapolation(curve)
-            continue
         better = chain.add(run, row)
         met = better is not None and errors(better, reference(curve.problem))["error"] <= goal
         if not joined and met:
             joined = tuple(part["setting"] for part in chain.rows)
-        if row["error"] <= goal:
+        if run is not None and row["error"] <= goal:
             return (curve, joined or (step,)), (curve, (step,))
     raise ArithmeticError(f"{', '.join(curve)} does not meet {goal:g} on its ladder")

@@ -9,6 +9,7 @@ import mbs_models
 from analysis import MODELS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data import frames
 from analysis.data.checks import Array
+from validation.kit.references import energy
 from validation.study import Row
 
 SPACING = 0.02
@@ -100,7 +101,7 @@ def errors(run: Trajectory, truth: Trajectory) -> Row:
     found = {
         "error": np.maximum(np.max(angles, axis=1), place),
         "angle_error": angles,
-        "energy_error": _energy(run) - _energy(truth),
+        "energy_error": energy(run) - energy(truth),
         "force_error": run.normal_force - truth.normal_force,
         "drift": drift,
         "velocity_drift": velocity_drift,
@@ -122,8 +123,3 @@ def _cog(run: Trajectory) -> Array:
     position, rotation = frames.poses(run.coordinates)
     place: Array = position + run.scenario.disk.eccentricity * rotation[:, :, 0]
     return place
-
-
-def _energy(run: Trajectory) -> Array:
-    kinetic, potential = analysis.energies(run.scenario, run.coordinates, run.rates)
-    return kinetic + potential

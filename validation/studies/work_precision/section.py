@@ -39,7 +39,12 @@ REFERENCES = Study(
     keys=("other",),
     confirm={"difference": 1e-11},
     sample=("model-1", "model-3"),
-    columns={"difference": "largest difference from the reference in rad"},
+    columns={
+        "other": "compared with",
+        "setting": "step or tolerance",
+        "difference": "largest difference in rad",
+        "floor": "errors count from",
+    },
 )
 
 
@@ -96,14 +101,17 @@ def present(rows: Rows) -> Content:
     told = tables.orders(runs, floors)
     paid = tables.price_table(rows[PRICES.name])
     asked = tables.asked(runs)
+    numbers = _lesson(runs, paid, asked)
     return Content(
-        numbers=_lesson(runs, paid, asked),
+        numbers=numbers,
         tables={
             "ways": tables.ways(runs),
             "formulations": tables.formulation_ways(runs),
             "tolerances": tables.tolerances(runs),
             "prices": paid,
-            "references": _reference_table(references, floors),
+            "references": references[["problem", "other", "setting", "difference"]]
+            .assign(floor=references["problem"].map(floors))
+            .rename(columns=REFERENCES.columns),
             "orders": tables.order_table(told),
             "failures": tables.failures(runs),
             "every-way": tables.every_way(runs),
@@ -114,19 +122,7 @@ def present(rows: Rows) -> Content:
             "orders": figures.orders(runs, floors),
         },
         checks=_checks(asked, floors),
-        verdicts=[_verdict(runs)],
-    )
-
-
-def _reference_table(references: pd.DataFrame, floors: dict[str, float]) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "problem": references["problem"],
-            "compared with": references["other"],
-            "step or tolerance": references["setting"],
-            "largest difference in rad": references["difference"],
-            "errors count from": references["problem"].map(floors),
-        }
+        verdicts=[_verdict(numbers["topology"])],
     )
 
 
@@ -177,7 +173,6 @@ def _lesson(runs: pd.DataFrame, paid: pd.DataFrame, asked: pd.DataFrame) -> dict
             for formulation, group in plain.groupby("formulation", sort=False)
         },
         "own": tables.ranked(own["scheme"]),
-        "spread": runs["spread"],
     }
 
 
@@ -191,11 +186,8 @@ def _stiff(runs: pd.DataFrame) -> dict[str, Any]:
     return {"unstable": rungs.iloc[first - 1], "stable": rungs.iloc[first], "control": control}
 
 
-def _verdict(runs: pd.DataFrame) -> Verdict:
+def _verdict(ratios: "pd.Series[float]") -> Verdict:
     """Whether closing the contact by topology is the fastest way in the engine, for all goals."""
-    free = tables.cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
-    held = runs[runs["formulation"].isin(CONSTRAINED)]
-    ratios = (tables.cheapest(held, ["problem"])["seconds"] / free).dropna()
     faster = int((ratios > 1.0).sum())
     answer = "yes" if faster == len(ratios) else "partly" if faster else "no"
     return Verdict(

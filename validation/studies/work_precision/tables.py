@@ -1,7 +1,7 @@
 """What the runs say: cheapest ways, orders, prices, failures."""
 
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise, product
 from math import inf, log
 from statistics import geometric_mean, median
 from typing import Any
@@ -13,6 +13,7 @@ from validation.kit.timing import interval
 from validation.page.section import power, sig
 from validation.studies.work_precision.measuring import CONSTRAINED, GOALS, IN_HOUSE, USEFUL
 from validation.studies.work_precision.problems import SAFETY, TIMES, TITLES
+from validation.study import Row
 
 NAMES = {
     "contact-tree": "contact tree",
@@ -24,6 +25,8 @@ NAMES = {
 }
 
 CURVE = ["problem", "formulation", "scheme"]
+
+_SIDES = {"engine": "in the engine", "in-house": "in-house"}
 
 _ENDS = {
     "goal": "met the finest goal",
@@ -89,40 +92,44 @@ def shortfall(runs: pd.DataFrame) -> str:
 
 def ways(runs: pd.DataFrame) -> pd.DataFrame:
     """Fastest way to each goal, in the engine and in-house."""
-    best, sides = cheapest(runs, ["problem", "side"]), runs.groupby(["problem", "side"])
-    rows = []
-    for problem, title in TITLES.items():
-        for goal in GOALS:
-            row: dict[str, Any] = {"problem": title, "error at most": power(goal)}
-            for side, head in (("engine", "in the engine"), ("in-house", "in-house")):
-                if (problem, side, goal) in best.index:
-                    run = best.loc[(problem, side, goal)]
-                    row[head] = f"{run['formulation']}, {run['way']}"
-                    row[f"evaluations, {side}"] = int(run["work"])
-                    row[f"time in ms, {side}"] = float(sig(run["milliseconds"], 3))
-                else:
-                    row[head] = shortfall(sides.get_group((problem, side)))
-            rows.append(row)
-    return pd.DataFrame(rows)
+
+    def told(side: str, run: pd.Series) -> Row:
+        return {
+            _SIDES[side]: f"{run['formulation']}, {run['way']}",
+            f"evaluations, {side}": int(run["work"]),
+            f"time in ms, {side}": float(sig(run["milliseconds"], 3)),
+        }
+
+    return _fastest(runs, "side", _SIDES, told)
 
 
 def formulation_ways(runs: pd.DataFrame) -> pd.DataFrame:
     """Fastest way of each formulation of the engine to each goal."""
-    engine = runs[runs["side"] == "engine"]
-    best = cheapest(engine, ["problem", "formulation"])
+
+    def told(formulation: str, run: pd.Series) -> Row:
+        return {NAMES[formulation]: f"{run['way']}: {sig(run['milliseconds'], 3)} ms"}
+
+    return _fastest(runs[runs["side"] == "engine"], "formulation", NAMES, told)
+
+
+def _fastest(
+    runs: pd.DataFrame,
+    column: str,
+    heads: Mapping[str, str],
+    told: Callable[[str, pd.Series], Row],
+) -> pd.DataFrame:
+    """What is told of the fastest run of each group to each goal, or why there is none."""
+    best = cheapest(runs, ["problem", column])
+    groups = dict(tuple(runs.groupby(["problem", column])))
     rows = []
-    for problem, title in TITLES.items():
-        groups = dict(tuple(engine[engine["problem"] == problem].groupby("formulation")))
-        for goal in GOALS:
-            row = {"problem": title, "error at most": power(goal)}
-            for formulation in dict.fromkeys(engine["formulation"]):
-                key = (problem, formulation, goal)
-                if key in best.index:
-                    found = best.loc[key]
-                    row[NAMES[formulation]] = f"{found['way']}: {sig(found['milliseconds'], 3)} ms"
-                elif formulation in groups:
-                    row[NAMES[formulation]] = shortfall(groups[formulation])
-            rows.append(row)
+    for problem, goal in product(TITLES, GOALS):
+        row: Row = {"problem": TITLES[problem], "error at most": power(goal)}
+        for name in dict.fromkeys(runs[column]):
+            if (problem, name, goal) in best.index:
+                row |= told(name, best.loc[(problem, name, goal)])
+            elif (problem, name) in groups:
+                row[heads[name]] = shortfall(groups[problem, name])
+        rows.append(row)
     return pd.DataFrame(rows)
 
 

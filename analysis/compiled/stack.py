@@ -9,7 +9,7 @@ T = TypeVar("T")
 _ROUNDS = 2
 
 
-class Places:
+class FasterPlace:
     """Calls a function again and again, from the faster of two places on the stack.
 
     Batches keep most numbers on the stack, 32 or 64 bytes wide, and LLVM aligns it to 16 bytes

@@ -1,0 +1,329 @@
+"""Compiled runs of many scenarios, as arrays from their fields to their motions."""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from analysis.compiled import systems
+from analysis.compiled.code import Code, code_for
+from analysis.compiled.runs import Group, integrate
+from analysis.compiled.systems import SIGN, SPIN
+from analysis.data.checks import Array
+from analysis.data.ensemble import Ensemble
+from analysis.data.files import AnyArray
+from analysis.data.members import Rows, in_columns
+from analysis.data.scenario import Scenario
+from analysis.data.trajectories import Samples
+from analysis.data.trajectory import Trajectory
+from analysis.data.watch import Watch
+from analysis.mechanics import reduced
+from analysis.mechanics.states import paper_arrays, state_of
+from analysis.models.forms import check_form, default_form, pose, start_values
+from analysis.models.request import Accuracy, Request, trajectory
+from analysis.solve.effort import longest_step
+from analysis.solve.runs import Runs
+from analysis.solve.stepping import pulls_at_start
+from analysis.solve.to_tolerance import Agreed, agree, estimated_errors
+
+Scenarios = Ensemble | Sequence[Scenario]
+
+_BLOCK = 2**14
+"""Samples of motions that are worked out at once: they take some 5 MB."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompiledPart:
+    """Members that are alike in structure and were run together; see `Part`.
+
+    Parameters
+    ----------
+    rows : ndarray of int, shape (k,)
+    ensemble : Ensemble
+        Of these members alone; or a list of them.
+    request : Request
+    group : Group
+    tolerances : ndarray, shape (k,)
+    agreed : Agreed
+    watch : Watch, optional
+        Of a single member.
+    seconds : float, optional
+        Processor time of the last run of a single member.
+    """
+
+    rows: Rows
+    ensemble: Any
+    request: Request
+    group: Group
+    tolerances: Array
+    agreed: Agreed
+    watch: Watch | None
+    seconds: float | None
+
+    def moved(self, by: int) -> "CompiledPart":
+        """The same with larger numbers of members."""
+        return replace(self, rows=self.rows + by)
+
+    def some(self, rows: Rows) -> "CompiledPart":
+        """The same without some of its members."""
+        return replace(
+            self,
+            rows=self.rows[rows],
+            ensemble=_part(self.ensemble, rows),
+            group=self.group.part(rows),
+            tolerances=self.tolerances[rows],
+            agreed=self.agreed.part(rows),
+        )
+
+    @property
+    def times(self) -> Array:
+        """Times asked for in s, shape (n,)."""
+        return self._runs.times
+
+    @property
+    def ends(self) -> Array:
+        """Time of each end in s."""
+        return self._runs.ends
+
+    @property
+    def error_estimates(self) -> Array:
+        """Estimated errors in rad, or nan."""
+        return self.agreed.estimates
+
+    @property
+    def endings(self) -> AnyArray:
+        """Reasons, or None."""
+        # The last one is that of `RUNNING`, -1.
+        names = np.array([*self._runs.names, None], dtype=object)
+        found: AnyArray = names[self._runs.reasons]
+        return found
+
+    @property
+    def _runs(self) -> Runs:
+        return self.agreed.runs
+
+    def kinematics(self, some: slice) -> Samples:
+        """Samples of some at the times asked for, and at their ends, without forces."""
+        return self._sampled(some)[0]
+
+    def samples(self, some: slice) -> Samples:
+        """The same with constraint forces."""
+        found, states = self._sampled(some)
+        group = self.group.part(some)
+        variables = states.transpose(2, 0, 1)
+        if group.code.form == "reduced":
+            z, u = (each.transpose(2, 0, 1) for each in (found.coordinates, found.rates))
+            variables = np.stack(state_of(group.disk, z, u))
+        forces = group.code.multipliers(variables, group.numbers)
+        return replace(found, multipliers=forces.transpose(1, 2, 0))
+
+    def _sampled(self, some: slice) -> tuple[Samples, Array]:
+        """Samples of some without forces, and the states that they come from."""
+        runs, ends = self._runs, self.ends[some, None]
+        times = np.append(self.times, np.inf)
+        states = np.append(runs.states[some], runs.last[some, None], axis=1)
+        behind = times > ends
+        states[behind] = np.repeat(runs.last[some], behind.sum(axis=1), axis=0)
+        times = np.minimum(times, ends)
+        found = self._expanded(self.group.part(some), times, states)
+        return Samples(times, *found, np.empty((*times.shape, 0))), states
+
+    def trajectory(self, row: int) -> Trajectory:
+        """Motion of one of them."""
+        return self._trajectory(row, self.samples(slice(row, row + 1)), 0)
+
+    def outcomes(self) -> Iterator[Trajectory | Exception]:
+        """Motion of each of them, or why it has none, worked out in blocks."""
+        size = max(1, _BLOCK // self.times.size)
+        for first in range(0, len(self.rows), size):
+            samples = self.samples(slice(first, first + size))
+            for place in range(len(samples.times)):
+                try:
+                    yield self._trajectory(first + place, samples, place)
+                except (ArithmeticError, ValueError) as error:
+                    yield error
+
+    def _trajectory(self, row: int, samples: Samples, place: int) -> Trajectory:
+        run, scenario = self._runs.run(row), self.ensemble[row]
+        sampled = (samples.coordinates, samples.rates, samples.multipliers)
+        coordinates, rates, forces = (each[place, : run.times.size] for each in sampled)
+        if self.group.code.form == "index-1":
+            # The first sample is the start itself, without the rounding on the way to it and back.
+            start = scenario.initial_state
+            coordinates[0], rates[0] = start.coordinates, start.rates
+        numbers = (self.tolerances, self.agreed.local_tolerances, self.agreed.estimates)
+        return trajectory(
+            scenario,
+            self.request,
+            run,
+            (coordinates, rates, forces),
+            method="taylor",
+            accuracy=Accuracy(*(float(each[row]) for each in numbers)),
+            watch=self.watch,
+            seconds=self.seconds,
+        )
+
+    def _expanded(self, group: Group, times: Array, states: Array) -> tuple[Array, Array]:
+        """Coordinates and rates, each shape (k, n, 6), of members at times, shape (k, n)."""
+        if group.code.form == "index-1":
+            return paper_arrays(group.disk, states)
+        spin = group.numbers[:, None, SPIN]
+        alpha = group.states[:, None, 3] + spin * (times - self.times[0])
+        found = np.empty((*times.shape, 12))
+        coordinates, rates = reduced.expanded(group.disk, spin, alpha, states.transpose(2, 0, 1))
+        for column, value in enumerate(coordinates + rates):
+            found[:, :, column] = value
+        return found[:, :, :6], found[:, :, 6:]
+
+
+def simulate_compiled(
+    scenarios: Scenarios, tolerances: Sequence[float], request: Request
+) -> tuple[list[CompiledPart], dict[int, Exception]]:
+    """Motions of scenarios, those alike in structure together.
+
+    Parameters
+    ----------
+    scenarios : Ensemble or sequence of Scenario
+        The m members.
+    tolerances : sequence of m floats
+        See `Request.tolerance`.
+    request : Request
+
+    Returns
+    -------
+    list of CompiledPart
+    dict
+        From members to the errors that ended them; they are those of `simulate`.
+    """
+    wanted, failures = np.asarray(tolerances), dict[int, Exception]()
+    rungs = {each: request.local_tolerances(each, "taylor") for each in set(tolerances)}
+    groups: defaultdict[tuple[Code, tuple[float, ...]], list[tuple[Rows, Array]]]
+    groups = defaultdict(list)
+    for rows, found in _in_arrays(scenarios, wanted, partial(_columns, request)):
+        if isinstance(found, Exception):
+            failures |= dict.fromkeys(rows.tolist(), found)
+            continue
+        code, columns = found
+        array = in_columns(columns, rows.size)
+        asked = [rungs[tolerances[row]] for row in rows.tolist()]
+        kinds = set(asked)
+        for kind in kinds:
+            some = slice(None) if len(kinds) == 1 else np.array([each == kind for each in asked])
+            groups[code, kind].append((rows[some], array[some]))
+    parts = []
+    for (code, kind), pieces in groups.items():
+        rows, array = pieces[0]
+        if len(pieces) > 1:
+            rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
+        group = _group(code, array)
+        refused = {} if code.allow_pulling else _refused(group, scenarios, rows)
+        if refused:
+            left = _without(refused, rows.size)
+            group, failures = group.part(left), failures | _by_member(refused, rows)
+            rows = rows[left]
+        if rows.size:
+            part = _run((rows, _part(scenarios, rows)), group, kind, wanted[rows], request)
+            failed = part.agreed.failures
+            failures |= _by_member(failed, rows)
+            if len(failed) < rows.size:
+                parts.append(part.some(_without(failed, rows.size)) if failed else part)
+    return parts, failures
+
+
+def _without(dropped: Container[int], count: int) -> Rows:
+    return np.array([row for row in range(count) if row not in dropped], dtype=int)
+
+
+def _by_member(errors: Mapping[int, Exception], rows: Rows) -> dict[int, Exception]:
+    return {int(rows[row]): error for row, error in errors.items()}
+
+
+def _part(scenarios: Scenarios, rows: Rows) -> Scenarios:
+    if isinstance(scenarios, Ensemble):
+        return scenarios.part(rows)
+    return [scenarios[row] for row in rows.tolist()]
+
+
+Columns = tuple[Code, Sequence[float]]
+
+
+def _in_arrays(
+    scenarios: Scenarios, tolerances: Array, columns: Callable[[float, Scenario], Columns]
+) -> Iterator[tuple[Rows, Columns | Exception]]:
+    """Members and their numbers, those of an ensemble together, or the error of a single one."""
+    one_by_one = np.arange(len(scenarios))
+    if isinstance(scenarios, Ensemble):
+        doubtful = []
+        for rows, found in scenarios.alike(partial(columns, float(tolerances.min()))):
+            if isinstance(found, Exception):
+                doubtful += rows.tolist()
+            else:
+                yield rows, found
+        one_by_one = np.array(doubtful, dtype=int)
+    for row in one_by_one.tolist():
+        try:
+            yield np.array([row]), columns(float(tolerances[row]), scenarios[row])
+        except (ArithmeticError, ValueError) as error:
+            yield np.array([row]), error
+
+
+def _columns(request: Request, tolerance: float, scenario: Scenario) -> Columns:
+    """Code of a scenario, or of `Members`, and its numbers: see `_group`."""
+    form = request.form or default_form(scenario)
+    code = code_for(scenario, form, request.conditions, allow_pulling=request.allow_pulling)
+    check_form(scenario, form)
+    effort = request.effort(scenario, tolerance, "taylor")
+    start, numbers = start_values(scenario, "index-1"), systems.parameters(scenario)
+    return code, (*start, *numbers, longest_step(scenario), effort.most)
+
+
+def _group(code: Code, array: Array) -> Group:
+    """Members with these starts, parameters, longest steps and most steps, shape (m, 14 + p)."""
+    states, numbers = array[:, :12], array[:, 12:-2]
+    forces = code.multipliers(states.T[:, :, None], numbers)[0, :, 0]
+    group = Group(code, states, numbers, array[:, -2], array[:, -1], ~(forces >= 0.0))
+    numbers[:, SIGN] = code.signs(group.starts, numbers)
+    return group
+
+
+def _refused(group: Group, scenarios: Scenarios, rows: Rows) -> dict[int, Exception]:
+    """What is wrong with the start of members whose contact seems to pull there."""
+    found: dict[int, Exception] = {}
+    for row in np.flatnonzero(group.pulled).tolist():
+        try:
+            problem = pose(scenarios[rows[row]], group.code.form).problem
+            pulls_at_start(problem, allow_pulling=False)
+        except (ArithmeticError, ValueError) as error:
+            found[row] = error
+    return found
+
+
+def _run(
+    members: tuple[Rows, Scenarios],
+    group: Group,
+    local_tolerances: Sequence[float],
+    tolerances: Array,
+    request: Request,
+) -> CompiledPart:
+    """Run a group; its single member as a call that is watched."""
+    watch = request.watch(float(group.most[0])) if len(group) == 1 else None
+    seconds: float | None = None
+
+    def run(some: Rows, local: float, longest: float) -> tuple[Runs, dict[int, Exception]]:
+        nonlocal seconds
+        begin = time.thread_time()
+        found = integrate(group, some, request.times, local, longest, watch=watch)
+        seconds = None if watch is None else time.thread_time() - begin
+        return found
+
+    def estimated(fine: Runs, coarse: Runs, some: Rows) -> Array:
+        return estimated_errors(
+            fine, coarse, group.attitudes, lambda runs: group.attitude_rates(some, runs.last)
+        )
+
+    agreed = agree(run, estimated, tolerances, local_tolerances, "taylor")
+    return CompiledPart(*members, request, group, tolerances, agreed, watch, seconds)

@@ -1,0 +1,213 @@
+"""What is asked of runs, checked once for one or for many, and the trajectory that it leads to."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import inf, isnan
+from typing import NamedTuple
+
+from analysis.compiled.library import is_installed
+from analysis.data.checks import (
+    Array,
+    choice,
+    positive,
+    switch,
+)
+from analysis.data.checks import local_tolerance as one_step
+from analysis.data.elementary import sin
+from analysis.data.endings import (
+    CONTACT_WOULD_PULL,
+    FLAT,
+    TIME_LIMIT,
+    Condition,
+    Ending,
+    StopWhen,
+    named_conditions,
+)
+from analysis.data.limits import DEFAULT_TOLERANCE, LEAST_TILT, MOST_STEPS, Effort
+from analysis.data.scenario import Scenario
+from analysis.data.state import State
+from analysis.data.trajectory import Trajectory, versions
+from analysis.data.watch import Progress, Watch
+from analysis.models.forms import FORMS, Form, default_form
+from analysis.solve.effort import simulation_effort
+from analysis.solve.stepping import METHODS, Method, Run
+from analysis.solve.to_tolerance import tighter_and_tighter
+
+TIGHTEST_LOCAL_TOLERANCE = 3e-14
+"""SciPy's solvers do not go below 100 machine precisions."""
+
+COMPILED_TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15)
+"""Local tolerances of compiled runs to a tolerance; code is compiled for each."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """What is asked of each of some scenarios, beside its tolerance; see `analysis.simulate`.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+    form : str, optional
+    method : str, optional
+        By default the compiled one where heyoka is installed, and DOP853 for what that one
+        cannot do.
+    local_tolerance : float, optional
+    stop_when : str, callable or sequence of them
+    allow_pulling : bool
+    time_limit : float, optional
+    progress : callable, optional
+
+    Raises
+    ------
+    ValueError
+        If one of them is out of range.
+    """
+
+    times: Array
+    form: Form | None = None
+    method: Method | None = None
+    local_tolerance: float | None = None
+    stop_when: StopWhen = ()
+    allow_pulling: bool = False
+    time_limit: float | None = None
+    progress: Progress | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "allow_pulling", switch("allow_pulling", self.allow_pulling))
+        if self.form is not None:
+            choice("form", self.form, FORMS)
+        if self.method is not None:
+            choice("method", self.method, METHODS)
+        if self.local_tolerance is not None:
+            local = one_step("local_tolerance", self.local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
+            object.__setattr__(self, "local_tolerance", local)
+        if isinstance(self.stop_when, Iterable) and not isinstance(self.stop_when, str):
+            # It may be one that is used up.
+            object.__setattr__(self, "stop_when", tuple(self.stop_when))
+        self.watch()
+        _ = self.conditions
+
+    @property
+    def first_method(self) -> Method:
+        """Method that is tried first."""
+        return self.method or ("taylor" if is_installed() else "DOP853")
+
+    @property
+    def conditions(self) -> dict[str, Condition]:
+        """Conditions that end a run, by the reason that they give."""
+        return named_conditions(self.stop_when)
+
+    @property
+    def goes_together(self) -> bool:
+        """Whether members are run together: a limit of its own has each one alone."""
+        return self.first_method == "taylor" and self.time_limit is None
+
+    def watch(self, most: float = MOST_STEPS) -> Watch:
+        """Who watches a run of so many steps at most."""
+        return Watch(self.time_limit, self.progress, most)
+
+    def tolerance(self, given: float | None) -> float:
+        """Tolerance of a member; infinite if a local one is asked for in its place."""
+        if self.local_tolerance is None:
+            return positive("tolerance", DEFAULT_TOLERANCE if given is None else given)
+        if given is not None:
+            raise ValueError("give either tolerance or local_tolerance, not both")
+        return inf
+
+    def local_tolerances(self, tolerance: float, method: Method) -> tuple[float, ...]:
+        """Local tolerances of the runs to a tolerance, in turn; a single one gives no estimate.
+
+        Two runs of nearly the same one would agree without being right.
+        """
+        if self.local_tolerance is not None:
+            return (self.local_tolerance,)
+        if method == "taylor":
+            rungs = tuple(each for each in COMPILED_TOLERANCES if each <= tolerance / 3.0)
+            return rungs if len(rungs) > 1 else COMPILED_TOLERANCES[-2:]
+        return tuple(tighter_and_tighter(tolerance / 3.0, TIGHTEST_LOCAL_TOLERANCE))
+
+    def effort(self, scenario: Scenario, tolerance: float, method: Method) -> Effort:
+        """What a run should take; `ValueError` if that is too many steps."""
+        effort = simulation_effort(
+            scenario,
+            self.times,
+            method=method,
+            tolerance=None if tolerance == inf else tolerance,
+            local_tolerance=self.local_tolerance,
+        )
+        effort.check()
+        return effort
+
+
+class Accuracy(NamedTuple):
+    """How accurate a run is: what was asked for, the run that is kept, and its estimated error.
+
+    `tolerance` is infinite and `estimate` nan where a single run was asked for.
+    """
+
+    tolerance: float
+    local_tolerance: float
+    estimate: float
+
+
+def trajectory(
+    scenario: Scenario,
+    request: Request,
+    run: Run,
+    arrays: tuple[Array, Array, Array],
+    *,
+    method: Method,
+    accuracy: Accuracy,
+    watch: Watch | None = None,
+    seconds: float | None = None,
+) -> Trajectory:
+    """Trajectory of a run.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    request : Request
+    run : Run
+    arrays : tuple of ndarrays, shapes (n, 6), (n, 6) and (n, k)
+        Coordinates, rates and constraint forces at the times of the run.
+    method : str
+        That has run it.
+    accuracy : Accuracy
+    watch : Watch, optional
+        Of the call, if it has a single run to a result.
+    seconds : float, optional
+        Processor time of the run in s.
+    """
+    coordinates, rates, multipliers = arrays
+    single, compiled = isnan(accuracy.estimate), method == "taylor"
+    ending = None
+    if run.ended is not None:
+        last = State(coordinates=tuple(coordinates[-1].tolist()), rates=tuple(rates[-1].tolist()))
+        says: dict[str, Condition] = {
+            FLAT: lambda state: sin(state.coordinates[4]) - LEAST_TILT,
+            CONTACT_WOULD_PULL: lambda _: float(multipliers[-1, 0]),
+            TIME_LIMIT: lambda _: 0.0 if watch is None else watch.seconds,
+            **request.conditions,
+        }
+        value = says[run.ended](last)
+        ending = Ending(reason=run.ended, time=float(run.times[-1]), value=value)
+    return Trajectory(
+        times=run.times,
+        coordinates=coordinates,
+        rates=rates,
+        multipliers=multipliers,
+        scenario=scenario,
+        source="in-house",
+        method={
+            "form": request.form or default_form(scenario),
+            "method": method,
+            "tolerance": None if single else accuracy.tolerance,
+            "local_tolerance": accuracy.local_tolerance,
+        },
+        error_estimate=None if single else accuracy.estimate,
+        counts={"steps" if compiled else "right_hand_sides": run.evaluations},
+        versions=versions("numpy", "heyoka" if compiled else "scipy"),
+        ending=ending,
+        pulling=run.pulling,
+        solver_seconds=seconds,
+    )

@@ -1,0 +1,373 @@
+"""Families of periodic motions, continued in their amplitude or tilt.
+
+Symmetric cycles begin in the Hopf point. Where they lose their symmetry, cycles without it branch
+off, and the mode that breaks the symmetry leads to the first of them; they are followed in their
+largest deviation of gamma, which grows smoothly through the bifurcation, and their mirror images
+have it as the least one. On the cylinder of gamma the heteroclinic connection is a pair of loops,
+one for either sense of turning: on one side of its spin they join to the swinging cycles, on the
+other side each becomes a rotating motion of its own (a gluing bifurcation).
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.data.checks import Array, number, real_array
+from analysis.data.scenario import Scenario
+from analysis.data.watch import Progress
+from analysis.nonlinear.collocation import (
+    NoCycleError,
+    breaking_mode,
+    hopf_cycle,
+    require_collocation,
+    solve,
+)
+from analysis.nonlinear.heteroclinic import (
+    Connection,
+    NoConnectionError,
+    fall,
+    heteroclinic_connection,
+    last_amplitude,
+)
+from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
+from analysis.stability.continuation import followed, gathered, sign_changes
+from analysis.stability.printed import critical_speed
+
+AMPLITUDES: Array = np.concatenate(
+    (np.linspace(0.1, 3.0, 30), np.pi - np.geomspace(0.1, 1e-6, 16))
+)
+"""Amplitudes in rad from near the Hopf point to near the end of the family at pi.
+
+About a saddle-focus it ends beyond pi; see `_amplitudes`.
+"""
+
+BEYOND: Array = np.concatenate(((0.005, 0.02), np.linspace(0.05, 1.3, 26)))
+"""Amplitudes in rad beyond that of the bifurcation, to which cycles without symmetry go."""
+
+TILTS: Array = np.concatenate(
+    (np.geomspace(1e-4, 0.02, 6), np.linspace(0.04, 0.2, 9), np.linspace(0.25, 1.5, 26))
+)
+"""Tilts in rad from near the connection to a disk that is nearly flat."""
+
+_SAME_END = 1e-6
+"""Distance in rad from the connection at which a family ends."""
+
+_FIRST = 0.05
+"""How much larger in rad than at the bifurcation the first cycle without symmetry is."""
+
+_BESIDE = (0.02, 0.005, 0.001)
+"""Distances from the connection at which the first rotating motion is looked for, in parts of that
+to the Hopf point."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Family:
+    """Periodic motions of one kind, each reached from its neighbour.
+
+    Parameters
+    ----------
+    motions : tuple of PeriodicMotion
+        All of them converged: by rising amplitude or tilt, or one for each of a sequence of
+        scenarios.
+    begins : float
+        Spin in rad/s where it begins: of the Hopf point, the heteroclinic connection, or the
+        symmetric cycle at which cycles without symmetry branch off.
+    reason : str or None
+        Why it ends early, if it does; it names the last good one.
+    born : Event or None
+        That symmetric cycle.
+    """
+
+    motions: tuple[PeriodicMotion, ...]
+    begins: float
+    reason: str | None = None
+    born: Event | None = None
+
+
+def gathered_family(
+    begins: float,
+    *ways: Iterable[PeriodicMotion],
+    progress: Progress | None,
+    wanted: int,
+    born: Event | None = None,
+) -> Family:
+    """All that the ways lead to; `NoCycleError` if there is none."""
+    found, reason = gathered(*ways, progress=progress, wanted=wanted)
+    if not found:
+        raise NoCycleError(reason)
+    return Family(motions=found, begins=begins, reason=reason, born=born)
+
+
+def _solved(value: float, start: PeriodicMotion) -> PeriodicMotion:
+    return solve(start.scenario, value, start)
+
+
+def _rising(name: str, values: npt.ArrayLike, low: float, high: float, allowed: str) -> Array:
+    """Return values that rise strictly from `low` to `high`, both excluded."""
+    wanted = real_array(name, values)
+    proper = wanted.ndim == 1 and wanted.size and np.all(np.diff(wanted, prepend=low) > 0.0)
+    if not proper or wanted[-1] >= high:
+        raise ValueError(f"{name} must rise strictly {allowed}, got {values!r}")
+    return wanted
+
+
+def events(family: Family) -> tuple[Event, ...]:
+    """Where a family is born and its stability changes, between neighbours.
+
+    Symmetric cycles fold, or lose their symmetry ("symmetry-breaking"), which is where those
+    without symmetry are born; the others fold, or their period doubles ("period-doubling").
+
+    Raises
+    ------
+    NoCycleError
+        If an iteration between two neighbours fails.
+    """
+    tests = {
+        name: partial(PeriodicMotion.characteristic, multiplier=value)
+        for name, value in family.motions[0].ends.changes.items()
+    }
+    found = (Event(*each) for each in sign_changes(_solved, family.motions, tests))
+    return (*found,) if family.born is None else (family.born, *found)
+
+
+# --- Symmetric cycles ---------------------------------------------------------------------------
+
+
+def cycle_family(
+    scenario: Scenario,
+    amplitudes: npt.ArrayLike | None = None,
+    *,
+    progress: Progress | None = None,
+) -> Family:
+    """Follow the periodic motions of the reduced system from the Hopf point.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of Model 4 with friction that knows the weight, and an eccentricity.
+    amplitudes : array_like, shape (n,), optional
+        Amplitudes of gamma about pi/2 in rad, rising, between 0 and 3 pi/2; by default up to
+        the heteroclinic connection, which lies at pi or, about a saddle-focus, beyond.
+    progress : callable, optional
+        Called after each cycle with how many there are and how many are wanted.
+
+    Raises
+    ------
+    ValueError
+        If the amplitudes are no such, or the scenario has no cycles.
+    NoCycleError
+        If not even the first cycle is found.
+    """
+    require_collocation(scenario)
+    wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
+    found = _from_hopf_point(scenario, wanted)
+    begins = critical_speed(scenario).spin
+    return gathered_family(begins, found, progress=progress, wanted=np.size(wanted))
+
+
+def _amplitudes(scenario: Scenario) -> Array:
+    """`AMPLITUDES`, but beyond 3 rad closing in on that of the connection."""
+    try:
+        last = last_amplitude(scenario)
+    except NoConnectionError:
+        return np.array(AMPLITUDES)
+    beyond = last - np.pi
+    if beyond < _SAME_END:
+        return np.array(AMPLITUDES)
+    near = last - np.geomspace(0.1 + beyond, _SAME_END, 16)
+    return np.concatenate((AMPLITUDES[near[0] - 0.05 > AMPLITUDES], near))
+
+
+def _from_hopf_point(scenario: Scenario, amplitudes: npt.ArrayLike) -> Iterator[PeriodicMotion]:
+    """Cycles one by one; `NoCycleError` names the last good one."""
+    wanted = _rising("amplitudes", amplitudes, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
+    return followed(_solved, hopf_cycle(scenario), wanted.tolist())
+
+
+def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
+    """The symmetric cycle at a spin: that of smallest amplitude if there are several.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    spin : float
+        In rad/s.
+
+    Raises
+    ------
+    ValueError
+        If the scenario has no cycles, or none at this spin.
+    NoCycleError
+        If the iteration fails.
+    """
+    require_collocation(scenario)
+    spin = number("spin", spin)
+    before = hopf_cycle(scenario)
+    spins = [before.spin]
+    for cycle in _from_hopf_point(scenario, _amplitudes(scenario)):
+        part = (spin - before.spin) / (cycle.spin - before.spin)
+        if 0.0 < part <= 1.0:
+            # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
+            low, high = before.value**2, cycle.value**2
+            return solve(scenario, float(np.sqrt(low + part * (high - low))), cycle, spin=spin)
+        spins.append(cycle.spin)
+        before = cycle
+    raise ValueError(
+        f"spin must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
+        f"cycles, got {spin:.9g}"
+    )
+
+
+# --- Cycles without symmetry --------------------------------------------------------------------
+
+
+def asymmetric_family(
+    breaking: Event, amplitudes: npt.ArrayLike | None = None, *, progress: Progress | None = None
+) -> Family:
+    """Follow the cycles that branch off where symmetric ones lose their symmetry.
+
+    Parameters
+    ----------
+    breaking : Event
+        Of the kind "symmetry-breaking", into larger cycles.
+    amplitudes : array_like, shape (n,), optional
+        Largest deviations of gamma in rad, rising, beyond that of the bifurcation; by default
+        further by `BEYOND`.
+    progress : callable, optional
+        As in `cycle_family`.
+
+    Raises
+    ------
+    ValueError
+        If the event is another one, or the amplitudes are no such.
+    NoCycleError
+        If there is no cycle without symmetry beside the bifurcation.
+    """
+    if breaking.kind != "symmetry-breaking":
+        raise ValueError(f"breaking must be symmetry-breaking, got {breaking.kind!r}")
+    born = breaking.motion
+    wanted = born.value + BEYOND if amplitudes is None else amplitudes
+    wanted = _rising("amplitudes", wanted, born.value, np.inf, f"beyond {born.value:.6g}")
+    mode, (times, states) = _FIRST * breaking_mode(born), born.whole
+    start = PeriodicMotion(
+        scenario=born.scenario,
+        kind="asymmetric",
+        spin=born.spin,
+        value=born.value + _FIRST,
+        period=born.period,
+        times=times,
+        # The mode is the same on the other side, where the cycle is mirrored.
+        states=states + np.concatenate((mode, mode[1:])),
+    )
+    first = _solved(start.value, start)
+    return gathered_family(
+        born.spin,
+        followed(_solved, first, wanted.tolist()),
+        progress=progress,
+        wanted=wanted.size,
+        born=breaking,
+    )
+
+
+def first_asymmetric_family(family: Family, *, progress: Progress | None = None) -> Family:
+    """Cycles without symmetry from the first place of a family where some branch off.
+
+    Parameters
+    ----------
+    family : Family
+        Of symmetric cycles.
+    progress : callable, optional
+        As in `cycle_family`.
+
+    Raises
+    ------
+    NoCycleError
+        If no cycle of the family loses its symmetry, or none without it is found.
+    """
+    reason = "no cycle of the family loses its symmetry"
+    for each in events(family):
+        if each.kind == "symmetry-breaking":
+            try:
+                return asymmetric_family(each, progress=progress)
+            except NoCycleError as error:
+                reason = str(error)
+    raise NoCycleError(reason)
+
+
+# --- Rotating motions ---------------------------------------------------------------------------
+
+
+def rotating_family(
+    scenario: Scenario, tilts: npt.ArrayLike | None = None, *, progress: Progress | None = None
+) -> Family:
+    """Follow the rotating motions from the heteroclinic connection on.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of Model 4 with friction that knows the weight, and an eccentricity.
+    tilts : array_like, shape (n,), optional
+        Tilts in rad, rising, between 0 and pi/2; `TILTS` by default.
+    progress : callable, optional
+        As in `cycle_family`.
+
+    Raises
+    ------
+    ValueError
+        If the tilts are no such, or the scenario has no cycles or too steep a friction.
+    NoConnectionError
+        If there is no connection.
+    NoCycleError
+        If none is found beside it.
+    """
+    chosen = TILTS if tilts is None else tilts
+    wanted = _rising("tilts", chosen, 0.0, np.pi / 2, "between 0 and pi/2")
+    require_collocation(scenario)
+    connection = heteroclinic_connection(scenario)
+    first = _first_rotating(scenario, connection)
+    split = int(np.searchsorted(wanted, first.value))
+    ways = (wanted[:split][::-1], wanted[split:])
+    found = gathered_family(
+        connection.spin,
+        *(followed(_solved, first, way.tolist()) for way in ways),
+        progress=progress,
+        wanted=wanted.size,
+    )
+    return replace(found, motions=tuple(sorted(found.motions, key=lambda each: each.value)))
+
+
+def _first_rotating(scenario: Scenario, connection: Connection) -> PeriodicMotion:
+    """The one that a motion from noninverted spinning beside the connection leads to."""
+    width = abs(critical_speed(scenario).spin - connection.spin)
+    for distance in width * np.array(_BESIDE):
+        for spin in (connection.spin - distance, connection.spin + distance):
+            try:
+                return _beside(scenario, spin)
+            except NoCycleError:
+                continue
+    raise NoCycleError(f"no rotating motion found beside {connection.spin:.9g} rad/s")
+
+
+def _beside(scenario: Scenario, spin: float) -> PeriodicMotion:
+    way = fall(scenario, spin)
+    tilts, turns = (way.states - INVERTED).T[:2]
+    if way.miss < 0.0 or np.max(turns) < np.pi:
+        raise NoCycleError(f"the motion turns back at {spin:.9g} rad/s")
+    # A turn begins as tilted as it ends.
+    last = int(np.argmax(turns >= np.pi))
+    tilt = float(tilts[last])
+    turn = slice(int(np.argmax(tilts >= tilt)), last + 1)
+    times = way.times[turn] - way.times[turn][0]
+    start = PeriodicMotion(
+        scenario=scenario,
+        kind="rotating",
+        spin=spin,
+        value=tilt,
+        period=float(times[-1]),
+        times=times,
+        states=way.states[turn],
+    )
+    return _solved(tilt, start)

@@ -1,0 +1,223 @@
+"""Periodic motions of the reduced system: one boundary value problem with three end conditions.
+
+| kind | where it begins | where it ends |
+| --- | --- | --- |
+| symmetric: its own mirror image half a period later | upright, gamma at its largest | mirrored |
+| asymmetric | upright, gamma at its largest | the same |
+| rotating | noninverted, with a tilt | the same, gamma a turn further |
+
+The largest gamma or the tilt is given, spin and duration are found: as a parameter it passes folds
+of the spin.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from analysis.data.checks import Array
+from analysis.data.scenario import Scenario
+
+Kind = Literal["symmetric", "asymmetric", "rotating"]
+
+INVERTED: Array = np.array((np.pi / 2, np.pi / 2, 0.0))
+"""Inverted spinning: beta and gamma in rad, and the rate of beta."""
+
+_NEUTRAL = 1e-6
+"""Distance of a multiplier from 1 below which a motion is called neither stable nor unstable."""
+
+_BEYOND = 1e-6
+"""Part of an amplitude by which a swing may exceed it, where it is largest."""
+
+_SYMMETRIC = 1e-4
+"""Difference in rad of the largest deviations to both sides below which they are the same."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ends:
+    """What holds at the ends of the stretch of a periodic motion that is solved for.
+
+    Parameters
+    ----------
+    noun : str
+        What to call a motion, up to what it is followed in.
+    own : tuple of 2 str
+        Names of what is told of motions of this kind alone; the first is followed.
+    held, follows : {0, 1}
+        Whether the deviation of beta or of gamma from inverted spinning is the same for a whole
+        family where its motions begin, and which one is followed.
+    changes : mapping
+        What happens along a family where the larger multiplier over the stretch passes a value.
+    at : float
+        The one that is held in rad.
+    mirrored : bool
+        Whether the stretch is half a period, after which the motion is its own mirror image.
+    turn : float
+        What gamma gains over the stretch in rad.
+    """
+
+    noun: str
+    own: tuple[str, str]
+    held: int
+    follows: int
+    changes: Mapping[str, float]
+    at: float = 0.0
+    mirrored: bool = False
+    turn: float = 0.0
+
+    def residual(self, value: float | None, first: Array, last: Array) -> Array:
+        """Residuals of two deviations, shape (3,) each; 5, or 4 if no value is given."""
+        closing = last + first if self.mirrored else last - first
+        closing[1] -= self.turn
+        begins = [first[self.held] - self.at]
+        if value is not None:
+            begins.append(first[self.follows] - value)
+        return np.array((*begins, *closing))
+
+
+_DOUBLING = {"fold": 1.0, "period-doubling": -1.0}
+
+KINDS: Mapping[Kind, Ends] = MappingProxyType(
+    {
+        "symmetric": Ends(
+            noun="periodic motion with an amplitude",
+            own=("amplitude", "half_multiplier"),
+            held=0,
+            follows=1,
+            mirrored=True,
+            # There are no others: the multipliers over half a period are real.
+            changes={"fold": 1.0, "symmetry-breaking": -1.0},
+        ),
+        "asymmetric": Ends(
+            noun="cycle without symmetry with an amplitude",
+            own=("amplitude", "lowest"),
+            held=0,
+            follows=1,
+            changes=_DOUBLING,
+        ),
+        "rotating": Ends(
+            noun="rotating motion with a tilt",
+            own=("tilt", "largest_tilt"),
+            held=1,
+            at=-np.pi,
+            follows=0,
+            turn=2.0 * np.pi,
+            changes=_DOUBLING,
+        ),
+    }
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PeriodicMotion:
+    """A periodic motion of the reduced system.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    kind : {"symmetric", "asymmetric", "rotating"}
+    spin : float
+        Constant spinning speed in rad/s.
+    value : float
+        What its family is followed in, in rad: its amplitude, which is the largest deviation of
+        gamma from pi/2, or its tilt, beta less pi/2 where gamma passes noninverted spinning.
+    period : float
+        In s; of a rotating motion that of a turn.
+    times : ndarray, shape (n,)
+        Over a period in s, or over half of it if the motion is then its own mirror image.
+    states : ndarray, shape (n, 3)
+        beta, gamma in rad and the rate of beta in rad/s at `times`.
+    larger : float
+        The larger of the two nontrivial Floquet multipliers over `times`. Over half a period,
+        with the mirror image, both are real, since their product is negative; the third one,
+        along the motion, is 1.
+    log_strong : float
+        Logarithm of the size of the other one over a period, which mostly is below rounding.
+    """
+
+    scenario: Scenario
+    kind: Kind
+    spin: float
+    value: float
+    period: float
+    times: Array
+    states: Array
+    larger: float = 1.0
+    log_strong: float = -np.inf
+
+    @property
+    def ends(self) -> Ends:
+        """What holds at the ends of `times`."""
+        return KINDS[self.kind]
+
+    @property
+    def multiplier(self) -> float:
+        """The larger multiplier over a whole period."""
+        return self.larger**2 if self.ends.mirrored else self.larger
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether both multipliers lie inside the unit circle; None if too close to tell."""
+        return is_stable(abs(self.multiplier))
+
+    @property
+    def lowest(self) -> float:
+        """Least deviation of gamma from pi/2 in rad over `times`."""
+        return float(np.min(self.states[:, 1])) - np.pi / 2
+
+    @property
+    def whole(self) -> tuple[Array, Array]:
+        """Times, shape (m,), and states, (m, 3), over a whole period."""
+        if not self.ends.mirrored:
+            return self.times, self.states
+        times = np.concatenate((self.times, self.times[-1] + self.times[1:]))
+        return times, np.concatenate((self.states, 2.0 * INVERTED - self.states[1:]))
+
+    @property
+    def flaw(self) -> str | None:
+        """Why this is not what was looked for, if it is not."""
+        tilts, turns = np.abs(self.states - INVERTED).T[:2]
+        if self.kind == "rotating":
+            # A disk that is flat on the way has left the plane in which it can be seen to rotate.
+            flat = np.max(tilts) >= np.pi / 2
+            return "the disk would fall flat on the way" if flat else None
+        if self.kind == "asymmetric" and self.value + self.lowest < _SYMMETRIC:
+            return "it swings as far to the other side"
+        return "it swings further" if np.max(turns) > (1.0 + _BEYOND) * self.value else None
+
+    def characteristic(self, multiplier: float) -> float:
+        """Characteristic polynomial of the stretch, which changes sign with the stability.
+
+        Over half a period with the mirror image the product of both multipliers is negative,
+        since that turns all three directions round and the flow none; over a whole period it is
+        positive.
+        """
+        sign, halves = (-1.0, 2.0) if self.ends.mirrored else (1.0, 1.0)
+        other = np.copysign(np.exp(self.log_strong / halves), sign * self.larger)
+        return float((self.larger - multiplier) * (other - multiplier))
+
+    def told(self) -> dict[str, Any]:
+        """What tables and files tell of it, as plain data by names."""
+        second = {
+            "half_multiplier": self.larger,
+            "lowest": self.lowest,
+            "largest_tilt": float(np.max(self.states[:, 0])) - np.pi / 2,
+        }
+        followed, other = self.ends.own
+        names = ("spin", "period", "multiplier", "log_strong", "stable")
+        told = {name: getattr(self, name) for name in names}
+        return {followed: self.value, other: second[other], **told}
+
+
+def is_stable(multiplier: float) -> bool | None:
+    """Whether the size of the largest multiplier is below 1; None if too close to tell."""
+    return None if abs(multiplier - 1.0) < _NEUTRAL else multiplier < 1.0
+
+
+class Event(NamedTuple):
+    """A motion of a family at which something happens, such as a fold of the spin."""
+
+    kind: str
+    motion: PeriodicMotion

@@ -1,0 +1,389 @@
+"""Periodic motions of the reduced system: two methods, their multipliers, where they begin."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import root
+
+from analysis import CENTRED_DISK, Disk, Scenario, SmoothCoulomb, Start, TanhCoulomb
+from analysis.data.checks import Array
+from analysis.data.disk import STEEL_RING
+from analysis.mechanics import reduced
+from analysis.nonlinear import families, flow
+from analysis.nonlinear.collocation import NoCycleError, hopf_cycle, solve
+from analysis.nonlinear.families import (
+    Family,
+    asymmetric_family,
+    cycle_at,
+    cycle_family,
+    events,
+    rotating_family,
+)
+from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
+from analysis.nonlinear.over import cycles_over
+from tests.helpers import jacobian, model, reduced_run
+from validation.run import run
+
+PAPER = model(4)
+WEAK = model(4, friction=SmoothCoulomb(coefficient=0.1, smoothing=0.4))
+"""Friction so weak and smooth that cycles lose their stability on the way."""
+
+WEAKEST = model(4, friction=SmoothCoulomb(coefficient=0.02, smoothing=0.4))
+"""So weak that the strong multiplier is no small number."""
+
+
+@pytest.fixture(scope="module")
+def family() -> Family:
+    return cycle_family(PAPER, (0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 2.0, 2.9))
+
+
+@pytest.fixture(scope="module")
+def weak() -> Family:
+    return cycle_family(WEAK, (0.5, 1.0, 1.5, 2.0, 2.5, 2.8, 3.0))
+
+
+@pytest.fixture(scope="module")
+def asymmetric() -> Family:
+    return asymmetric_family(events(cycle_family(WEAK, (1.0, 1.7, 1.9)))[0], (2.0, 2.2, 2.4))
+
+
+@pytest.fixture(scope="module")
+def rotating() -> Family:
+    return rotating_family(PAPER, (1e-4, 0.01, 0.08, 0.12, 0.14, 0.3))
+
+
+# --- Symmetric cycles ---------------------------------------------------------------------------
+
+
+def shot(cycle: PeriodicMotion) -> tuple[float, float, float]:
+    """Spin, half the period and rate of beta of the cycle of an amplitude, by shooting."""
+
+    def miss(unknowns: Array) -> Array:
+        spin, half, rate = unknowns.tolist()
+        begin = np.array((0.0, cycle.value, rate))
+        rates = reduced.right_hand_side(cycle.scenario, spin)
+        how = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14}
+        found = solve_ivp(rates, (0.0, half), begin + INVERTED, **how)
+        return np.asarray(INVERTED - found.y[:, -1] - begin)
+
+    guess = np.array((cycle.spin, cycle.period / 2, cycle.states[0, 2])) * (1 + 1e-6, 1 - 1e-6, 1)
+    spin, half, rate = root(miss, guess, tol=1e-13).x.tolist()
+    return spin, half, rate
+
+
+def multipliers_of_runs(cycle: PeriodicMotion, rate: float) -> list[float]:
+    """Multipliers over half a period by rising size but for that along it, by integration."""
+
+    def rates(_: float, values: Array) -> Array:
+        right, slopes = flow.derivatives(cycle.scenario, cycle.spin, values[:3, None])[:2]
+        return np.append(right[:, 0], (slopes[0] @ values[3:].reshape(3, 3)).ravel())
+
+    begin = np.append((0.0, cycle.value, rate), np.eye(3))
+    found = solve_ivp(
+        rates, (0.0, cycle.period / 2), begin, method="DOP853", rtol=1e-11, atol=1e-12
+    )
+    # The mirror image turns all deviations round.
+    values = np.linalg.eigvals(-found.y[3:, -1].reshape(3, 3)).real
+    others = np.delete(values, np.argmin(np.abs(values - 1.0)))
+    return sorted(others.tolist(), key=abs)
+
+
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("family", 0),
+        *(pytest.param(*each, marks=pytest.mark.slow) for each in (("family", 6), ("weak", 5))),
+    ],
+)
+def test_collocation_and_shooting_agree(
+    name: str, place: int, request: pytest.FixtureRequest
+) -> None:
+    cycle = request.getfixturevalue(name).motions[place]
+    spin, half, rate = shot(cycle)
+    assert cycle.spin == pytest.approx(spin, rel=1e-10)
+    assert cycle.period == pytest.approx(2.0 * half, rel=1e-9)
+    assert multipliers_of_runs(cycle, rate)[-1] == pytest.approx(cycle.larger, rel=1e-8)
+
+
+def test_both_multipliers_are_those_of_the_variational_equations_over_half_a_period() -> None:
+    (cycle,) = cycle_family(WEAKEST, (0.5,)).motions
+    strong = -np.exp(cycle.log_strong / 2.0)
+    found = multipliers_of_runs(cycle, float(cycle.states[0, 2]))
+    assert found == pytest.approx([strong, cycle.larger], rel=1e-7)
+
+
+def test_either_multiplier_may_tell_that_the_stability_changes(family: Family) -> None:
+    # Over half a period the smaller one has the opposite sign.
+    for larger, at in ((1.3, -1.0), (-1.3, 1.0)):
+        inside, outside = (
+            replace(family.motions[0], larger=larger, log_strong=2.0 * np.log(size))
+            for size in (0.9, 1.1)
+        )
+        assert inside.characteristic(at) * outside.characteristic(at) < 0.0
+        assert inside.characteristic(-at) * outside.characteristic(-at) > 0.0
+
+
+def test_a_cycle_closes_and_is_its_own_mirror_image(family: Family) -> None:
+    for cycle in family.motions[::5]:
+        begin, (times, states) = cycle.states[0], cycle.whole
+        end = reduced_run(PAPER, cycle.spin, begin, cycle.period)
+        np.testing.assert_allclose(end, begin, rtol=0.0, atol=1e-8)
+        assert times[-1] == pytest.approx(cycle.period)
+        np.testing.assert_allclose(states[-1], begin, rtol=0.0, atol=1e-9)
+        assert np.max(cycle.states[:, 1]) - np.pi / 2 == pytest.approx(cycle.value)
+
+
+@pytest.mark.parametrize("law", [SmoothCoulomb(), TanhCoulomb()], ids=["kink", "smooth"])
+def test_growth_of_the_cycles_is_that_of_the_normal_form(
+    law: SmoothCoulomb | TanhCoulomb, family: Family
+) -> None:
+    scenario = replace(PAPER, friction=law)
+    normal = hopf_type(scenario)
+    found = family if law == PAPER.friction else cycle_family(scenario, np.arange(0.15, 1.0, 0.15))
+    small = [cycle for cycle in found.motions if cycle.value < 1.05]
+    growth = fitted_growth([each.spin for each in small], [e.value for e in small], normal.spin)
+    assert normal.kind == "supercritical"
+    assert normal.slip < 1e-12
+    assert abs(growth.curvature - normal.curvature) < 5.0 * growth.curvature_error + 1e-6
+    assert abs(growth.curvature - normal.curvature) < 1e-4 * abs(normal.curvature)
+    assert growth.exponent == pytest.approx(2.0, abs=1e-4)
+    assert small[0].period == pytest.approx(2.0 * np.pi / normal.frequency, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_stability_changes_where_events_are_found_and_the_spin_is_extreme_in_a_fold(
+    weak: Family,
+) -> None:
+    found = events(weak)
+    assert [each.kind for each in found] == ["symmetry-breaking", "symmetry-breaking", "fold"]
+    for each, multiplier in zip(found, (-1.0, -1.0, 1.0), strict=True):
+        assert each.motion.larger == pytest.approx(multiplier, abs=1e-6)
+    lost, regained, folded = (each.motion.value for each in found)
+    for cycle in weak.motions:
+        assert cycle.stable is not (lost < cycle.value < regained or cycle.value > folded)
+    fold = found[-1].motion
+    sides = (solve(WEAK, fold.value + side, fold).spin for side in (-0.01, 0.01))
+    before, after = (spin - fold.spin for spin in sides)
+    assert before == pytest.approx(after, rel=0.05)
+    assert before > 1e-6
+
+
+@pytest.mark.parametrize("spin", [30.85, 30.916])
+def test_the_cycle_at_a_spin_has_that_spin(spin: float) -> None:
+    cycle = cycle_at(PAPER, spin)
+    assert cycle.spin == spin
+    assert solve(PAPER, cycle.value, cycle).spin == pytest.approx(spin, rel=1e-11)
+
+
+def test_a_cycle_followed_over_a_parameter_is_that_from_the_hopf_point() -> None:
+    softer = replace(PAPER, friction=SmoothCoulomb(smoothing=0.13))
+    alone = cycle_family(softer, [0.4]).motions[0]
+    followed = cycles_over([PAPER, softer], amplitude=0.4).motions[1]
+    assert followed.spin == pytest.approx(alone.spin, abs=1e-10)
+    assert followed.larger == pytest.approx(alone.larger, abs=1e-8)
+    held = cycles_over([PAPER, softer], spin=alone.spin).motions[1]
+    assert held.value == pytest.approx(0.4, abs=1e-8)
+
+
+def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(families, "AMPLITUDES", np.array((0.2, 0.4)))
+    # With the centre of gravity nearer to the middle the Hopf point falls below the held spin.
+    nearer = replace(PAPER, disk=Disk.ring(**STEEL_RING | {"hole_distance": 0.0199}))
+    found = cycles_over([PAPER, nearer], spin=30.91)
+    assert len(found.motions) == 1
+    assert found.reason is not None
+    assert found.reason.startswith("spin must lie between")
+    assert found.reason.endswith(" at a spin of 30.91 rad/s")
+
+
+def test_a_family_that_fails_names_the_last_good_cycle(
+    family: Family, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(_: Scenario, amplitude: float, start: PeriodicMotion) -> PeriodicMotion:
+        if amplitude == 0.15:
+            return family.motions[0]
+        raise NoCycleError(f"no periodic motion found at {amplitude:g} rad from {start.value}")
+
+    monkeypatch.setattr(families, "solve", fails)
+    found = cycle_family(PAPER, (0.15, 0.3))
+    assert found.motions == family.motions[:1]
+    assert found.reason is not None
+    assert "the last good one has 0.15 rad at a spin of 30.91" in found.reason
+    with pytest.raises(NoCycleError, match="rad from 1e-06"):
+        cycle_family(PAPER, (0.14,))
+
+
+@pytest.mark.slow
+def test_a_collocation_from_far_off_fails_instead_of_finding_something(family: Family) -> None:
+    cycle = family.motions[5]
+    with pytest.raises(NoCycleError, match="no periodic motion with an amplitude of 1 rad found"):
+        solve(PAPER, 1.0, replace(cycle, spin=-10.0, times=3.0 * cycle.times))
+
+
+def test_derivatives_of_the_flow_are_those_of_its_values() -> None:
+    x, spin = np.array(((0.3, -0.8), (1.0, 0.2), (-2.0, 0.7))), 29.0
+    right, slopes, by_spin = flow.derivatives(PAPER, spin, x)
+    np.testing.assert_allclose(right, flow.right_hand_side(PAPER, spin, x), rtol=1e-14)
+    for index, begin in enumerate(x.T):
+        state = (begin + INVERTED).tolist()
+        expected = reduced.solver(PAPER, spin)(*state)[:3]
+        np.testing.assert_allclose(right[:, index], expected, rtol=1e-12)
+        found = jacobian(
+            lambda each: flow.right_hand_side(PAPER, each[3], each[:3, None])[:, 0],
+            np.append(begin, spin),
+        )
+        joined = np.column_stack((slopes[index], by_spin[:, index]))
+        np.testing.assert_allclose(joined, found, rtol=1e-8, atol=1e-8)
+
+
+# --- Other kinds --------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "turn"), [("asymmetric", 0.0), ("rotating", 2.0 * np.pi)])
+def test_motions_come_back_after_a_period_and_deviations_grow_by_the_multiplier(
+    kind: str, turn: float, request: pytest.FixtureRequest
+) -> None:
+    for motion in request.getfixturevalue(kind).motions[1:]:
+        scenario, begin, size = motion.scenario, motion.states[0], 1e-5
+
+        def end(
+            begin: Array, motion: PeriodicMotion = motion, scenario: Scenario = scenario
+        ) -> Array:
+            found = reduced_run(scenario, motion.spin, begin, motion.period)
+            return np.asarray(found - np.array((0.0, turn, 0.0)))
+
+        np.testing.assert_allclose(end(begin), begin, rtol=0.0, atol=1e-7)
+        along = np.array(reduced.solver(scenario, motion.spin)(*begin.tolist())[:3])
+        deviation, sizes = np.array((size, 0.0, 0.0)), []
+        for _ in range(2):
+            deviation = (end(begin + deviation) - end(begin - deviation)) / 2
+            deviation -= along * (along @ deviation) / (along @ along)
+            sizes.append(float(np.linalg.norm(deviation)))
+        assert sizes[1] / sizes[0] == pytest.approx(abs(motion.multiplier), rel=2e-3)
+
+
+@pytest.mark.slow
+def test_cycles_without_symmetry_branch_off_where_symmetric_ones_regain_their_stability() -> None:
+    regained = events(cycle_family(WEAK, (1.0, 2.0, 2.5, 2.7, 2.8)))[-1]
+    begin = regained.motion.value
+    assert begin == pytest.approx(2.7496, abs=1e-4)
+    first, second = asymmetric_family(regained, (begin + 0.02, begin + 0.1)).motions
+    # Growing with the amplitude, the asymmetry begins in the bifurcation.
+    assert first.value + first.lowest == pytest.approx(0.04, abs=2e-3)
+    assert second.value + second.lowest > 0.15
+    assert first.spin == pytest.approx(regained.motion.spin, abs=1e-3)
+
+
+@pytest.mark.slow
+def test_their_period_doubles_where_the_multiplier_passes_minus_one(asymmetric: Family) -> None:
+    assert [each.stable for each in asymmetric.motions] == [True, True, False]
+    born, (kind, cycle) = events(asymmetric)
+    assert (born.kind, kind) == ("symmetry-breaking", "period-doubling")
+    assert cycle.multiplier == pytest.approx(-1.0, abs=1e-6)
+    assert cycle.spin == pytest.approx(29.9690, abs=1e-4)
+    for spin, apart in ((cycle.spin + 0.03, 0.0), (29.9, 0.19749)):
+        assert difference_of_swings(spin) == pytest.approx(apart, abs=1e-4)
+
+
+def difference_of_swings(spin: float) -> float:
+    """Difference in rad between largest deviations that follow each other, after a minute."""
+
+    def upright(_: float, x: Array) -> float:
+        return float(x[0]) - np.pi / 2
+
+    upright.direction = -1.0  # type: ignore[attr-defined]
+    run = solve_ivp(
+        reduced.right_hand_side(WEAK, spin),
+        (0.0, 60.0),
+        # Not on the event itself, whose sign rounding would decide.
+        (np.pi / 2 - 0.01, np.pi / 2 + 1.9, -1.0),
+        method="LSODA",
+        rtol=1e-9,
+        atol=1e-10,
+        events=upright,
+    )
+    return abs(float(run.y_events[0][-1, 1] - run.y_events[0][-2, 1]))
+
+
+@pytest.mark.slow
+def test_rotating_motions_begin_in_the_connection_and_fold(rotating: Family) -> None:
+    assert rotating.reason is None
+    assert rotating.motions[0].spin == pytest.approx(rotating.begins, abs=1e-6)
+    assert [each.stable for each in rotating.motions] == [True, True, True, True, False, False]
+    ((kind, fold),) = events(rotating)
+    assert kind == "fold"
+    assert fold.multiplier == pytest.approx(1.0, abs=1e-6)
+    assert fold.spin == pytest.approx(30.0820066, abs=1e-6)
+    assert all(each.spin > fold.spin for each in rotating.motions)
+
+
+@pytest.mark.slow
+def test_the_engine_rotates_alike(rotating: Family) -> None:
+    rotation = rotating.motions[2]
+    beta, gamma, rate = rotation.states[0].tolist()
+    start = Start(beta=beta, gamma=gamma, beta_rate=rate, spin=rotation.spin)
+    times = np.array((0.0, rotation.period / 2.0, rotation.period))
+    how = {"source": "engine", "formulation": "floating", "tolerance": 1e-8}
+    motion = run(replace(PAPER, start=start), times, **how)  # type: ignore[arg-type]
+    assert motion.coordinate("beta")[-1] == pytest.approx(beta, abs=1e-8)
+    assert motion.coordinate("gamma")[-1] == pytest.approx(gamma + 2.0 * np.pi, abs=1e-8)
+
+
+@pytest.mark.slow
+def test_rotating_motions_are_found_beside_a_saddle_focus_too() -> None:
+    found = rotating_family(model(4, friction=SmoothCoulomb(smoothing=1.0)), (0.2,))
+    assert 0.0 < found.begins - found.motions[0].spin < 0.02
+
+
+# --- Refusals -----------------------------------------------------------------------------------
+
+_BORN = Event("fold", hopf_cycle(PAPER))
+
+REFUSED: dict[str, Callable[[], object]] = {
+    "Model 4": lambda: cycle_family(model(1)),
+    "is that of Model 4": lambda: rotating_family(model(1)),
+    "eccentricity": lambda: cycle_family(replace(PAPER, disk=CENTRED_DISK)),
+    "friction must have a positive": lambda: cycle_family(
+        replace(PAPER, friction=SmoothCoulomb(coefficient=0.0))
+    ),
+    "load must be 'weight'": lambda: cycle_family(
+        replace(PAPER, friction=SmoothCoulomb(load="contact"))
+    ),
+    "gradient of at most 10000 s/m": lambda: cycle_family(
+        replace(PAPER, friction=SmoothCoulomb(smoothing=1e-5))
+    ),
+    r"amplitudes must rise strictly between 0 and 3 pi/2, got \(\)": lambda: cycle_family(
+        PAPER, ()
+    ),
+    r"between 0 and 3 pi/2, got \(0.0,": lambda: cycle_family(PAPER, (0.0, 1.0)),
+    r"between 0 and 3 pi/2, got \(1.0, 0.5\)": lambda: cycle_family(PAPER, (1.0, 0.5)),
+    r"between 0 and 3 pi/2, got \(1.0, 4.8\)": lambda: cycle_family(PAPER, (1.0, 4.8)),
+    "tilts must rise strictly between 0 and pi/2": lambda: rotating_family(PAPER, (0.1, 1.6)),
+    "must be symmetry-breaking, got 'fold'": lambda: asymmetric_family(_BORN, (2.0,)),
+    "must rise strictly beyond 1e-06, got": lambda: asymmetric_family(
+        _BORN._replace(kind="symmetry-breaking"), (0.2, 0.1)
+    ),
+    "spins and amplitudes must be 5 or more": lambda: fitted_growth([30.0], [1.0], 31.0),
+    "amplitude or spin must be given": lambda: cycles_over([PAPER], spin=30.0, amplitude=1.0),
+    r"amplitude must lie between 0 and 3\.14159": lambda: cycles_over([PAPER], amplitude=4.0),
+    "scenarios must be 1 or more": lambda: cycles_over([], spin=30.0),
+}
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_what_there_is_not_is_refused(message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        REFUSED[message]()
+
+
+def test_a_spin_without_cycle_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(families, "AMPLITUDES", np.array((0.3, 0.6)))
+    with pytest.raises(ValueError, match=r"between 30\.83.* and 30\.91.*, got 31"):
+        cycle_at(PAPER, 31.0)

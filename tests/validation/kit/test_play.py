@@ -1,0 +1,61 @@
+"""The page on which the disk is spun: its code against the in-house equations, in Node."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import Disk, Scenario, SmoothCoulomb, Start, simulate
+from analysis.data import frames
+from validation.kit.animation import play
+
+CHOICES = [
+    {"spin": 40.0, "beta": 1.57, "coefficient": 0.3, "smoothing": 0.1, "hole_distance": 0.02},
+    {"spin": 25.0, "beta": 1.0, "coefficient": 0.8, "smoothing": 0.02, "hole_distance": 0.012},
+    {"spin": 60.0, "beta": 0.3, "coefficient": 0.02, "smoothing": 0.5, "hole_distance": 0.028},
+]
+
+pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="needs Node")
+
+
+def spun(chosen: dict[str, float]) -> dict[str, Any]:
+    harness = Path(__file__).with_name("play_harness.js")
+    call = ["node", str(harness), "/dev/stdin", json.dumps(chosen)]
+    done = subprocess.run(call, input=play.page(), capture_output=True, text=True, check=True)
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+@pytest.mark.parametrize("chosen", CHOICES, ids=lambda chosen: f"{chosen['spin']:g}")
+def test_disk_on_the_page_moves_as_the_equations_say(chosen: dict[str, float]) -> None:
+    found = spun(chosen)
+    times = np.array(found["times"])
+    times = times[times <= 2.0]
+    scenario = Scenario(
+        disk=Disk.ring(hole_distance=chosen["hole_distance"]),
+        friction=SmoothCoulomb(coefficient=chosen["coefficient"], smoothing=chosen["smoothing"]),
+        start=Start(spin=chosen["spin"], beta=chosen["beta"]),
+    )
+    run = simulate(scenario, times, tolerance=1e-8)
+    columns = {name: np.array(each)[: times.size] for name, each in found["column"].items()}
+    positions, rotations = frames.poses(run.coordinates)
+    quaternions = np.column_stack([columns[name] for name in ("qw", "qx", "qy", "qz")])
+    turned = frames.rotations(quaternions) @ rotations.transpose(0, 2, 1)
+    angles = np.arccos(np.clip((np.trace(turned, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0))
+    assert angles.max() < 1e-3
+    centres = np.column_stack([columns[name] for name in "xyz"])
+    np.testing.assert_allclose(centres, positions, atol=1e-3 * scenario.disk.radius)
+    assert times.size > 100
+
+
+def test_page_ends_where_the_table_would_have_to_hold_the_disk_down() -> None:
+    chosen = {**CHOICES[0], "spin": 150.0}
+    found = spun(chosen)
+    assert found["ending"] == "the table would have to hold the disk down"
+    ending = simulate(Scenario(start=Start(spin=150.0, beta=1.57)), [0.0, 5.0]).ending
+    assert ending is not None
+    assert found["times"][-1] == pytest.approx(ending.time, abs=2 * play.SHOWN)

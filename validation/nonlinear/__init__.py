@@ -1,0 +1,1 @@
+"""Tables and figures of nonlinear dynamics, for commands and studies alike."""

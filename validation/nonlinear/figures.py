@@ -1,0 +1,180 @@
+"""Figures of periodic motions and passages: in-house as lines, the engine as markers.
+
+Motions are rows as in `tables`.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from analysis.data.checks import Array
+from validation.kit import figures
+from validation.nonlinear.passage import LOST, Passage
+from validation.nonlinear.tables import HEADS, Motion
+
+ENGINE: Mapping[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 6,
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "zorder": 4,
+}
+GREY = "#777777"
+SPIN = "spinning speed Ω in rad/s"
+
+STABLE, UNSTABLE = 1, 2
+"""Colours."""
+
+_SHOWN = 1.0
+"""In rad/s."""
+
+
+def _values(motions: Sequence[Motion], name: str) -> Array:
+    return np.array([each[name] for each in motions], dtype=float)
+
+
+def lines(
+    axes: Any,
+    motions: Sequence[Motion],
+    values: Array,
+    *,
+    over: str = "spin",
+    first: tuple[float, float] | None = None,
+) -> None:
+    """Draw values of motions over their spins, solid where stable and dashed where not.
+
+    Parameters
+    ----------
+    axes : Axes
+    motions : sequence of Motion
+    values : ndarray, shape (n,)
+    over : str
+        Name of what they are drawn over.
+    first : tuple of 2 floats, optional
+        Spin and value where they begin.
+    """
+    places = _values(motions, over)
+    stable = np.array([each["stable"] is None or bool(each["stable"]) for each in motions])
+    if first is not None:
+        places, values = np.append(first[0], places), np.append(first[1], values)
+        stable = np.append(stable[0], stable)
+    for wanted, style, word in ((True, "-", "stable"), (False, "--", "unstable")):
+        # A piece takes the kind of its farther end, so that the curve has no gaps.
+        shown = np.append(stable[1:] == wanted, False) | np.append(False, stable[1:] == wanted)
+        if stable.size == 1:
+            shown = stable == wanted
+        if np.any(shown):
+            axes.plot(
+                np.where(shown, places, np.nan),
+                np.where(shown, values, np.nan),
+                style,
+                marker="o" if stable.size == 1 else None,
+                color=figures.COLOURS[STABLE if wanted else UNSTABLE],
+                label=word,
+            )
+
+
+def near(motions: Sequence[Motion], spin: float) -> list[Motion]:
+    """Those not far beyond a spin in rad/s, where a rotating disk is nearly flat."""
+    return [each for each in motions if each["spin"] < spin + _SHOWN]
+
+
+def diagram(
+    motions: Sequence[Motion],
+    names: Sequence[str],
+    *,
+    over: tuple[str, str] = ("spin", SPIN),
+    log: bool = False,
+    first: Mapping[str, float] | None = None,
+    marks: Mapping[str, float] | None = None,
+) -> Any:
+    """What is told of motions over their spin or another number, one below the other.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+    names : sequence of str
+        Of `HEADS`.
+    over : tuple of 2 str
+        Name and heading of what they are drawn over.
+    log : bool
+        Whether that has a logarithmic axis.
+    first : mapping, optional
+        Where lines begin, by the same names.
+    marks : mapping, optional
+        From labels to what is marked on the horizontal axis.
+    """
+    figure, axes = figures.new_figure(len(names), height=1.2 + 2.4 * len(names))
+    panels = np.atleast_1d(axes)
+    for each, name in zip(panels, names, strict=True):
+        values = _values(motions, name)
+        begin = (first[over[0]], first[name]) if first and name in first else None
+        shown = values / np.log(10.0) if name == "log_strong" else values
+        lines(each, motions, shown, over=over[0], first=begin)
+        for label, place in (marks or {}).items():
+            each.axvline(place, color=GREY, linestyle="-.", label=label, zorder=0)
+        each.set(ylabel=HEADS[name])
+        if name == "multiplier":
+            each.axhline(1.0, color=GREY, linewidth=0.8, zorder=0)
+            if np.max(values) > 10.0:
+                each.set(yscale="log", ylabel=f"{HEADS[name]}, logarithmic")
+    panels[-1].set(xlabel=over[1], xscale="log" if log else "linear")
+    figures.legend_above(panels[0], columns=3)
+    return figure
+
+
+def portrait(named: Sequence[tuple[str, Array]], saddles: Sequence[float] = ()) -> Any:
+    """Motions in the plane of gamma and beta.
+
+    Parameters
+    ----------
+    named : sequence of (name, states)
+        States of shape (n, 3) each.
+    saddles : sequence of float
+        Values of gamma in rad of noninverted spinning to mark.
+    """
+    axes = figures.new_figure(height=4.6)[1]
+    for index, (name, states) in enumerate(named):
+        look = {"color": figures.COLOURS[index % 4], "linestyle": figures.STYLES[index // 4 % 4]}
+        axes.plot(states[:, 1], states[:, 0], label=name, **look)
+    axes.set(xlabel="γ in rad", ylabel="β in rad")
+    figures.legend_above(axes)
+    axes.plot(saddles, [np.pi / 2] * len(saddles), "s", color="black")
+    return axes.figure
+
+
+def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
+    """Mean spin and slow deviation over time, with what the eigenvalues predict.
+
+    Parameters
+    ----------
+    named : sequence of (name, Passage)
+        Or rows of a study that have its attributes.
+    """
+    axes = figures.new_figure(2, height=6.5)[1]
+    for index, (name, passage) in enumerate(named):
+        look = {"color": figures.COLOURS[index % 4]}
+        style = figures.STYLES[index % 4]
+        axes[0].plot(passage.times, passage.spins, style, label=name, **look)
+        axes[1].plot(passage.times, passage.deviations, style, **look)
+        axes[1].plot(passage.times, passage.linear, linewidth=0.8, **look)
+        if passage.crossing is not None:
+            axes[0].plot(passage.crossing, passage.hopf, "o", **look)
+        if passage.lost is not None:
+            axes[0].plot(passage.lost, passage.spins[-1], "s", **look)
+        if passage.predicted is not None:
+            axes[1].plot(passage.predicted, LOST, "D", markerfacecolor="white", **look)
+    hopf = named[0][1].hopf
+    axes[0].axhline(hopf, color=GREY, linewidth=0.8, label=f"Hopf point, {hopf:.2f} rad/s")
+    axes[1].axhline(LOST, color=GREY, linewidth=0.8)
+    axes[0].set(ylabel="mean spin in rad/s")
+    axes[1].set(xlabel="time in s", yscale="log")
+    axes[1].set_ylabel("slow deviation of γ in rad, logarithmic")
+    axes[1].plot([], [], color="black", linewidth=0.8, label="by the eigenvalues alone")
+    axes[1].plot([], [], "D", color="black", markerfacecolor="white", label="loss predicted")
+    axes[0].plot([], [], "s", color="black", label="inversion lost")
+    for each in axes:
+        figures.legend_above(each, columns=2)
+    return axes[0].figure

@@ -1,0 +1,164 @@
+"""Tables of periodic motions, of their birth and of their end.
+
+A motion is told by a row: what `PeriodicMotion.told` says, or what a study has kept of it.
+"""
+
+from collections.abc import Mapping, Sequence
+from math import log
+from typing import Any
+
+from analysis import Scenario
+from analysis.nonlinear.heteroclinic import Connection
+from analysis.nonlinear.hopf import Growth, HopfType
+from analysis.nonlinear.motions import KINDS, Event, Kind, PeriodicMotion
+from analysis.nonlinear.slow_manifold import SlowOrbit, slow_connection
+from validation.kit.tables import Cell, Table
+
+Motion = Mapping[str, Any]
+"""A periodic motion by the names of what is told of it."""
+
+WORDS = {True: "stable", False: "unstable", None: "undecided"}
+
+HEADS = {
+    "amplitude": "amplitude in rad",
+    "lowest": "least deviation in rad",
+    "tilt": "tilt in rad",
+    "largest_tilt": "largest tilt in rad",
+    "spin": "spin in rad/s",
+    "period": "period in s",
+    "half_multiplier": "multiplier over half a period",
+    "multiplier": "multiplier",
+    "complex_multiplier": "size of the complex pair",
+    "log_strong": "log10 of the other",
+    "stable": "stable",
+}
+"""Headings of what is told of a periodic motion."""
+
+_TITLES: dict[Kind, str] = {
+    "symmetric": "Periodic motions of the reduced system",
+    "asymmetric": "Cycles without mirror symmetry of the reduced system",
+    "rotating": "Rotating motions of the reduced system",
+}
+_NOTES: dict[Kind, str] = {
+    "symmetric": "The amplitude is the largest deviation of γ from π/2; the third multiplier is "
+    "1.",
+    "asymmetric": "Deviations of γ from π/2.",
+    "rotating": "The tilt is β − π/2 where γ passes noninverted spinning.",
+}
+_CHANGES = {
+    "fold": "they fold",
+    "symmetry-breaking": "they lose their symmetry",
+    "period-doubling": "their period doubles",
+}
+
+_SMALL = 1.05
+"""Largest amplitude in rad of the cycles from which the growth is fitted."""
+
+
+def motion_table(
+    rows: Sequence[Motion], kind: Kind = "symmetric", first: tuple[str, str] | None = None
+) -> Table:
+    """Table of periodic motions of a kind.
+
+    Parameters
+    ----------
+    rows : sequence of Motion
+    kind : {"symmetric", "asymmetric", "rotating"}
+    first : tuple of 2 str, optional
+        Name and heading of what else is told of each, in front.
+    """
+    names = (*KINDS[kind].own, "spin", "period", "multiplier", "log_strong", "stable")
+    heads = dict([first] if first else [])
+    return Table(
+        name=kind,
+        title=_TITLES[kind],
+        columns=[*heads.values(), *(HEADS[name] for name in names)],
+        rows=[[_cell(row, name) for name in (*heads, *names)] for row in rows],
+        note=_NOTES[kind],
+    )
+
+
+def _cell(row: Motion, name: str) -> Cell:
+    value: Any = row[name]
+    if name == "log_strong":
+        return float(value / log(10.0))
+    return WORDS[value] if name == "stable" else value
+
+
+def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Table:
+    """Where the stability of a family changes, and the range of its multiplier."""
+    ends = motions[0].ends
+    values = [each.larger for each in motions]
+    stretch = " over half a period, with the mirror image," if ends.mirrored else ""
+    meaning = ", ".join(f"at {at:g} {_CHANGES[change]}" for change, at in ends.changes.items())
+    none = "" if found else "There are none: stability does not change along the family. "
+    return Table(
+        name="bifurcations",
+        title="Bifurcations along the family",
+        columns=("kind", HEADS[ends.own[0]], "spin in rad/s", "period in s"),
+        rows=[(each, at.value, at.spin, at.period) for each, at in found],
+        note=f"{none}The larger multiplier{stretch} lies between {min(values):.4g} and "
+        f"{max(values):.4g}; {meaning}.",
+    )
+
+
+def small_cycles(rows: Sequence[Motion]) -> tuple[list[float], list[float]]:
+    """Spins and amplitudes of the cycles from which the growth near the Hopf point is fitted."""
+    small = [row for row in rows if row["amplitude"] < _SMALL]
+    return [row["spin"] for row in small], [row["amplitude"] for row in small]
+
+
+def hopf_table(normal: HopfType, growth: Growth | None) -> Table:
+    """Type of the Hopf bifurcation from the normal form, and from a fit to cycles."""
+    term = "(Ω − Ω_crit)/amplitude²"
+    rows: list[tuple[str, float, float | None]] = [
+        ("spin in rad/s", normal.spin, None),
+        ("frequency in rad/s", normal.frequency, None),
+        ("first Lyapunov coefficient", normal.lyapunov, None),
+        (f"{term}, normal form, in rad/s", normal.curvature, None),
+    ]
+    if growth is not None:
+        rows.append((f"{term}, fitted, in rad/s", growth.curvature, growth.curvature_error))
+        rows.append(("power of the amplitude, fitted", growth.exponent, growth.exponent_error))
+    return Table(
+        name="hopf",
+        title=f"The Hopf bifurcation of inverted spinning is {normal.kind}",
+        columns=("quantity", "value", "standard error"),
+        rows=rows,
+        note="The critical pair does not slip, so the normal form takes the friction law by its "
+        "gradient alone, and holds for the paper's law in spite of its kink.",
+    )
+
+
+def connection_table(found: Connection, slow: SlowOrbit | None) -> Table:
+    """The heteroclinic connection beside its first-order prediction."""
+    rows: list[tuple[str, float]] = [
+        ("spin in rad/s", found.spin),
+        ("spin less lower side of the bracket in rad/s", found.spin - found.below),
+        ("upper side of the bracket less spin in rad/s", found.above - found.spin),
+        ("growing eigenvalue of the saddle in 1/s", found.growing),
+        ("slow decaying one in 1/s", found.slow),
+        ("fast decaying one in 1/s", found.strong),
+        ("saddle index", found.saddle_index),
+    ]
+    if slow is not None:
+        rows += [
+            ("first-order prediction of the spin in rad/s", slow.spin),
+            ("spin less prediction in rad/s", found.spin - slow.spin),
+            ("largest friction over weight on it", slow.friction),
+        ]
+    return Table(
+        name="heteroclinic",
+        title=f"The heteroclinic connection, where the cycles end, at {found.spin:.9f} rad/s",
+        columns=("quantity", "value"),
+        rows=rows,
+        note="Cycles near the connection are stable where the saddle index exceeds 1.",
+    )
+
+
+def prediction(scenario: Scenario) -> SlowOrbit | None:
+    """First-order prediction of the connection; None where friction is too weak for it."""
+    try:
+        return slow_connection(scenario)
+    except ArithmeticError:
+        return None

@@ -1,0 +1,69 @@
+"""Completion of commands, options and their values in a shell, from what the parsers know."""
+
+from argparse import Action
+from collections.abc import Iterator
+
+from validation.parser.commands import COMMANDS
+
+_BASH = """\
+_tippedisk() {{
+    local words=""
+    case "$COMP_CWORD:${{COMP_WORDS[1]}}:${{COMP_WORDS[COMP_CWORD-1]}}" in
+        1:*) words="{commands}" ;;
+{cases}
+    esac
+    COMPREPLY=($(compgen -W "$words" -- "${{COMP_WORDS[COMP_CWORD]}}"))
+}}
+complete -o default -F _tippedisk tippedisk
+"""
+"""Where there are no words to offer, the shell offers files."""
+
+_ZSH = "autoload -U +X compinit bashcompinit && compinit && bashcompinit\n"
+
+
+def script(shell: str) -> str:
+    """Script that teaches a shell the command line.
+
+    Parameters
+    ----------
+    shell : {"bash", "zsh", "fish"}
+    """
+    if shell == "fish":
+        return "".join(f"complete -c tippedisk {line}\n" for line in _fish())
+    commands = " ".join(each.name for each in COMMANDS)
+    plain = _BASH.format(commands=commands, cases="\n".join(_bash()))
+    return _ZSH + plain if shell == "zsh" else plain
+
+
+def _values(action: Action) -> str:
+    return " ".join(map(str, action.choices or ()))
+
+
+def _bash() -> Iterator[str]:
+    """Words behind an option that takes a value, and anywhere else, by command."""
+    for command in COMMANDS:
+        words: list[str] = []
+        for action in command.parser().actions:
+            words += action.option_strings or [_values(action)]
+            if action.option_strings and action.nargs != 0:
+                places = "|".join(f"*:{command.name}:{each}" for each in action.option_strings)
+                yield f'        {places}) words="{_values(action)}" ;;'
+        yield f'        *:{command.name}:*) words="{" ".join(words)}" ;;'
+
+
+def _fish() -> Iterator[str]:
+    for command in COMMANDS:
+        about = command.about.partition("\n")[0]
+        yield f"-n __fish_use_subcommand -fa {command.name} -d {_quoted(about)}"
+        for action in command.parser().actions:
+            names = "".join(f" -l {each[2:]}" for each in action.option_strings if each[1] == "-")
+            values = f" -xa {_quoted(_values(action))}" if action.choices else " -r"
+            what = values if action.nargs != 0 and (names or action.choices) else ""
+            told = _quoted((action.help or "").replace("%%", "%"))
+            where = f"__fish_seen_subcommand_from {command.name}"
+            if names or what:
+                yield f"-n '{where}'{names}{what} -d {told}"
+
+
+def _quoted(text: str) -> str:
+    return "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"
