@@ -1,5 +1,7 @@
 """The public names of `analysis`."""
 
+from analysis.data.bodies import BODIES, EllipticDisk, Sphere
+from analysis.data.body import Body
 from analysis.data.checks import TimeLimitError, ToleranceError
 from analysis.data.constraint_set import (
     MODELS,
@@ -9,7 +11,16 @@ from analysis.data.constraint_set import (
     multiplier_names,
 )
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import CENTRED_DISK, DISKS, ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.data.disk import (
+    CENTRED_DISK,
+    DISKS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Hole,
+    Plate,
+    PointMass,
+)
 from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.data.endings import CONDITIONS, Condition, Ending, StopWhen
 from analysis.data.ensemble import Ensemble
@@ -54,6 +65,7 @@ from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 from analysis.solve.stepping import METHODS, Method
 
 __all__ = [
+    "BODIES",
     "CAUSES",
     "CENTRED_DISK",
     "CONDITIONS",
@@ -74,16 +86,19 @@ __all__ = [
     "ROUNDED_STEEL_DISK",
     "STEEL_DISK",
     "AnisotropicCoulomb",
+    "Body",
     "Condition",
     "Constraint",
     "ConstraintSet",
     "Disk",
     "Dissipation",
+    "EllipticDisk",
     "Ending",
     "Ensemble",
     "FlatError",
     "Form",
     "FrictionLaw",
+    "Hole",
     "Inversion",
     "Inversions",
     "Level",
@@ -95,6 +110,8 @@ __all__ = [
     "OutcomeTable",
     "PenaltyContact",
     "Phases",
+    "Plate",
+    "PointMass",
     "PowerLawCoulomb",
     "Progress",
     "RestCriterion",
@@ -102,6 +119,7 @@ __all__ = [
     "Scenario",
     "SmoothCoulomb",
     "SpatialMotion",
+    "Sphere",
     "Start",
     "State",
     "StopWhen",

@@ -73,8 +73,12 @@ class FreeVariables:
             x, y, xd, yd, bd, gd = demanded(
                 self._constraints, self._disk, (beta, gamma, spin), (x, y, xd, yd, bd, gd)
             )
-            r = self._disk.radius
-            z, zd = r * sin(beta), r * cos(beta) * bd
+            if self._disk.is_round_disk:
+                r = self._disk.radius
+                z, zd = r * sin(beta), r * cos(beta) * bd
+            else:
+                z, per_beta, per_gamma = self._disk.clearance(beta, gamma)
+                zd = per_beta * bd + per_gamma * gd
             found = [x, y, z, alpha, beta, gamma, xd, yd, zd, spin, bd, gd]
         return found[:6], found[6:]
 

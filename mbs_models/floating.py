@@ -15,9 +15,11 @@ from exudyn.rigidBodyUtilities import (
 )
 
 from analysis.data import frames
+from analysis.data.bodies import Sphere
 from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
+from mbs_models.body_contact import loads_of, sphere_force
 from mbs_models.friction import UPWARD, Force, connector_force, friction_load
 from mbs_models.loads import Loads
 from mbs_models.model import Floats, Formulation, Model, table_forces
@@ -46,10 +48,18 @@ class Floating(Model):
     )
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
+    @classmethod
+    def obstacle(cls, scenario: Scenario) -> str:
+        if scenario.contact is None and not (
+            scenario.disk.is_round_disk or isinstance(scenario.disk, Sphere)
+        ):
+            return "holds round disks and spheres alone on the ideal contact"
+        return ""
+
     def __init__(self, scenario: Scenario) -> None:
         self.loads: Loads | None = None
         if scenario.contact is not None:
-            self.loads = Loads(scenario, scenario.contact)
+            self.loads = loads_of(scenario, scenario.contact)
         super().__init__(scenario)
 
     def _build(self) -> None:
@@ -60,7 +70,7 @@ class Floating(Model):
         self._body = self.system.CreateRigidBody(
             inertia=RigidBodyInertia(
                 mass=disk.mass,
-                inertiaTensor=np.diag((disk.inertia_x, disk.inertia_y, disk.inertia_z)),
+                inertiaTensor=disk.tensor,
                 com=[disk.eccentricity, 0.0, 0.0],
             ),
             nodeType=self._node_type,
@@ -89,7 +99,10 @@ class Floating(Model):
         if self.scenario.contact is not None:
             return
         origin = self._add_origin(table)
-        self._add_contact(origin, centre)
+        if isinstance(self.scenario.disk, Sphere):
+            self._add_level(table, centre)
+        else:
+            self._add_contact(origin, centre)
         if "fixed-cog" in self.scenario.constraints:
             cog = self._disk_marker(
                 self.scenario.disk.eccentricity, "the disk's centre of gravity"
@@ -97,6 +110,23 @@ class Floating(Model):
             self._add_fixed_cog(origin, cog)
         if "constant-spin" in self.scenario.constraints:
             self._add_carrier(centre)
+
+    def _add_level(self, table: int, centre: int) -> None:
+        """Close the contact of a sphere: its middle stays in a plane."""
+        above = self._add(
+            items.MarkerBodyRigid(
+                bodyNumber=table, localPosition=[0.0, 0.0, self.scenario.disk.radius]
+            ),
+            "the plane in which the middle of a sphere moves",
+        )
+        self._contact.append(
+            self._add(
+                items.ObjectJointGeneric(
+                    markerNumbers=[above, centre], constrainedAxes=[0, 0, 1, 0, 0, 0]
+                ),
+                "contact with the table",
+            )
+        )
 
     def _disk_marker(self, offset: float, why: str) -> int:
         return self._add(
@@ -119,7 +149,10 @@ class Floating(Model):
                 ),
                 f"the table's side of {name}, turned to where its angles are regular",
             )
-            force = connector_force(self.scenario, friction_load(self.scenario, self._contact))
+            # The joint of a sphere tells its force with the opposite sign.
+            is_sphere = isinstance(self.scenario.disk, Sphere)
+            load = friction_load(self.scenario, self._contact, -1.0 if is_sphere else 1.0)
+            force = (sphere_force if is_sphere else connector_force)(self.scenario, load)
         self._friction = self._add(
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[side, centre],
@@ -141,7 +174,7 @@ class Floating(Model):
             matrix = system.GetNodeOutput(node, attitude).tolist()
             load = loads.at(
                 float(displacement[2]),
-                (matrix[2], matrix[5], matrix[8]),
+                tuple(matrix),
                 tuple(velocity),
                 tuple(angular),
             )
@@ -327,13 +360,11 @@ class FloatingWithLosses(FloatingLie):
         def output(variable: Any) -> list[float]:
             return list(system.GetNodeOutput(self._node, variable).tolist())
 
-        matrix = output(_OUTPUT.RotationMatrix)
+        matrix: Any = (*output(_OUTPUT.RotationMatrix),)
         assert self.loads is not None
         x, y, z = output(_OUTPUT.Velocity)
         p, q, r = output(_OUTPUT.AngularVelocity)
-        load = self.loads.at(
-            output(_OUTPUT.Position)[2], (matrix[2], matrix[5], matrix[8]), (x, y, z), (p, q, r)
-        )
+        load = self.loads.at(output(_OUTPUT.Position)[2], matrix, (x, y, z), (p, q, r))
         return [power / self.unit for power in load.taken]
 
     def _readings(self) -> list[tuple[int, Any]]:

@@ -121,7 +121,7 @@ _WRITTEN: dict[type[FrictionLaw], Callable[[Any], LawForce]] = {
 """Laws written a second time. What derives from one of them may differ, so it is not of it."""
 
 
-def friction_load(scenario: Scenario, contact: list[int]) -> Load:
+def friction_load(scenario: Scenario, contact: list[int], sign: float = 1.0) -> Load:
     """What presses the disk on the table, constant or from the contact joint's multiplier.
 
     Parameters
@@ -129,6 +129,8 @@ def friction_load(scenario: Scenario, contact: list[int]) -> Load:
     scenario : Scenario
     contact : list of int
         Holds the object number of the contact joint once that is built; read at run time.
+    sign : float
+        By which the force that this joint tells is the one on the disk.
     """
     if scenario.friction.load == "weight":
         weight = scenario.weight
@@ -138,7 +140,7 @@ def friction_load(scenario: Scenario, contact: list[int]) -> Load:
     def from_contact(system: Any) -> float:
         # The multiplier of the present Newton iterate: the converged step has no lag. A contact
         # that pulls rubs with no load.
-        return max(0.0, float(system.GetObjectOutput(contact[0], force)[2]))
+        return max(0.0, sign * float(system.GetObjectOutput(contact[0], force)[2]))
 
     return from_contact
 

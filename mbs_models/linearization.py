@@ -110,7 +110,7 @@ class _Chart:
 
 def _chart(scene: Scene) -> _Chart:
     scenario = scene.scenario
-    scenario.require_horizontal_table("the linearisation of a spinning motion")
+    scenario.require_plain("the linearisation of a spinning motion")
     if scenario.contact is not None:
         raise ValueError("contact must be left out: a penalty contact is not linearised")
     disk, constraints = scenario.disk, scenario.constraints

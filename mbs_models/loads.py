@@ -9,14 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
 from mbs_models.friction import Force, law_force
 
 Triple = tuple[float, float, float]
+
+Matrix = tuple[float, float, float, float, float, float, float, float, float]
+"""A rotation matrix row by row; its columns are the axes of the body."""
 
 
 class Loads:
@@ -41,13 +44,22 @@ class Loads:
         half_air = 0.5 * dissipation.air_drag
         self._push = half_air * pi * disk.radius**2
         self._brake = half_air * 8.0 / 15.0 * disk.radius**5
-        self._last: tuple[tuple[float, Triple, Triple, Triple], Loading] | None = None
+        self._last: tuple[tuple[float, Matrix, Triple, Triple], Loading] | None = None
 
-    def height(self, axis_up: float) -> float:
-        """Height in m of the centre over the lowest point, from the axis' vertical component."""
-        return sqrt(self._square - self._flattening * axis_up * axis_up)
+    def lowest(self, matrix: Matrix) -> Triple:
+        """Lowest point from the centre in m, in inertial axes.
 
-    def at(self, centre_height: float, n: Triple, v: Triple, w: Triple) -> "Loading":
+        Parameters
+        ----------
+        matrix : tuple of 9 floats
+            Rotation.
+        """
+        up = matrix[8]
+        height = sqrt(self._square - self._flattening * up * up)
+        lean = self._flattening * up / height
+        return lean * matrix[2], lean * matrix[5], -height
+
+    def at(self, centre_height: float, matrix: Matrix, v: Triple, w: Triple) -> "Loading":
         """Force and torque on the disk, and what they tell about the contact.
 
         The last answer is kept: an engine that integrates the powers too asks twice.
@@ -56,37 +68,37 @@ class Loads:
         ----------
         centre_height : float
             Height of G over the table in m.
-        n, v, w : tuple of 3 floats
-            Axis of the disk, velocity of G in m/s and angular velocity in rad/s.
+        matrix : tuple of 9 floats
+            Rotation.
+        v, w : tuple of 3 floats
+            Velocity of G in m/s and angular velocity in rad/s.
         """
-        state = (centre_height, n, v, w)
+        state = (centre_height, matrix, v, w)
         if self._last is None or self._last[0] != state:
             self._last = (state, self._new(*state))
         return self._last[1]
 
-    def _new(self, centre_height: float, n: Triple, v: Triple, w: Triple) -> "Loading":
+    def _new(self, centre_height: float, matrix: Matrix, v: Triple, w: Triple) -> "Loading":
         load = Loading()
-        height = self.height(n[2])
-        lean = self._flattening * n[2] / height
-        px, py, pz = load.point = (lean * n[0], lean * n[1], -height)
+        px, py, pz = load.point = self.lowest(matrix)
         # Velocity of the material at the contact point.
         sx = v[0] + w[1] * pz - w[2] * py
         sy = v[1] + w[2] * px - w[0] * pz
         rise = v[2] + w[0] * py - w[1] * px
-        normal = self._normal_force(height - centre_height, rise, load)
+        normal = self._normal_force(-pz - centre_height, rise, load)
         load.slip = hypot(sx, sy)
-        fx, fy = self._friction(n, sx, sy, normal)
+        fx, fy = self._friction(matrix, sx, sy, normal)
         load.taken[1] = -(fx * sx + fy * sy)
         load.force = (fx, fy, normal)
         load.torque = (py * normal - pz * fy, pz * fx - px * normal, px * fy - py * fx)
         if self._rolls:
-            self._rolling(n, w, load)
+            self._rolling(matrix, w, load)
         if self._loss.pivoting:
             moment = self._loss.pivoting * normal / (abs(w[2]) + self._loss.pivoting_smoothing)
             load.add((0.0, 0.0, 0.0), (0.0, 0.0, -moment * w[2]))
             load.taken[4] = moment * w[2] * w[2]
         if self._push:
-            self._air(n, v, w, load)
+            self._air((matrix[2], matrix[5], matrix[8]), v, w, load)
         return load
 
     def _normal_force(self, depth: float, rise: float, load: "Loading") -> float:
@@ -101,7 +113,9 @@ class Loads:
         load.elastic = 0.5 * spring * depth
         return force
 
-    def _friction(self, n: Triple, sx: float, sy: float, normal: float) -> tuple[float, float]:
+    def _friction(
+        self, matrix: Matrix, sx: float, sy: float, normal: float
+    ) -> tuple[float, float]:
         """Friction; the weight is its load wherever there is contact at all."""
         if not (normal > 0.0 or self._contact.bilateral):
             return 0.0, 0.0
@@ -109,22 +123,23 @@ class Loads:
         if not self._has_direction:
             return self._law(sx, sy, load)
         # The edge points along the horizontal at a right angle to the axis.
-        level = hypot(n[0], n[1])
-        c, s = -n[1] / level, n[0] / level
+        level = hypot(matrix[2], matrix[5])
+        c, s = -matrix[5] / level, matrix[2] / level
         fx, fy = self._law(c * sx + s * sy, c * sy - s * sx, load)
         return c * fx - s * fy, s * fx + c * fy
 
-    def contour(self, n: Triple, w: Triple, point: Triple) -> tuple[float, float]:
+    def contour(self, matrix: Matrix, w: Triple, point: Triple) -> tuple[float, float]:
         """Velocity p' - w x p in m/s of the contact point over the rim; it is horizontal.
 
         Parameters
         ----------
-        n, w : tuple of 3 floats
+        matrix, w : tuple of 9 and of 3 floats
             As in `at`.
         point : tuple of 3 floats
             Contact point from the centre in m.
         """
         px, py, pz = point
+        n = matrix[2], matrix[5], matrix[8]
         ratio = self._flattening / -pz
         mx, my, mz = (
             w[1] * n[2] - w[2] * n[1],
@@ -137,19 +152,23 @@ class Loads:
             ratio * (mz * n[1] + n[2] * my) + py * stretch - w[2] * px + w[0] * pz,
         )
 
-    def _rolling(self, n: Triple, w: Triple, load: "Loading") -> None:
+    def _resistance(self, speed: float, load: "Loading") -> tuple[float, float, float]:
+        """Resistance for each m/s on the contour in N s/m, and its dry and viscous power in W."""
+        dry = self._loss.rolling_dry * load.force[2] / (speed + self._loss.rolling_smoothing)
+        viscous = self._loss.rolling_viscous * load.force[2]
+        return dry + viscous, dry * speed * speed, viscous * speed * speed
+
+    def _rolling(self, matrix: Matrix, w: Triple, load: "Loading") -> None:
         """Add the torque of the resistance to the contact point's velocity over the rim.
 
         A resistance F on it takes F . (p' - w x p) = w . (n x g - p x F), where
         g = k (n_z F + (n . F) e) / H + k n_z (p . F) e / H².
         """
         px, py, pz = load.point
-        cx, cy = self.contour(n, w, load.point)
-        speed = hypot(cx, cy)
-        dry = self._loss.rolling_dry * load.force[2] / (speed + self._loss.rolling_smoothing)
-        viscous = self._loss.rolling_viscous * load.force[2]
-        load.taken[2], load.taken[3] = dry * speed * speed, viscous * speed * speed
-        fx, fy = (dry + viscous) * cx, (dry + viscous) * cy
+        n = matrix[2], matrix[5], matrix[8]
+        cx, cy = self.contour(matrix, w, load.point)
+        factor, load.taken[2], load.taken[3] = self._resistance(hypot(cx, cy), load)
+        fx, fy = factor * cx, factor * cy
         ratio = self._flattening / -pz
         gx, gy = ratio * n[2] * fx, ratio * n[2] * fy
         gz = ratio * (n[0] * fx + n[1] * fy) - ratio * n[2] * (px * fx + py * fy) / pz
@@ -201,13 +220,13 @@ class Loading:
         self.torque = (b[0] + torque[0], b[1] + torque[1], b[2] + torque[2])
 
 
-def normal_forces(contact: PenaltyContact, disk: Disk, coordinates: Array, rates: Array) -> Array:
+def normal_forces(contact: PenaltyContact, disk: Body, coordinates: Array, rates: Array) -> Array:
     """Normal force of a penalty contact in N, shape (n,).
 
     Parameters
     ----------
     contact : PenaltyContact
-    disk : Disk
+    disk : Body
     coordinates, rates : ndarray, shape (n, 6)
         Co-rotating coordinates and their rates.
     """

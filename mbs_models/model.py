@@ -12,6 +12,7 @@ from analysis.data.checks import Array
 from analysis.data.frames import turn_about_vertical
 from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
+from mbs_models.body_contact import forces_on
 from mbs_models.loads import normal_forces
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
@@ -151,6 +152,8 @@ class Model(ABC):
         """
         if self.scenario.contact is not None:
             disk = self.scenario.disk
+            if not disk.is_round_disk:
+                return forces_on(self.scenario, self.scenario.contact, coordinates, rates)[:, None]
             return normal_forces(self.scenario.contact, disk, coordinates, rates)[:, None]
         # The engine's constraint forces act with a minus sign on the second body.
         contact = algebraic[:, self._equations(self._contact[0])]
@@ -203,7 +206,12 @@ class Model(ABC):
 
     def position_residuals(self) -> dict[Constraint, float]:
         """By how much the engine's current state breaks the constraints of positions, in m."""
-        height = self.system.GetObjectOutput(self._contact[0], exu.OutputVariableType.Position)[2]
+        outputs = exu.OutputVariableType
+        # The joint of a sphere tells how far it is off; that of a disk where its contact is.
+        output = (
+            outputs.Position if self.scenario.disk.is_round_disk else outputs.DisplacementLocal
+        )
+        height = self.system.GetObjectOutput(self._contact[0], output)[2]
         found: dict[Constraint, float] = {"contact": float(height)}
         if self._cog is not None:
             place = self.system.GetObjectOutput(self._cog, exu.OutputVariableType.Displacement)

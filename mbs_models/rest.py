@@ -1,6 +1,7 @@
 """Engine simulation of the disk until it lies still, to a tolerance or to a step size."""
 
 from math import hypot
+from typing import Any
 
 import numpy as np
 
@@ -15,8 +16,8 @@ from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.data.trajectory import versions
 from analysis.data.watch import Progress, Watch
+from mbs_models.body_contact import loads_of
 from mbs_models.effort import rest_effort
-from mbs_models.loads import Loads
 from mbs_models.rest_run import SAFETY, RestRun, kinetic_energy, largest_step, rounded_contact
 from mbs_models.scene import Scene
 
@@ -143,13 +144,13 @@ def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
     disk = scenario.disk
     records, times = run.records[:count], run.times[:count]
     rotation = records[:, 3:12].reshape(-1, 3, 3)
-    loads = Loads(scenario, rounded_contact(run.scene))
+    loads = loads_of(scenario, rounded_contact(run.scene))
     rows = []
     for record in records.tolist():
-        axis = (record[5], record[8], record[11])
+        matrix: Any = (*record[3:12],)
         angular = (record[15], record[16], record[17])
-        load = loads.at(record[2], axis, (record[12], record[13], record[14]), angular)
-        contour = hypot(*loads.contour(axis, angular, load.point))
+        load = loads.at(record[2], matrix, (record[12], record[13], record[14]), angular)
+        contour = hypot(*loads.contour(matrix, angular, load.point))
         rows.append((*load.point, load.slip, contour, load.force[2], load.elastic))
     values = np.array(rows)
     cog = records[:, :3] + disk.eccentricity * rotation[:, :, 0]

@@ -2,19 +2,20 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import hypot, sqrt
+from math import sqrt
 from typing import Any
 
 import exudyn as exu
 import numpy as np
 
+from analysis.data.body import Body
 from analysis.data.checks import Array, TimeLimitError
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
 from analysis.data.endings import Condition, Ending, Poses, ending_met, first_met
 from analysis.data.trajectory import Setting
 from analysis.data.watch import Watch
+from mbs_models.body_contact import largest_lever
 from mbs_models.floating import FloatingWithLosses
 from mbs_models.runs import EngineError, StepLimiter
 from mbs_models.scene import Scene
@@ -66,14 +67,13 @@ def largest_step(scene: Scene, leaning: float = 1.0) -> float:
     """
     scenario, contact = scene.scenario, rounded_contact(scene)
     disk, loss, weight = scenario.disk, scenario.dissipation, scenario.weight
-    inertia = min(disk.inertia_about_cog[:2])
     frequency = sqrt(contact.stiffness * disk.contact_mobility)
     slope = loss.rolling_viscous + loss.rolling_dry / loss.rolling_smoothing
-    reach = disk.radius**2 / hypot(disk.radius * leaning, contact.half_thickness)
+    reach = largest_lever(disk, leaning, contact.half_thickness)
     decay = max(
         contact.damping * disk.contact_mobility,
         scenario.slip_decay,
-        slope * weight * reach**2 / inertia,
+        slope * weight * reach**2 / disk.least_moment,
     )
     # Stability limits of the method along the imaginary and the negative real axis.
     return min(2.8 / frequency, 2.7 / decay) if decay else 2.8 / frequency
@@ -84,7 +84,7 @@ def rounded_contact(scene: Scene) -> PenaltyContact:
     contact = scene.scenario.contact
     if contact is None:
         raise ValueError("scene must have a penalty contact, got contact None")
-    if not contact.is_rounded:
+    if not scene.scenario.is_smooth:
         raise ValueError(
             "half_thickness must be positive, since only then the contact is defined when the "
             "disk lies flat, got 0"
@@ -362,12 +362,12 @@ def _poses(records: Array) -> Poses:
     return Poses(place, rotation.reshape(-1, 3, 3), velocity, angular)
 
 
-def kinetic_energy(disk: Disk, records: Array) -> Array:
+def kinetic_energy(disk: Body, records: Array) -> Array:
     """Kinetic energy in J, shape (n,), from records of `RestRun`, shape (n, 24)."""
     rotation = records[:, 3:12].reshape(-1, 3, 3)
     v, w = records[:, 12:15], records[:, 15:18]
     local = np.einsum("nij,ni->nj", rotation, w)
-    about_centre = local**2 @ (disk.inertia_x, disk.inertia_y, disk.inertia_z)
+    about_centre = np.einsum("ni,ij,nj->n", local, disk.tensor, local)
     arm = disk.eccentricity * rotation[:, :, 0]
     coupling = 2.0 * np.sum(v * np.cross(w, arm), axis=1)
     result: Array = 0.5 * (about_centre + disk.mass * (np.sum(v * v, axis=1) + coupling))

@@ -32,7 +32,7 @@ def formulations(scenario: Scenario) -> tuple[Formulation, ...]:
     ('contact-tree', 'euler-tree', 'floating', 'floating-lie')
     """
     contact = scenario.contact
-    lies_flat = contact is not None and (contact.is_rounded or scenario.dissipation.is_on)
+    lies_flat = contact is not None and (scenario.is_smooth or scenario.dissipation.is_on)
     ranked = _TO_REST if lies_flat else _BY_ACCURACY
     return tuple(each.name for each in ranked if not each.obstacle(scenario))
 
@@ -71,6 +71,11 @@ class Scene:
     def __post_init__(self) -> None:
         instance("scenario", self.scenario, Scenario)
         if self.formulation is None:
+            if not formulations(self.scenario):
+                raise ValueError(
+                    f"scenario cannot be built: formulation 'floating' "
+                    f"{CLASSES['floating'].obstacle(self.scenario)}, got {self.scenario.disk!r}"
+                )
             return
         choice("formulation", self.formulation, FORMULATIONS)
         if why := CLASSES[self.formulation].obstacle(self.scenario):

@@ -16,6 +16,8 @@ from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_forc
 from mbs_models.loads import euler_tree_contact
 from mbs_models.model import Floats, Model, table_forces
 
+_ROUND = "has a round disk at its end"
+
 _JOINT, _OUTPUT = exu.JointType, exu.OutputVariableType
 
 
@@ -42,7 +44,7 @@ class _Tree(Model):
             ),
             "the joint coordinates",
         )
-        inertia = np.diag(disk.inertia_about_cog)
+        inertia = disk.tensor_about_cog
         forces = {}
         why = "the disk at the end of its joints, with its weight"
         if name := table_forces(self.scenario):
@@ -93,6 +95,8 @@ class EulerTree(_Tree):
     @classmethod
     def obstacle(cls, scenario: Scenario) -> str:
         contact = scenario.contact
+        if not scenario.disk.is_round_disk:
+            return _ROUND
         if contact is not None and contact.is_rounded:
             return (
                 "is singular when the disk lies flat, which a contact with half_thickness = "
@@ -163,6 +167,8 @@ class ContactTree(_Tree):
 
     @classmethod
     def obstacle(cls, scenario: Scenario) -> str:
+        if not scenario.disk.is_round_disk:
+            return _ROUND
         if scenario.constraints != MODELS[1]:
             return f"exists for Model 1 alone, got {scenario.name}"
         if scenario.contact is not None:

@@ -24,6 +24,7 @@ from analysis import (
     Trajectory,
     multiplier_names,
 )
+from analysis.data.body import PRODUCTS, Body
 from analysis.data.checks import Array
 from analysis.mechanics import reduced
 
@@ -90,8 +91,11 @@ def slope(function: Callable[[float], Array], time: float) -> Array:
     return derivative(lambda inner: function(time + inner), OUTER_STEP)
 
 
-def random_disk(random: Generator) -> Disk:
-    """Disk with all parameters of order one, so that no term of an equation can hide."""
+def random_disk(random: Generator, products: float = 0.0) -> Disk:
+    """Disk with all parameters of order one, so that no term of an equation can hide.
+
+    Products of inertia are up to a given size.
+    """
     a, b, c = random.uniform(0.5, 1.5, size=3)
     radius, mass = random.uniform(0.8, 1.6, size=2)
     eccentricity = random.uniform(0.3, 0.7)
@@ -103,6 +107,7 @@ def random_disk(random: Generator) -> Disk:
         inertia_x=b + c,
         inertia_y=a + c + shift,
         inertia_z=a + b + shift,
+        **{name: random.uniform(-products, products) for name in PRODUCTS if products},
     )
 
 
@@ -147,13 +152,16 @@ def random_start(constraints: ConstraintSet, random: Generator) -> Start:
 
 
 def random_scenario(
-    constraints: ConstraintSet, seed: int, friction: FrictionLaw | None = None
+    constraints: ConstraintSet,
+    seed: int,
+    friction: FrictionLaw | None = None,
+    products: float = 0.0,
 ) -> tuple[Scenario, Array, Array]:
     """Random disk and start on a leaning table, with coordinates and rates at the start."""
     random = np.random.default_rng(seed)
     scenario = Scenario(
         constraints=constraints,
-        disk=random_disk(random),
+        disk=random_disk(random, products),
         friction=friction or SmoothCoulomb(),
         table=random_table(random),
         start=random_start(constraints, random),
@@ -225,12 +233,12 @@ def centre(z: Array) -> Array:
     return turn_z(z[3]) @ z[:3]
 
 
-def cog(disk: Disk, z: Array) -> Array:
+def cog(disk: Body, z: Array) -> Array:
     """Inertial position of S."""
     return centre(z) + disk.eccentricity * rotation(z)[:, 0]
 
 
-def contact_arm(disk: Disk, z: Array) -> Array:
+def contact_arm(disk: Body, z: Array) -> Array:
     """Inertial vector from G to the lowest point of the rim: down, within the disk's plane."""
     normal = rotation(z)[:, 2]
     down = normal[2] * normal - np.array([0.0, 0.0, 1.0])
@@ -248,15 +256,15 @@ def angular_velocity(path: Callable[[float], Array], time: float = 0.0) -> Array
     return axial(change @ rotation(path(time)).T)
 
 
-def spin_momentum(disk: Disk, path: Callable[[float], Array], time: float) -> Array:
+def spin_momentum(disk: Body, path: Callable[[float], Array], time: float) -> Array:
     """Angular momentum about S in inertial axes."""
     turn = rotation(path(time))
     in_body = turn.T @ angular_velocity(path, time)
-    momentum: Array = turn @ (disk.inertia_about_cog * in_body)
+    momentum: Array = turn @ disk.tensor_about_cog @ in_body
     return momentum
 
 
-def slip(disk: Disk, path: Callable[[float], Array], time: float = 0.0) -> Array:
+def slip(disk: Body, path: Callable[[float], Array], time: float = 0.0) -> Array:
     """Velocity of the disk's material point at the contact, in R-frame axes, shape (2,)."""
     speed = derivative(lambda s: centre(path(time + s)))
     speed = speed + np.cross(angular_velocity(path, time), contact_arm(disk, path(time)))
@@ -281,9 +289,9 @@ class RigidBody(NamedTuple):
     """Height of G over the lowest point of the rim."""
 
 
-def parameter_values(disk: Disk, table: Table) -> tuple[float, ...]:
+def parameter_values(disk: Body, table: Table) -> tuple[float, ...]:
     """Numbers for `RigidBody.parameters`."""
-    moments = (disk.inertia_x, disk.inertia_y, disk.inertia_z)
+    moments = (disk.inertia_x, disk.inertia_y, disk.inertia_z, *disk.products)
     return (disk.mass, disk.radius, disk.eccentricity, *moments, *table.vector)
 
 
@@ -293,8 +301,9 @@ def rigid_body(*, rotating: bool) -> RigidBody:
 
     G is given in the frame R if `rotating`, in the inertial frame otherwise.
     """
-    parameters = sympy.symbols("m r e A B C", positive=True)
-    m, r, e, A, B, C = parameters
+    parameters = sympy.symbols("m r e A B C", positive=True) + sympy.symbols("D E F", real=True)
+    m, r, e, A, B, C, D, E, F = parameters
+    inertia = sympy.Matrix([[A, D, E], [D, B, F], [E, F, C]])
     gravity = sympy.symbols("g_x g_y g_z", real=True)
     z = sympy.Matrix(sympy.symbols("x y z alpha beta gamma"))
     u = sympy.Matrix(sympy.symbols("u1:7"))
@@ -312,7 +321,7 @@ def rigid_body(*, rotating: bool) -> RigidBody:
     kinetic = (
         m * speed.dot(speed) / 2
         + m * speed.dot(turn * omega.cross(to_cog))
-        + (omega.T * sympy.diag(A, B, C) * omega)[0] / 2
+        + (omega.T * inertia * omega)[0] / 2
     )
     potential = -m * sympy.Matrix(gravity).dot(centre + turn * to_cog)
     momenta = sympy.Matrix([kinetic]).jacobian(u).T

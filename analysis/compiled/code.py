@@ -12,6 +12,7 @@ from analysis.compiled import systems
 from analysis.compiled.library import CannotCompileError, heyoka
 from analysis.compiled.systems import ALIVE, REASON, SIGN, WHEN, Structure, System
 from analysis.data.checks import Array
+from analysis.data.constraint_set import multiplier_names
 from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
 from analysis.data.scenario import Scenario
 from analysis.models.forms import Form
@@ -22,6 +23,9 @@ WIDEST_INDEX_1 = 4
 Its code keeps most numbers on the stack, where LLVM lets wider ones straddle two lines of the
 cache; batches of eight take 15 to 45 % longer for each member.
 """
+
+MOST_FORCES = 4
+"""Constraint forces up to which a disk with products of inertia is compiled within seconds."""
 
 COMPACT = False
 """Whether to compile in a quarter of the time for runs that take two to four times as long."""
@@ -159,6 +163,14 @@ def code_for(
     if form == "free-body":
         raise CannotCompileError(
             "method 'taylor' knows the ideal contact alone, no form 'free-body'"
+        )
+    if not scenario.disk.is_round_disk:
+        kind = type(scenario.disk).__name__
+        raise CannotCompileError(f"method 'taylor' knows round disks alone, got a {kind}")
+    if scenario.disk.has_products and len(multiplier_names(scenario.constraints)) > MOST_FORCES:
+        raise CannotCompileError(
+            "method 'taylor' takes minutes to compile a disk with products of inertia and more "
+            f"than {MOST_FORCES} constraint forces, got {scenario.name}"
         )
     if allow_pulling and scenario.rubs and scenario.friction.load == "contact":
         raise CannotCompileError(

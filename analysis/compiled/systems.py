@@ -50,9 +50,9 @@ class Structure:
     load : str
     options : tuple of pairs
         Fields of the law that are no floats.
-    rubs, kinked, horizontal, allow_pulling : bool
-        Whether there is friction, it has a kink at no slip, the table is level, and a run goes
-        on where the contact pulls.
+    rubs, kinked, horizontal, products, allow_pulling : bool
+        Whether there is friction, it has a kink at no slip, the table is level, the disk has
+        products of inertia, and a run goes on where the contact pulls.
     conditions : tuple of pairs
         Reasons and functions of a state that end a run, too.
     """
@@ -65,6 +65,7 @@ class Structure:
     rubs: bool
     kinked: bool
     horizontal: bool
+    products: bool
     allow_pulling: bool
     conditions: tuple[tuple[str, Condition], ...]
 
@@ -94,6 +95,7 @@ class Structure:
             rubs=bool(scenario.rubs),
             kinked=bool(_has_kink(law)),
             horizontal=bool(scenario.table.is_horizontal),
+            products=scenario.disk.has_products,
             allow_pulling=allow_pulling,
             conditions=tuple(conditions.items()),
         )
@@ -272,6 +274,7 @@ def _solution(
         structure.constraints,
         structure.load if structure.rubs else None,
         horizontal=structure.horizontal,
+        products=structure.products,
         slowing=True,
     )
     try:

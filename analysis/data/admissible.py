@@ -5,8 +5,8 @@ Kinematics of the paper's coordinates alone: both sides start and step from it.
 
 from typing import Any
 
+from analysis.data.body import Body
 from analysis.data.constraint_set import ConstraintSet
-from analysis.data.disk import Disk
 from analysis.data.elementary import cos, sin
 
 FOLLOWING = ("x", "y", "x_rate", "y_rate", "beta_rate", "gamma_rate")
@@ -40,7 +40,7 @@ def independent_coordinates(constraints: ConstraintSet) -> tuple[str, ...]:
 
 def demanded(
     constraints: ConstraintSet,
-    disk: Disk,
+    disk: Body,
     angles: tuple[Any, Any, Any],
     free: tuple[Any, ...],
 ) -> tuple[Any, ...]:
@@ -49,7 +49,8 @@ def demanded(
     Parameters
     ----------
     constraints : tuple of str
-    disk : Disk
+    disk : Body
+        One that further constraints than the contact hold is a round disk.
     angles : tuple of 3 numbers
         beta and gamma in rad, and the spin in rad/s.
     free : tuple of 6 numbers

@@ -4,10 +4,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
+from analysis.data.bodies import body_from
+from analysis.data.body import PRODUCTS, Body
 from analysis.data.checks import choice
 from analysis.data.constraint_set import MODELS
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import DISKS, STEEL_DISK, Disk
+from analysis.data.disk import DISKS, STEEL_DISK, STEEL_RING, Disk
 from analysis.data.friction import FrictionLaw, law_class, law_from, law_values
 from analysis.data.names import ArgumentError
 from analysis.data.quantities import RING, SIX
@@ -38,7 +40,7 @@ def check_field(scenario: Scenario, key: str, others: Mapping[str, Any]) -> None
         raise ArgumentError(key, "needs a penalty contact, and the scenario's is ideal")
     if table == "start":
         _check_start(scenario, key)
-    if table == "disk" and "disk.name" not in others:
+    if table == "disk" and not {"disk.name", "disk.body"} & set(others):
         varied = [each.rpartition(".")[2] for each in others if each.startswith("disk.")]
         _check_disk(scenario.disk, [name, *varied])
     if table == "friction" and name != "law":
@@ -92,25 +94,40 @@ def _constraints(model: Any = None, constraints: Any = None) -> Any:
     return [name.strip() for name in constraints.replace("+", ",").split(",")]
 
 
-def _disk(disk: Disk, values: Numbers) -> Disk:
-    """Disk with some values changed; with a geometry, from which the others follow."""
+def _disk(disk: Body, values: Numbers) -> Body:
+    """Body with some values changed; with a geometry, from which the others follow."""
     name = values.pop("name", None)
     if name is None and set(values) == set(RING):
         return Disk.ring(**values)
+    if "body" in values:
+        shared = {each.name: getattr(disk, each.name) for each in fields(Body)}
+        return body_from(shared | values)
     if name is not None:
         disk = DISKS[choice("name", name, DISKS)]
     _check_disk(disk, values)
-    if set(SIX) <= set(values) or not set(values) & set(RING):
+    if not isinstance(disk, Disk) or set(SIX) <= set(values) or not set(values) & set(RING):
         return replace(disk, **values)
-    return Disk.ring(**values)
+    return Disk.ring(**(_ring(disk) or {}) | values)
 
 
-def _check_disk(disk: Disk, names: Iterable[str]) -> None:
+def _ring(disk: Disk) -> dict[str, float] | None:
+    """Arguments of `Disk.ring` for a disk that is one."""
+    if disk == STEEL_DISK:
+        return STEEL_RING
+    return None if disk.parts is None else disk.parts.ring
+
+
+def _check_disk(disk: Body, names: Iterable[str]) -> None:
     """Raise if a geometry would vary and leave mass and moments of inertia as they are."""
-    given = set(names)
+    given = set(names) - {"name", "body"}
+    geometries = RING[1:] if isinstance(disk, Disk) else ()
+    for name in given:
+        choice(f"disk.{name}", name, [*(each.name for each in fields(disk)), *geometries])
+    if not isinstance(disk, Disk):
+        return
     geometry = [name for name in RING if name in given]
-    others = [name for name in SIX[1:] if name in given]
-    if not geometry or given == set(SIX):
+    others = [name for name in (*SIX[1:], *PRODUCTS) if name in given]
+    if not geometry or given >= set(SIX):
         return
     if others:
         raise ArgumentError(
@@ -118,10 +135,10 @@ def _check_disk(disk: Disk, names: Iterable[str]) -> None:
             f"does not go together with {geometry[0]}, from which it follows, unless "
             f"{', '.join(SIX)} are all given and nothing else",
         )
-    if disk != STEEL_DISK:
+    if _ring(disk) is None:
         raise ArgumentError(
             geometry[0],
-            "varies the paper's ring alone, of which mass and moments of inertia follow, and the "
+            "varies a ring alone, of which mass and moments of inertia follow, and the "
             f"scenario's disk is another: give all of {', '.join(RING)}, or all of "
             f"{', '.join(SIX)}",
         )
@@ -137,7 +154,7 @@ def _friction(law: FrictionLaw, values: Numbers) -> FrictionLaw:
     return law_from(told | values)
 
 
-def _contact(disk: Disk, values: Numbers) -> PenaltyContact:
+def _contact(disk: Body, values: Numbers) -> PenaltyContact:
     if "stiffness" not in values:
         name, value = next(iter(values.items()))
         raise ArgumentError(name, f"needs a penalty contact, told by its stiffness, got {value}")

@@ -3,14 +3,17 @@
 from dataclasses import dataclass
 from math import sqrt
 
+from analysis.data.body import Body
 from analysis.data.checks import not_negative, positive
 from analysis.data.described import Described
-from analysis.data.disk import Disk
 from analysis.data.names import ArgumentError
 from analysis.data.quantities import THINNEST_RIM, default
 
 LARGEST_PART = 0.01
 """Largest resting penetration as a part of the radius; beyond, it is another disk's motion."""
+
+USUAL_RIM = 2e-4
+"""Half thickness in m of a rounded rim."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +58,7 @@ class PenaltyContact(Described):
 
     @classmethod
     def damped(
-        cls, stiffness: float, disk: Disk, *, ratio: float = 0.5, half_thickness: float = 0.0
+        cls, stiffness: float, disk: Body, *, ratio: float = 0.5, half_thickness: float = 0.0
     ) -> "PenaltyContact":
         """Contact on which the upright disk bounces with this part of the critical damping.
 
@@ -63,7 +66,7 @@ class PenaltyContact(Described):
         ----------
         stiffness : float
             In N/m.
-        disk : Disk
+        disk : Body
         ratio : float
             Damping ratio, not negative.
         half_thickness : float
@@ -75,70 +78,57 @@ class PenaltyContact(Described):
 
     @classmethod
     def rounded(
-        cls, disk: Disk, *, stiffness: float = 1e6, half_thickness: float = 2e-4
+        cls, disk: Body, *, stiffness: float = 1e6, half_thickness: float | None = None
     ) -> "PenaltyContact":
         """Contact for the way to rest: a rounded rim on a stiff, damped table.
 
         Parameters
         ----------
-        disk : Disk
+        disk : Body
         stiffness : float
             In N/m.
-        half_thickness : float
-            In m.
+        half_thickness : float, optional
+            In m; by default `USUAL_RIM` for a body with an edge, and none for one without.
         """
+        if half_thickness is None:
+            half_thickness = USUAL_RIM if disk.has_edge else 0.0
         return cls.damped(stiffness, disk, half_thickness=half_thickness)
 
     @property
     def is_rounded(self) -> bool:
-        """Whether the lowest point is defined in every attitude."""
+        """Whether an edge is rounded, so that its lowest point is defined in every attitude."""
         return self.half_thickness > 0.0
 
     def resting_penetration(self, weight: float) -> float:
         """Penetration in m at which the contact carries this weight in N."""
         return weight / self.stiffness
 
-    def resting_height(self, disk: Disk, weight: float) -> float:
-        """Height in m of the centre of gravity of the disk where it lies stable.
+    def resting_height(self, disk: Body, weight: float) -> float:
+        """Height in m of the centre of gravity of a body of this weight in N where it lies stable.
 
-        That is the lowest there is, at the least potential energy; the weight presses the contact
-        together. The disk then lies all but flat, with the centre of gravity over the contact
-        point. One too thick for that stands on its rim, the centre of gravity below the centre.
-
-        Parameters
-        ----------
-        disk : Disk
-        weight : float
-            In N.
+        The weight presses the contact together; see `Body.resting_place`.
         """
-        square, lean = self.half_thickness**2, self._resting_lean(disk)
-        height = sqrt(square + (disk.radius**2 - square) * lean**2) - disk.eccentricity * lean
-        return height - self.resting_penetration(weight)
+        return disk.resting_place(self.half_thickness)[0] - self.resting_penetration(weight)
 
-    def lies(self, disk: Disk) -> bool:
-        """Whether the disk can lie on a face; one nearly as thick as wide rests on its rim."""
-        return self._resting_lean(disk) < 1.0
+    def lies(self, disk: Body) -> bool:
+        """Whether it can lie on a face; a disk nearly as thick as wide rests on its rim."""
+        return self.is_rounded and disk.resting_place(self.half_thickness)[1] < 1.0
 
-    def _resting_lean(self, disk: Disk) -> float:
-        """Sine of the angle between disk and table where the disk lies stable."""
-        eccentricity, square = disk.eccentricity, self.half_thickness**2
-        flattening = disk.radius**2 - square
-        # The height sqrt(c^2 + k s^2) - e s over 0 <= s <= 1, the part of the way from flat to
-        # upright, is stationary at one s. A disk of thickness zero lies flat.
-        if flattening <= eccentricity**2:
-            return 1.0
-        lean = eccentricity * sqrt(square / (flattening * (flattening - eccentricity**2)))
-        return min(lean, 1.0)
-
-    def check(self, disk: Disk, weight: float) -> None:
+    def check(self, disk: Body, weight: float) -> None:
         """Check the contact against the disk that is to lie on it, of this weight in N.
 
         Raises
         ------
         ValueError
-            If the disk sinks in by more than a small part of its radius, or would be thicker
-            than it is wide.
+            If the disk sinks in by more than a small part of its radius, would be thicker than
+            it is wide, or has no edge that could be rounded.
         """
+        if self.is_rounded and not disk.has_edge:
+            raise ArgumentError(
+                "half_thickness",
+                f"must be 0 for a {type(disk).__name__}, which has no edge, "
+                f"got {self.half_thickness:g}",
+            )
         least = weight / (LARGEST_PART * disk.radius)
         if self.stiffness < least:
             raise ArgumentError(

@@ -1,15 +1,87 @@
 """The disk: geometry, mass, eccentricity and inertia."""
 
-from dataclasses import dataclass
-from math import pi, sqrt
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from functools import partial
+from math import pi
+from typing import Any, ClassVar, NamedTuple
 
-from analysis.data.described import Described, checked
+import numpy as np
+
+from analysis.data.body import Body, Triple
+from analysis.data.checks import not_negative, positive
+from analysis.data.checks import number as finite
+from analysis.data.described import checked
+from analysis.data.elementary import cos, hypot, sin, sqrt
 from analysis.data.names import ArgumentError, Named, check_names
-from analysis.data.quantities import QUANTITIES, RING, default
+from analysis.data.quantities import PLATE, QUANTITIES, RING, default
+
+CENTRED = 1e-12
+"""Part of the radius below which a centre of gravity lies in the middle, but for rounding."""
+
+ROUNDING = 1e-14
+"""Part of the moment of inertia below which a product of it is none, but for rounding."""
+
+
+class Plate(NamedTuple):
+    """A round plate of uniform density: radius and thickness in m, density in kg/m³."""
+
+    radius: float
+    thickness: float
+    density: float
+
+
+class Hole(NamedTuple):
+    """A round hole through a plate: its middle, seen from that of the plate, and radius in m."""
+
+    x: float
+    y: float
+    radius: float
+
+
+class PointMass(NamedTuple):
+    """A small mass in the middle plane of a plate: its place in m, and the mass in kg."""
+
+    x: float
+    y: float
+    mass: float
+
+
+class Parts(NamedTuple):
+    """What a disk is made of; places are in axes of the plate."""
+
+    plate: Plate
+    holes: tuple[Hole, ...] = ()
+    masses: tuple[PointMass, ...] = ()
+
+    @property
+    def ring(self) -> dict[str, float] | None:
+        """Arguments of `Disk.ring`, where it is one."""
+        if self.masses or len(self.holes) != 1 or self.holes[0].y != 0.0 or self.holes[0].x > 0.0:
+            return None
+        (hole,), plate = self.holes, self.plate
+        values = (plate.radius, hole.radius, 0.0 - hole.x, plate.thickness, plate.density)
+        return dict(zip(RING, values, strict=True))
+
+    def values(self) -> dict[str, Any]:
+        """Plain data, from which `Disk.of_parts` makes the disk again; those of a ring are its."""
+        return self.ring or {
+            **self.plate._asdict(),
+            "holes": [list(each) for each in self.holes],
+            "masses": [list(each) for each in self.masses],
+        }
+
+
+class _Remembering(Body):
+    """Place for what a disk was made of; a disk with other values was made of something else."""
+
+    __slots__ = ("_axis", "_parts")
+    _axis: tuple[float, float]
+    _parts: Parts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Disk(Described):
+class Disk(_Remembering):
     """An eccentric rigid disk (paper, Sect. 2).
 
     The body frame sits at the geometric centre G: x points to the centre of gravity S, z is
@@ -24,7 +96,9 @@ class Disk(Described):
     eccentricity : float
         Distance from G to S in m (paper: e), from 0 to less than the radius.
     inertia_x, inertia_y, inertia_z : float
-        Principal moments of inertia about G in kg m² (paper: A, B, C).
+        Moments of inertia about G in kg m² (paper: A, B, C).
+    inertia_xy, inertia_xz, inertia_yz : float
+        See `Body`; zero for the paper's disk.
 
     Raises
     ------
@@ -42,50 +116,62 @@ class Disk(Described):
     True
     """
 
-    TABLE = "disk"
+    is_round_disk: ClassVar[bool] = True
+    has_edge: ClassVar[bool] = True
 
-    radius: float
-    mass: float
-    eccentricity: float
-    inertia_x: float
-    inertia_y: float
-    inertia_z: float
-
-    def __post_init__(self) -> None:
-        if not self.eccentricity < self.radius:
-            raise ArgumentError(
-                "eccentricity",
-                f"must lie in [0, radius) = [0, {self.radius:g}), got {self.eccentricity:g}",
-            )
-        names, moments = ("inertia_x", "inertia_y", "inertia_z"), self.inertia_about_cog
-        for name, moment in zip(names, moments, strict=True):
-            if moment <= 0.0:
-                raise ArgumentError(
-                    name,
-                    "must exceed mass * eccentricity² (the moment about the COG must be "
-                    f"positive), got {getattr(self, name):g}, which leaves {moment:g}",
-                )
-        for name, moment, axis in zip(names, moments, "xyz", strict=True):
-            others = sum(moments) - moment
-            # A lamina meets the bound exactly, so rounding must not refuse it.
-            if moment > others * (1.0 + 1e-12):
-                raise ArgumentError(
-                    name,
-                    "must not exceed the sum of the two other moments about the COG, "
-                    f"got {moment:g} > {others:g} about the {axis} axis",
-                )
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self.parts is not None:
+            return type(self).of_parts, tuple(self.parts)
+        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        return partial(type(self), **values), ()
 
     @property
-    def inertia_about_cog(self) -> tuple[float, float, float]:
-        """Principal moments of inertia about S in kg m²."""
-        shift = self.mass * self.eccentricity**2
-        return self.inertia_x, self.inertia_y - shift, self.inertia_z - shift
+    def parts(self) -> Parts | None:
+        """What it was made of by `of_parts` or `ring`; None where only its numbers are known."""
+        return getattr(self, "_parts", None)
 
     @property
-    def contact_mobility(self) -> float:
-        """Acceleration of the contact point by a force on it, at most, in 1/kg."""
-        inertia = min(self.inertia_about_cog[:2])
-        return 1.0 / self.mass + (self.radius + self.eccentricity) ** 2 / inertia
+    def least_moment(self) -> float:
+        """Least moment of inertia in kg m² against which the contact turns it."""
+        return min(self.principal_moments if self.has_products else self.inertia_about_cog[:2])
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Triple:
+        """Lowest point of the edge; see `Body`.
+
+        Rounded, the edge is that of a thin spheroid of semi-axes r, r, c, which has a smooth
+        lowest point in every attitude. A circle has none when it lies flat; a torus of tube
+        radius c has none either. With u the vertical, D = diag(r², r², c²) and
+        H = sqrt(u^T D u), the point is -D u / H, and H is the height of the centre over it.
+
+        The thin disk has H = r sin(beta). The spheroid lies higher by about
+        c² cos²(beta) / (2 r sin(beta)), second order in c, and by c when flat; a torus by
+        c (1 - sin(beta)), first order.
+        """
+        a, b = self.radius * self.radius, half_thickness * half_thickness
+        x, y, z = up
+        height = sqrt(a * (x * x + y * y) + b * (z * z))
+        return -(a * x) / height, -(a * y) / height, -(b * z) / height
+
+    def clearance(self, beta: Any, gamma: Any, half_thickness: Any = 0.0) -> Triple:  # noqa: ARG002
+        """Height of G over the lowest point in m, and its slopes; see `Body`."""
+        r, sb, cb = self.radius, sin(beta), cos(beta)
+        over = hypot(r * sb, half_thickness * cb)
+        # In the order in which it is r cos(beta) to the last digit on a sharp rim.
+        return over, r * cb * (1.0 - (half_thickness / r) ** 2) * (r * sb / over), 0.0
+
+    def resting_place(self, half_thickness: float) -> tuple[float, float]:
+        """Height of S in m and lean where it lies stable; see `Body`.
+
+        It then lies all but flat, with the centre of gravity over the contact point. One too
+        thick for that stands on its rim, the centre of gravity below the centre.
+        """
+        e, square = self.eccentricity, half_thickness**2
+        flattening, lean = self.radius**2 - square, 1.0
+        # The height sqrt(c^2 + k s^2) - e s over 0 <= s <= 1, the part of the way from flat to
+        # upright, is stationary at one s. A disk of thickness zero lies flat.
+        if flattening > e**2:
+            lean = min(1.0, e * sqrt(square / (flattening * (flattening - e**2))))
+        return sqrt(square + flattening * lean**2) - e * lean, lean
 
     @property
     def hole(self) -> tuple[float, float] | None:
@@ -101,6 +187,73 @@ class Disk(Described):
             return None
         radius, distance = sqrt(square), e * (r**2 - square) / square
         return (radius, distance) if radius + distance < r else None
+
+    def outline(self) -> tuple[list[Hole], list[PointMass]]:
+        """Holes and masses in axes of the body; of a disk told by its numbers, that of `hole`."""
+        if self.parts is None:
+            return [] if self.hole is None else [Hole(-self.hole[1], 0.0, self.hole[0])], []
+        c, s = self._axis
+
+        def turned(part: Any) -> Any:
+            return part._replace(x=c * part.x + s * part.y, y=c * part.y - s * part.x)
+
+        return [*map(turned, self.parts.holes)], [*map(turned, self.parts.masses)]
+
+    @classmethod
+    def of_parts(
+        cls,
+        plate: Iterable[float],
+        holes: Iterable[Iterable[float]] = (),
+        masses: Iterable[Iterable[float]] = (),
+    ) -> "Disk":
+        """Disk of a round plate with holes in it and small masses on it.
+
+        The axes of the body are those of the plate, turned about its normal until x points to
+        the centre of gravity, or until they are principal axes where that is the middle.
+
+        Parameters
+        ----------
+        plate : Plate, or its 3 numbers
+        holes : iterable of Hole, or of their 3 numbers
+            They lie within the plate, and not over each other.
+        masses : iterable of PointMass, or of their 3 numbers
+            They lie on the plate.
+
+        Raises
+        ------
+        ValueError
+            If a number is out of range, a hole cuts the edge or another hole, or a mass does not
+            lie on the plate.
+
+        Examples
+        --------
+        >>> from analysis import Disk
+        >>> disk = Disk.of_parts(
+        ...     (0.045, 0.01, 7700.0), holes=[(-0.02, 0.0, 0.012)], masses=[(0.0, 0.03, 0.02)]
+        ... )
+        >>> disk.inertia_xy < 0.0
+        True
+        """
+        parts = _checked(plate, holes, masses)
+        mass, (x, y), (xx, yy, zz, xy) = _mass_properties(parts)
+        e = hypot(x, y)
+        if e < CENTRED * parts.plate.radius:
+            turn = 0.5 * np.arctan2(2.0 * xy, xx - yy) if _product(xy, zz) else 0.0
+            e, c, s = 0.0, cos(turn), sin(turn)
+        else:
+            c, s = x / e, y / e
+        disk = cls(
+            radius=parts.plate.radius,
+            mass=mass,
+            eccentricity=e,
+            inertia_x=c * c * xx + s * s * yy + 2.0 * c * s * xy,
+            inertia_y=c * c * yy + s * s * xx - 2.0 * c * s * xy,
+            inertia_z=zz,
+            inertia_xy=_product(c * s * (yy - xx) + (c * c - s * s) * xy, zz),
+        )
+        object.__setattr__(disk, "_parts", parts)
+        object.__setattr__(disk, "_axis", (c, s))
+        return disk
 
     @classmethod
     def ring(
@@ -143,18 +296,79 @@ class Disk(Described):
                 f"+ hole_radius must be less than radius = {radius:g}, "
                 f"got {hole_distance + hole_radius:g}",
             )
-        full = density * thickness * pi * radius**2
-        hole = density * thickness * pi * hole_radius**2
-        full_across = full * (radius**2 / 4 + thickness**2 / 12)
-        hole_across = hole * (hole_radius**2 / 4 + thickness**2 / 12)
-        return cls(
-            radius=radius,
-            mass=full - hole,
-            eccentricity=hole_radius**2 * hole_distance / (radius**2 - hole_radius**2),
-            inertia_x=full_across - hole_across,
-            inertia_y=full_across - hole_across - hole * hole_distance**2,
-            inertia_z=full * radius**2 / 2 - hole * (hole_radius**2 / 2 + hole_distance**2),
-        )
+        hole = Hole(-hole_distance, 0.0, hole_radius)
+        return cls.of_parts(Plate(radius, thickness, density), [hole])
+
+
+def _checked(
+    plate: Iterable[float],
+    holes: Iterable[Iterable[float]],
+    masses: Iterable[Iterable[float]],
+) -> Parts:
+    """Parts of a disk, or `ArgumentError`."""
+    sizes = zip(PLATE, _three("plate", plate), strict=True)
+    parts = Parts(
+        Plate(*(checked(QUANTITIES[f"disk.{name}"], value) for name, value in sizes)),
+        tuple(Hole(*_three("holes", each)) for each in holes),
+        tuple(PointMass(*_three("masses", each)) for each in masses),
+    )
+    reach = parts.plate.radius
+    for number, hole in enumerate(parts.holes):
+        not_negative("holes", hole.radius)
+        if hypot(hole.x, hole.y) + hole.radius >= reach:
+            raise ArgumentError(
+                "holes", f"must lie within the plate of radius {reach:g}, got {hole}"
+            )
+        for other in parts.holes[:number]:
+            if hypot(hole.x - other.x, hole.y - other.y) < hole.radius + other.radius:
+                raise ArgumentError("holes", f"must not overlap, got {other} and {hole}")
+    for mass in parts.masses:
+        positive("masses", mass.mass)
+        if hypot(mass.x, mass.y) > reach:
+            raise ArgumentError("masses", f"must lie on the plate of radius {reach:g}, got {mass}")
+    return parts
+
+
+def _three(name: str, values: Any) -> list[float]:
+    """Three numbers, or `ArgumentError`."""
+    given = list(values) if isinstance(values, Iterable) and not isinstance(values, str) else []
+    if len(given) != 3:
+        what = ", ".join(PLATE if name == "plate" else _FORMS[name]._fields)
+        raise ArgumentError(name, f"must hold {what}, got {values!r}")
+    return [finite(name, each) for each in given]
+
+
+_FORMS: dict[str, Any] = {"holes": Hole, "masses": PointMass}
+
+
+def _mass_properties(parts: Parts) -> tuple[Any, tuple[Any, Any], tuple[Any, Any, Any, Any]]:
+    """Mass, centre of gravity, and entries xx, yy, zz, xy of the inertia, in axes of the plate."""
+    (r, thickness, density), axial = parts.plate, parts.plate.thickness**2 / 12
+    unit = density * thickness * pi
+    mass = unit * r**2
+    # Areas over pi, and the moments of inertia about a diameter and about the normal.
+    area, x, y = r**2, 0.0, 0.0
+    across, normal = mass * (r**2 / 4 + axial), mass * r**2 / 2
+    xx, yy, xy = 0.0, 0.0, 0.0
+    for hole in parts.holes:
+        square, taken = hole.radius**2, unit * hole.radius**2
+        area, x, y = area - square, x - square * hole.x, y - square * hole.y
+        mass, across = mass - taken, across - taken * (square / 4 + axial)
+        xx, yy = xx - taken * hole.y**2, yy - taken * hole.x**2
+        xy = xy + taken * hole.x * hole.y
+        normal = normal - taken * (square / 2 + (hole.x**2 + hole.y**2))
+    for added in parts.masses:
+        share, more = added.mass / unit, added.mass
+        area, x, y = area + share, x + share * added.x, y + share * added.y
+        mass, xx, yy = mass + more, xx + more * added.y**2, yy + more * added.x**2
+        xy = xy - more * added.x * added.y
+        normal = normal + more * (added.x**2 + added.y**2)
+    return mass, (x / area, y / area), (across + xx, across + yy, normal, xy)
+
+
+def _product(value: Any, scale: Any) -> Any:
+    """A product of inertia, without what is rounding alone."""
+    return 0.0 if abs(value) <= ROUNDING * scale else value
 
 
 STEEL_RING: dict[str, float] = {name: default(f"disk.{name}") for name in RING}

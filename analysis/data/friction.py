@@ -1,15 +1,15 @@
 """Friction laws of the contact."""
 
 from abc import abstractmethod
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from math import cos, sin
 from typing import Any, ClassVar
 
 from analysis.data.checks import choice, not_negative, number, positive, within
 from analysis.data.described import Described
 from analysis.data.elementary import exp, hypot, tanh
-from analysis.data.names import ArgumentError, Named, nearest
-from analysis.data.own import is_own, own_object
+from analysis.data.names import ArgumentError, Named
+from analysis.data.own import made, own_class
 from analysis.data.quantities import LOADS, QUANTITIES, STEEPEST_FRICTION, Load, default
 
 _LITTLE = 1e-7
@@ -477,41 +477,12 @@ def law_from(values: dict[str, Any]) -> FrictionLaw:
     """
     parameters = dict(values)
     name = parameters.pop("law", default("friction.law"))
-    kind = law_class(name)
-    known = [field.name for field in fields(kind)]
-    for parameter in parameters:
-        if parameter not in known:
-            raise ArgumentError(
-                parameter,
-                f"is no parameter of the friction law {name}, which takes {', '.join(known)}"
-                f"{nearest(parameter, known)}",
-            )
-    try:
-        return kind(**parameters)
-    except ValueError:
-        raise
-    except (Exception, SystemExit) as error:
-        said = error if isinstance(error, TypeError) else f"{type(error).__name__}: {error}"
-        fault = f"cannot be made: {said}"
-        raise ArgumentError("law", fault, f"friction law {name!r}") from error
+    return made("friction law", name, law_class(name), parameters, "law")
 
 
 def law_class(name: Any) -> type[FrictionLaw]:
     """Class of a law by its name; see `law_from`."""
-    if isinstance(name, str) and name in LAWS:
-        return LAWS[name]
-    if not is_own(name):
-        listed = ", ".join(LAWS)
-        raise ArgumentError(
-            "law",
-            f"must be one of {listed} or module:class, got {name!r}{nearest(name, LAWS)}",
-            "friction law",
-        )
-    kind = own_object("friction law", name, "law")
-    if not isinstance(kind, type) or not issubclass(kind, FrictionLaw):
-        fault = "must be a class derived from FrictionLaw"
-        raise ArgumentError("law", fault, f"friction law {name!r}")
-    return kind
+    return own_class("friction law", name, LAWS, FrictionLaw, "law")
 
 
 def check_answers(law: FrictionLaw) -> None:

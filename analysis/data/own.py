@@ -1,13 +1,16 @@
 """What a user writes in a module of their own, by the name `module:attribute`."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import fields
 from importlib import import_module
-from typing import Any
+from typing import Any, TypeVar
 
-from analysis.data.names import ArgumentError
+from analysis.data.names import ArgumentError, nearest
+
+T = TypeVar("T")
 
 _FOREIGN = ContextVar("_FOREIGN", default=False)
 """Whether names come from a file, which may be anybody's."""
@@ -37,7 +40,7 @@ def own_object(what: str, name: str, argument: str = "") -> Any:
     """
     module, _, attribute = name.partition(":")
     if _FOREIGN.get() and module not in sys.modules:
-        fault = "must be imported first; on the command line, --law does that"
+        fault = f"must be imported first; on the command line, --{argument or what} does that"
         raise ArgumentError(argument or what, fault, f"{what} {name!r}")
     try:
         return getattr(import_module(module), attribute)
@@ -56,3 +59,70 @@ def foreign_names() -> Iterator[None]:
         yield
     finally:
         _FOREIGN.reset(token)
+
+
+def own_class(
+    what: str, name: Any, known: Mapping[str, type[T]], base: Any, argument: str
+) -> type[T]:
+    """Class by its name: a known one, or one of the user's own.
+
+    Parameters
+    ----------
+    what : str
+        What to call it in an error, such as "friction law".
+    name : str
+        One of the known ones, or `module:class`.
+    known : mapping
+        Classes by name.
+    base : type
+        What a class of one's own must derive from.
+    argument : str
+        That gives the name.
+
+    Raises
+    ------
+    ArgumentError
+        If there is none, or it is another.
+    """
+    if isinstance(name, str) and name in known:
+        return known[name]
+    if not is_own(name):
+        fault = f"must be one of {', '.join(known)} or module:class, got {name!r}"
+        raise ArgumentError(argument, fault + nearest(name, known), what)
+    kind = own_object(what, name, argument)
+    if not isinstance(kind, type) or not issubclass(kind, base):
+        fault = f"must be a class derived from {base.__name__}"
+        raise ArgumentError(argument, fault, f"{what} {name!r}")
+    return kind
+
+
+def made(what: str, name: str, kind: type[T], values: Mapping[str, Any], argument: str) -> T:
+    """Object of a class, which may be of one's own, from its fields.
+
+    Parameters
+    ----------
+    what, name, argument : str
+        As in `own_class`.
+    kind : type
+    values : mapping
+
+    Raises
+    ------
+    ArgumentError
+        If a field is missing, not one of its own, or out of range.
+    """
+    known: list[str] = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    for given in values:
+        if given not in known:
+            raise ArgumentError(
+                given,
+                f"is no parameter of the {what} {name}, which takes {', '.join(known)}"
+                f"{nearest(given, known)}",
+            )
+    try:
+        return kind(**values)
+    except ValueError:
+        raise
+    except (Exception, SystemExit) as error:
+        said = error if isinstance(error, TypeError) else f"{type(error).__name__}: {error}"
+        raise ArgumentError(argument, f"cannot be made: {said}", f"{what} {name!r}") from error

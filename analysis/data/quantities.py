@@ -219,7 +219,10 @@ _DECLARED = (
              choices=CONSTRAINTS, usual="those of the model"),
     Quantity("disk.name", "the paper's, unrounded or as printed", None, "steel", option="disk",
              choices=("steel", "steel-rounded")),
-    _size("disk.radius", "of the rolling edge", "m", default=0.045, doubted=1.0),
+    Quantity("disk.body", "what else it is, or own module:Class", None, "disk",
+             choices=("disk", "sphere", "ellipse")),
+    _size("disk.radius", "of the edge; of other bodies the largest", "m", default=0.045,
+          doubted=1.0),
     Quantity("disk.hole_radius", "with hole_distance less than radius", "m", 0.015, 0.0),
     Quantity("disk.hole_distance", "of the hole from the centre G", "m", 0.02, 0.0),
     _size("disk.thickness", "of the disk", "m", default=0.01),
@@ -230,6 +233,12 @@ _DECLARED = (
     _size("disk.inertia_x", "about G, along the line from G to S", "kg m²"),
     _size("disk.inertia_y", "across it; above mass * eccentricity²", "kg m²"),
     _size("disk.inertia_z", "normal to it; about S below the others' sum", "kg m²"),
+    Quantity("disk.inertia_xy", "entry of the tensor, the sum of -x y dm",
+             "kg m²", 0.0),
+    Quantity("disk.inertia_xz", "the same of -x z dm", "kg m²", 0.0),
+    Quantity("disk.inertia_yz", "the same of -y z dm", "kg m²", 0.0),
+    _size("disk.other_radius", "ellipse: smaller semi-axis", "m", default=0.04),
+    _angle("disk.long_axis", "ellipse: its larger semi-axis from the line G to S"),
     Quantity("friction.law", "one of the above or own module:Class", None, "smooth-coulomb",
              choices=("smooth-coulomb", "stribeck", "tanh", "viscous", "anisotropic",
                       "power-law", "lubricated")),
@@ -297,6 +306,9 @@ _DECLARED = (
 
 QUANTITIES: dict[str, Quantity] = {each.key: each for each in _DECLARED}
 """By key, in the order of a file."""
+
+PLATE = ("radius", "thickness", "density")
+"""Keys of a disk of uniform density; further round holes and masses are lists."""
 
 RING = ("radius", "hole_radius", "hole_distance", "thickness", "density")
 """Keys of a disk of uniform density with a round hole."""

@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, asdict, dataclass, fields
 from typing import Any
 
+from analysis.data.bodies import body_class, body_from, body_values, check_surface
+from analysis.data.body import PRODUCTS, Body
 from analysis.data.checks import choice, instance
 from analysis.data.constraint_set import (
     MODELS,
@@ -25,7 +27,7 @@ from analysis.data.friction import (
     law_values,
 )
 from analysis.data.names import ArgumentError, nearest
-from analysis.data.quantities import RING, SIX, Level, default, of_table
+from analysis.data.quantities import PLATE, RING, SIX, Level, default, of_table
 from analysis.data.start import Start
 from analysis.data.state import State
 from analysis.data.table import Table
@@ -54,8 +56,8 @@ class Scenario(_Remembering, Described):
     ----------
     constraints : iterable of str
         Some of `CONSTRAINTS`; `MODELS` holds the paper's four sets. Model 1 by default.
-    disk : Disk
-        The paper's disk by default.
+    disk : Body
+        The paper's disk by default. Constraints besides the contact hold a round disk alone.
     friction : FrictionLaw
         The paper's values by default.
     table : Table
@@ -84,7 +86,7 @@ class Scenario(_Remembering, Described):
     """
 
     constraints: ConstraintSet = MODELS[default("model")]
-    disk: Disk = STEEL_DISK
+    disk: Body = STEEL_DISK
     friction: FrictionLaw = PAPER_FRICTION
     table: Table = HORIZONTAL
     contact: PenaltyContact | None = None
@@ -100,9 +102,32 @@ class Scenario(_Remembering, Described):
         check_answers(self.friction)
         ordered = constraint_set(self.constraints)
         object.__setattr__(self, "constraints", ordered)
+        self._check_body()
         self._check_contact()
         # A start that breaks a constraint is refused here, and not when it is first used.
         _ = self.initial_state
+
+    def _check_body(self) -> None:
+        """Refuse what is known of a round disk alone."""
+        check_surface(self.disk)
+        rounded = self.contact is not None and self.contact.is_rounded
+        if not self.friction.IS_ISOTROPIC and (rounded or not self.disk.is_round_disk):
+            raise ArgumentError(
+                "friction",
+                "must be isotropic unless the body is a disk with a sharp rim: there may else "
+                f"be no edge that has a direction, got {self.friction!r}",
+            )
+        if self.disk.is_round_disk:
+            return
+        kind = type(self.disk).__name__
+        if self.model != 1:
+            raise ArgumentError(
+                "constraints", f"must be those of Model 1 for a {kind}, got {self.name}"
+            )
+        if self.dissipation.air_drag:
+            raise ArgumentError(
+                "air_drag", "acts on the faces of a round disk alone, and the body is a " + kind
+            )
 
     def _check_contact(self) -> None:
         if self.contact is not None:
@@ -113,12 +138,6 @@ class Scenario(_Remembering, Described):
                     f"takes no further constraint, got {self.name}",
                 )
             self.contact.check(self.disk, self.weight)
-            if self.contact.is_rounded and not self.friction.IS_ISOTROPIC:
-                raise ArgumentError(
-                    "friction",
-                    "must be isotropic on a rounded rim, which may lie flat, where the edge has "
-                    f"no direction, got {self.friction!r}",
-                )
             return
         if self.dissipation.is_on:
             raise ArgumentError(
@@ -205,25 +224,36 @@ class Scenario(_Remembering, Described):
             height=-self.contact.resting_penetration(self.weight),
         )
 
-    def require_horizontal_table(self, analysis: str) -> None:
-        """Raise `ValueError` if the table leans, which this analysis does not know of.
+    @property
+    def is_smooth(self) -> bool:
+        """Whether the lowest point of the body is defined in every attitude."""
+        rounded = self.contact is not None and self.contact.is_rounded
+        return rounded or not self.disk.has_edge
+
+    def require_plain(self, analysis: str) -> None:
+        """Raise `ValueError` unless table and disk are as the paper's: level, round, principal.
 
         Parameters
         ----------
         analysis : str
-            What to call it, such as "the reduced system".
+            What to call what knows of nothing else, such as "the reduced system".
         """
         if not self.table.is_horizontal:
             raise ValueError(
                 f"{analysis} needs a horizontal table, got an inclination of "
                 f"{self.table.inclination:g} rad"
             )
+        if not self.disk.is_plain:
+            raise ValueError(
+                f"{analysis} needs a round disk whose line from centre to centre of gravity is a "
+                f"principal axis, got {self.disk!r}"
+            )
 
     def values(self) -> dict[str, Any]:
         """The scenario as plain data, to be stored; `from_values` makes it again."""
         values: dict[str, Any] = {
             "constraints": list(self.constraints),
-            "disk": asdict(self.disk),
+            "disk": body_values(self.disk),
             "friction": law_values(self.friction),
             "table": asdict(self.table),
             "dissipation": asdict(self.dissipation),
@@ -288,17 +318,18 @@ def made_part(table: str, values: Any) -> Any:
     return make(**values)
 
 
-_DISK_FORMS = f"name; or {', '.join(SIX)}; or {', '.join(RING)}"
+_DISK_FORMS = (
+    f"name; or {', '.join((*SIX, *PRODUCTS))}; or {', '.join(RING)}; or "
+    f"{', '.join(PLATE)}, holes, masses; or body and what it takes"
+)
 
 Names = tuple[str, ...]
 
 
 def _form(table: str, values: Mapping[str, Any]) -> tuple[Callable[..., Any], Names, Names]:
     """What makes the object of a table, the names that it takes, and those that it needs."""
-    if table == "disk" and "name" in values:
-        return lambda name: DISKS[choice("name", name, DISKS)], ("name",), ()
-    if table == "disk" and any(name in values for name in RING[1:]):
-        return Disk.ring, RING, RING
+    if table == "disk":
+        return _disk_form(values)
     if table == "friction":
         known = [
             each.name for each in fields(law_class(values.get("law", default("friction.law"))))
@@ -312,13 +343,36 @@ def _form(table: str, values: Mapping[str, Any]) -> tuple[Callable[..., Any], Na
     return kind, tuple(known), tuple(needed)
 
 
+def _disk_form(values: Mapping[str, Any]) -> tuple[Callable[..., Any], Names, Names]:
+    """The same for a body."""
+    if "name" in values:
+        return lambda name: DISKS[choice("name", name, DISKS)], ("name",), ()
+    if values.get("body", "disk") != "disk":
+        of_body = fields(body_class(values["body"]))
+        needed = tuple(each.name for each in of_body if each.default is MISSING)
+        return _body, ("body", *(each.name for each in of_body)), needed
+    if "holes" in values or "masses" in values:
+        return _composed, (*PLATE, "holes", "masses"), PLATE
+    if any(name in values for name in RING[1:]):
+        return Disk.ring, RING, RING
+    return _body, ("body", *SIX, *PRODUCTS), SIX
+
+
+def _body(**values: Any) -> Body:
+    return body_from(values)
+
+
+def _composed(*, holes: Any = (), masses: Any = (), **plate: Any) -> Disk:
+    return Disk.of_parts([plate[name] for name in PLATE], holes, masses)
+
+
 def _listed(names: Any) -> str:
     *others, last = names
     return f"{', '.join(others)} and {last}" if others else str(last)
 
 
 KINDS: dict[str, type] = {
-    "disk": Disk,
+    "disk": Body,
     "friction": FrictionLaw,
     "table": Table,
     "contact": PenaltyContact,

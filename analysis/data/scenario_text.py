@@ -8,11 +8,13 @@ from numbers import Integral, Real
 from typing import Any
 
 from analysis.data.angles import spelled_angle
+from analysis.data.bodies import body_values
+from analysis.data.body import PRODUCTS, Body
 from analysis.data.constraint_set import MODELS
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import STEEL_DISK, STEEL_RING, Disk
+from analysis.data.disk import STEEL_RING, Disk
 from analysis.data.friction import law_values
-from analysis.data.quantities import CONSTRAINTS, QUANTITIES, SIX
+from analysis.data.quantities import CONSTRAINTS, PLATE, QUANTITIES, RING, SIX
 from analysis.data.scenario import Scenario
 from analysis.data.start import Start
 from analysis.data.state import COORDINATES
@@ -36,9 +38,12 @@ _START = """\
 # all of its coordinates and rates: coordinates = [{}] and rates = [...].
 """
 
-_OF_STATE = {
+_OWN = {"friction": "of this law", "disk": "of this body"}
+_OF_LIST = {
     "coordinates": f"{', '.join(COORDINATES)} in m and rad",
     "rates": "their rates in m/s and rad/s",
+    "holes": "in m, in axes of the plate",
+    "masses": "in m and kg",
 }
 
 
@@ -89,12 +94,24 @@ def _constraints(scenario: Scenario) -> str:
     )
 
 
-def _disk(disk: Disk) -> Iterator[str]:
-    is_ring = disk == STEEL_DISK
+def _disk(disk: Body) -> Iterator[str]:
+    told = body_values(disk)
+    is_disk = isinstance(disk, Disk)
+    parts = disk.parts if isinstance(disk, Disk) else None
+    ring, is_ring = STEEL_RING | (told if parts else {}), "hole_radius" in told
+    yield "# What it is. Other bodies than a disk take their values from here:\n"
+    yield _lines("disk", {"body": "disk"} | ({} if is_disk else told), off=is_disk)
     yield "# A disk of uniform density with a round hole:\n"
-    yield _lines("disk", STEEL_RING, off=not is_ring)
+    for name in RING:
+        off = parts is None or not (is_ring or name in PLATE)
+        yield _lines("disk", {name: ring[name]}, off=off)
+    yield "# In place of its hole, several holes [x, y, radius] and small masses [x, y, mass]:\n"
+    lists = {name: told.get(name, []) for name in ("holes", "masses")}
+    yield _lines("disk", lists, off=parts is None or is_ring)
     yield "# In place of it, any disk:\n"
-    yield _lines("disk", {key: getattr(disk, key) for key in SIX}, off=is_ring)
+    for name in (*SIX, *PRODUCTS):
+        off = not is_disk or parts is not None or (name in PRODUCTS and name not in told)
+        yield _lines("disk", {name: getattr(disk, name)}, off=off)
     names = " or ".join(f'"{name}"' for name in QUANTITIES["disk.name"].choices)
     yield f"# Or a disk by name: name = {names}\n"
 
@@ -137,7 +154,7 @@ def _lines(table: str, values: dict[str, Any], *, off: bool = False) -> str:
         quantity = QUANTITIES.get(f"{table}.{name}")
         spelled = spelled_angle(value) if quantity is not None and quantity.is_angle else None
         literal = _literal(name, value if spelled is None else spelled)
-        about = _OF_STATE.get(name, "of this law") if quantity is None else quantity.comment
+        about = _OF_LIST.get(name, _OWN.get(table, "")) if quantity is None else quantity.comment
         lines.append(f"{mark}{name} = {literal}  # {about}\n")
     return "".join(lines)
 

@@ -5,11 +5,11 @@ from math import pi
 from typing import Literal, get_args
 
 from analysis.data.admissible import FOLLOWING, demanded
+from analysis.data.body import Body
 from analysis.data.checks import choice
 from analysis.data.constraint_set import ConstraintSet, set_name
 from analysis.data.described import Described
-from analysis.data.disk import Disk
-from analysis.data.elementary import cos, hypot, sin
+from analysis.data.elementary import cos
 from analysis.data.limits import LEAST_TILT
 from analysis.data.names import ArgumentError
 from analysis.data.quantities import default
@@ -99,7 +99,7 @@ class Start(Described):
     def state(
         self,
         constraints: ConstraintSet,
-        disk: Disk,
+        disk: Body,
         *,
         half_thickness: float = 0.0,
         height: float = 0.0,
@@ -109,7 +109,7 @@ class Start(Described):
         Parameters
         ----------
         constraints : tuple of str
-        disk : Disk
+        disk : Body
         half_thickness : float
             Of a rounded rim in m.
         height : float
@@ -120,12 +120,10 @@ class Start(Described):
         ValueError
             If the start breaks a constraint.
         """
-        r = disk.radius
         beta, gamma = self.beta, self.gamma
-        sb, cb = sin(beta), cos(beta)
         given = [getattr(self, field) for field in FOLLOWING]
         # As in Table 3.
-        usual = (0.0, 0.0, 0.0, 0.0, 0.0, -self.spin * cb)
+        usual = (0.0, 0.0, 0.0, 0.0, 0.0, -self.spin * cos(beta))
         free = tuple(
             other if each is None else each for each, other in zip(given, usual, strict=True)
         )
@@ -139,12 +137,11 @@ class Start(Described):
                 )
         x, y, x_rate, y_rate, beta_rate, gamma_rate = found
         lift = height if self.height is None else self.height
-        over = hypot(r * sb, half_thickness * cb)
-        # In the order in which it is r cos(beta) to the last digit on a sharp rim.
-        per_tilt = r * cb * (1.0 - (half_thickness / r) ** 2) * (r * sb / over)
+        over, per_tilt, per_turn = disk.clearance(beta, gamma, half_thickness)
+        rise = per_tilt * beta_rate + per_turn * gamma_rate
         return State(
             coordinates=(x, y, over + lift, self.alpha, self.beta, self.gamma),
-            rates=(x_rate, y_rate, per_tilt * beta_rate, self.spin, beta_rate, gamma_rate),
+            rates=(x_rate, y_rate, rise, self.spin, beta_rate, gamma_rate),
         )
 
 

@@ -12,7 +12,7 @@ from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from analysis.mechanics.attitude import EulerAngles, Frame
 from analysis.mechanics.states import state_of
-from analysis.mechanics.vectors import NONE, Numbers, Vector, dot
+from analysis.mechanics.vectors import NONE, Numbers, Vector, cross, dot
 
 
 class Direction(NamedTuple):
@@ -43,6 +43,23 @@ LABELS = {
     "spin_torque": "constant spin gamma_alpha = 0",
 }
 """What each constraint demands, by the name of its multiplier."""
+
+
+def at_point(point: Vector, frame: Frame) -> tuple[Direction, Direction, Direction]:
+    """Directions in which a point of the body, seen from S, moves along the axes of the frame."""
+    return (
+        Direction((1.0, 0.0, 0.0), cross(point, frame.ahead)),
+        Direction((0.0, 1.0, 0.0), cross(point, frame.across)),
+        Direction((0.0, 0.0, 1.0), cross(point, frame.up)),
+    )
+
+
+def contact_directions(body: Any, frame: Frame) -> tuple[Direction, Direction, Direction]:
+    """Directions in which the lowest point moves along the axes of the frame R."""
+    if body.is_round_disk:
+        return rim_directions(body, frame)
+    x, y, z = body.lowest_point(frame.up)
+    return at_point((x - body.eccentricity, y, z), frame)
 
 
 def rim_directions(disk: Any, frame: Frame) -> tuple[Direction, Direction, Direction]:
@@ -76,7 +93,7 @@ def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[D
         Euler angles in rad.
     """
     frame = EulerAngles.frame(angles)
-    ahead, across, up = rim_directions(disk, frame)
+    ahead, across, up = contact_directions(disk, frame)
     every = {
         "normal_force": up,
         "cog_force_x": Direction((1.0, 0.0, 0.0), NONE),
@@ -92,7 +109,11 @@ def places(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
     """Position-level residuals of Eqs. (66) and (83) in m, 1 or 3, from a state of `states`."""
     position, angles = state[:3], state[3:6]
     frame = EulerAngles.frame(angles)
-    height = position[2] + disk.radius * frame.across[2] - disk.eccentricity * frame.up[0]
+    height = position[2] - disk.eccentricity * frame.up[0]
+    if disk.is_round_disk:
+        height += disk.radius * frame.across[2]
+    else:
+        height += dot(disk.lowest_point(frame.up), frame.up)
     return [height, *position[:2]] if "fixed-cog" in constraints else [height]
 
 

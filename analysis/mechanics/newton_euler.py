@@ -1,4 +1,4 @@
-"""Newton's and Euler's equations of the disk, for numbers of any kind.
+"""Newton's and Euler's equations of a body on a table, for numbers of any kind.
 
 Velocities are those of the centre of gravity S in axes of a frame on the table, which may turn
 about the vertical, and the angular velocity in axes of the body. What acts on the disk has a
@@ -15,8 +15,8 @@ from analysis.mechanics.attitude import EulerAngles, Moving
 from analysis.mechanics.constraints import (
     SLIPS,
     Direction,
+    contact_directions,
     directions,
-    rim_directions,
 )
 from analysis.mechanics.dual import rate
 from analysis.mechanics.elimination import solve
@@ -29,13 +29,14 @@ held is the float 0.0."""
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IdealContact:
-    """Equations of a disk on the ideal contact, in numbers of any kind.
+    """Equations of a body on the ideal contact, in numbers of any kind.
 
     Parameters
     ----------
     constraints : tuple of str
-    disk : Disk
-        Or what has its mass, radius, eccentricity and `inertia_about_cog`.
+    disk : Body
+        Or, of a round disk, what has its mass, radius, eccentricity, `inertia_about_cog` and
+        `products`.
     gravity : tuple of 3 numbers
         In m/s², in axes of the table; the first two are the float 0.0 if it is level.
     load : str, optional
@@ -149,7 +150,7 @@ class _Slips(NamedTuple):
     def of(cls, contact: IdealContact, moving: Moving) -> "_Slips":
         """Slips in this state; the disk slides where it is not held."""
         found = []
-        for name, way in zip(SLIPS, rim_directions(contact.disk, moving.frame), strict=False):
+        for name, way in zip(SLIPS, contact_directions(contact.disk, moving.frame), strict=False):
             if name in contact.constraints:
                 found.append((Direction(NONE, NONE), 0.0))
             else:
@@ -168,24 +169,50 @@ class _Slips(NamedTuple):
 def free_acceleration(disk: Any, gravity: Vector, moving: Moving) -> tuple[Vector, Vector]:
     """Acceleration by gravity and inertia alone, in axes of the frame and of the body."""
     p, q, s = moving.angular
-    a, b, c = disk.inertia_about_cog
+    (a, b, c), (d, e, f) = disk.inertia_about_cog, disk.products
     (x, y, z), (u, v, _), spin = gravity, moving.velocity, moving.spin
-    turning = (b - c) / a * (q * s), (c - a) / b * (s * p), (a - b) / c * (p * q)
+    # The torque -w x I w by the products of the angular velocity, each with a constant vector.
+    parts = (
+        (q * s, (b - c, -d, e)),
+        (s * p, (d, c - a, -f)),
+        (p * q, (-e, f, a - b)),
+        *((s * s - q * q, (f, 0.0, 0.0)), (p * p - s * s, (0.0, e, 0.0))),
+        (q * q - p * p, (0.0, 0.0, d)),
+    )
+    turning = NONE
+    for product, torque in parts:
+        turning = add(turning, scaled(product, turned_by(disk, torque)))
     return (x + spin * v, y - spin * u, z), turning
+
+
+def turned_by(body: Any, torque: Vector) -> Vector:
+    """Angular acceleration by a torque on a body that does not turn, both in its axes."""
+    (p, q, s), (a, b, c), (d, e, f) = torque, body.inertia_about_cog, body.products
+    if all(isinstance(each, float) and each == 0.0 for each in (d, e, f)):
+        return p / a, q / b, s / c
+    # The cofactors of the inertia.
+    xx, yy, zz = b * c - f * f, a * c - e * e, a * b - d * d
+    xy, xz, yz = e * f - c * d, d * f - b * e, d * e - a * f
+    whole = a * xx + d * xy + e * xz
+    return (
+        xx / whole * p + xy / whole * q + xz / whole * s,
+        xy / whole * p + yy / whole * q + yz / whole * s,
+        xz / whole * p + yz / whole * q + zz / whole * s,
+    )
 
 
 def kinetic_energy(disk: Any, velocity: Vector, angular: Vector) -> Any:
     """Kinetic energy in J, of S with a velocity in any axes, and of turning in the body's."""
-    a, b, c = disk.inertia_about_cog
+    (a, b, c), (d, e, f) = disk.inertia_about_cog, disk.products
     p, q, s = angular
-    return 0.5 * (disk.mass * dot(velocity, velocity) + a * (p * p) + b * (q * q) + c * (s * s))
+    axial = disk.mass * dot(velocity, velocity) + a * (p * p) + b * (q * q) + c * (s * s)
+    return 0.5 * axial + (d * (p * q) + e * (p * s) + f * (q * s))
 
 
 def response(disk: Any, direction: Direction) -> tuple[Vector, Vector]:
     """Acceleration by a unit force along a direction."""
-    (x, y, z), (p, q, s), _ = direction
-    m, (a, b, c) = disk.mass, disk.inertia_about_cog
-    return (x / m, y / m, z / m), (p / a, q / b, s / c)
+    (x, y, z), turning, _ = direction
+    return (x / disk.mass, y / disk.mass, z / disk.mass), turned_by(disk, turning)
 
 
 def together(

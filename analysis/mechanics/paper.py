@@ -16,20 +16,20 @@ from math import cos, sin
 
 import numpy as np
 
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.constraint_set import MULTIPLIERS, ConstraintSet, multiplier_names
-from analysis.data.disk import Disk
 from analysis.data.scenario import Scenario
 
 Vector = Sequence[float] | Array
 
 
-def mass_matrix(disk: Disk, z: Vector) -> Array:
+def mass_matrix(disk: Body, z: Vector) -> Array:
     """Mass matrix, Eqs. (16)-(22), shape (6, 6).
 
     Parameters
     ----------
-    disk : Disk
+    disk : Body
     z : array_like, shape (6,)
         Co-rotating coordinates in m and rad.
     """
@@ -61,12 +61,12 @@ def mass_matrix(disk: Disk, z: Vector) -> Array:
     )
 
 
-def gyroscopic_forces(disk: Disk, z: Vector, u: Vector) -> Array:
+def gyroscopic_forces(disk: Body, z: Vector, u: Vector) -> Array:
     """Gyroscopic vector h, Eqs. (23)-(30), shape (6,).
 
     Parameters
     ----------
-    disk : Disk
+    disk : Body
     z, u : array_like, shape (6,)
         Co-rotating coordinates and their rates.
     """
@@ -121,12 +121,12 @@ def gravity_forces(scenario: Scenario, z: Vector) -> Array:
     return np.array((0.0, 0.0, -weight, 0.0, f5, f6))
 
 
-def normal_direction(disk: Disk, z: Vector) -> Array:
+def normal_direction(disk: Body, z: Vector) -> Array:
     """Generalised direction w_N of the normal contact force, Eq. (31), shape (6,)."""
     return np.array((0.0, 0.0, 1.0, 0.0, -disk.radius * cos(z[4]), 0.0))
 
 
-def tangential_directions(disk: Disk, z: Vector) -> Array:
+def tangential_directions(disk: Body, z: Vector) -> Array:
     """Generalised directions W_T = [w_x, w_y] of the friction force, Eq. (32), shape (6, 2).
 
     The slip velocity of the contact point in the R-frame is W_T^T u.
@@ -144,7 +144,7 @@ def tangential_directions(disk: Disk, z: Vector) -> Array:
     )
 
 
-def constraint_positions(constraints: ConstraintSet, disk: Disk, z: Vector) -> Array:
+def constraint_positions(constraints: ConstraintSet, disk: Body, z: Vector) -> Array:
     """Position-level residuals of Eqs. (66) and (83) in m, shape (1,) or (3,)."""
     r, e = disk.radius, disk.eccentricity
     x, y, height, _, beta, gamma = z
@@ -152,7 +152,7 @@ def constraint_positions(constraints: ConstraintSet, disk: Disk, z: Vector) -> A
     return np.array([every[row] for row in _rows(constraints) if row < len(every)])
 
 
-def constraint_directions(constraints: ConstraintSet, disk: Disk, z: Vector) -> Array:
+def constraint_directions(constraints: ConstraintSet, disk: Body, z: Vector) -> Array:
     """Matrix W^T of Eqs. (31), (84), (87) and (88), shape (n, 6).
 
     Velocity-level residuals are W^T u, less the prescribed spin in the row of a constant spin.
@@ -171,7 +171,7 @@ def constraint_directions(constraints: ConstraintSet, disk: Disk, z: Vector) -> 
     return np.array([every[row] for row in _rows(constraints)])
 
 
-def constraint_changes(constraints: ConstraintSet, disk: Disk, z: Vector, u: Vector) -> Array:
+def constraint_changes(constraints: ConstraintSet, disk: Body, z: Vector, u: Vector) -> Array:
     """Terms chi = (d/dt W^T) u of the acceleration-level constraints, Eq. (59), shape (n,)."""
     r, e = disk.radius, disk.eccentricity
     beta, gamma = z[4], z[5]
@@ -236,7 +236,7 @@ def index_1_system(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Arr
     return matrix, right
 
 
-def inertial_mass_matrix(disk: Disk, q: Vector) -> Array:
+def inertial_mass_matrix(disk: Body, q: Vector) -> Array:
     """Mass matrix, Eq. (134), shape (6, 6), from inertial coordinates `q`, shape (6,)."""
     m, me = disk.mass, disk.mass * disk.eccentricity
     A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
@@ -261,7 +261,7 @@ def inertial_mass_matrix(disk: Disk, q: Vector) -> Array:
     return np.block([[m * np.eye(3), M12], [M12.T, M22]])
 
 
-def inertial_gyroscopic_forces(disk: Disk, q: Vector, u: Vector) -> Array:
+def inertial_gyroscopic_forces(disk: Body, q: Vector, u: Vector) -> Array:
     """Gyroscopic vector h, Eqs. (135)-(141), shape (6,), from `q` and its rates `u`."""
     me = disk.mass * disk.eccentricity
     A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
@@ -305,7 +305,7 @@ def inertial_gyroscopic_forces(disk: Disk, q: Vector, u: Vector) -> Array:
     return np.array((h1, h2, h3, h4, h5, h6))
 
 
-def inertial_tangential_directions(disk: Disk, q: Vector) -> Array:
+def inertial_tangential_directions(disk: Body, q: Vector) -> Array:
     """Generalised directions W_T of the friction force, Eq. (143), shape (6, 2)."""
     r, alpha, beta = disk.radius, q[3], q[4]
     sa, ca, sb, cb = sin(alpha), cos(alpha), sin(beta), cos(beta)

@@ -1,13 +1,4 @@
-"""The disk on a table that yields, for numbers of any kind: what acts on it, and what it takes.
-
-The rim is a circle or, rounded, a thin spheroid of semi-axes r, r, c, which has a smooth lowest
-point in every attitude. A circle has none when it lies flat; a torus of tube radius c has none
-either. With u the vertical in axes of the body, D = diag(r², r², c²) and H = sqrt(u^T D u), the
-lowest point is -D u / H from the centre, and H is the height of the centre over it.
-
-The thin disk has H = r sin(beta). The spheroid lies higher by about c² cos²(beta) / (2 r
-sin(beta)), second order in c, and by c when flat; a torus by c (1 - sin(beta)), first order.
-"""
+"""A body on a table that yields, for numbers of any kind: what acts on it, and what it takes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +9,7 @@ from analysis.data.contact import PenaltyContact
 from analysis.data.dissipation import Dissipation
 from analysis.data.elementary import sqrt
 from analysis.mechanics.attitude import Chart, Frame, Moving, Quaternion
-from analysis.mechanics.constraints import Direction
+from analysis.mechanics.constraints import Direction, at_point
 from analysis.mechanics.dual import rate
 from analysis.mechanics.newton_euler import (
     Friction,
@@ -28,24 +19,6 @@ from analysis.mechanics.newton_euler import (
     together,
 )
 from analysis.mechanics.vectors import NONE, Numbers, Vector, add, cross, dot, scaled
-
-
-def lowest_point(disk: Any, half_thickness: Any, up: Numbers) -> Vector:
-    """Lowest point of the rim seen from the centre in m, in axes of the body.
-
-    Parameters
-    ----------
-    disk : Disk
-    half_thickness : number
-        In m; 0.0 for a circle.
-    up : sequence of 3 numbers
-        The vertical in axes of the body.
-    """
-    a, b = disk.radius * disk.radius, half_thickness * half_thickness
-    x, y, z = up
-    height = sqrt(a * (x * x + y * y) + b * (z * z))
-    return -(a * x) / height, -(a * y) / height, -(b * z) / height
-
 
 READINGS = {
     "positions": 3,
@@ -58,15 +31,6 @@ READINGS = {
     "energies": 3,
 }
 """Arrays of a `SpatialMotion` that are read off a state, and their numbers for each sample."""
-
-
-def at_point(point: Vector, frame: Frame) -> tuple[Direction, Direction, Direction]:
-    """Directions in which a point of the disk, seen from S, moves along the axes of the frame."""
-    return (
-        Direction((1.0, 0.0, 0.0), cross(point, frame.ahead)),
-        Direction((0.0, 1.0, 0.0), cross(point, frame.across)),
-        Direction((0.0, 0.0, 1.0), cross(point, frame.up)),
-    )
 
 
 class Touch(NamedTuple):
@@ -90,11 +54,11 @@ class Touch(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class YieldingTable:
-    """Equations of a disk on a spring, in numbers of any kind.
+    """Equations of a body on a spring, in numbers of any kind.
 
     Parameters
     ----------
-    disk : Disk
+    disk : Body
     rim : PenaltyContact
     gravity : tuple of 3 numbers
         See `newton_euler.IdealContact`.
@@ -148,7 +112,8 @@ class YieldingTable:
         return Touch(point, ways, gap, gap_rate, (slip_x, slip_y), contour, force)
 
     def _lowest(self, up: Numbers) -> Vector:
-        return lowest_point(self.disk, self.rim.half_thickness, up)
+        point: Vector = self.disk.lowest_point(up, self.rim.half_thickness)
+        return point
 
     def _carried(self, up: Vector, change: Vector) -> Vector:
         """Change of the lowest point by one of the vertical; linear, symmetric and horizontal."""

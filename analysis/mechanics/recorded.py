@@ -1,7 +1,7 @@
 """The equations as code: recorded once for each structure, run on numbers of any kind."""
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import lru_cache, partial
 from math import hypot
 from types import SimpleNamespace
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from analysis.data import elementary
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.constraint_set import ConstraintSet
 from analysis.data.friction import FrictionLaw
@@ -29,7 +30,7 @@ STATE = (*COORDINATES, *(f"{name}_rate" for name in COORDINATES))
 
 NUMBERS = (
     *("mass", "radius", "eccentricity"),
-    *(f"inertia_{axis}" for axis in "xyz"),
+    *(f"inertia_{axis}" for axis in ("x", "y", "z", "xy", "xz", "yz")),
     *(f"gravity_{axis}" for axis in "xyz"),
 )
 """Names of what code is bound to: the disk, with its inertia about S, and gravity on the table."""
@@ -40,22 +41,24 @@ _FUNCTIONS = ("speed", "per_speed", "force", "contact_load")
 def numbers(scenario: Any) -> tuple[Any, ...]:
     """Those of `NUMBERS` of a scenario, or of `Members`."""
     disk = scenario.disk
-    inertia = disk.inertia_about_cog
+    inertia = *disk.inertia_about_cog, *disk.products
     return disk.mass, disk.radius, disk.eccentricity, *inertia, *scenario.table.vector
 
 
 def disk_of(values: Numbers) -> Any:
-    """A disk of the first ones of `NUMBERS`, of any kind."""
-    mass, radius, eccentricity, *inertia = values[:6]
+    """A round disk of the first ones of `NUMBERS`, of any kind."""
+    mass, radius, eccentricity, a, b, c, *products = values[:9]
     return SimpleNamespace(
+        is_round_disk=True,
         mass=mass,
         radius=radius,
         eccentricity=eccentricity,
-        inertia_about_cog=tuple(inertia),
+        inertia_about_cog=(a, b, c),
+        products=tuple(products),
     )
 
 
-@cache
+@lru_cache(maxsize=256)
 def formula(*structure: Any, **more: Any) -> Callable[..., Callable[..., tuple[Any, ...]]]:
     """Code of `recording`, whose parameters these are.
 
@@ -76,6 +79,8 @@ def recording(
     *,
     horizontal: bool,
     law: type[FrictionLaw] = FrictionLaw,
+    products: bool = False,
+    body: Body | None = None,
     slowing: bool = False,
     chart: type[EulerAngles] = EulerAngles,
 ) -> tuple[Recorder, list[Any]]:
@@ -91,6 +96,10 @@ def recording(
         Whether the table is level.
     law : type
         Of the friction: whether it is isotropic and in proportion to the load.
+    products : bool
+        Whether the disk has products of inertia.
+    body : Body, optional
+        Other than a round disk; its numbers are recorded in place of those of `NUMBERS`.
     slowing : bool
         Whether half the rate of the squared slip speed is told, too.
     chart : EulerAngles or EulerTurning
@@ -104,10 +113,16 @@ def recording(
         The derivative and the multipliers, 12 + n, and what `slowing` asks for.
     """
     recorder = Recorder(NUMBERS, STATE, _FUNCTIONS)
-    along, across, down = recorder.constants[6:]
+    along, across, down = recorder.constants[9:]
+    disk: Any = body
+    if body is None:
+        disk = disk_of(recorder.constants)
+        if not products:
+            # Zeros take no time in what is recorded.
+            disk.products = (0.0, 0.0, 0.0)
     contact = IdealContact(
         constraints=held,
-        disk=disk_of(recorder.constants),
+        disk=disk,
         gravity=(0.0, 0.0, down) if horizontal else (along, across, down),
         load=load,
         is_proportional=law.IS_PROPORTIONAL,
@@ -199,6 +214,8 @@ def _bound(
         law.load if scenario.rubs else None,
         horizontal=bool(scenario.table.is_horizontal),
         law=type(law),
+        products=scenario.disk.has_products,
+        body=None if scenario.disk.is_round_disk else scenario.disk,
         chart=chart,  # type: ignore[arg-type] # a class can be hashed
     )(*numbers(scenario), force=law.force, contact_load=contact_load, **functions)
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from analysis.data.body import Body
 from analysis.data.checks import Array
-from analysis.data.disk import Disk
 from analysis.data.elementary import cos, sin
 from analysis.data.scenario import Scenario
 from analysis.mechanics.free_body import Solver
@@ -135,12 +135,12 @@ def normal_force_from(
     return scenario.weight + disk.mass * rise
 
 
-def expand(disk: Disk, spin: float, alpha: Array, x: Array) -> tuple[Array, Array]:
+def expand(disk: Body, spin: float, alpha: Array, x: Array) -> tuple[Array, Array]:
     """Co-rotating coordinates and rates from reduced states, Eqs. (94), (96), (97).
 
     Parameters
     ----------
-    disk : Disk
+    disk : Body
     spin : float
         Constant spinning speed in rad/s.
     alpha : ndarray, shape (n,)
@@ -160,7 +160,7 @@ def expand(disk: Disk, spin: float, alpha: Array, x: Array) -> tuple[Array, Arra
 
 
 def expanded(
-    disk: Disk, spin: Any, alpha: Any, x: Sequence[Any] | Array
+    disk: Body, spin: Any, alpha: Any, x: Sequence[Any] | Array
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The six coordinates and the six rates of `expand`, for numbers of any kind."""
     r, e = disk.radius, disk.eccentricity

@@ -112,7 +112,7 @@ def check_form(scenario: Scenario, form: str) -> None:
             raise ValueError(
                 f"form 'reduced' takes the load 'weight' alone, got {scenario.friction.load!r}"
             )
-        scenario.require_horizontal_table("form 'reduced'")
+        scenario.require_plain("form 'reduced'")
 
 
 def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:

@@ -7,8 +7,8 @@ spin along the axis. The contact carries the weight m g in every stationary moti
 
 from math import cos, pi, sin, sqrt
 
+from analysis.data.body import Body
 from analysis.data.checks import number, positive
-from analysis.data.disk import Disk
 from analysis.data.scenario import Scenario
 from analysis.data.start import Start
 
@@ -41,13 +41,13 @@ def axial_spin(scenario: Scenario, beta: float, precession: float) -> float:
 
 
 def rolling_start(
-    disk: Disk, beta: float, precession: float, spin: float, beta_rate: float = 0.0
+    disk: Body, beta: float, precession: float, spin: float, beta_rate: float = 0.0
 ) -> Start:
     """Start of a centred disk that rolls without slip on a circle about the origin.
 
     Parameters
     ----------
-    disk : Disk
+    disk : Body
     beta : float
         Inclination in rad.
     precession, spin : float
@@ -122,11 +122,11 @@ def time_to_flat(scenario: Scenario, beta: float) -> float:
 
 def _tipping(scenario: Scenario) -> float:
     """Moment m g r in N m of the weight about the rim of a flat disk."""
-    scenario.require_horizontal_table("a closed form of rolling")
+    scenario.require_plain("a closed form of rolling")
     return scenario.weight * scenario.disk.radius
 
 
-def _across(disk: Disk) -> float:
+def _across(disk: Body) -> float:
     """Moment of inertia A across the axis of a centred disk."""
     if disk.eccentricity or abs(disk.inertia_x - disk.inertia_y) > 1e-9 * disk.inertia_x:
         raise ValueError(

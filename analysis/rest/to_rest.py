@@ -9,9 +9,9 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.agreement import TIGHTEST, until_agreement
+from analysis.data.body import Body
 from analysis.data.checks import Array, TimeLimitError, choice, instance, positive
 from analysis.data.checks import local_tolerance as one_step
-from analysis.data.disk import Disk
 from analysis.data.dissipation import CAUSES, RestCriterion
 from analysis.data.endings import (
     AT_REST,
@@ -124,7 +124,7 @@ def simulate_to_rest(
     choice("method", method, REST_METHODS)
     if tolerance is not None and local_tolerance is not None:
         raise ValueError("give either tolerance or local_tolerance, not both")
-    if not scenario.penalty_contact.is_rounded:
+    if not (scenario.penalty_contact and scenario.is_smooth):
         raise ValueError("half_thickness must be positive for the disk to lie flat, got 0")
     check_storage("end", end / spacing, MOTION_COLUMNS)
     rest_effort(scenario, end).check()
@@ -145,7 +145,7 @@ def simulate_to_rest(
     return until_agreement(way.run, LOCAL_PART * tolerance, tolerance)
 
 
-def start_vector(disk: Disk, start: State) -> Array:
+def start_vector(disk: Body, start: State) -> Array:
     """State of `FreeBody` for a start in the paper's coordinates, shape (19,)."""
     position, rotation = frames.poses(np.array([start.coordinates]))
     velocity, angular = frames.twists(np.array([start.coordinates]), np.array([start.rates]))
@@ -257,7 +257,7 @@ class _Way:
         return Ending(reason=TIME_LIMIT, time=moment, value=seconds)
 
 
-def paper_state(disk: Disk, vector: Array) -> State | None:
+def paper_state(disk: Body, vector: Array) -> State | None:
     """The paper's coordinates and their rates of a state of `FreeBody`; None on a flat disk."""
     moving = Quaternion.moving(vector[:13].tolist())
     ahead, across, up = moving.frame

@@ -80,7 +80,7 @@ def require_spinning(scenario: Scenario, analysis: str, level: Level | None = No
     ValueError
         If the table leans, the contact is compliant, or the model is another one.
     """
-    scenario.require_horizontal_table(analysis)
+    scenario.require_plain(analysis)
     if scenario.contact is not None:
         raise ValueError(f"{analysis} needs the ideal contact, got a {scenario.contact!r}")
     if level is not None and scenario.model != level:

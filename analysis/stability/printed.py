@@ -18,8 +18,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from analysis.data.body import Body
 from analysis.data.checks import Array, choice
-from analysis.data.disk import Disk
 from analysis.data.elementary import sqrt
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
@@ -28,7 +28,7 @@ from analysis.stability.linearisation import ComplexArray, require_spinning, spi
 Matrix = tuple[tuple[Any, ...], ...]
 
 
-def signed_eccentricity(disk: Disk, motion: Motion) -> float:
+def signed_eccentricity(disk: Body, motion: Motion) -> float:
     """Height of S above G in m: +e for inverted, -e for noninverted spinning.
 
     Raises
@@ -272,7 +272,7 @@ def closed_form(
         If a spin is not finite, there is none, the motion is unknown, there is no friction or the
         table leans.
     """
-    scenario.require_horizontal_table("the closed form")
+    scenario.require_plain("the closed form")
     if not scenario.friction.is_on:
         raise ValueError("friction must have a positive gradient for the closed form, got 0")
     Omega = spin_array(spins)
@@ -328,7 +328,7 @@ def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalS
     ValueError
         If the motion is unknown or the table leans.
     """
-    scenario.require_horizontal_table("the closed form")
+    scenario.require_plain("the closed form")
     m, r, e, _, B, _, mg = paper_numbers(scenario, motion).values()
     Omega_crit = critical_spin(m, r, e, B, mg)
     if e > 0.0:

@@ -38,9 +38,12 @@ def unstable_start(scenario: Scenario) -> str | None:
     Returns
     -------
     str or None
-        One line; None if the start is none of inverted or noninverted spinning, or a stable one.
+        One line; None if the start is none of inverted or noninverted spinning, or a stable one,
+        or that of another body than the paper's disk, of which nothing is known.
     """
-    if not scenario.table.is_horizontal or not _stands_still(scenario):
+    if not scenario.table.is_horizontal or not scenario.disk.is_plain:
+        return None
+    if not _stands_still(scenario):
         return None
     spin, gamma = scenario.initial_state.rates[3], scenario.initial_state.coordinates[5]
     friction = scenario.friction

@@ -3,6 +3,7 @@
 from dataclasses import fields, replace
 from itertools import pairwise
 from math import log2, pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,9 +51,10 @@ def test_loads_and_powers_are_those_of_the_in_house_equations(bilateral: bool) -
         A = attitude.as_matrix()
         x, y, z, w = attitude.as_quat()
         offset = STEEL_DISK.eccentricity * A[:, 0]
-        height = loads.height(A[2, 2]) - rng.uniform(-1e-6, 1e-5)
+        matrix: Any = (*A.ravel().tolist(),)
+        height = -loads.lowest(matrix)[2] - rng.uniform(-1e-6, 1e-5)
         v, omega = rng.normal(size=3) * (0.2, 0.2, 1e-3), 10 * rng.normal(size=3)
-        found = loads.at(height, tuple(A[:, 2]), tuple(v), tuple(omega))
+        found = loads.at(height, matrix, tuple(v), tuple(omega))
         cog = v + np.cross(omega, offset)
         place = [0.0, 0.0, height + offset[2]]
         state = np.array([*place, w, x, y, z, *cog, *(A.T @ omega), *np.zeros(6)])

@@ -7,7 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from analysis import LAWS, PenaltyContact, Scenario, load_run, load_scenario
+from analysis import BODIES, LAWS, PenaltyContact, Scenario, load_run, load_scenario
+from analysis.data.bodies import body_class
 from analysis.data.changes import changed
 from analysis.data.endings import named_conditions
 from analysis.data.friction import law_class
@@ -16,7 +17,10 @@ from analysis.data.own import is_own
 from analysis.data.quantities import QUANTITIES
 from analysis.data.written import read_value
 
-_LAW_AXES = ("law=", "friction.law=")
+_OWN_KEYS = ("friction.law", "disk.body")
+"""Quantities that may name a class of one's own, with parameters behind it."""
+
+_OWN_AXES = tuple(name for key in _OWN_KEYS for name in (f"{key}=", f"{key.split('.')[1]}="))
 
 
 def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scenario:
@@ -41,7 +45,7 @@ def chosen_scenario(options: argparse.Namespace, *, rest: bool = False) -> Scena
         file = None if options.scenario is None else read_scenario(options.scenario)
     given = _given(options)
     base = file or (_to_rest(given) if rest else Scenario())
-    if type(base.friction) not in LAWS.values():
+    if type(base.friction) not in LAWS.values() or type(base.disk) not in BODIES.values():
         _look_here()
     chosen = changed(base, given)
     if (condition := getattr(options, "stop_when", None)) is not None:
@@ -56,18 +60,28 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
         value = getattr(options, key, None)
         if value is not None:
             given[key] = read_value(key, value, quantity.name)
-    law, *parameters = str(given.get("friction.law", "")).split(",")
+    for key in _OWN_KEYS:
+        _split(given, key)
+    return given
+
+
+def _split(given: dict[str, Any], key: str) -> None:
+    """Take the parameters behind the name of a class, which are parted by commas, for options."""
+    table, _, option = key.rpartition(".")
+    name, *parameters = str(given.get(key, "")).split(",")
     for parameter in parameters:
-        name, equals, text = parameter.partition("=")
-        key = f"friction.{name.strip()}"
+        field, equals, text = parameter.partition("=")
+        field = f"{table}.{field.strip()}"
         if not equals:
             raise ArgumentError(
-                "law", f"must hold parameter=value behind its name, got {parameter!r}"
+                option, f"must hold parameter=value behind its name, got {parameter!r}"
             )
-        if key in given:
-            raise ArgumentError("law", f"tells {name.strip()}, which is told twice")
-        given[key] = read_value(key, text, name.strip())
-    return given | ({"friction.law": law} if law else {})
+        own = field.rpartition(".")[2]
+        if field in given:
+            raise ArgumentError(option, f"tells {own}, which is told twice")
+        given[field] = read_value(field, text, own)
+    if name:
+        given[key] = name
 
 
 def _to_rest(given: dict[str, Any]) -> Scenario:
@@ -93,7 +107,7 @@ def read_scenario(path: Path) -> Scenario:
 
 
 def find_own(options: argparse.Namespace) -> None:
-    """Import what --law and --stop-when name of one's own; the working directory is looked in.
+    """Import what --law, --body and --stop-when name; the working directory is looked in.
 
     A stored run with a law of one's own can be read then. An axis of a sweep may name one, too.
 
@@ -103,12 +117,16 @@ def find_own(options: argparse.Namespace) -> None:
         If that cannot be, or a name is unknown.
     """
     law = getattr(options, "friction.law", None) or getattr(options, "law", None)
+    body = getattr(options, "disk.body", None) or getattr(options, "body", None)
     condition = getattr(options, "stop_when", None)
     axes = getattr(options, "axes", None) or ()
-    if is_own(law) or is_own(condition) or any(axis.startswith(_LAW_AXES) for axis in axes):
+    named = any(map(is_own, (law, body, condition)))
+    if named or any(axis.startswith(_OWN_AXES) for axis in axes):
         _look_here()
     if law is not None:
         law_class(law.partition(",")[0])
+    if body is not None:
+        body_class(body.partition(",")[0])
     if condition is not None:
         named_conditions(condition)
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from analysis.data.quantities import SECTIONS
 from validation.parser.options import (
+    BODY,
     LAW,
     SCENARIO,
     Command,
@@ -194,6 +195,7 @@ def _show() -> Options:
     return (
         file("files", "written by simulate or rest", existing(".npz"), nargs="+"),
         LAW,
+        BODY,
     )
 
 
@@ -488,6 +490,7 @@ def _animate() -> Options:
         option("--fps", "GIF only: frames per second", usual="20"),
         option("--width", "GIF only: width and height in pixels", type=int, usual="480"),
         LAW,
+        BODY,
     )
 
 

@@ -183,6 +183,13 @@ LAW = option(
     metavar="MODULE:CLASS",
 )
 
+BODY = option(
+    "--body",
+    "body of one's own that moved: imports it",
+    type=str,
+    metavar="MODULE:CLASS",
+)
+
 
 def _how(quantity: Quantity) -> dict[str, Any]:
     """Option of a quantity; its value stays text until it is read."""
@@ -192,7 +199,7 @@ def _how(quantity: Quantity) -> dict[str, Any]:
     how: dict[str, Any] = {"dest": quantity.key, "help": about}
     if quantity.is_switch:
         return how | {"action": argparse.BooleanOptionalAction}
-    if quantity.choices and quantity.key not in ("constraints", "friction.law"):
+    if quantity.choices and quantity.key not in ("constraints", "friction.law", "disk.body"):
         return how | {"choices": list(map(str, quantity.choices))}
     return how | {"metavar": quantity.metavar}
 

@@ -95,7 +95,8 @@ class RunOptions:
     def refuse(self, name: str, where: str) -> None:
         """Raise if an option is given that there is no place for."""
         value = getattr(self, name)
-        if value not in (None, False):
+        # A zero is none of these, though it equals one.
+        if value is not None and value is not False:
             raise ArgumentError(name, f"must be left out for {where}, got {value!r}")
 
     def given(self, *names: str) -> dict[str, Any]:

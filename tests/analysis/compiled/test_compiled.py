@@ -41,6 +41,7 @@ from analysis.data.watch import Watch
 from analysis.mechanics import reduced
 from analysis.mechanics.recorded import solver
 from analysis.models.request import Request
+from tests.bodies import COMPOSED, TIPPE_TOP
 from tests.helpers import assert_close, model, mostly_slow, not_none, random_disk, random_table
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
@@ -150,6 +151,7 @@ def test_compiled_and_pure_friction_laws_are_the_same(law: FrictionLaw) -> None:
 CASES: list[tuple[Scenario, Form]] = [
     (model(4, start=TURNING), "reduced"),
     (model(1), "index-1"),
+    (model(1, disk=COMPOSED, start=TURNING), "index-1"),
 ]
 
 
@@ -250,6 +252,8 @@ def fast(state: State) -> float:
         (model(4, friction=Branching()), {"form": "reduced"}, "cannot express .* law Branching"),
         (model(4), {"form": "reduced", "stop_when": fast}, "cannot express stop_when 'fast'"),
         (Scenario(contact=PenaltyContact(stiffness=1e5)), {}, "knows the ideal contact alone"),
+        (Scenario(disk=TIPPE_TOP), {}, "knows round disks alone, got a Sphere"),
+        (model(4, disk=COMPOSED), {}, "more than 4 constraint forces, got Model 4"),
         (
             model(1, friction=SmoothCoulomb(load="contact")),
             {"allow_pulling": True},

@@ -222,7 +222,7 @@ SOFT = PenaltyContact(stiffness=1e5)
 @pytest.mark.parametrize(
     ("name", "value", "kind"),
     [
-        ("disk", 3, "a Disk"),
+        ("disk", 3, "a Body"),
         ("friction", "stick", "a FrictionLaw"),
         ("table", None, "a Table"),
         ("contact", 1e6, "a PenaltyContact"),

@@ -42,6 +42,7 @@ from analysis.stability import spectra
 from analysis.stability.spectra import SYSTEMS, System
 from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
+from tests.bodies import TIPPE_TOP
 from tests.helpers import derivative, model
 
 TIMES = np.linspace(0.0, 0.2, 21)
@@ -311,8 +312,10 @@ def test_force_that_is_not_what_its_law_says_of_it_is_refused(says: Any, message
 
 def test_edge_without_direction_takes_isotropic_friction_alone() -> None:
     law = AnisotropicCoulomb(load="contact")
-    with pytest.raises(ValueError, match="friction must be isotropic on a rounded rim"):
+    with pytest.raises(ValueError, match="friction must be isotropic unless the body is a disk"):
         Scenario.rest(friction=law)
+    with pytest.raises(ValueError, match="friction must be isotropic unless the body is a disk"):
+        Scenario(disk=TIPPE_TOP, friction=law)
 
 
 @pytest.mark.parametrize("law", GENERAL, ids=name)

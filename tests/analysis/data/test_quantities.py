@@ -33,6 +33,9 @@ STEADY = {
     "disk.inertia_x": 2.6e-4,
     "disk.inertia_y": 2.5e-4,
     "disk.inertia_z": 4.7e-4,
+    "disk.inertia_xy": 1e-6,
+    "disk.inertia_xz": 1e-6,
+    "disk.inertia_yz": 1e-6,
     "friction.static": 0.5,
     "friction.exponent": 0.5,
     "contact.stiffness": 2e6,
@@ -56,6 +59,8 @@ def home(quantity: Quantity) -> Scenario:
     if quantity.table == "friction":
         laws = [law for law in LAWS.values() if hasattr(law, quantity.name)]
         return Scenario(friction=laws[0]() if laws else LAWS["tanh"]())
+    if quantity.name in ("other_radius", "long_axis"):
+        return changed(Scenario(), {"disk.body": "ellipse"})
     if quantity.table == "disk" and quantity.name not in (*RING, "name"):
         return Scenario(disk=ROUNDED_STEEL_DISK)
     soft = quantity.table in ("contact", "dissipation") or quantity.name == "height"

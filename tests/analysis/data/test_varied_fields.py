@@ -76,8 +76,8 @@ TOLD = State(coordinates=(0, 0, 0.045, 0, pi / 2, 0), rates=(0.0,) * 6)
         (PAPER, "friction.static", r"friction\.static must be one of load, coefficient"),
         (PAPER, "disk.radius disk.mass", "mass does not go together with radius, from which it"),
         (PAPER, "disk.thickness disk.inertia_x", "inertia_x does not go together with thickness"),
-        (ROUNDED, "disk.radius", "radius varies the paper's ring alone"),
-        (ROUNDED, "disk.hole_radius", "hole_radius varies the paper's ring alone"),
+        (ROUNDED, "disk.radius", "radius varies a ring alone"),
+        (ROUNDED, "disk.hole_radius", "hole_radius varies a ring alone"),
         (replace(PAPER, start=TOLD), "start.spin", "the start is told by its coordinates and"),
     ],
 )

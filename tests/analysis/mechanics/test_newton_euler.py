@@ -54,8 +54,14 @@ loads = pytest.mark.parametrize("load", LOADS)
 seeds = pytest.mark.parametrize("seed", range(3))
 
 
-def sample(constraints: ConstraintSet, load: Load, seed: int) -> tuple[Scenario, Array, Array]:
-    return random_scenario(constraints, seed, SmoothCoulomb(load=load))
+PRODUCTS = 0.25
+"""Largest product of inertia of a random disk, whose moments are of order one."""
+
+
+def sample(
+    constraints: ConstraintSet, load: Load, seed: int, products: float = 0.0
+) -> tuple[Scenario, Array, Array]:
+    return random_scenario(constraints, seed, SmoothCoulomb(load=load), products)
 
 
 def friction_in_frame(scenario: Scenario, load: float, slip_x: float, slip_y: float) -> Array:
@@ -89,11 +95,12 @@ def lagrange() -> Callable[..., list[Array]]:
 
 @all_sets
 @loads
+@pytest.mark.parametrize("products", [0.0, PRODUCTS])
 @seeds
 def test_accelerations_and_forces_meet_lagranges_equations(
-    constraints: ConstraintSet, load: Load, seed: int
+    constraints: ConstraintSet, load: Load, products: float, seed: int
 ) -> None:
-    scenario, z, u = sample(constraints, load, seed)
+    scenario, z, u = sample(constraints, load, seed, products)
     acceleration, forces = accelerations(scenario, z, u)
     M, others, *held = lagrange()(parameter_values(scenario.disk, scenario.table), z, u)
     every = dict(zip(MULTIPLIERS, np.hstack(held).T, strict=True))
@@ -184,7 +191,7 @@ def test_a_nearly_flat_disk_loses_no_more_digits_than_its_angles(
 def test_jacobian_is_the_slope_of_the_time_derivative(
     constraints: ConstraintSet, load: Load, seed: int
 ) -> None:
-    scenario, z, u = sample(constraints, load, seed)
+    scenario, z, u = sample(constraints, load, seed, PRODUCTS)
     solve, state = solver(scenario), np.array(state_of(scenario.disk, z, u))
     slopes = jacobian(lambda x: np.array(solve(*x.tolist())[:12]), state)
     assert_close(exact_jacobian(scenario)(state), slopes, relative=1e-9)

@@ -9,6 +9,7 @@ import pytest
 import sympy
 
 from analysis import MODELS, STEEL_DISK, ConstraintSet, Disk, Scenario, Table
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.mechanics import paper
 from tests.helpers import (
@@ -67,7 +68,7 @@ def frame(request: pytest.FixtureRequest) -> str:
     return name
 
 
-def derived(frame: str, disk: Disk, z: Array, u: Array, table: Table = LEVEL) -> Derived:
+def derived(frame: str, disk: Body, z: Array, u: Array, table: Table = LEVEL) -> Derived:
     M, h, f, w_N, W_T = _numeric(frame)(parameter_values(disk, table), z, u)
     return Derived(M, h[:, 0], f[:, 0], w_N[:, 0], W_T)
 

@@ -14,7 +14,6 @@ from analysis.data.elementary import cos, sin
 from analysis.mechanics.attitude import EulerAngles
 from analysis.mechanics.dual import rate
 from analysis.mechanics.free_body import FreeBody
-from analysis.mechanics.penalty import lowest_point
 from analysis.mechanics.recorded import solver
 from analysis.mechanics.states import state_of
 from analysis.rest.to_rest import start_vector
@@ -26,7 +25,7 @@ RADIUS, HALF = 0.045, 2e-3
 def lowest(half: float, upward: Iterable[float]) -> Array:
     """Lowest point seen from the centre."""
     disk = replace(STEEL_DISK, radius=RADIUS)
-    return np.array(lowest_point(disk, half, tuple(upward)))
+    return np.array(disk.lowest_point(tuple(upward), half))
 
 
 def height(half: float, upward: Array) -> float:
@@ -38,7 +37,7 @@ def contour(half: float, upward: Array, angular: Array) -> Array:
     """Velocity of the lowest point over the rim."""
     change = np.cross(upward, angular)
     disk = replace(STEEL_DISK, radius=RADIUS)
-    return np.array(rate(lambda up: lowest_point(disk, half, up), upward, change))
+    return np.array(rate(lambda up: disk.lowest_point(up, half), upward, change))
 
 
 @pytest.mark.parametrize("seed", range(5))

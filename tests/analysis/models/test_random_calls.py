@@ -30,7 +30,9 @@ NUMBERS = st.one_of(
     st.floats(1e250),
     st.floats(-16.0, 16.0).map(lambda digits: 10.0**digits),
     st.sampled_from(["", "x", "1e400", "-0", "nan", "inf", "1_000", "١٢", "0x10", "1:2:3"]),
-    st.sampled_from(["pi/2", "-pi", "90deg", "1/0", "contact", "contact,no-slip-along", "tanh"]),
+    st.sampled_from(
+        ["pi/2", "-pi", "90deg", "1/0", "contact", "contact,no-slip-along", "tanh", "ellipse"]
+    ),
 ).map(str)
 
 START = (
@@ -40,7 +42,8 @@ START = (
 TABLE = ("--gravity", "--inclination", "--downhill")
 DISK = (
     "--radius", "--mass", "--eccentricity", "--inertia-x", "--inertia-y", "--inertia-z",
-    "--hole-radius", "--hole-distance", "--thickness", "--density", "--disk",
+    "--hole-radius", "--hole-distance", "--thickness", "--density", "--disk", "--body",
+    "--inertia-xy", "--inertia-xz", "--inertia-yz", "--other-radius", "--long-axis",
 )  # fmt: skip
 CONTACT = ("--stiffness", "--damping", "--half-thickness")
 LOSSES = ("--rolling", "--rolling-viscous", "--pivoting", "--air-drag")

@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 from analysis import (
     CENTRED_DISK,
     STEEL_DISK,
-    Disk,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -26,6 +25,7 @@ from analysis import (
     simulate,
 )
 from analysis.data.agreement import until_agreement
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES, Dissipation
 from analysis.data.spatial_motion import SpatialMotion
@@ -283,7 +283,7 @@ def test_flat_motion_has_no_trajectory_but_its_beginning_has(settled: SpatialMot
 @pytest.mark.parametrize("disk", [STEEL_DISK, CENTRED_DISK])
 @pytest.mark.parametrize("tilt", [0.0, 1e-12, 1e-5])
 @pytest.mark.parametrize("gamma", [-pi / 2, pi / 2])
-def test_disk_balanced_on_its_rim_is_not_at_rest(disk: Disk, tilt: float, gamma: float) -> None:
+def test_disk_balanced_on_its_rim_is_not_at_rest(disk: Body, tilt: float, gamma: float) -> None:
     start = Start(beta=pi / 2 - tilt, gamma=gamma, spin=0.0)
     scenario = Scenario.rest(disk=disk, start=start)
     assert simulate_to_rest(scenario, 0.5, spacing=1e-2).rest_time is None

@@ -16,13 +16,13 @@ from analysis import (
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
     ConstraintSet,
-    Disk,
     Level,
     Motion,
     Scenario,
     SmoothCoulomb,
     Table,
 )
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.constraint_set import set_name
 from analysis.stability.chart import with_gradient
@@ -37,7 +37,7 @@ MILD = Scenario(friction=SmoothCoulomb(smoothing=0.2))
 """With this friction inverted spinning is stable somewhere in the full system."""
 
 
-def model(level: Level, disk: Disk = STEEL_DISK) -> Scenario:
+def model(level: Level, disk: Body = STEEL_DISK) -> Scenario:
     return replace(PAPER, constraints=MODELS[level], disk=disk)
 
 
@@ -54,7 +54,7 @@ def spins_of(found: CriticalSpeeds) -> list[float]:
     ids=["unrounded", "Table 1"],
 )
 def test_full_system_has_two_hopf_crossings_in_opposite_directions(
-    disk: Disk, spins: list[float], frequencies: list[float]
+    disk: Body, spins: list[float], frequencies: list[float]
 ) -> None:
     found = critical_speeds(model(1, disk))
     np.testing.assert_allclose(spins_of(found), spins, atol=5e-6)
@@ -79,7 +79,7 @@ def test_pairs_are_born_where_the_discriminant_vanishes() -> None:
 )
 @pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK], ids=["unrounded", "Table 1"])
 def test_reduced_crossing_is_that_of_the_closed_form(
-    level: Level, system: System, disk: Disk
+    level: Level, system: System, disk: Body
 ) -> None:
     closed = critical_speed(model(level, disk))
     (crossing,) = critical_speeds(model(level, disk), system=system).crossings

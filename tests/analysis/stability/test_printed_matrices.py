@@ -10,12 +10,12 @@ from analysis import (
     MODELS,
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
-    Disk,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Table,
 )
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.stability.chart import stability_chart
 from analysis.stability.hopf_curves import hopf_curves
@@ -55,7 +55,7 @@ def test_printed_matrices_are_as_symmetric_as_the_paper_says() -> None:
     ids=["unrounded", "Table 1"],
 )
 def test_closed_form_gives_the_paper_numbers(
-    disk: Disk, spin: float, frequency: float, limit: float
+    disk: Body, spin: float, frequency: float, limit: float
 ) -> None:
     critical = critical_speed(replace(PAPER, disk=disk))
     assert critical.kind == "hopf"

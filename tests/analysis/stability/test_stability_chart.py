@@ -12,10 +12,10 @@ from analysis import (
     MOTIONS,
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
-    Disk,
     Motion,
     Scenario,
 )
+from analysis.data.body import Body
 from analysis.stability.chart import stability_chart, with_gradient
 from analysis.stability.corners import corners
 from analysis.stability.critical import critical_speeds
@@ -55,7 +55,7 @@ def test_chart_counts_what_the_eigenvalues_of_the_whole_system_say() -> None:
 
 
 @pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK], ids=["unrounded", "Table 1"])
-def test_static_curve_is_where_an_eigenvalue_is_zero(disk: Disk) -> None:
+def test_static_curve_is_where_an_eigenvalue_is_zero(disk: Body) -> None:
     spins, scenario = np.array([21.5, 30.0, 50.0, 90.0]), Scenario(disk=disk)
     for spin, gradient in zip(spins, static_gradient(scenario, spins), strict=True):
         matrix = full_matrices(scenario, spin, "inverted", gradient=gradient)[0]
@@ -130,7 +130,7 @@ def test_jacobian_of_the_extended_system_is_exact() -> None:
 
 
 @pytest.mark.parametrize("disk", [STEEL_DISK, ROUNDED_STEEL_DISK], ids=["unrounded", "Table 1"])
-def test_closed_form_sensitivities_are_derivatives_of_the_closed_form(disk: Disk) -> None:
+def test_closed_form_sensitivities_are_derivatives_of_the_closed_form(disk: Body) -> None:
     found = closed_form_sensitivities(Scenario(disk=disk))
     powers = {name: {name: 1} for name in FIELDS}
     for name, fields in {**powers, "size": dict(zip(FIELDS, SIZE, strict=True))}.items():
@@ -141,8 +141,8 @@ def test_closed_form_sensitivities_are_derivatives_of_the_closed_form(disk: Disk
         assert found[name] == pytest.approx(log(ahead / behind) / 2e-5, abs=1e-8)
 
 
-def scaled(disk: Disk, fields: Mapping[str, int], step: float) -> Disk:
-    """Disk with fields times powers of e to a step."""
+def scaled(disk: Body, fields: Mapping[str, int], step: float) -> Body:
+    """Body with fields times powers of e to a step."""
     changes = {name: getattr(disk, name) * np.exp(step * fields[name]) for name in fields}
     return replace(disk, **changes)
 

@@ -20,6 +20,7 @@ from analysis import (
 from analysis.data.constraint_set import set_name
 from analysis.stability.critical import critical_speeds
 from analysis.stability.unstable_start import unstable_start
+from tests.bodies import COMPOSED, TIPPE_TOP
 from tests.helpers import mostly_slow
 
 SPINNING = Start.stationary(40.0)
@@ -87,9 +88,11 @@ def test_start_on_a_penalty_contact_is_one_at_any_height() -> None:
     assert unstable_start(hard) is not None
 
 
-def test_stable_motion_and_leaning_table_are_none() -> None:
+def test_stable_motion_leaning_table_and_another_body_are_none() -> None:
     assert unstable_start(Scenario(constraints=MODELS[4], start=SPINNING)) is None
     assert unstable_start(Scenario(table=Table(inclination=0.1), start=SPINNING)) is None
+    for body in (COMPOSED, TIPPE_TOP):
+        assert unstable_start(Scenario(disk=body, start=SPINNING)) is None
 
 
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)

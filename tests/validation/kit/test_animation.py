@@ -22,21 +22,26 @@ from analysis import (
     Disk,
     Scenario,
     SpatialMotion,
+    Sphere,
+    Start,
     StoredRun,
     Trajectory,
     simulate,
 )
 from analysis.data import frames
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.disk import CENTRED_DISK
+from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP
 from tests.calls import refusal, run
 from tests.helpers import not_none, random_trajectory
 from validation import animate
 from validation.kit.animation import gif as animation_gif
 from validation.kit.animation import picture as drawing
-from validation.kit.animation.body import shape
+from validation.kit.animation.body import hull, in_sight, shape
 from validation.kit.animation.keyframes import Keyframes, keyframes
 from validation.kit.animation.player import Animation, player
+from validation.studies.inversion import draw_instants
 
 
 @cache
@@ -214,18 +219,68 @@ def test_gif_has_the_frames_the_size_and_the_speed_asked_for(kind: str) -> None:
         assert picture.info["loop"] == 0
 
 
-@pytest.mark.parametrize("disk", [STEEL_DISK, CENTRED_DISK, ROUNDED_STEEL_DISK])
-def test_shape_of_a_body_is_that_of_its_mass(disk: Disk) -> None:
+PLATES = [
+    STEEL_DISK,
+    CENTRED_DISK,
+    ROUNDED_STEEL_DISK,
+    Disk.of_parts((0.04, 0.01, 7700.0), [(-0.02, 0.01, 0.01), (0.01, -0.02, 0.005)]),
+    ELLIPSE,
+]
+
+
+@pytest.mark.parametrize("disk", PLATES)
+def test_shape_of_a_body_is_that_of_its_mass(disk: Body) -> None:
     body = shape(disk)
     areas = [0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) for x, y in (e.T for e in body.face)]
     middles = [np.mean(outline[:-1], axis=0) for outline in body.face]
     balance = sum(a * m for a, m in zip(areas, middles, strict=True)) / sum(areas)
-    if disk.hole is not None:
+    if len(body.face) > 1:
         # What is drawn balances where the centre of gravity is drawn; 72 corners take 0.1 %.
         np.testing.assert_allclose(balance, body.cog, atol=1e-3 * disk.radius)
     assert bool(body.heavy) == (disk.eccentricity > 0.0)
     assert all(np.all(outline[:, 0] >= 0.0) for outline in body.heavy)
-    assert body.mark == (disk.radius, 0.0)
+    assert np.hypot(*body.mark) == pytest.approx(disk.radius)
+
+
+def test_masses_are_drawn_where_they_are() -> None:
+    disk = Disk.of_parts((0.04, 0.01, 7700.0), masses=[(0.0, 0.03, 0.1)])
+    (mass,) = shape(disk).masses
+    np.testing.assert_allclose(np.mean(mass[:-1], axis=0), (0.03, 0.0), atol=1e-12)
+    assert shape(disk).cog[0] > 0.0
+
+
+@pytest.mark.parametrize("solid", [TIPPE_TOP, EGG], ids=["sphere", "own"])
+def test_lines_of_a_solid_lie_on_its_surface_and_fill_its_outline(solid: Body) -> None:
+    points = np.vstack(shape(solid).lines)
+    eye = np.array([0.6, 0.0, 0.8])
+    outline = hull(points @ np.array([[0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]]).T)
+    x, y = outline.T
+    area = 0.5 * abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+    if isinstance(solid, Sphere):
+        np.testing.assert_allclose(np.linalg.norm(points, axis=1), solid.radius)
+        assert area == pytest.approx(np.pi * solid.radius**2, rel=0.02)
+    seen = in_sight(points, np.zeros(3), eye)
+    assert 0.4 < np.mean(np.isnan(seen[:, 0])) < 0.6
+
+
+@pytest.mark.parametrize("body", [COMPOSED, ELLIPSE, TIPPE_TOP], ids=["disk", "ellipse", "solid"])
+def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
+    scenario = Scenario(disk=body, start=Start(beta=1.3, gamma=0.5, spin=5.0))
+    made, stream = simulate(scenario, np.linspace(0.0, 0.05, 6)), io.BytesIO()
+    assert animation_gif.write(keyframes(made), stream, speed=1.0, fps=20.0, width=100) == 2
+    assert draw_instants(made, [0.0, 0.05]).axes
+    told = json.loads(re.findall(r"application/json\">(.*?)</script>", animate(made).page)[0])
+    assert bool(told["shape"]["lines"]) == isinstance(body, Sphere)
+    assert len(told["shape"]["masses"]) == (body is COMPOSED)
+
+
+@needs_node
+@pytest.mark.parametrize(("body", "faces"), [(COMPOSED, 2), (TIPPE_TOP, 1)], ids=["disk", "solid"])
+def test_player_fills_what_a_body_covers(body: Body, faces: int) -> None:
+    scenario = Scenario(disk=body, start=Start(beta=1.3, gamma=0.5, spin=5.0))
+    (shown,) = played(animate(simulate(scenario, np.linspace(0.0, 0.05, 6))), np.array([0.02]))
+    colours = ("#8cc6ee", "#0b5c97", "#f7cf86", "#b85300")
+    assert sum(colour in colours for colour in shown["drawn"]) == faces
 
 
 @needs_node

@@ -5,8 +5,9 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from analysis import Disk, SpatialMotion, StoredRun, Trajectory
+from analysis import SpatialMotion, StoredRun, Trajectory
 from analysis.data import frames
+from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.limits import MOST_KEYFRAMES
 
@@ -36,7 +37,7 @@ class Keyframes:
         quaternion of unit length, scalar part first, of the sign that is nearer to the one
         before; where the disk touches the table in m; vertical angular velocity in rad/s, which
         unlike the rate of alpha exists in every attitude.
-    disk : Disk
+    disk : Body
     marks : sequence of (str, float)
         Names of phases and the times in s at which they begin.
     source : str
@@ -45,7 +46,7 @@ class Keyframes:
 
     times: Array
     table: Array
-    disk: Disk
+    disk: Body
     marks: tuple[tuple[str, float], ...]
     source: str
 
@@ -139,9 +140,8 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
     spline = CubicHermiteSpline(samples, trajectory.coordinates, trajectory.rates)
     coordinates, rates = spline(times), spline(times, 1)
     positions, rotations = frames.poses(coordinates)
-    alpha, beta, _ = coordinates[:, 3:].T
-    # The contact point lies down the plane of the disk, against the second axis of its frame.
-    uphill = np.column_stack((-np.sin(alpha) * np.cos(beta), np.cos(alpha) * np.cos(beta)))
+    disk, contact = trajectory.scenario.disk, trajectory.scenario.contact
+    half = 0.0 if contact is None else contact.half_thickness
     formulation = trajectory.method.get("formulation") or trajectory.method.get("form")
     inverted = trajectory.inversion_time
     marks = () if inverted is None else (("inversion", inverted),)
@@ -150,10 +150,10 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
         table=_table(
             positions,
             frames.quaternions(rotations),
-            positions[:, :2] - trajectory.scenario.disk.radius * uphill,
+            disk.lowest_points(positions, rotations, half)[:, :2],
             frames.twists(coordinates, rates)[1][:, 2],
         ),
-        disk=trajectory.scenario.disk,
+        disk=disk,
         marks=marks,
         source=f"{trajectory.source}, {trajectory.scenario.name}"
         + (f", {formulation}" if formulation else ""),

@@ -11,7 +11,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from analysis.data.checks import Array
-from validation.kit.animation.body import circle, shape
+from validation.kit.animation.body import circle, hull, in_sight, shape
 from validation.kit.animation.keyframes import Keyframes
 
 FRONT, BACK = ("#8cc6ee", "#0b5c97"), ("#f7cf86", "#b85300")
@@ -40,6 +40,13 @@ class Camera(NamedTuple):
     radius: float
     scale: float = 1.0
 
+    @property
+    def to_eye(self) -> Array:
+        """Direction to the eye, shape (3,)."""
+        c, s = np.cos(self.azimuth), np.sin(self.azimuth)
+        level, up = np.cos(_ELEVATION), np.sin(_ELEVATION)
+        return np.array((level * c, level * s, up))
+
     def project(self, points: Array) -> Array:
         """Orthographic picture coordinates, shape (n, 2), of points in m, shape (n, 3)."""
         x, y, z = ((np.atleast_2d(points) - self.target) / self.radius).T
@@ -67,25 +74,38 @@ def artists(pose: Keyframes, camera: Camera, trail: Array | None = None) -> Iter
         Contact points of the last moments in m.
     """
     place, scale, body = pose.positions[0], camera.scale, shape(pose.disk)
-    axes = pose.rotations[0].T[:2]
+    axes = pose.rotations[0].T
+
+    def placed(outline: Array) -> Array:
+        points: Array = place + outline @ axes[: outline.shape[1]]
+        return points
 
     def seen(outlines: list[Array]) -> list[Array]:
-        return [camera.project(place + outline @ axes) for outline in outlines]
+        return [camera.project(placed(outline)) for outline in outlines]
+
+    def area(outlines: list[Array]) -> list[Array]:
+        """What a solid covers is the hull of its lines."""
+        return [hull(np.vstack(outlines))] if body.lines else outlines
 
     yield from _table(camera)
-    shadow = [camera.project((place + each @ axes) * (1.0, 1.0, 0.0)) for each in body.face]
-    yield _filled(shadow, "#000000", alpha=0.13)
+    shadow = [camera.project(placed(each) * (1.0, 1.0, 0.0)) for each in (*body.face, *body.lines)]
+    yield _filled(area(shadow), "#000000", alpha=0.13)
     if trail is not None:
         yield _line(camera.project(np.pad(trail, ((0, 0), (0, 1)))), _PATH, 1.6 * scale)
     # The body's x axis turns into its y axis counterclockwise if its z axis points to the eye.
-    counterclockwise = np.linalg.det(camera.project(camera.target + axes)) > 0.0
-    light, heavy = FRONT if counterclockwise else BACK
+    counterclockwise = np.linalg.det(camera.project(camera.target + axes[:2])) > 0.0
+    light, heavy = FRONT if counterclockwise or body.lines else BACK
     whole = seen(body.face)
-    yield _filled(whole, light)
+    yield _filled(area(seen([*body.face, *body.lines])), light)
     if body.heavy:
         yield _filled(seen(body.heavy), heavy)
-    for outline, width in zip(whole, (2.0, 0.8), strict=False):
-        yield _line(outline, heavy, width * scale)
+    for number, outline in enumerate(whole):
+        yield _line(outline, heavy, (0.8 if number else 2.0) * scale)
+    for mass in seen([*body.masses]):
+        yield _filled([mass], "#222222")
+    for line in body.lines:
+        visible = in_sight(placed(line), place, camera.to_eye)
+        yield _line(camera.project(visible), FRONT[1], 0.8 * scale)
     for point, marker, inner, edge in (
         (body.mark, "o", "white", "#222222"),
         (body.cog, "o", "black", "white"),

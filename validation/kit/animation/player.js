@@ -48,8 +48,8 @@ function diskPoses(shape, times, column) {
     };
     result.beta = Math.atan2(Math.hypot(result.ez[0], result.ez[1]), result.ez[2]);
     result.gamma = Math.sin(result.beta) > 1e-3 ? Math.atan2(result.ex[2], result.ey[2]) : null;
-    result.inPlane = ([x, y]) => result.centre.map(
-      (value, k) => value + x * result.ex[k] + y * result.ey[k]);
+    result.inPlane = ([x, y, z = 0]) => result.centre.map( // a plate's points have no z
+      (value, k) => value + x * result.ex[k] + y * result.ey[k] + z * result.ez[k]);
     result.height = result.inPlane(shape.cog)[2];
     return result;
   }
@@ -115,6 +115,7 @@ function diskPlayer(root, data, motion) {
     const trace = (points) => points.forEach((point, k) =>
       k ? pen.lineTo(...project(point)) : pen.moveTo(...project(point)));
     const fill = (outlines, colour) => { // where one outline lies within another, there is a hole
+      if (!outlines.length) return;
       pen.beginPath();
       outlines.forEach(trace);
       pen.fillStyle = colour;
@@ -128,6 +129,25 @@ function diskPlayer(root, data, motion) {
       pen.stroke();
     };
     const face = data.shape.face.map((outline) => outline.map(inPlane));
+    const lines = data.shape.lines.map((line) => line.map(inPlane));
+    const fillHull = (points, colour) => { // what a solid covers in the picture
+      if (!points.length) return;
+      const sorted = points.map(project).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+      const half = (ordered) => ordered.reduce((kept, p) => {
+        const left = () => {
+          const [a, b] = kept.slice(-2);
+          return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) <= 0;
+        };
+        while (kept.length > 1 && left()) kept.pop();
+        kept.push(p);
+        return kept;
+      }, []);
+      pen.beginPath();
+      [...half(sorted), ...half(sorted.reverse())].forEach((p, k) =>
+        k ? pen.lineTo(...p) : pen.moveTo(...p));
+      pen.fillStyle = colour;
+      pen.fill();
+    };
     const mark = (point, size, colour, edge) => {
       pen.beginPath();
       pen.arc(...project(point), size, 0, 2 * Math.PI);
@@ -152,7 +172,9 @@ function diskPlayer(root, data, motion) {
         stroke(ends, COLOUR.grid, 1);
       }
     }
-    fill(face.map((outline) => outline.map(([x, y]) => [x, y, 0])), "rgba(0, 0, 0, 0.13)");
+    const SHADOW = "rgba(0, 0, 0, 0.13)", down = ([x, y]) => [x, y, 0];
+    fill(face.map((outline) => outline.map(down)), SHADOW);
+    fillHull(lines.flat().map(down), SHADOW);
     let previous = pose(Math.max(begin, t - TRAIL)).contact;
     for (let i = before(Math.max(begin, t - TRAIL)) + 1; i < count && times[i] < t; i++) {
       pen.globalAlpha = Math.max(0.05, 1 - (t - times[i]) / TRAIL);
@@ -166,8 +188,15 @@ function diskPlayer(root, data, motion) {
     const seen = dot(ez, eye) > dot(ez, centre) ? COLOUR.front : COLOUR.back;
     fill(face, seen[0]);
     fill(data.shape.heavy.map((outline) => outline.map(inPlane)), seen[1]);
-    stroke(face[0], seen[1], 2.5);
+    if (face.length) stroke(face[0], seen[1], 2.5);
     face.slice(1).forEach((outline) => stroke(outline, seen[1], 1));
+    data.shape.masses.forEach((outline) => fill([outline.map(inPlane)], COLOUR.ink));
+    fillHull(lines.flat(), COLOUR.front[0]);
+    const faces = (p) => dot(p.map((value, k) => value - centre[k]),
+      eye.map((value, k) => value - centre[k])) >= R * R;
+    lines.forEach((line) => line.slice(1).forEach((point, k) => {
+      if (faces(point) && faces(line[k])) stroke([line[k], point], COLOUR.front[1], 1);
+    }));
     mark(now.contact, 3, COLOUR.path);
     mark(inPlane(data.shape.mark), 5, "#fff", COLOUR.ink);
     const middle = project(centre);

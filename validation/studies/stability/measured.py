@@ -14,12 +14,12 @@ from analysis import (
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
     ConstraintSet,
-    Disk,
     Level,
     Scenario,
     SmoothCoulomb,
     ViscousFriction,
 )
+from analysis.data.body import Body
 from analysis.stability import spectra
 from analysis.stability.corners import corners
 from analysis.stability.critical import critical_speeds
@@ -162,7 +162,7 @@ def rounds_to(value: float | None, printed: str) -> bool:
     return value is not None and float(f"{value:.{digits}g}") == float(printed)
 
 
-def in_house_numbers(disk: Disk) -> dict[str, float]:
+def in_house_numbers(disk: Body) -> dict[str, float]:
     """What the in-house systems give, by the names of `IN_PAPER`."""
     model_1, model_4 = (Scenario(constraints=MODELS[level], disk=disk) for level in (1, 4))
     closed = critical_speed(model_4)

@@ -1,0 +1,150 @@
+"""Bodies other than the round disk, and bodies by name."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+from analysis.data.body import PRODUCTS, Body, Triple
+from analysis.data.checks import number, within
+from analysis.data.disk import Disk
+from analysis.data.elementary import cos, sin, sqrt
+from analysis.data.names import ArgumentError, Named
+from analysis.data.own import made, own_class
+from analysis.data.quantities import QUANTITIES, default
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sphere(Body):
+    """A sphere whose centre of gravity may lie off its middle, such as a tippe top.
+
+    Parameters
+    ----------
+    radius : float
+        In m.
+    mass, eccentricity, inertia_x, inertia_y, inertia_z, inertia_xy, inertia_xz, inertia_yz : float
+        See `Body`. A tippe top is symmetric about x, which points to the centre of gravity.
+
+    Raises
+    ------
+    ValueError
+        As for `Body`.
+
+    Examples
+    --------
+    >>> from analysis import Sphere
+    >>> top = Sphere(
+    ...     radius=0.02, mass=0.02, eccentricity=0.003,
+    ...     inertia_x=3.0e-6, inertia_y=2.98e-6, inertia_z=2.98e-6,
+    ... )
+    >>> top.lowest_point((0.0, 0.0, 1.0))
+    (-0.0, -0.0, -0.02)
+    """
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Triple:  # noqa: ARG002
+        """Lowest point of the surface; see `Body`."""
+        x, y, z = up
+        return -(self.radius * x), -(self.radius * y), -(self.radius * z)
+
+    def resting_place(self, half_thickness: float) -> tuple[float, float]:  # noqa: ARG002
+        """Height of S in m and lean where it lies stable; see `Body`."""
+        return self.radius - self.eccentricity, 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EllipticDisk(Body):
+    """A disk with an ellipse for an edge.
+
+    Parameters
+    ----------
+    radius, other_radius : float
+        Semi-axes in m, the larger one first.
+    long_axis : float
+        Angle in rad by which the larger semi-axis is turned from x, which points to the centre of
+        gravity, towards y.
+    mass, eccentricity, inertia_x, inertia_y, inertia_z, inertia_xy, inertia_xz, inertia_yz : float
+        See `Body`.
+
+    Raises
+    ------
+    ValueError
+        As for `Body`, or if the other semi-axis is the larger one.
+    """
+
+    has_edge: ClassVar[bool] = True
+
+    other_radius: float = default("disk.other_radius")
+    long_axis: float = default("disk.long_axis")
+
+    def __post_init__(self) -> None:
+        if self.other_radius > self.radius:
+            raise ArgumentError(
+                "other_radius",
+                f"must not exceed the larger semi-axis, radius = {self.radius:g}, "
+                f"got {self.other_radius:g}",
+            )
+        Body.__post_init__(self)
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Triple:
+        """Lowest point of the edge, or of an ellipsoid if it is rounded; see `Body`."""
+        a, b = self.radius * self.radius, self.other_radius * self.other_radius
+        square, c, s = half_thickness * half_thickness, cos(self.long_axis), sin(self.long_axis)
+        along, across, z = c * up[0] + s * up[1], c * up[1] - s * up[0], up[2]
+        height = sqrt(a * (along * along) + b * (across * across) + square * (z * z))
+        x, y = -(a * along) / height, -(b * across) / height
+        return c * x - s * y, c * y + s * x, -(square * z) / height
+
+
+BODIES: dict[str, type[Body]] = Named(
+    "BODIES",
+    dict(zip(QUANTITIES["disk.body"].choices, (Disk, Sphere, EllipticDisk), strict=True)),
+)
+"""Bodies by name; others are `module:class`."""
+
+
+def body_class(name: Any) -> type[Body]:
+    """Class of a body by its name; see `body_from`."""
+    return own_class("body", name, BODIES, Body, "body")
+
+
+def body_values(body: Body) -> dict[str, Any]:
+    """Name and values of a body, to be stored; `body_from` makes it again."""
+    if isinstance(body, Disk) and body.parts is not None:
+        return body.parts.values()
+    values = {each.name: getattr(body, each.name) for each in fields(body)}
+    told = {name: value for name, value in values.items() if value or name not in PRODUCTS}
+    names = {kind: name for name, kind in BODIES.items()}
+    name = names.get(type(body), f"{type(body).__module__}:{type(body).__qualname__}")
+    return told if type(body) is Disk else {"body": name} | told
+
+
+def body_from(values: Mapping[str, Any]) -> Body:
+    """Body from its name, `body`, one of `BODIES` or `module:class`, and its values.
+
+    Raises
+    ------
+    ValueError
+        If the body is unknown, or a value is missing, not one of its own, or out of range.
+    """
+    told = dict(values)
+    name = told.pop("body", default("disk.body"))
+    return made("body", name, body_class(name), told, "body")
+
+
+_DIRECTIONS = ((0.0, 0.0, 1.0), (0.6, 0.0, -0.8), (0.0, -1.0, 0.0), (-0.48, 0.6, 0.64))
+"""Verticals in which the surface of a body of one's own is tried."""
+
+
+def check_surface(body: Body) -> None:
+    """Raise if what a body says is no lowest point: one of one's own may say anything."""
+    if type(body) in BODIES.values():
+        return
+    name = body_values(body)["body"]
+    deepest = body.radius * (1.0 + 1e-9)
+    try:
+        for up in _DIRECTIONS[body.has_edge :]:
+            point = [number(f"lowest_point({up})", each) for each in body.lowest_point(up)]
+            depth = -sum(each * along for each, along in zip(point, up, strict=True))
+            within(f"depth of lowest_point({up})", depth, 0.0, deepest)
+    except (Exception, SystemExit) as error:
+        said = str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
+        raise ArgumentError("body", said, f"body {name!r}:") from error

@@ -1,0 +1,273 @@
+"""Bodies: mass properties of composed disks, lowest points, files, refusals, what takes them."""
+
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mbs_models
+from analysis import (
+    BODIES as KINDS,
+)
+from analysis import (
+    MODELS,
+    Body,
+    Disk,
+    Dissipation,
+    Ensemble,
+    PenaltyContact,
+    Scenario,
+    Sphere,
+    load_scenario,
+    scenario_text,
+    simulate,
+)
+from analysis.data.bodies import body_from, body_values
+from analysis.data.checks import Array
+from analysis.stability.critical import critical_speeds
+from analysis.stability.spectra import eigenvalues
+from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
+from tests.calls import printed
+from tests.helpers import turn_z
+
+every_body = pytest.mark.parametrize("body", BODIES.values(), ids=list(BODIES))
+
+PLATE, HOLES = (0.05, 0.01, 8000.0), [(-0.02, 0.01, 0.012), (0.02, 0.02, 0.004)]
+MASSES = [(0.0, 0.04, 0.03), (0.01, -0.03, 0.02)]
+
+
+def by_cells() -> tuple[float, Array, Array]:
+    """Mass, centre of gravity, and inertia about it, of small cells of a plate."""
+    edges = np.linspace(-PLATE[0], PLATE[0], 2001)
+    middle, area = 0.5 * (edges[1:] + edges[:-1]), (edges[1] - edges[0]) ** 2
+    x, y = (each.ravel() for each in np.meshgrid(middle, middle))
+    inside = np.hypot(x, y) < PLATE[0]
+    for a, b, radius in HOLES:
+        inside &= np.hypot(x - a, y - b) > radius
+    places = np.column_stack((x[inside], y[inside]))
+    weights = np.full(len(places), PLATE[1] * PLATE[2] * area)
+    thickness = np.sum(weights) * PLATE[1] ** 2 / 12
+    places = np.vstack((places, [each[:2] for each in MASSES]))
+    weights = np.append(weights, [each[2] for each in MASSES])
+    centre = weights @ places / np.sum(weights)
+    x, y = (places - centre).T
+    xx, yy, xy = weights @ (y * y), weights @ (x * x), -(weights @ (x * y))
+    tensor = np.array([[xx + thickness, xy, 0], [xy, yy + thickness, 0], [0, 0, xx + yy]])
+    return float(np.sum(weights)), centre, tensor
+
+
+def test_composed_disk_has_the_mass_properties_of_its_cells() -> None:
+    mass, centre, tensor = by_cells()
+    disk = Disk.of_parts(PLATE, HOLES, MASSES)
+    assert disk.mass == pytest.approx(mass, rel=1e-4)
+    assert disk.eccentricity == pytest.approx(np.hypot(*centre), rel=1e-3)
+    turn = turn_z(np.arctan2(centre[1], centre[0]))
+    np.testing.assert_allclose(
+        disk.tensor_about_cog, turn.T @ tensor @ turn, atol=1e-4 * tensor[2, 2]
+    )
+    assert abs(disk.inertia_xy) > 0.01 * disk.inertia_z
+
+
+def test_composed_disk_that_is_symmetric_is_on_principal_axes() -> None:
+    aside = [(-0.02, 0.015, 0.01), (-0.02, -0.015, 0.01)]
+    assert Disk.of_parts(PLATE, aside).is_plain
+    turned = [(*(turn_z(0.7) @ (x, y, 0.0))[:2], r) for x, y, r in aside]
+    one, other = (Disk.of_parts(PLATE, each) for each in (aside, turned))
+    assert other.is_plain
+    assert other.inertia_x == pytest.approx(one.inertia_x, rel=1e-12)
+    balanced = Disk.of_parts(PLATE, masses=[(0.03, 0.02, 0.1), (-0.03, -0.02, 0.1)])
+    assert (balanced.eccentricity, balanced.products) == (0.0, (0.0, 0.0, 0.0))
+
+
+def test_ring_is_a_plate_with_a_hole_and_stays_one(tmp_path: Path) -> None:
+    ring = Disk.ring(hole_radius=0.01, hole_distance=0.03)
+    assert ring == Disk.of_parts((0.045, 0.01, 7700.0), [(-0.03, 0.0, 0.01)])
+    (tmp_path / "a.toml").write_text(scenario_text(Scenario(disk=ring)))
+    again = load_scenario(tmp_path / "a.toml").disk
+    assert isinstance(again, Disk)
+    assert body_values(again) == body_values(ring)
+    assert body_values(again)["hole_distance"] == 0.03
+    assert scenario_text(Scenario(disk=again)) == scenario_text(Scenario(disk=ring))
+    varied = Ensemble(scenario=Scenario(disk=ring), fields={"disk.thickness": np.array([0.02])})
+    assert varied[0].disk == Disk.ring(hole_radius=0.01, hole_distance=0.03, thickness=0.02)
+    # Another mass is no longer that of these parts.
+    assert replace(ring, mass=1.0).parts is None
+
+
+@every_body
+@pytest.mark.parametrize("copied", ["file", "values", "pickle"])
+def test_a_body_is_the_same_again(body: Body, copied: str, tmp_path: Path) -> None:
+    scenario = Scenario(disk=body)
+    if copied == "file":
+        (tmp_path / "a.toml").write_text(scenario_text(scenario))
+        again = load_scenario(tmp_path / "a.toml")
+    elif copied == "values":
+        again = Scenario.from_values(scenario.values())
+    else:
+        again = pickle.loads(pickle.dumps(scenario))  # noqa: S301 - ours
+    assert again == scenario
+    assert body_values(again.disk) == body_values(body)
+
+
+def test_a_body_is_told_by_options(capsys: pytest.CaptureFixture[str]) -> None:
+    shown = printed(capsys, "scenario --body sphere --radius 0.03 --mass 0.2")
+    assert 'body = "sphere"' in shown
+    assert "\nradius = 0.03" in shown
+    own = printed(capsys, "scenario", "--body", "tests.bodies:Egg,waist=0.9")
+    assert '\nbody = "tests.bodies:Egg"' in own
+    assert "\nwaist = 0.9" in own
+
+
+def attitudes(count: int) -> Array:
+    up = np.random.default_rng(1).normal(size=(count, 3))
+    up = up / np.linalg.norm(up, axis=1)[:, None]
+    return np.array(up)
+
+
+@pytest.mark.parametrize("half", [0.0, 2e-3])
+@every_body
+def test_surface_lies_above_its_lowest_point(body: Body, half: float) -> None:
+    """All lowest points together are the surface, or what of it can touch a table."""
+    up = attitudes(300)
+    points = np.array([body.lowest_point(tuple(each), half) for each in up.tolist()])
+    heights = up @ points.T
+    assert np.all(heights >= np.diag(heights)[:, None] - 1e-15)
+    assert np.max(np.linalg.norm(points, axis=1)) <= body.radius * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("half", [0.0, 2e-3])
+@every_body
+def test_clearance_is_the_depth_of_the_lowest_point(body: Body, half: float) -> None:
+    beta, gamma, step = 1.1, 0.4, 1e-5
+
+    def depth(beta: float, gamma: float) -> float:
+        sb, cb = np.sin(beta), np.cos(beta)
+        up = (float(sb * np.sin(gamma)), float(sb * np.cos(gamma)), float(cb))
+        return -float(np.dot(body.lowest_point(up, half), up))
+
+    over, per_beta, per_gamma = body.clearance(beta, gamma, half)
+    assert over == pytest.approx(depth(beta, gamma), rel=1e-12)
+    slopes = (
+        depth(beta + step, gamma) - depth(beta - step, gamma),
+        depth(beta, gamma + step) - depth(beta, gamma - step),
+    )
+    np.testing.assert_allclose(slopes, np.array([per_beta, per_gamma]) * 2 * step, atol=1e-14)
+
+
+@pytest.mark.parametrize("half", [2e-4, 2e-3])
+@every_body
+def test_resting_place_is_the_lowest_of_all_attitudes(body: Body, half: float) -> None:
+    height, lean = body.resting_place(half if body.has_edge else 0.0)
+    up = attitudes(20000)
+    points = np.column_stack(body.lowest_point(up.T, half))
+    heights = body.eccentricity * up[:, 0] - np.sum(points * up, axis=1)
+    assert height <= heights.min()
+    assert height == pytest.approx(heights.min(), abs=0.03 * body.radius)
+    assert (lean < 0.1) == body.has_edge
+
+
+NUMBERS: dict[str, Any] = {
+    "radius": 1.0,
+    "mass": 1.0,
+    "eccentricity": 0.0,
+    "inertia_x": 1.0,
+    "inertia_y": 1.0,
+    "inertia_z": 1.0,
+}
+
+
+class _Flat(Egg):
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
+        return up
+
+
+REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
+    "hole over the edge": (lambda: Disk.of_parts(PLATE, [(0.04, 0.0, 0.02)]), "holes must lie"),
+    "holes over each other": (
+        lambda: Disk.of_parts(PLATE, [(0.0, 0.0, 0.01), (0.01, 0.0, 0.005)]),
+        "holes must not overlap",
+    ),
+    "hole of two numbers": (
+        lambda: Disk.of_parts(PLATE, [(0.0, 1.0)]),
+        "holes must hold x, y",
+    ),
+    "negative hole": (lambda: Disk.of_parts(PLATE, [(0.0, 0.0, -1.0)]), "holes must not be neg"),
+    "mass beside it": (lambda: Disk.of_parts(PLATE, (), [(0.0, 1.0, 1.0)]), "masses must lie on"),
+    "no mass": (lambda: Disk.of_parts(PLATE, (), [(0.0, 0.0, 0.0)]), "masses must be positive"),
+    "thin plate": (lambda: Disk.of_parts((0.05, 0.0, 8e3)), "thickness must be positive"),
+    "products": (lambda: Disk(**NUMBERS, inertia_xy=1.5), "inertia_xy must leave principal"),
+    "half a ring": (
+        lambda: Scenario.from_values({"disk": {"holes": [], "radius": 1.0}}),
+        "lacks thickness and density",
+    ),
+    "larger smaller axis": (lambda: replace(ELLIPSE, other_radius=0.05), "other_radius must not"),
+    "unknown body": (lambda: body_from({"body": "cube"}), "body must be one of disk, sphere"),
+    "no body": (lambda: body_from({"body": "math:pi"}), "must be a class derived from Body"),
+    "body without numbers": (lambda: body_from({"body": "sphere"}), "cannot be made"),
+    "surface above": (
+        lambda: Scenario(disk=_Flat(**{n: getattr(EGG, n) for n in NUMBERS})),
+        r"depth of lowest_point\(.*\) must lie from 0",
+    ),
+    "rounded sphere": (
+        lambda: Scenario(
+            disk=TIPPE_TOP, contact=PenaltyContact(stiffness=1e5, half_thickness=1e-3)
+        ),
+        "half_thickness must be 0 for a Sphere",
+    ),
+    "constraints": (
+        lambda: Scenario(disk=TIPPE_TOP, constraints=MODELS[2]),
+        "constraints must be those of Model 1 for a Sphere",
+    ),
+    "drag": (
+        lambda: Scenario(
+            disk=ELLIPSE,
+            contact=PenaltyContact.rounded(ELLIPSE),
+            dissipation=Dissipation(air_drag=1.2),
+        ),
+        "air_drag acts on the faces of a round disk alone",
+    ),
+    "engine": (
+        lambda: mbs_models.Scene(Scenario(disk=EGG)),
+        "holds round disks and spheres alone",
+    ),
+    "tree": (
+        lambda: mbs_models.Scene(
+            Scenario(disk=TIPPE_TOP, contact=PenaltyContact.rounded(TIPPE_TOP)), "euler-tree"
+        ),
+        "'euler-tree' has a round disk at its end",
+    ),
+}
+
+
+@pytest.mark.parametrize(("call", "message"), REFUSED.values(), ids=list(REFUSED))
+def test_what_is_no_body_or_fits_none_is_refused(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+ANALYSES: dict[str, Callable[[Scenario], Any]] = {
+    "full system": lambda scenario: eigenvalues(scenario, [30.0], system="full"),
+    "numeric": lambda scenario: eigenvalues(scenario, [30.0], system="numeric"),
+    "critical speeds": critical_speeds,
+    "engine": lambda scenario: mbs_models.eigenvalues(mbs_models.Scene(scenario)),
+    "reduced": lambda scenario: simulate(
+        replace(scenario, constraints=MODELS[4]), [0.0, 1.0], form="reduced"
+    ),
+}
+
+
+@pytest.mark.parametrize("analysis", ANALYSES.values(), ids=list(ANALYSES))
+def test_analyses_of_the_papers_disk_refuse_products_of_inertia(
+    analysis: Callable[[Scenario], Any],
+) -> None:
+    with pytest.raises(ValueError, match="needs a round disk whose line from centre to centre of"):
+        analysis(Scenario(disk=COMPOSED))
+
+
+def test_named_bodies_are_the_classes() -> None:
+    assert list(KINDS) == ["disk", "sphere", "ellipse"]
+    assert isinstance(body_from({"body": "sphere"} | NUMBERS), Sphere)

@@ -1,0 +1,139 @@
+"""Bodies of any shape on both contacts, against Newton's and Euler's laws along a path."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from analysis import (
+    LOADS,
+    Body,
+    Load,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Table,
+    energies,
+    energy_residual,
+    simulate,
+    simulate_to_rest,
+)
+from analysis.data.checks import Array
+from analysis.mechanics.recorded import accelerations
+from tests.bodies import BODIES, ELLIPSE, TIPPE_TOP, random_start, spinning_top
+from tests.helpers import (
+    OUTER_STEP,
+    angular_velocity,
+    arc,
+    centre,
+    cog,
+    derivative,
+    not_none,
+    rotation,
+    second_derivative,
+    spin_momentum,
+)
+
+every_body = pytest.mark.parametrize("body", BODIES.values(), ids=list(BODIES))
+
+
+def lowest(body: Body, z: Array) -> Array:
+    """Inertial lowest point."""
+    point: Array = body.lowest_points(centre(z)[None], rotation(z)[None])[0]
+    return point
+
+
+def enlarged(body: Body) -> Body:
+    """The same of radius and mass one, so that it moves as slowly as differences want."""
+    length, mass = 1.0 / body.radius, 1.0 / body.mass
+    scales = {"radius": length, "other_radius": length, "eccentricity": length, "mass": mass}
+    values = {each.name: getattr(body, each.name) for each in fields(body)}
+    for name in values:
+        scale = mass * length**2 if name.startswith("inertia") else scales.get(name, 1.0)
+        values[name] *= scale
+    return replace(body, **values)
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("body", [*map(enlarged, BODIES.values())], ids=list(BODIES))
+def test_forces_at_the_lowest_point_change_the_momenta(body: Body, seed: int, load: Load) -> None:
+    friction = SmoothCoulomb(load=load)
+    table = Table(inclination=0.2, downhill=0.5)
+    scenario = Scenario(disk=body, friction=friction, table=table, start=random_start(seed, 0.05))
+    state = scenario.initial_state
+    z, u = np.array(state.coordinates), np.array(state.rates)
+    acceleration, (normal,) = accelerations(scenario, z, u)
+    path = arc(z, u, acceleration)
+    point, middle = lowest(body, z), cog(body, z)
+    omega = angular_velocity(path)
+    slip = derivative(lambda t: centre(path(t))) + np.cross(omega, point - centre(z))
+    assert abs(slip[2]) < 1e-9
+    pressing = max(0.0, normal) if load == "contact" else scenario.weight
+    force = -pressing * friction.per_speed(float(np.hypot(*slip[:2]))) * slip
+    force[2] = normal
+    pulled = force / body.mass + table.vector
+    scale = float(np.max(np.abs(pulled))) + 1.0
+    found = second_derivative(lambda t: cog(body, path(t)))
+    np.testing.assert_allclose(found, pulled, atol=1e-9 * scale)
+    torque = np.cross(point - middle, force)
+    turning = derivative(lambda t: spin_momentum(body, path, t), OUTER_STEP)
+    size = float(np.max(np.abs(torque)) + np.max(np.abs(turning)))
+    np.testing.assert_allclose(turning, torque, atol=1e-9 * size)
+    rise = second_derivative(lambda t: lowest(body, path(t)))[2]
+    assert abs(rise) < 1e-9 * scale
+
+
+@pytest.mark.parametrize("body", [TIPPE_TOP, ELLIPSE], ids=["sphere", "ellipse"])
+def test_stiff_tables_tend_to_the_ideal_contact(body: Body) -> None:
+    start = Start(beta=1.2, gamma=0.3, spin=8.0, beta_rate=0.5)
+    ideal = Scenario(disk=body, friction=SmoothCoulomb(load="contact"), start=start)
+    times = np.linspace(0.0, 0.05, 6)
+    truth = simulate(ideal, times).coordinates
+    errors = []
+    for stiffness in (1e6, 4e6):
+        contact = PenaltyContact.damped(stiffness, body, ratio=1.0)
+        found = simulate(replace(ideal, contact=contact), times).coordinates
+        errors.append(float(np.max(np.abs(found - truth)[:, 4:])))
+    assert errors[1] < 0.35 * errors[0] < 1e-2
+
+
+@every_body
+def test_bodies_without_friction_keep_their_energy_on_the_ideal_contact(body: Body) -> None:
+    smooth = Scenario(
+        disk=body,
+        friction=SmoothCoulomb(coefficient=0.0),
+        start=Start(beta=1.2, gamma=0.3, spin=5.0, beta_rate=0.5),
+    )
+    run = simulate(smooth, np.linspace(0.0, 0.1, 11), tolerance=1e-9)
+    kinetic, potential = energies(smooth, run.coordinates, run.rates)
+    total = kinetic + potential
+    np.testing.assert_allclose(total, total[0], rtol=1e-9)
+
+
+def test_ellipse_without_friction_keeps_its_energy_until_it_has_turned_over() -> None:
+    contact = PenaltyContact(stiffness=1e6, damping=0.0, half_thickness=2e-4, bilateral=True)
+    scenario = Scenario(
+        disk=ELLIPSE,
+        contact=contact,
+        friction=SmoothCoulomb(coefficient=0.0),
+        start=Start(beta=1.2, gamma=0.3, spin=5.0),
+    )
+    motion = simulate_to_rest(scenario, 0.3, local_tolerance=1e-11)
+    total = motion.energies.sum(axis=1)
+    np.testing.assert_allclose(total, total[0], rtol=1e-8)
+    # It is no disk: its centre rises and falls as it turns about its axis.
+    assert np.ptp(motion.positions[:, 2]) > 5e-3
+
+
+def test_tippe_top_turns_over_by_friction_alone() -> None:
+    motion = simulate_to_rest(spinning_top(), 1.5, stop_when="inverted")
+    assert not_none(motion.ending).reason == "inverted"
+    assert motion.times[-1] == pytest.approx(1.228924, abs=2e-6)
+    ideal = replace(spinning_top(), contact=None)
+    run = simulate(ideal, np.linspace(0.0, 1.5, 601), stop_when="inverted")
+    assert run.times[-1] == pytest.approx(1.22861, abs=1e-5)
+    assert np.max(np.abs(energy_residual(run))) < 1e-4 * motion.energies[0].sum()
+    smooth = simulate_to_rest(spinning_top(0.0), 1.5)
+    assert smooth.cog_direction.max() < -0.9

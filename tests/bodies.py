@@ -1,0 +1,107 @@
+"""Bodies of several kinds, and states of them, for tests of both sides."""
+
+from dataclasses import dataclass, replace
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from analysis import (
+    Body,
+    Disk,
+    EllipticDisk,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Sphere,
+    Start,
+)
+from analysis.data.elementary import sqrt
+
+COMPOSED = Disk.of_parts(
+    (0.045, 0.01, 7700.0),
+    holes=[(-0.02, 0.0, 0.012), (0.01, 0.02, 0.005)],
+    masses=[(0.0, 0.03, 0.02)],
+)
+"""Its centre of gravity does not lie on a principal axis."""
+
+LOPSIDED = replace(COMPOSED, inertia_xz=5e-6, inertia_yz=-4e-6)
+
+TIPPE_TOP = Sphere(
+    radius=0.02,
+    mass=0.02,
+    eccentricity=0.003,
+    inertia_x=3.0e-6,
+    inertia_y=2.98e-6,
+    inertia_z=2.98e-6,
+)
+
+ELLIPSE = EllipticDisk(
+    radius=0.045,
+    other_radius=0.035,
+    long_axis=0.4,
+    mass=0.4,
+    eccentricity=0.003,
+    inertia_x=2.2e-4,
+    inertia_y=2.1e-4,
+    inertia_z=4.0e-4,
+    inertia_xy=1e-5,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Egg(Body):
+    """A body of one's own: longer along x than across it."""
+
+    waist: float = 0.8
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
+        a, b = self.radius**2, (self.waist * self.radius) ** 2
+        x, y, z = up
+        height = sqrt(a * (x * x) + b * (y * y + z * z))
+        return -(a * x) / height, -(b * y) / height, -(b * z) / height
+
+
+EGG = Egg(
+    radius=0.02,
+    mass=0.02,
+    eccentricity=0.003,
+    inertia_x=3.0e-6,
+    inertia_y=2.98e-6,
+    inertia_z=3.1e-6,
+    inertia_xy=1e-7,
+    inertia_xz=2e-7,
+    inertia_yz=-3e-7,
+)
+
+BODIES: dict[str, Body] = {
+    "composed": COMPOSED,
+    "lopsided": LOPSIDED,
+    "sphere": TIPPE_TOP,
+    "ellipse": ELLIPSE,
+    "own": EGG,
+}
+
+
+def random_start(seed: int, pace: float = 1.0) -> Start:
+    """Start that tells all that can be told, with turns of up to 20 rad/s times the pace."""
+    rng = np.random.default_rng(seed)
+    return Start(
+        alpha=rng.uniform(-3.0, 3.0),
+        beta=rng.uniform(0.4, 2.7),
+        gamma=rng.uniform(-3.0, 3.0),
+        spin=pace * rng.uniform(-20.0, 20.0),
+        beta_rate=pace * rng.uniform(-5.0, 5.0),
+        gamma_rate=pace * rng.uniform(-20.0, 20.0),
+        **{name: rng.uniform(-1.0, 1.0) for name in ("x", "y", "x_rate", "y_rate")},
+    )
+
+
+def spinning_top(coefficient: float = 0.3) -> Scenario:
+    """The tippe top, spun about its axis with the centre of gravity below, a little aslant."""
+    return Scenario(
+        disk=TIPPE_TOP,
+        friction=SmoothCoulomb(coefficient=coefficient, smoothing=0.01, load="contact"),
+        contact=PenaltyContact.rounded(TIPPE_TOP, stiffness=1e4),
+        start=Start(beta=pi / 2, gamma=-pi / 2 + 0.1, spin=150.0),
+    )
