@@ -230,9 +230,7 @@ def quantities(kind: type) -> Mapping[str, Columns]:
 
 
 def lowest(scenario: Scenario, up: Any) -> Any:
-    """Lowest point of the disk seen from G in m, in axes of the body, shape (..., 3).
-
-    It is that of a spheroid of semi-axes r, r, c; without thickness, of the rim.
+    """Lowest point of the body seen from G in m, in axes of the body, shape (..., 3).
 
     Parameters
     ----------
@@ -240,8 +238,6 @@ def lowest(scenario: Scenario, up: Any) -> Any:
     up : ndarray, shape (..., 3)
         The vertical in axes of the body; complex for the derivative along a motion.
     """
-    r, contact = scenario.disk.radius, scenario.contact
-    c = 0.0 if contact is None else contact.half_thickness
-    x, y, z = np.moveaxis(up, -1, 0)
-    height = np.sqrt(r * r * (x * x + y * y) + c * c * (z * z))
-    return -np.stack((r * r * x / height, r * r * y / height, c * c * z / height), axis=-1)
+    half_thickness = 0.0 if scenario.contact is None else scenario.contact.half_thickness
+    points = scenario.disk.lowest_point(np.moveaxis(up, -1, 0), half_thickness)
+    return np.stack(np.broadcast_arrays(*points), axis=-1)

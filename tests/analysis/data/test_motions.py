@@ -18,7 +18,9 @@ from analysis import (
     LEVELS,
     LOADS,
     POSSIBLE_SETS,
+    STEEL_DISK,
     ConstraintSet,
+    EllipticDisk,
     Ending,
     Ensemble,
     Level,
@@ -198,6 +200,18 @@ def test_quantities_of_an_ensemble_are_those_of_its_members() -> None:
             count = np.sum(times <= run.times[-1])
             np.testing.assert_allclose(whole[member, :count], getattr(run, name)[:count])
             assert np.isnan(whole[member, count:]).all()
+
+
+def test_contact_point_of_another_body_is_on_the_table_and_moves_at_its_speed() -> None:
+    disk = STEEL_DISK
+    sizes = {name: getattr(disk, name) for name in ("mass", "eccentricity", "inertia_x")}
+    sizes |= {name: getattr(disk, name) for name in ("inertia_y", "inertia_z", "radius")}
+    ellipse = EllipticDisk(**sizes, other_radius=0.8 * disk.radius)
+    run = simulate(Scenario(disk=ellipse), np.linspace(0.0, 0.3, 301))
+    np.testing.assert_allclose(run.contact_points[:, 2], 0.0, atol=1e-9)
+    inner = slice(20, -20)
+    places = CubicSpline(run.times, run.contact_points[:, :2])(run.times[inner], 1)
+    np.testing.assert_allclose(run.contact_speed[inner], np.hypot(*places.T), rtol=1e-5, atol=1e-7)
 
 
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
