@@ -131,10 +131,8 @@ def rest_effort(scenario: Scenario, end: float, **how: Any) -> Effort:
     if options.source == "in-house":
         return inhouse_effort.rest_effort(scenario, end)
     from mbs_models.effort import rest_effort as engine_effort
-    from mbs_models.rest_run import SAFETY, largest_step
 
-    scene, step = _scene(scenario, options), options.step
-    return engine_effort(scene, end, SAFETY * largest_step(scene) if step is None else step)
+    return engine_effort(_scene(scenario, options), end, options.step)
 
 
 def _of_rest(**how: Any) -> RunOptions:

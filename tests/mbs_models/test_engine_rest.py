@@ -127,7 +127,7 @@ def test_a_run_of_fixed_steps_claims_no_error() -> None:
 def test_unexplained_energy_falls_with_the_tolerance() -> None:
     scene = rest_scene(dissipation=EVERYTHING)
     unexplained = []
-    for tolerance in (1e-2, 1e-3, 1e-4):
+    for tolerance in (1e-3, 1e-4, 1e-5):
         found = mbs_models.simulate_to_rest(scene, 0.3, tolerance=tolerance, spacing=1e-2)
         unexplained.append(float(np.max(np.abs(found.energy_residual))))
     assert unexplained[-1] < 1e-8
@@ -147,18 +147,18 @@ def test_time_limit_ends_engine_runs_with_what_they_reached(
     clock = iter(range(10**9))
     monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: 0.1 * next(clock))
     told: list[tuple[float, float]] = []
-    for settings in ({"step": 1e-4}, {"tolerance": 1e-3}):
+    for settings, limit in (({"step": 1e-4}, 0.45), ({"tolerance": 1e-3}, 15.0)):
         found = mbs_models.simulate_to_rest(
             rest_scene(),
             1.0,
-            time_limit=0.45,
+            time_limit=limit,
             progress=lambda reached, end: told.append((reached, end)),
             **settings,  # type: ignore[arg-type]
         )
         assert found.ending is not None
         assert found.ending.reason == "time limit"
         assert found.ending.time == found.times[-1] < 1.0
-        assert found.ending.value > 0.45
+        assert found.ending.value > limit
         assert found.rest_time is None
         assert found.error_estimate is None
     assert {end for _, end in told} == {1.0}
