@@ -18,9 +18,10 @@ from analysis.data import frames
 from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
+from mbs_models.building import table_forces
 from mbs_models.friction import UPWARD, Force, connector_force, friction_load
 from mbs_models.loads import Loads
-from mbs_models.model import Floats, Formulation, Model, table_forces
+from mbs_models.model import Floats, Formulation, Model
 
 _OUTPUT = exu.OutputVariableType
 

@@ -27,6 +27,7 @@ from mbs_models.rest_run import (
     spatial,
 )
 from mbs_models.scene import Scene
+from mbs_models.solving import EngineError
 
 LOCAL_PART, COARSEST = 1e-6, 1e-9
 """Part of the tolerance that the first run allows in a step, as the sum over a motion is larger;
@@ -94,7 +95,7 @@ def simulate_to_rest(
     TimeLimitError
         If the time limit is met before the first sample.
     EngineError
-        If the engine does not reach the end.
+        If the engine does not reach the end, or fixed steps make more energy than there was.
 
     Examples
     --------
@@ -128,7 +129,10 @@ def simulate_to_rest(
     if step is not None:
         if step > largest:
             raise ValueError(_beyond(scene, step, largest))
-        return _motion(scene, runs.by_steps(step), {"integrator": "RK44", "step": step})
+        motion = _motion(scene, runs.by_steps(step), {"integrator": "RK44", "step": step})
+        if np.max(np.abs(motion.energy_residual)) > motion.energies[0].sum():
+            raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
+        return motion
 
     def run(local: float) -> SpatialMotion:
         way = runs.by_accelerations(local)

@@ -1,7 +1,7 @@
 """The way of a disk with a rounded rim to rest: as an initial value problem, and its runs.
 
-A state is a row of 19 numbers: position of G, attitude as a quaternion, velocity of G, angular
-velocity in the disk's axes, and the energy taken by each of `CAUSES`.
+A state is a row of 19 numbers: position of G, attitude as a quaternion of any length, velocity of
+G, angular velocity in the disk's axes, and the energy taken by each of `CAUSES`.
 """
 
 from collections import Counter
@@ -158,7 +158,8 @@ def _of_pose(condition: Condition) -> Callable[[Array], float]:
 
 def spatial(states: Array) -> tuple[Array, Array, Array, Array]:
     """Position, rotation matrix, velocity and angular velocity in inertial components."""
-    rotation = frames.rotations(states[:, POSE])
+    attitudes = states[:, POSE]
+    rotation = frames.rotations(attitudes / np.linalg.norm(attitudes, axis=1)[:, None])
     angular = np.einsum("nij,nj->ni", rotation, states[:, TURNING])
     return states[:, :3], rotation, states[:, 7:10], angular
 
@@ -260,15 +261,15 @@ class RestRun:
             done = min(done, still + self._criterion.samples(times[1]) - 1)
             kinetic = kinetic_energy(self._scene.scenario.disk, states[done : done + 1])
             ending = Ending(reason=AT_REST, time=float(times[done]), value=float(kinetic[0]))
-        states = states[: done + 1]
-        states[:, POSE] /= np.linalg.norm(states[:, POSE], axis=1)[:, None]
         return Way(
-            times=times[: done + 1], states=states, still=still, ending=ending, counts=counts
+            times=times[: done + 1],
+            states=states[: done + 1],
+            still=still,
+            ending=ending,
+            counts=counts,
         )
 
     def _stepped(self, local: float, times: Array, state: Array) -> Run:
-        state = state.copy()
-        state[POSE] /= np.linalg.norm(state[POSE])
         problem = self._problem.starting_at(state)
         return integrate(problem, times, "LSODA", local, allow_pulling=True, watch=self._watch)
 

@@ -29,6 +29,7 @@ from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models import sampled
+from mbs_models.accelerations import stepped
 from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
@@ -36,7 +37,6 @@ from mbs_models.own_runs import run_over
 from mbs_models.sampled import Sampled
 from mbs_models.scene import Scene
 from mbs_models.solving import EngineError
-from mbs_models.stepped import stepped
 
 
 def simulate(

@@ -19,8 +19,8 @@ from analysis import (
     Trajectory,
 )
 from analysis.data.constraint_set import set_name
-from mbs_models import EngineError, Integrator, Scene
-from mbs_models.integrators import ACCELERATED, FINEST_LOCAL
+from mbs_models import Integrator, Scene
+from mbs_models.integrators import ACCELERATED
 from mbs_models.probe import Probe
 from mbs_models.scene import build
 from tests.helpers import model, mostly_slow, not_none
@@ -104,36 +104,6 @@ def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> No
     assert fine.error_estimate is None
     assert fine.method["local_tolerance"] == 1e-8
     assert angle_error(fine, truth) < min(1e-5, angle_error(coarse, truth))
-
-
-def test_a_step_limits_theirs() -> None:
-    run = mbs_models.simulate(scene_of(2), TIMES, step=1e-3, integrator="DOP853")
-    assert run.counts["steps"] >= 2 * 200
-
-
-def test_friction_that_leaves_no_acceleration_is_the_engines_failure() -> None:
-    friction = SmoothCoulomb(coefficient=30.0, load="contact")
-    scene = scene_of(2, friction=friction, start=Start(beta=0.4, spin=30.0))
-    with pytest.raises((EngineError, ArithmeticError), match="equations of motion are singular"):
-        mbs_models.simulate(scene, TIMES, tolerance=1e-6, integrator="DOP853")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"integrator": Integrator(name="DOP853", local_tolerance=1e-6), "tolerance": 1e-6},
-         "tolerance must be left out for integrator 'DOP853'"),
-        ({"integrator": "DOP854"}, "integrator must be one of RK44.*LSODA"),
-    ],
-)  # fmt: skip
-def test_contradicting_accuracies_are_refused(arguments: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        mbs_models.simulate(scene_of(2), TIMES, **arguments)
-
-
-def test_a_local_tolerance_within_their_noise_is_refused() -> None:
-    with pytest.raises(ValueError, match=rf"local_tolerance must lie in \[{FINEST_LOCAL:g}, 1\)"):
-        Integrator(name="Radau", local_tolerance=1e-14)
 
 
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
