@@ -13,7 +13,7 @@ import numpy as np
 from analysis.data.checks import Array, positive, within
 from analysis.data.limits import SHORTEST_STEP, Effort
 from analysis.solve import effort as shared
-from mbs_models.integrators import Integrator, find_integrator
+from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.runs import MINIMUM_STEP
 from mbs_models.scene import CLASSES, Scene
 
@@ -85,7 +85,7 @@ def stepping_integrator(scene: Scene, times: Array, tolerance: float) -> Integra
 def simulation_effort(
     scene: Scene,
     times: Array,
-    integrator: Integrator | None = None,
+    integrator: Integrator | IntegratorName | None = None,
     *,
     step: float | None = None,
     tolerance: float | None = None,
@@ -97,7 +97,7 @@ def simulation_effort(
     scene : Scene
     times : ndarray, shape (n,)
         In s.
-    integrator : Integrator, optional
+    integrator : Integrator or str, optional
         By default that of `mbs_models.simulate`, which may change to step control on the way.
     step : float, optional
         In s.
@@ -108,7 +108,7 @@ def simulation_effort(
     ------
     ValueError
         If step or tolerance is not positive, or the step or one between times shorter than
-        `SHORTEST_STEP`.
+        `SHORTEST_STEP`, or the integrator cannot take the scene.
     """
     if step is not None:
         step = within("step", positive("step", step), SHORTEST_STEP, inf)

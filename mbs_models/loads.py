@@ -63,6 +63,12 @@ class Loads:
             self._last = (state, self._new(*state))
         return self._last[1]
 
+    @property
+    def last(self) -> "Loading":
+        """The last answer."""
+        assert self._last is not None
+        return self._last[1]
+
     def _new(self, centre_height: float, n: Triple, v: Triple, w: Triple) -> "Loading":
         load = Loading()
         height = self.height(n[2])

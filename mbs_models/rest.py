@@ -6,7 +6,7 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.agreement import until_agreement
-from analysis.data.checks import instance, positive
+from analysis.data.checks import function, instance, positive
 from analysis.data.dissipation import RestCriterion
 from analysis.data.endings import StopWhen, named_conditions
 from analysis.data.friction import check_slipping
@@ -117,8 +117,7 @@ def simulate_to_rest(
     rest_effort(scene, end, step).check()
     check_slipping(scene.scenario.friction)
     times = np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing
-    # A run in stretches knows no end but theirs.
-    watch = Watch(time_limit, progress and (lambda reached, _: progress(reached, times[-1])))
+    watch = Watch(time_limit, _to_the_end(progress, float(times[-1])))
     runs = RestRun(
         scene,
         times,
@@ -140,6 +139,14 @@ def simulate_to_rest(
 
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
     return until_agreement(run, min(LOCAL_PART * tolerance, COARSEST), tolerance)
+
+
+def _to_the_end(progress: Progress | None, end: float) -> Progress | None:
+    """Who is told of the end of the run in s, since a stretch knows no end but its own."""
+    if progress is None:
+        return None
+    tell = function("progress", progress)
+    return lambda reached, _: tell(reached, end)
 
 
 def _beyond(scene: Scene, step: float, limit: float) -> str:

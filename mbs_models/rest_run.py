@@ -111,6 +111,8 @@ class RestProblem:
         self._scenario = scene.scenario
         self.model = FloatingWithLosses(scene.scenario)
         self._probe = Probe(self.model)
+        assert self.model.loads is not None
+        self._loads = self.model.loads
         data = self.model.system.systemData
         # What the engine's coordinates are measured from.
         self._origin = data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates()
@@ -133,6 +135,7 @@ class RestProblem:
         p, q, r = rates[3:6]
         place = np.array((x, y, z, *self.model.rotation_vector((s, a, b, c)))) - self._origin
         self._probe.put(place.tolist(), rates[:6])
+        # The engine has just asked for the loads in this state.
         second, _unused = self._probe.solved()
         return [
             *rates[:3],
@@ -141,7 +144,7 @@ class RestProblem:
             0.5 * (s * q + c * p - a * r),
             0.5 * (s * r + a * q - b * p),
             *second.tolist(),
-            *self.model.powers(),
+            *self._loads.last.taken,
         ]
 
 

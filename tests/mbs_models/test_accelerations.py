@@ -1,5 +1,6 @@
 """Runs that step the engine's own accelerations, against others of either side."""
 
+from math import radians
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Start,
+    Table,
     Trajectory,
 )
 from analysis.data.constraint_set import set_name
@@ -27,6 +29,7 @@ from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.2, 21)
+SLOPE = Table(inclination=radians(2.0), downhill=0.7)
 TREES = ["contact-tree", "euler-tree"]
 
 
@@ -35,8 +38,10 @@ def angle_error(run: Trajectory, other: Trajectory) -> float:
 
 
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
-def test_every_formulation_follows_the_in_house_motion(constraints: ConstraintSet) -> None:
-    scenario = Scenario(constraints=constraints, start=Start(spin=20.0, beta=1.3))
+def test_formulations_follow_the_in_house_motion_on_a_slope(
+    constraints: ConstraintSet,
+) -> None:
+    scenario = Scenario(constraints=constraints, table=SLOPE, start=Start(spin=20.0, beta=1.3))
     truth = analysis.simulate(scenario, TIMES, local_tolerance=1e-13)
     for formulation in mbs_models.formulations(scenario):
         run = mbs_models.simulate(

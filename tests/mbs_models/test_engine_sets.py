@@ -19,7 +19,6 @@ from analysis import (
     SmoothCoulomb,
     Start,
     Table,
-    Trajectory,
     multiplier_names,
 )
 from analysis.data.admissible import independent_coordinates
@@ -28,9 +27,6 @@ from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
 
 SLOPE = Table(inclination=radians(2.0), downhill=0.7)
-FREE_ROLLING: ConstraintSet = ("contact", "no-slip-along")
-NO_SLIP: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
-TIMES = np.linspace(0.0, 0.2, 21)
 
 RANGES = {
     "x": (-0.02, 0.02),
@@ -109,37 +105,6 @@ def test_accelerations_and_forces_are_right_near_a_flat_disk(
         for one, other, least in zip(found, expected, (1e-10 / tilt**2, 1e-7), strict=True):
             scale = max(scenario.weight, float(np.max(np.abs(other))))
             np.testing.assert_allclose(one, other, rtol=0.0, atol=least * scale)
-
-
-def angle_gap(one: Trajectory, other: Trajectory) -> float:
-    return float(np.max(np.abs(one.coordinates - other.coordinates)[:, 3:]))
-
-
-RUNS = [
-    *((constraints, formulation, SLOPE) for constraints, formulation in CASES),
-    *((FREE_ROLLING, formulation, Table()) for formulation in ("euler-tree", "floating-lie")),
-    *((NO_SLIP, formulation, Table()) for formulation in ("euler-tree", "floating")),
-]
-
-
-@pytest.mark.parametrize(
-    ("constraints", "formulation", "table"),
-    [
-        run
-        if run[1] in ("contact-tree", "euler-tree")
-        else pytest.param(*run, marks=pytest.mark.slow)
-        for run in RUNS
-    ],
-    ids=name,
-)
-def test_motions_agree(constraints: ConstraintSet, formulation: Formulation, table: Table) -> None:
-    scenario = Scenario(constraints=constraints, table=table, start=Start(beta=1.4, spin=20.0))
-    truth = analysis.simulate(scenario, TIMES, tolerance=1e-10)
-    run = mbs_models.simulate(Scene(scenario, formulation), TIMES, tolerance=5e-8)
-    assert np.ptp(truth.coordinates[:, 5]) > 0.1
-    assert angle_gap(run, truth) < 1e-7
-    np.testing.assert_allclose(run.coordinates[:, :3], truth.coordinates[:, :3], atol=1e-8)
-    np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -20,10 +20,9 @@ from analysis import (
 from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.extrapolation import BLIND, Ladder
 from mbs_models.newton import force_rounding
-from mbs_models.probe import Probe
 from mbs_models.scene import build
 from tests.helpers import model, mostly_slow, not_none
-from tests.scenes import scene_of
+from tests.scenes import rest_scene, scene_of
 
 TIMES = np.linspace(0.0, 0.5, 51)
 
@@ -109,18 +108,6 @@ def test_start_time_only_shifts_the_times() -> None:
     np.testing.assert_allclose(late.coordinates, early.coordinates, atol=1e-9)
 
 
-def test_runs_print_nothing_and_write_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    mbs_models.simulate(Scene(), TIMES, step=5e-3)
-    mbs_models.simulate(scene_of(2, friction=SmoothCoulomb(load="contact")), TIMES, step=2e-4)
-    with pytest.raises(EngineError):
-        mbs_models.simulate(scene_of(1, "euler-tree"), [0.0, 2.0], step=1.0)
-    assert capfd.readouterr() == ("", "")
-    assert not list(tmp_path.iterdir())
-
-
 def test_lost_order_shows_up_as_a_slow_ladder_and_not_as_a_false_estimate() -> None:
     ladder = Ladder("euler-tree", "TrapezoidalIndex2", 0.0)
     for step in (1.0, 0.5, 0.25, 0.125):
@@ -177,24 +164,6 @@ def test_a_tolerance_that_is_not_met_proposes_another_way(scene: Scene, proposal
         mbs_models.simulate(scene, np.linspace(0.0, 99.0, 991), tolerance=1e-9, time_limit=0.05)
 
 
-@pytest.mark.parametrize(
-    "start", [{"beta": 1.2, "beta_rate": 3.0}, {"beta": 2.0, "gamma": 0.7, "beta_rate": -2.0}]
-)
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
-@pytest.mark.parametrize("level", [1, 2, 3, 4])
-def test_jacobian_knows_how_friction_grows_with_the_contact_force(
-    level: Any, formulation: Any, start: dict[str, float]
-) -> None:
-    friction = SmoothCoulomb(load="contact")
-    state = Start(spin=13.0, **start)
-    model = build(scene_of(level, formulation, friction=friction, start=state))
-    probe, equation = Probe(model), model.contact_equation
-    assert equation is not None
-    difference = probe._forces_under(equation, -1.0) - probe._forces_under(equation, 0.0)
-    assert np.max(np.abs(difference)) > 1e-3
-    np.testing.assert_allclose(model.friction_per_newton(), difference, rtol=1e-12, atol=1e-14)
-
-
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
 def test_newton_converges_as_fast_under_the_contact_force_as_under_the_weight(
     formulation: Any,
@@ -231,3 +200,15 @@ def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, sp
     )
     assert run.counts["newton_iterations"] <= 8 * run.counts["steps"]
     assert force_rounding(build(scene)) < 1e-11 * scene.scenario.weight
+
+
+def test_runs_print_nothing_and_write_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    mbs_models.simulate(scene_of(2, friction=SmoothCoulomb(load="contact")), TIMES, step=2e-4)
+    mbs_models.simulate_to_rest(rest_scene(), 0.01)
+    with pytest.raises(EngineError):
+        mbs_models.simulate(scene_of(1, "euler-tree"), [0.0, 2.0], step=1.0)
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
