@@ -12,9 +12,9 @@ from mbs_models.model import FORMULATIONS, Formulation
 from mbs_models.newton import Newton
 from mbs_models.probe import acceleration
 from mbs_models.rest import simulate_to_rest
-from mbs_models.runs import EngineError
 from mbs_models.scene import Scene, formulations
 from mbs_models.simulation import simulate
+from mbs_models.solving import EngineError
 
 __all__ = [
     "ACCELERATED",

@@ -1,25 +1,32 @@
-"""The motion of a scene as an initial value problem, from the engine's own accelerations.
+"""Runs on the engine's own accelerations, stepped by SciPy's solvers.
 
 What is integrated are the coordinates and rates that the constraints leave free, with alpha and
 the spin, in the paper's coordinates: the others follow from these, so that no constraint drifts.
 The accelerations are those of the scene's own formulation.
 """
 
+import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from math import cos, sin
 
 import numpy as np
 
 from analysis.data.admissible import demanded, independent_coordinates
-from analysis.data.checks import Array
+from analysis.data.checks import Array, TimeLimitError
 from analysis.data.endings import Condition
-from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES, State
+from analysis.data.watch import Watch
 from analysis.solve.effort import contact_time, longest_step
-from analysis.solve.stepping import InitialValueProblem
+from analysis.solve.stepping import InitialValueProblem, Run, integrate
+from analysis.solve.to_tolerance import run_to, tighter_and_tighter
 from mbs_models.friction import slip_velocity
+from mbs_models.integrators import FINEST_LOCAL, Integrator
 from mbs_models.probe import Probe
+from mbs_models.sampled import Sampled
 from mbs_models.scene import Scene, build
+from mbs_models.solving import stepping
 
 _NAMES = (*COORDINATES, *(f"{name}_rate" for name in COORDINATES))
 """What tells a whole state: coordinates, and then rates."""
@@ -35,52 +42,14 @@ BENDING = 1e-4
 DIFFERENCES = (1e-12, 1e-8)
 """and bounds of the differences that Jacobians are taken from."""
 
+QUICK = 3e-12
+"""Error in a step from which on accelerations may be noisier."""
+
+FINE = 3e-9
+"""Tolerance in rad from which on a first run allows a step less of it."""
+
 _Solved = tuple[list[float], list[float], Array, Array]
 """Coordinates, rates, and the engine's accelerations and multipliers."""
-
-
-class FreeVariables:
-    """The coordinates and rates of a scenario that determine all others.
-
-    Parameters
-    ----------
-    scenario : Scenario
-
-    Attributes
-    ----------
-    places : list of int
-        Where they stand among the six coordinates and the six rates.
-    """
-
-    def __init__(self, scenario: Scenario) -> None:
-        self._disk, self._constraints = scenario.disk, scenario.constraints
-        self._follows = scenario.contact is None
-        self._start = scenario.initial_state.vector.tolist()
-        names: tuple[str, ...] = _NAMES
-        if self._follows:
-            names = ("alpha", *independent_coordinates(self._constraints))
-            if "constant-spin" not in self._constraints:
-                names += ("alpha_rate",)
-        self.places = [_NAMES.index(name) for name in names]
-
-    def whole(self, values: Array) -> tuple[list[float], list[float]]:
-        """Coordinates and rates, six floats each, from the free ones."""
-        found = self._start.copy()
-        for place, value in zip(self.places, values.tolist()):  # noqa: B905 - called so often
-            found[place] = value
-        if self._follows:
-            x, y, _, alpha, beta, gamma, xd, yd, _, spin, bd, gd = found
-            x, y, xd, yd, bd, gd = demanded(
-                self._constraints, self._disk, (beta, gamma, spin), (x, y, xd, yd, bd, gd)
-            )
-            if self._disk.is_round_disk:
-                r = self._disk.radius
-                z, zd = r * sin(beta), r * cos(beta) * bd
-            else:
-                z, per_beta, per_gamma = self._disk.clearance(beta, gamma)
-                zd = per_beta * bd + per_gamma * gd
-            found = [x, y, z, alpha, beta, gamma, xd, yd, zd, spin, bd, gd]
-        return found[:6], found[6:]
 
 
 class AccelerationProblem:
@@ -94,19 +63,28 @@ class AccelerationProblem:
 
     Attributes
     ----------
+    names : tuple of str
+        The coordinates and rates that determine all others, in the order of a state.
     quick : bool
         Whether accelerations may be noisier for the sake of speed; see `Probe.solved`.
     """
 
     def __init__(self, scene: Scene, conditions: Mapping[str, Condition]) -> None:
         self.quick = True
-        self.scenario = scene.scenario
+        self.scenario = scenario = scene.scenario
         self.model = build(scene)
         self._probe = Probe(self.model)
-        self._free = FreeVariables(self.scenario)
-        places = self._free.places
-        self._tilt = places.index(_NAMES.index("beta"))
-        self._angles = [self._tilt, places.index(_NAMES.index("gamma"))]
+        self._start = scenario.initial_state.vector.tolist()
+        names: tuple[str, ...] = _NAMES
+        if scenario.contact is None:
+            names = ("alpha", *independent_coordinates(scenario.constraints))
+            if "constant-spin" not in scenario.constraints:
+                names += ("alpha_rate",)
+        self.names = names
+        # Where they stand among the six coordinates and the six rates.
+        self._free = [_NAMES.index(name) for name in names]
+        self._tilt = names.index("beta")
+        self._angles = [self._tilt, names.index("gamma")]
         self._conditions = conditions
         self._last: tuple[Array | None, _Solved]
         self._last = (None, ([], [], np.zeros(0), np.zeros(0)))
@@ -124,9 +102,9 @@ class AccelerationProblem:
             longest = min(longest, contact_time(scenario))
         return InitialValueProblem(
             self._derivative,
-            scenario.initial_state.vector[self._free.places],
+            scenario.initial_state.vector[self._free],
             lambda state: sin(state[self._tilt]),
-            self._normal_force if self.model.may_pull else lambda _: 1.0,
+            self._normal_force if self.model.may_pull else None,
             longest,
             lambda states: states[:, self._angles],
             {reason: self._of_state(each) for reason, each in self._conditions.items()},
@@ -148,11 +126,31 @@ class AccelerationProblem:
         )
         return self.model.multipliers(np.array(records), algebraic, coordinates, rates)
 
+    def _whole(self, values: Array) -> tuple[list[float], list[float]]:
+        """Coordinates and rates, six floats each, from the free ones."""
+        found = self._start.copy()
+        for place, value in zip(self._free, values.tolist()):  # noqa: B905 - called so often
+            found[place] = value
+        if self.scenario.contact is None:
+            x, y, _, alpha, beta, gamma, xd, yd, _, spin, bd, gd = found
+            disk, constraints = self.scenario.disk, self.scenario.constraints
+            x, y, xd, yd, bd, gd = demanded(
+                constraints, disk, (beta, gamma, spin), (x, y, xd, yd, bd, gd)
+            )
+            if disk.is_round_disk:
+                r = disk.radius
+                z, zd = r * sin(beta), r * cos(beta) * bd
+            else:
+                z, per_beta, per_gamma = disk.clearance(beta, gamma)
+                zd = per_beta * bd + per_gamma * gd
+            found = [x, y, z, alpha, beta, gamma, xd, yd, zd, spin, bd, gd]
+        return found[:6], found[6:]
+
     def _solved(self, state: Array) -> _Solved:
         """Coordinates, rates, the engine's accelerations and its multipliers in a state."""
         last, found = self._last
         if state is not last:
-            z, u = self._free.whole(state)
+            z, u = self._whole(state)
             self._probe.move_to(z, u)
             second, multipliers = self._probe.solved(quick=self.quick and abs(sin(z[4])) > _LOW)
             found = (z, u, second, multipliers)
@@ -162,7 +160,7 @@ class AccelerationProblem:
     def _derivative(self, _: float, state: Array) -> list[float]:
         z, u, second, _unused = self._solved(state)
         rates = (*u, *self.model.decode_accelerations(second, z, u).tolist())
-        return [rates[place] for place in self._free.places]
+        return [rates[place] for place in self._free]
 
     def _normal_force(self, state: Array) -> float:
         z, u, second, multipliers = self._solved(state)
@@ -174,7 +172,7 @@ class AccelerationProblem:
 
     def _of_state(self, condition: Condition) -> Callable[[Array], float]:
         def said(state: Array) -> float:
-            z, u = self._free.whole(state)
+            z, u = self._whole(state)
             return condition(State(coordinates=tuple(z), rates=tuple(u)))
 
         return said
@@ -184,4 +182,63 @@ class AccelerationProblem:
         if not self.scenario.rubs or sum(held) != 1:
             return None
         radius, direction = self.scenario.disk.radius, int(held[0])
-        return lambda state: slip_velocity(radius, *self._free.whole(state))[direction]
+        return lambda state: slip_velocity(radius, *self._whole(state))[direction]
+
+
+def stepped(
+    scene: Scene,
+    times: Array,
+    integrator: Integrator,
+    tolerance: float | None,
+    *,
+    longest: float,
+    stop_when: Mapping[str, Condition],
+    allow_pulling: bool,
+    watch: Watch,
+    counts: Counter[str],
+) -> Sampled:
+    """Step a scene's accelerations over all times, to a tolerance if there is one.
+
+    The arguments are those of `mbs_models.simulate`, with an integrator that steps accelerations,
+    whose local tolerance holds where no tolerance is given. The work is added to `counts`. The
+    integrator of what is returned has the local tolerance that has led there.
+    """
+    motion = AccelerationProblem(scene, stop_when)
+    motion.check_start()
+    problem = motion.initial_value_problem
+    problem = replace(problem, longest_step=min(longest, problem.longest_step))
+    begin = time.process_time()
+
+    def run(local: float, part: float) -> Run:
+        motion.quick = local >= QUICK
+        shortened, name = problem.with_steps_up_to(part), integrator.method
+        found = integrate(shortened, times, name, local, allow_pulling=allow_pulling, watch=watch)
+        counts.update(steps=found.steps, right_hand_sides=found.evaluations)
+        return found
+
+    estimate, local = None, integrator.local_tolerance
+    with stepping(motion.model.system):
+        if tolerance is None:
+            found = run(local or FINEST_LOCAL, 1.0)
+        else:
+            # The error of a motion falls more slowly than that of a step.
+            first = tolerance / (3.0 if tolerance > FINE else 20.0)
+            rungs = tighter_and_tighter(first, FINEST_LOCAL)
+            found, local, estimate = run_to(
+                run, problem, times, tolerance, rungs, method=integrator.name
+            )
+        values = motion.samples(found.states)
+    # The first sample is the start itself, without the rounding on the way there.
+    values[0, :12] = scene.scenario.initial_state.vector
+    if len(values) < 2:
+        raise TimeLimitError("time limit met before the first sample after the start")
+    return Sampled(
+        times=found.times,
+        values=values,
+        integrator=replace(integrator, local_tolerance=local),
+        step=longest,
+        seconds=time.process_time() - begin,
+        ended=found.ended,
+        pulling=found.pulling,
+        estimate=estimate,
+    )

@@ -13,7 +13,7 @@ import numpy as np
 from analysis.data.checks import Array, positive, within
 from analysis.data.limits import DEFAULT_TOLERANCE, SHORTEST_STEP, Effort
 from analysis.solve import effort as shared
-from mbs_models.integrators import Integrator, find_integrator
+from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.runs import MINIMUM_STEP
 from mbs_models.scene import CLASSES, Scene
 
@@ -40,14 +40,16 @@ FINEST_STEPPED = 1e-9
 """Tolerance in rad below which the noise of accelerations is in the way of runs that step them."""
 
 _REST_SECONDS = 4.5e-5
+"""Processor time in s of a step on the way to rest, of either kind."""
 
 
-def default_integrator(scene: Scene, times: Array, tolerance: float) -> Integrator:
-    """Integrator that `mbs_models.simulate` takes first to a tolerance.
+def ways(scene: Scene, times: Array, tolerance: float) -> list[Integrator]:
+    """Integrators that `mbs_models.simulate` tries in turn to a tolerance.
 
-    The engine's own where there is no constraint; else, and where friction is stiff, one that
-    steps accelerations. A disk that starts above a penalty contact meets it with an impact, where
-    fixed steps lose their order.
+    The engine's own first where there is no constraint; else, and where friction is stiff, one
+    that steps accelerations. A disk that starts above a penalty contact meets it with an impact,
+    where fixed steps lose their order. Fixed steps that lead to nothing are given up `LATE`, and
+    taken up again if nothing else leads anywhere.
 
     Parameters
     ----------
@@ -61,16 +63,17 @@ def default_integrator(scene: Scene, times: Array, tolerance: float) -> Integrat
     own = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
     scenario = scene.scenario
     if scenario.contact is not None:
-        return stepping if scenario.initial_state.coordinates[2] > 0 else own
-    if stepping.name == "DOP853" and (not scene.has_constraints or tolerance < FINEST_STEPPED):
-        return own
-    return stepping
+        is_own_first = scenario.initial_state.coordinates[2] <= 0
+    else:
+        is_fine = not scene.has_constraints or tolerance < FINEST_STEPPED
+        is_own_first = stepping.name == "DOP853" and is_fine
+    return [own, stepping, own] if is_own_first else [stepping, own]
 
 
 def stepping_integrator(scene: Scene, times: Array, tolerance: float) -> Integrator:
     """Integrator that steps a scene's accelerations in the least time.
 
-    The arguments are those of `default_integrator`.
+    The arguments are those of `ways`.
     """
     explicit, implicit = (
         shared.simulation_effort(scene.scenario, times, method=method, tolerance=tolerance).seconds
@@ -82,7 +85,7 @@ def stepping_integrator(scene: Scene, times: Array, tolerance: float) -> Integra
 def simulation_effort(
     scene: Scene,
     times: Array,
-    integrator: Integrator | None = None,
+    integrator: Integrator | IntegratorName | None = None,
     *,
     step: float | None = None,
     tolerance: float | None = None,
@@ -94,7 +97,7 @@ def simulation_effort(
     scene : Scene
     times : ndarray, shape (n,)
         In s.
-    integrator : Integrator, optional
+    integrator : Integrator or str, optional
         By default that of `mbs_models.simulate`, which may change to step control on the way.
     step : float, optional
         In s.
@@ -105,37 +108,42 @@ def simulation_effort(
     ------
     ValueError
         If step or tolerance is not positive, or the step or one between times shorter than
-        `SHORTEST_STEP`.
+        `SHORTEST_STEP`, or the integrator cannot take the scene.
     """
     if step is not None:
         step = within("step", positive("step", step), SHORTEST_STEP, inf)
     tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
-    may_change = integrator is None
     spacings = _spacings(times)
     if integrator is None and step is None:
-        integrator = default_integrator(scene, times, tolerance)
-    elif integrator is None:
-        integrator = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
-    if integrator.steps_accelerations:
-        return _stepping_effort(scene, times, integrator, step or inf, tolerance)
-    cost = _SECONDS["implicit" if integrator.implicit else "explicit"]
+        first, second, *_ = ways(scene, times, tolerance)
+    else:
+        constrained = scene.has_constraints
+        first, second = find_integrator(scene.built_as, integrator, constrained=constrained), None
+    if first.steps_accelerations:
+        return _stepping_effort(scene, times, first, step or inf, tolerance)
+    cost = _SECONDS["implicit" if first.implicit else "explicit"]
     until = f"up to t = {times[-1]:g} s"
-    if integrator.controls_step:
-        cause, needed = _needed_step(scene, integrator, integrator.local_tolerance or 1e-8)
-        longest = min(max(needed, MINIMUM_STEP), step or inf)
-        steps = _count(spacings, longest)
-        return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}")
-    if step is not None:
-        steps = _count(spacings, step)
-        return Effort(steps=steps, seconds=steps * cost, cause=f"step {step:g} s {until}")
-    cause, needed = _needed_step(scene, integrator, tolerance)
-    first = _count(spacings, integrator.first_step)
-    shortest = min(integrator.first_step, float(np.min(spacings)))
+    if first.controls_step:
+        cause, needed = _needed_step(scene, first, first.local_tolerance or 1e-8)
+        steps = _count(spacings, min(max(needed, MINIMUM_STEP), step or inf))
+    elif step is not None:
+        cause, steps = f"step {step:g} s", _count(spacings, step)
+    else:
+        return _halving_effort(scene, times, first, second, tolerance)
+    return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}")
+
+
+def _halving_effort(
+    scene: Scene, times: Array, own: Integrator, stepping: Integrator | None, tolerance: float
+) -> Effort:
+    """That of runs with halved steps, and of steps of the accelerations that take over."""
+    spacings, cost = _spacings(times), _SECONDS["implicit" if own.implicit else "explicit"]
+    cause, needed = _needed_step(scene, own, tolerance)
+    first = _count(spacings, own.first_step)
+    shortest = min(own.first_step, float(np.min(spacings)))
     halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
     doubt = ""
-    if halvings > LATE and may_change:
-        # Steps of the accelerations take over after the first runs.
-        stepping = stepping_integrator(scene, times, tolerance)
+    if halvings > LATE and stepping is not None:
         found = _stepping_effort(scene, times, stepping, inf, tolerance)
         before = first * (2.0**LATE - 1.0)
         return replace(found, steps=found.steps + before, seconds=found.seconds + before * cost)
@@ -146,7 +154,8 @@ def simulation_effort(
     steps = first * (2.0 ** (halvings + 1) - 1.0)
     if first >= steps / 8.0:
         cause = "times"
-    return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}", doubt=doubt)
+    cause = f"{cause} up to t = {times[-1]:g} s"
+    return Effort(steps=steps, seconds=steps * cost, cause=cause, doubt=doubt)
 
 
 def _stepping_effort(
@@ -162,7 +171,7 @@ def _stepping_effort(
     return replace(found, steps=steps, seconds=evaluations * cost)
 
 
-def rest_effort(scene: Scene, end: float, step: float) -> Effort:
+def rest_effort(scene: Scene, end: float, step: float | None = None) -> Effort:
     """Effort of `mbs_models.simulate_to_rest` with these arguments.
 
     Parameters
@@ -171,16 +180,19 @@ def rest_effort(scene: Scene, end: float, step: float) -> Effort:
         With a rounded rim.
     end : float
         In s.
-    step : float
-        As it starts, in s.
+    step : float, optional
+        In s. Without one, there are two runs or more to a tolerance.
     """
-    contact = scene.scenario.contact
-    stiffness = 0.0 if contact is None else contact.stiffness
+    scenario = scene.scenario
+    if step is None:
+        found = shared.rest_effort(scenario, end)
+        return replace(found, steps=2.0 * found.steps, seconds=found.steps * _REST_SECONDS)
+    stiffness, gradient = scenario.penalty_contact.stiffness, scenario.friction_gradient
     return Effort(
         steps=end / step,
         seconds=end / step * _REST_SECONDS,
         cause=f"end = {end:g} s with steps of {step:.1e} s, at stiffness {stiffness:g} N/m and "
-        f"friction gradient {scene.scenario.friction_gradient:g} s/m,",
+        f"friction gradient {gradient:g} s/m,",
     )
 
 

@@ -5,43 +5,24 @@ between any two steps, in which one search finds whatever comes first.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, NamedTuple
 
 import exudyn as exu
 import numpy as np
+import numpy.typing as npt
 
 from analysis.data.checks import Array, ToleranceError
-from analysis.data.endings import CONTACT_WOULD_PULL, Condition
-from analysis.data.limits import LEAST_TILT
+from analysis.data.endings import CONTACT_WOULD_PULL
 from analysis.data.watch import Watch
-from analysis.solve.stepping import SolverError, integrate
-from mbs_models import sampled
-from mbs_models.accelerations import AccelerationProblem
-from mbs_models.effort import stepping_integrator
-from mbs_models.probe import SingularError
-from mbs_models.sampled import leaning, state_of
-from mbs_models.scene import Scene
-from mbs_models.solving import solving
+from analysis.solve.stepping import InitialValueProblem, Method, SolverError, integrate
+from mbs_models.solving import SingularError, solving
 
 LOCAL = 1e-11
 """Error in a step with which endings are located."""
 
 MOST_STEPS_OF_A_SEARCH = 1000
 """Of the accelerations; between two records some ten are usual."""
-
-Says = Callable[[Array], float]
-"""From a record to a number; the run ends where that turns negative."""
-
-
-def of_records(conditions: Mapping[str, Condition]) -> dict[str, Says]:
-    """Conditions on a `State` as functions of a record."""
-
-    def of_record(condition: Condition) -> Says:
-        return lambda row: condition(state_of(row))
-
-    return {reason: of_record(condition) for reason, condition in conditions.items()}
 
 
 class Place(NamedTuple):
@@ -63,7 +44,7 @@ class Place(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Where a run ends: `moment` s after record `row`, with these `values`, for this reason."""
+    """Where a run ends: `moment` s after record `row`, with these values, for this reason."""
 
     reason: str
     row: int
@@ -71,113 +52,85 @@ class Found(NamedTuple):
     values: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Records:
-    """What a run has recorded, and how it came to its end.
+class Motion(NamedTuple):
+    """A motion from a record on.
 
     Parameters
     ----------
-    scene : Scene
-    values : ndarray, shape (n, 12 + k)
-        At even spacing.
-    period : float
-        Time between records in s.
-    broke_off : bool
-        Whether the run failed after the last of them.
-    stopped_by : str or None
-        The reason for which it was stopped after the last of them, if it was.
-    beyond : float
-        Time in s after the last of them at which it was.
+    system : exudyn.MainSystem
+        Whose accelerations are stepped.
+    problem : InitialValueProblem
+    method : str
+    values_of : callable
+        From a state of the problem to the values of a record.
     """
 
-    scene: Scene
-    values: Array
-    period: float
-    broke_off: bool
-    stopped_by: str | None
-    beyond: float
+    system: Any
+    problem: InitialValueProblem
+    method: Method
+    values_of: Callable[[Array], Array]
 
-    def first_ending(
-        self, conditions: Mapping[str, Condition], *, must_not_pull: bool, work: Counter[str]
-    ) -> Found | None:
-        """The first ending, if there is one.
 
-        Parameters
-        ----------
-        conditions : mapping
-            By the reason they give.
-        must_not_pull : bool
-            Whether a contact that pulls ends the run.
-        work : Counter
-            To which the steps of the search are added.
-        """
-        for place in sorted(self._places(conditions, must_not_pull)):
-            found = self._located(place, conditions, must_not_pull, work)
-            if found is not None:
-                return found
-        return None
+def first_ending(
+    places: Iterable[Place],
+    period: float,
+    motion_from: Callable[[int], Motion],
+    *,
+    allow_pulling: bool,
+    work: Counter[str],
+) -> Found | None:
+    """The first ending of a run, if there is one.
 
-    def _places(self, conditions: Mapping[str, Condition], must_not_pull: bool) -> Iterator[Place]:
-        """Places to look at, in no order."""
-        lying = np.flatnonzero(leaning(self.values) < LEAST_TILT)
-        upright = self.values[: lying[0] if lying.size else len(self.values)]
-        last = len(upright) - 1
-        if last < 0:
-            return
-        if lying.size or self.broke_off:
-            # It may lie flat.
-            yield Place(last, 2.0, "")
-        if must_not_pull:
-            yield from dips(upright[:, sampled.NORMAL_FORCE], CONTACT_WOULD_PULL)
-        for reason, says in of_records(conditions).items():
-            yield from dips(np.array([says(row) for row in upright]), reason)
-        if self.stopped_by is not None and self.beyond > 1e-9 * self.period:
-            yield Place(last, self.beyond / self.period, self.stopped_by)
-
-    def _located(
-        self,
-        place: Place,
-        conditions: Mapping[str, Condition],
-        must_not_pull: bool,
-        work: Counter[str],
-    ) -> Found | None:
-        """The first ending behind a record, by the accelerations; None if they show none."""
-        values = self.values[place.row]
-        scene = self.scene.starting_at(state_of(values))
-        motion = AccelerationProblem(scene, conditions)
-        problem = motion.initial_value_problem
+    Parameters
+    ----------
+    places : iterable of Place
+        In any order.
+    period : float
+        Time between records in s.
+    motion_from : callable
+        From the number of a record to the motion that begins there.
+    allow_pulling : bool
+        Whether a contact that pulls ends nothing.
+    work : Counter
+        To which the steps of the search are added.
+    """
+    for place in sorted(places):
         # Runs differ by their errors: what one shows to be negative may be so later in another.
-        end = self.period * (place.width + bool(place.reason))
-        times = np.array([0.0, end])
-        # On a stiff contact a search may be endless, and a run that broke off has then no ending.
-        watch = Watch(most=MOST_STEPS_OF_A_SEARCH)
-        try:
-            with solving(motion.model.system):
-                force = problem.normal_force
-                if must_not_pull and force is not None and force(problem.start) < 0.0:
-                    return Found(CONTACT_WOULD_PULL, place.row, 0.0, values)
-                found = integrate(
-                    problem,
-                    times,
-                    stepping_integrator(scene, times, LOCAL).method,
-                    LOCAL,
-                    allow_pulling=not must_not_pull,
-                    watch=watch,
-                )
-                last = motion.samples(found.states[-1:])[0]
-        except (SolverError, SingularError, exu.ExudynError):
-            return None
-        except ToleranceError:
-            # Where a condition is known to be negative, an ending must not be passed over.
-            if place.reason:
-                raise
-            return None
-        work.update(steps=found.steps, right_hand_sides=found.evaluations)
-        if found.ended is not None:
-            return Found(found.ended, place.row, float(found.times[-1]), last)
-        if place.reason:
-            return Found(place.reason, place.row, end, last)
+        end = period * (place.width + bool(place.reason))
+        found = _located(place, end, motion_from(place.row), allow_pulling, work)
+        if found is not None:
+            return found
+    return None
+
+
+def _located(
+    place: Place, end: float, motion: Motion, allow_pulling: bool, work: Counter[str]
+) -> Found | None:
+    """The first ending within `end` s of a record; None if the accelerations show none."""
+    problem = motion.problem
+    # On a stiff contact a search may be endless, and a run that broke off has then no ending.
+    watch, times = Watch(most=MOST_STEPS_OF_A_SEARCH), np.array([0.0, end])
+    try:
+        with solving(motion.system):
+            force = problem.normal_force
+            if not allow_pulling and force is not None and force(problem.start) < 0.0:
+                first = motion.values_of(problem.start)
+                return Found(CONTACT_WOULD_PULL, place.row, 0.0, first)
+            found = integrate(
+                problem, times, motion.method, LOCAL, allow_pulling=allow_pulling, watch=watch
+            )
+            last = motion.values_of(found.states[-1])
+    except (SolverError, SingularError, exu.ExudynError):
         return None
+    except ToleranceError:
+        # Where a condition is known to be negative, an ending must not be passed over.
+        if place.reason:
+            raise
+        return None
+    work.update(steps=found.steps, right_hand_sides=found.evaluations)
+    if found.ended is not None:
+        return Found(found.ended, place.row, float(found.times[-1]), last)
+    return Found(place.reason, place.row, end, last) if place.reason else None
 
 
 def dips(values: Array, reason: str) -> Iterator[Place]:
@@ -214,15 +167,15 @@ def dips(values: Array, reason: str) -> Iterator[Place]:
 
 
 def pulling_times(
-    moments: Sequence[float], forces: Sequence[float]
+    moments: npt.ArrayLike, forces: npt.ArrayLike
 ) -> tuple[tuple[float, float], ...]:
     """Times in s between which a force is negative, by linear interpolation of samples.
 
     Parameters
     ----------
-    moments : sequence of n floats
+    moments : array_like, shape (n,)
         Increasing times in s.
-    forces : sequence of n floats
+    forces : array_like, shape (n,)
         In N.
     """
     times, values = np.asarray(moments), np.asarray(forces)

@@ -1,12 +1,21 @@
-"""Extrapolation of runs with halved steps."""
+"""The way of the engine's own integrators to a tolerance: fixed steps halved and extrapolated."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from analysis.data.checks import Array
-from mbs_models.integrators import RULES, IntegratorName
+from analysis.data.agreement import needed
+from analysis.data.checks import Array, TimeLimitError, ToleranceError
+from analysis.data.endings import FLAT, TIME_LIMIT
+from analysis.data.state import FlatError
+from mbs_models.effort import HALVINGS, LATE
+from mbs_models.integrators import RULES, Integrator, IntegratorName
 from mbs_models.model import Formulation
-from mbs_models.sampled import apart
-from mbs_models.scene import CLASSES
+from mbs_models.sampled import Sampled, apart
+from mbs_models.scene import CLASSES, Scene
+from mbs_models.solving import EngineError
 
 ROUNDING = 1e-13
 """Error in rad that no estimate goes below."""
@@ -20,6 +29,16 @@ FINEST = CAUTION * ROUNDING
 BLIND = 3.0
 """Factor of an estimate whose step is as long as the time in which friction brakes slip; it falls
 with the step, down to 1."""
+
+PATIENCE = 6
+"""Halvings of the step in a row after which a disk that lies all but flat is given up."""
+
+HOPELESS = 100.0
+"""Estimated error over the tolerance from which on fixed steps lead to nothing."""
+
+
+class HopelessError(ToleranceError):
+    """Fixed steps lead to nothing, and another way is left to try."""
 
 
 def error_exponents(formulation: Formulation, integrator: IntegratorName) -> tuple[int, ...]:
@@ -133,3 +152,69 @@ class Ladder:
     def _shrinking(self, column: int) -> float:
         """Factor by which halving the step is to shrink the error of a column."""
         return 2.0 ** self._exponents[min(column, len(self._exponents) - 1)]
+
+
+def extrapolated(
+    scene: Scene,
+    run: Callable[[float, int], Sampled],
+    integrator: Integrator,
+    tolerance: float,
+    *,
+    is_last_way: bool,
+) -> Sampled:
+    """Halve the step and extrapolate until the estimated error is small enough.
+
+    Parameters
+    ----------
+    scene : Scene
+    run : callable
+        From the longest step in s and the number of its halvings to a motion.
+    integrator : Integrator
+    tolerance : float
+        Largest error in beta and gamma in rad.
+    is_last_way : bool
+        Whether to go on where fixed steps lead to nothing, since nothing else is left to try.
+
+    Raises
+    ------
+    EngineError, FlatError, ToleranceError, TimeLimitError
+        See `mbs_models.simulate`.
+    """
+    empty = partial(Ladder, scene.built_as, integrator.name, scene.scenario.slip_decay)
+    ladder, kind = empty(), None
+    failure: EngineError | FlatError | None = None
+    flat = 0
+    for halvings in range(HALVINGS):
+        if ladder.stalled:
+            break
+        is_late = halvings == LATE and not is_last_way
+        if is_late and ladder.best_estimate > HOPELESS * tolerance:
+            raise HopelessError
+        try:
+            result = run(integrator.first_step, halvings)
+        except (EngineError, FlatError) as error:
+            # A step too long for the iteration is no failure of the tolerance: halve it.
+            flat = flat + 1 if isinstance(error, FlatError) else 0
+            if flat == PATIENCE:
+                raise
+            failure, ladder = error, empty()
+            continue
+        failure, over = None, result.ended == TIME_LIMIT
+        if not over and kind != (result.ended, result.times.size):
+            # Runs that end elsewhere are not to be compared.
+            kind = (result.ended, result.times.size)
+            ladder = empty(flat=result.ended == FLAT)
+        ladder.add(result.values, result.times, result.step)
+        if ladder.estimate <= needed(tolerance, result.ended == FLAT):
+            best, estimate = ladder.best, ladder.estimate
+            return replace(result, times=ladder.best_times, values=best, estimate=estimate)
+        if over:
+            raise TimeLimitError(
+                f"time limit met at t = {result.times[-1]:.6g} s of a run with a step of "
+                f"{result.step:.3g} s, before runs agreed to {tolerance:g} rad; the best "
+                f"estimated error is {ladder.best_estimate:.1e} rad"
+            )
+    raise failure or ToleranceError(
+        f"tolerance {tolerance:g} rad cannot be reached with {integrator.name} on formulation "
+        f"{scene.built_as!r}: the best estimated error is {ladder.best_estimate:.1e} rad"
+    )

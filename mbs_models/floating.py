@@ -20,9 +20,10 @@ from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
 from mbs_models.body_contact import loads_of, sphere_force
+from mbs_models.building import table_forces
 from mbs_models.friction import UPWARD, Force, connector_force, friction_load
 from mbs_models.loads import Loads
-from mbs_models.model import Floats, Formulation, Model, table_forces
+from mbs_models.model import Floats, Formulation, Model
 
 _OUTPUT = exu.OutputVariableType
 
@@ -295,12 +296,16 @@ class FloatingLie(Floating):
 
     def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
         place, velocity, parameters, local = _free_motion(coordinates, rates)
-        # Of the two rotation vectors, the shorter one.
+        position = [*place, *self.rotation_vector(parameters)]
+        return self._with_carrier(position, [*velocity, *local], coordinates, rates)
+
+    @staticmethod
+    def rotation_vector(parameters: Floats) -> list[float]:
+        """The shorter one of the two that belong to Euler parameters, three floats."""
         scalar, *vector = parameters if parameters[0] >= 0.0 else [-each for each in parameters]
         length = hypot(*vector)
         stretch = 2.0 * atan2(length, scalar) / length if length else 2.0
-        turned = [stretch * each for each in vector]
-        return self._with_carrier([*place, *turned], [*velocity, *local], coordinates, rates)
+        return [stretch * each for each in vector]
 
     def path(self, position: Array, velocity: Array) -> Callable[[float], Array]:
         # On the Lie group the velocities are local angular velocities, not rates of coordinates.
@@ -327,22 +332,15 @@ class FloatingLie(Floating):
 
 
 class FloatingWithLosses(FloatingLie):
-    """A free disk on a penalty contact, and what each of `CAUSES` has taken from it.
+    """A free disk on a penalty contact, and what each of `CAUSES` has taken from it in J.
 
     The energies are variables of order 1 with the powers as their rates: they go through the same
-    stages of the integrator as the motion, under the same control of the step. They are held
-    relative to weight times radius, since step control has one tolerance for all variables.
-
-    Attributes
-    ----------
-    unit : float
-        Weight times radius in J, in which records hold the energies.
+    stages of the integrator as the motion.
     """
 
     def _hold(self) -> None:
         super()._hold()
         zeros = [0.0] * len(CAUSES)
-        self.unit = self.scenario.weight * self.scenario.disk.radius
         self._energies = self._add(
             items.NodeGenericODE1(
                 referenceCoordinates=zeros,
@@ -352,20 +350,23 @@ class FloatingWithLosses(FloatingLie):
             "energy taken by each cause",
         )
         self._add(
-            items.ObjectGenericODE1(nodeNumbers=[self._energies], rhsUserFunction=self._powers),
+            items.ObjectGenericODE1(
+                nodeNumbers=[self._energies], rhsUserFunction=lambda *_unused: self.powers()
+            ),
             "power of each cause, by a user function",
         )
 
-    def _powers(self, system: Any, _t: float, _item: int, _energies: Any) -> list[float]:
+    def powers(self) -> list[float]:
+        """What each cause takes in W in the engine's current state, six floats."""
+
         def output(variable: Any) -> list[float]:
-            return list(system.GetNodeOutput(self._node, variable).tolist())
+            return list(self.system.GetNodeOutput(self._node, variable).tolist())
 
         matrix: Any = (*output(_OUTPUT.RotationMatrix),)
         assert self.loads is not None
         x, y, z = output(_OUTPUT.Velocity)
         p, q, r = output(_OUTPUT.AngularVelocity)
-        load = self.loads.at(output(_OUTPUT.Position)[2], matrix, (x, y, z), (p, q, r))
-        return [power / self.unit for power in load.taken]
+        return self.loads.at(output(_OUTPUT.Position)[2], matrix, (x, y, z), (p, q, r)).taken
 
     def _readings(self) -> list[tuple[int, Any]]:
         return [*super()._readings(), (self._energies, _OUTPUT.Coordinates)]

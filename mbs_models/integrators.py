@@ -1,6 +1,6 @@
 """The integrators that a scene can be run with, and their options.
 
-Some are the engine's own. Others step the engine's accelerations (`mbs_models.stepped`).
+Some are the engine's own. Others step the engine's accelerations (`mbs_models.accelerations`).
 """
 
 from dataclasses import dataclass

@@ -7,7 +7,8 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from mbs_models.model import Kind, Model
+from mbs_models.building import Kind
+from mbs_models.model import Model
 from mbs_models.scene import Scene, build
 
 
@@ -56,14 +57,6 @@ class Inventory:
 
     scene: Scene
     items: tuple[Item, ...]
-
-    def count(self, kind: Kind) -> int:
-        """Number of items of one kind."""
-        return sum(item.kind == kind for item in self.items)
-
-    def types(self, kind: Kind) -> tuple[str, ...]:
-        """The engine's types of the items of one kind, in order."""
-        return tuple(item.type for item in self.items if item.kind == kind)
 
     @property
     def coordinates(self) -> int:

@@ -1,21 +1,20 @@
 """Eigenvalues of the stationary spinning motions, taken from the engine."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.admissible import independent_coordinates
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
-from analysis.data.start import Start
-from analysis.data.state import COORDINATES, State
-from mbs_models.probe import Probe
+from mbs_models.accelerations import AccelerationProblem
 from mbs_models.scene import Scene, build
 from mbs_models.solving import solving
 
 ComplexArray = npt.NDArray[np.complex128]
+
+NEUTRAL = ("alpha", "alpha_rate")
+"""What stationary motions exist for any value of."""
 
 
 def eigenvalues(scene: Scene | Scenario) -> ComplexArray:
@@ -65,11 +64,32 @@ def state_matrix(scene: Scene | Scenario) -> Array:
     >>> state_matrix(Scene(Scenario(start=Start.stationary(31.0)))).shape
     (8, 8)
     """
-    chart = _chart(Scene.of(scene))
-    columns = [
-        _derivative(chart.rates, chart.origin, index, step)
-        for index, step in enumerate(chart.steps)
-    ]
+    scene = Scene.of(scene)
+    scenario = scene.scenario
+    scenario.require_plain("the linearisation of a spinning motion")
+    if scenario.contact is not None:
+        raise ValueError("contact must be left out: a penalty contact is not linearised")
+    motion = AccelerationProblem(scene, {})
+    motion.quick = False
+    problem = motion.initial_value_problem
+    places = [number for number, name in enumerate(motion.names) if name not in NEUTRAL]
+    turning = abs(scenario.initial_state.rates[3]) + 1.0
+
+    def rates(state: Array) -> Array:
+        return np.asarray(problem.right_hand_side(0.0, state))[places]
+
+    with solving(motion.model.system):
+        largest = float(np.max(np.abs(rates(problem.start))))
+        if largest > 1e-6 * turning**2:
+            raise ValueError(
+                "start must be a stationary motion to linearise about, got one with rates or "
+                f"accelerations of up to {largest:.3g}"
+            )
+        steps = _steps(scenario, turning)
+        columns = [
+            _derivative(rates, problem.start, place, steps[motion.names[place]])
+            for place in places
+        ]
     return np.column_stack(columns)
 
 
@@ -99,66 +119,19 @@ def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     return result
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Chart:
-    """Independent coordinates near a stationary motion: their origin, rates and steps."""
+def _steps(scenario: Scenario, turning: float) -> dict[str, float]:
+    """Steps of the differences by coordinate, from the rate in 1/s at which the disk turns.
 
-    origin: Array
-    rates: Callable[[Array], Array]
-    steps: Array
-
-
-def _chart(scene: Scene) -> _Chart:
-    scenario = scene.scenario
-    scenario.require_plain("the linearisation of a spinning motion")
-    if scenario.contact is not None:
-        raise ValueError("contact must be left out: a penalty contact is not linearised")
-    disk, constraints = scenario.disk, scenario.constraints
-    start = scenario.initial_state
-    spin = start.rates[3]
-    names = independent_coordinates(constraints)
-    places = [COORDINATES.index(name.removesuffix("_rate")) for name in names]
-    moves = np.array([name.endswith("_rate") for name in names])
-    # Steps keep the slip below 0.3 % of its finest speed, since the friction law's
-    # derivative has a kink at zero slip, and below 3e-4 of the size of the disk and of a turn.
-    # Shorter ones would lose digits to the engine's rounding.
+    They keep the slip below 0.3 % of its finest speed, since the friction law's derivative has a
+    kink at zero slip, and below 3e-4 of the size of the disk and of a turn. Shorter ones would
+    lose digits to the engine's rounding.
+    """
+    radius = scenario.disk.radius
     slip = 3e-3 * scenario.friction.finest_speed
-    turning = abs(spin) + 1.0
-    length = min(3e-4 * disk.radius, slip / turning)
-    angle = min(3e-4, slip / (turning * disk.radius))
-    steps = {"x": length, "y": length, "beta": angle, "gamma": angle}
-    steps |= {"x_rate": slip, "y_rate": slip}
-    steps |= {"beta_rate": slip / disk.radius, "gamma_rate": slip / disk.radius}
-
-    accelerations = _accelerations(scene)
-
-    def rates(values: Array) -> Array:
-        fields = dict(zip(names, values.tolist(), strict=True))
-        state = Start(spin=spin, **fields).state(constraints, disk)
-        first, second = np.array(state.rates)[places], accelerations(state)[places]
-        return np.where(moves, second, first)
-
-    coordinates = np.array(start.coordinates)[places]
-    origin = np.where(moves, np.array(start.rates)[places], coordinates)
-    largest = float(np.max(np.abs(rates(origin))))
-    if largest > 1e-6 * turning**2:
-        raise ValueError(
-            "start must be a stationary motion to linearise about, got one with rates or "
-            f"accelerations of up to {largest:.3g}"
-        )
-    return _Chart(origin, rates, np.array([steps[name] for name in names]))
-
-
-def _accelerations(scene: Scene) -> Callable[[State], Array]:
-    """Accelerations of a scene at states of the same spin, with one model."""
-    model = build(scene)
-    probe = Probe(model)
-
-    def at(state: State) -> Array:
-        probe.move_to(state.coordinates, state.rates)
-        return model.decode_accelerations(probe.solve()[0], state.coordinates, state.rates)
-
-    return at
+    length, angle = min(3e-4 * radius, slip / turning), min(3e-4, slip / (turning * radius))
+    lengths, angles = dict.fromkeys(("x", "y"), length), dict.fromkeys(("beta", "gamma"), angle)
+    speeds = dict.fromkeys(("x_rate", "y_rate"), slip)
+    return lengths | angles | speeds | dict.fromkeys(("beta_rate", "gamma_rate"), slip / radius)
 
 
 def _derivative(rates: Callable[[Array], Array], origin: Array, index: int, step: float) -> Array:

@@ -78,6 +78,12 @@ class Loads:
             self._last = (state, self._new(*state))
         return self._last[1]
 
+    @property
+    def last(self) -> "Loading":
+        """The last answer."""
+        assert self._last is not None
+        return self._last[1]
+
     def _new(self, centre_height: float, matrix: Matrix, v: Triple, w: Triple) -> "Loading":
         load = Loading()
         px, py, pz = load.point = self.lowest(matrix)

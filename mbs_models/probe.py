@@ -13,7 +13,7 @@ from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from mbs_models.model import Floats, Model
 from mbs_models.scene import Scene, build
-from mbs_models.solving import solving
+from mbs_models.solving import SingularError, solving
 
 STEP = 5e-3
 """Step in rad of the differences by time, where their truncation and rounding balance,"""
@@ -21,16 +21,11 @@ STEP = 5e-3
 QUICK_STEP = 1e-5
 """and where those of two values do."""
 
-
 _SECANTS = 30
 """Most steps towards a contact force that friction is not in proportion to,"""
 
 _BALANCED = 1e-14
 """and what of it may be left."""
-
-
-class SingularError(ArithmeticError):
-    """The equations of motion have no solution in a state."""
 
 
 def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[Array, Array]:
@@ -100,7 +95,7 @@ class Probe:
         self._model, self._system = model, model.system
         self._pace = _pace(model.start.coordinates, model.start.rates)
         data = model.system.systemData
-        self._path = model.path(data.GetODE2Coordinates(), data.GetODE2Coordinates_t())
+        self._place = np.array(data.GetODE2Coordinates()), np.array(data.GetODE2Coordinates_t())
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(self._system, settings)
         self._size = self._solver.GetODE2size()
@@ -113,12 +108,15 @@ class Probe:
 
     def move_to(self, coordinates: Floats, rates: Floats) -> None:
         """Move to another state that meets the constraints, in co-rotating coordinates."""
-        position, velocity = self._model.encode(coordinates, rates)
+        self.put(*self._model.encode(coordinates, rates))
+        self._pace = _pace(coordinates, rates)
+
+    def put(self, position: list[float], velocity: list[float]) -> None:
+        """Move to coordinates and velocities of the engine."""
         data = self._system.systemData
         data.SetODE2Coordinates(position)
         data.SetODE2Coordinates_t(velocity)
-        self._path = self._model.path(np.array(position), np.array(velocity))
-        self._pace = _pace(coordinates, rates)
+        self._place = np.array(position), np.array(velocity)
 
     def check_start(self, tolerance: float = 1e-9) -> None:
         """Raise `ValueError` if the model's start breaks a constraint.
@@ -315,7 +313,7 @@ class Probe:
 
     def _differences(self, step: float, counts: Sequence[int]) -> list[Array]:
         """Differences of the residuals between so many steps ahead and as many back."""
-        data, path = self._system.systemData, self._path
+        data, path = self._system.systemData, self._model.path(*self._place)
 
         def residuals(steps: int) -> Array:
             data.SetODE2Coordinates(path(steps * step))

@@ -7,22 +7,32 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.agreement import until_agreement
-from analysis.data.checks import instance, positive
+from analysis.data.checks import function, instance, positive
 from analysis.data.dissipation import RestCriterion
-from analysis.data.endings import AT_REST, Ending, StopWhen, named_conditions
+from analysis.data.endings import StopWhen, named_conditions
 from analysis.data.friction import check_slipping
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
-from analysis.data.trajectory import versions
+from analysis.data.trajectory import Setting, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models.body_contact import loads_of
 from mbs_models.effort import rest_effort
-from mbs_models.rest_run import SAFETY, RestRun, kinetic_energy, largest_step, rounded_contact
+from mbs_models.rest_run import (
+    TAKEN,
+    RestRun,
+    Way,
+    kinetic_energy,
+    largest_step,
+    rounded_contact,
+    spatial,
+)
 from mbs_models.scene import Scene
+from mbs_models.solving import EngineError
 
-LOCAL_PART = 1e-4
-"""Part of the tolerance that the first run allows in a step; the sum over a motion is larger."""
+LOCAL_PART, COARSEST = 1e-6, 1e-9
+"""Part of the tolerance that the first run allows in a step, as the sum over a motion is larger;
+and error in a step from which on two runs may agree by the longest step that both take."""
 
 
 def simulate_to_rest(
@@ -39,11 +49,12 @@ def simulate_to_rest(
 ) -> SpatialMotion:
     """Simulate a scene in the engine until the disk rests, or until `end`.
 
-    Accuracy is asked for in one of two ways. With `tolerance`, the engine controls its steps,
-    which grow short where the contact opens and closes, and the tolerance of a step is tightened
-    tenfold until two runs agree. With `step`, there is a single run of fixed steps, and nobody
-    looks at its error: it is of order 4 in the step while the contact stays closed, but each
-    touch-down, where the damper's force sets in at once, leaves an error of the first order.
+    Accuracy is asked for in one of two ways. With `tolerance`, the engine's accelerations are
+    stepped by LSODA, whose steps grow short where the contact opens and closes, and the tolerance
+    of a step is tightened tenfold until two runs agree. With `step`, there is a single run of
+    fixed steps of the engine's RK44, and nobody looks at its error: it is of order 4 in the step
+    while the contact stays closed, but each touch-down, where the damper's force sets in at once,
+    leaves an error of the first order.
 
     Parameters
     ----------
@@ -61,8 +72,7 @@ def simulate_to_rest(
     criterion : RestCriterion, optional
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
-        negative there. They are asked at the samples, but not where the disk lies flat, and
-        located by short runs from the sample before.
+        negative there. They are not asked where the disk lies flat.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.
@@ -86,7 +96,7 @@ def simulate_to_rest(
     TimeLimitError
         If the time limit is met before the first sample.
     EngineError
-        If the engine does not reach the end.
+        If the engine does not reach the end, or fixed steps make more energy than there was.
 
     Examples
     --------
@@ -97,85 +107,95 @@ def simulate_to_rest(
     True
     """
     end, spacing = positive("end", end), positive("spacing", spacing)
-    step = None if step is None else positive("step", step)
     if spacing > end:
         raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
     scene = Scene.of(scene)
-    rounded_contact(scene)
+    largest = largest_step(scene)
+    step = None if step is None else positive("step", step)
     check_storage("end", end / spacing, MOTION_COLUMNS)
-    rest_effort(scene, end, SAFETY * largest_step(scene) if step is None else step).check()
+    rest_effort(scene, end, step).check()
     check_slipping(scene.scenario.friction)
-    watch = Watch(time_limit, progress)
-    wanted = RestCriterion()
-    if criterion is not None:
-        wanted = instance("criterion", criterion, RestCriterion)
-    conditions = named_conditions(stop_when, scene.scenario.initial_state)
-    count = int(np.floor(end / spacing + 1e-9))
-
-    def run(local: float | None) -> SpatialMotion:
-        found = RestRun(scene, spacing, watch, step=step, local_tolerance=local)
-        still = found.until_rest(count, wanted, conditions)
-        size = len(found.times) if still is None else still + wanted.samples(spacing)
-        return _motion(found, size, still)
-
+    times = np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing
+    watch = Watch(time_limit, _to_the_end(progress, float(times[-1])))
+    runs = RestRun(
+        scene,
+        times,
+        RestCriterion() if criterion is None else instance("criterion", criterion, RestCriterion),
+        named_conditions(stop_when, scene.scenario.initial_state),
+        watch,
+    )
     if step is not None:
-        _check_step(scene, step)
-        return run(None)
+        if step > largest:
+            raise ValueError(_beyond(scene, step, largest))
+        motion = _motion(scene, runs.by_steps(step), {"integrator": "RK44", "step": step})
+        if np.max(np.abs(motion.energy_residual)) > motion.energies[0].sum():
+            raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
+        return motion
+
+    def run(local: float) -> SpatialMotion:
+        way = runs.by_accelerations(local)
+        return _motion(scene, way, {"integrator": "LSODA", "local_tolerance": local})
+
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    return until_agreement(run, LOCAL_PART * tolerance, tolerance)
+    return until_agreement(run, min(LOCAL_PART * tolerance, COARSEST), tolerance)
 
 
-def _check_step(scene: Scene, step: float) -> None:
-    limit = largest_step(scene)
-    if step > limit:
-        raise ValueError(
-            f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
-            f"{rounded_contact(scene).stiffness:g}, damping {rounded_contact(scene).damping:g} "
-            "and friction gradient "
-            f"{scene.scenario.friction_gradient:g}, got {step:g}"
-        )
+def _to_the_end(progress: Progress | None, end: float) -> Progress | None:
+    """Who is told of the end of the run in s, since a stretch knows no end but its own."""
+    if progress is None:
+        return None
+    tell = function("progress", progress)
+    return lambda reached, _: tell(reached, end)
 
 
-def _motion(run: RestRun, count: int, still: int | None) -> SpatialMotion:
-    """Motion over so many samples; at rest from the sample of number `still` on."""
-    scenario = run.scene.scenario
-    disk = scenario.disk
-    records, times = run.records[:count], run.times[:count]
-    rotation = records[:, 3:12].reshape(-1, 3, 3)
-    loads = loads_of(scenario, rounded_contact(run.scene))
-    rows = []
-    for record in records.tolist():
-        matrix: Any = (*record[3:12],)
-        angular = (record[15], record[16], record[17])
-        load = loads.at(record[2], matrix, (record[12], record[13], record[14]), angular)
-        contour = hypot(*loads.contour(matrix, angular, load.point))
+def _beyond(scene: Scene, step: float, limit: float) -> str:
+    contact = rounded_contact(scene)
+    return (
+        f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
+        f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
+        f"{scene.scenario.friction_gradient:g}, got {step:g}"
+    )
+
+
+def _motion(scene: Scene, way: Way, method: dict[str, Setting]) -> SpatialMotion:
+    """Motion over the samples of a run."""
+    scenario, times = scene.scenario, way.times
+    disk, loads = scenario.disk, loads_of(scenario, rounded_contact(scene))
+    place, rotation, velocity, angular = spatial(way.states)
+    rows, matrices = [], rotation.reshape(-1, 9)
+    matrix: Any
+    for height, matrix, v, w in zip(
+        place[:, 2].tolist(),
+        map(tuple, matrices.tolist()),
+        velocity.tolist(),
+        angular.tolist(),
+        strict=True,
+    ):
+        load = loads.at(height, matrix, v, w)
+        contour = hypot(*loads.contour(matrix, w, load.point))
         rows.append((*load.point, load.slip, contour, load.force[2], load.elastic))
     values = np.array(rows)
-    cog = records[:, :3] + disk.eccentricity * rotation[:, :, 0]
+    cog = place + disk.eccentricity * rotation[:, :, 0]
     potential = -disk.mass * cog @ np.array(scenario.table.vector)
-    kinetic = kinetic_energy(disk, records)
-    ending = run.ending if still is None else None
-    if still is not None:
-        ending = Ending(reason=AT_REST, time=float(times[-1]), value=float(kinetic[-1]))
     return SpatialMotion(
         times=times,
-        positions=records[:, :3],
+        positions=place,
         quaternions=frames.quaternions(rotation),
-        velocities=records[:, 12:15],
-        angular_velocities=records[:, 15:18],
-        contact_points=records[:, :3] + values[:, :3],
+        velocities=velocity,
+        angular_velocities=angular,
+        contact_points=place + values[:, :3],
         slip_speeds=values[:, 3],
         contour_speeds=values[:, 4],
         normal_force=values[:, 5],
-        energies=np.column_stack((kinetic, potential, values[:, 6])),
-        dissipated=records[:, 18:],
+        energies=np.column_stack((kinetic_energy(disk, way.states), potential, values[:, 6])),
+        dissipated=way.states[:, TAKEN],
         scenario=scenario,
         source="engine",
-        rest_time=None if still is None else float(times[still]),
-        method=run.method,
-        counts=dict(run.counts),
+        rest_time=None if way.still is None else float(times[way.still]),
+        method=method,
+        counts=dict(way.counts),
         versions=versions("numpy", "exudyn"),
-        ending=ending,
+        ending=way.ending,
     )

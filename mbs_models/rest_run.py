@@ -1,46 +1,44 @@
-"""Engine runs of a disk with a rounded rim, in stretches, until it is at rest."""
+"""The way of a disk with a rounded rim to rest: as an initial value problem, and its runs.
 
-from collections.abc import Mapping
-from dataclasses import replace
-from math import sqrt
-from typing import Any
+A state is a row of 19 numbers: position of G, attitude as a quaternion of any length, velocity of
+G, angular velocity in the disk's axes, and the energy taken by each of `CAUSES`.
+"""
 
-import exudyn as exu
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from math import hypot, sqrt
+
 import numpy as np
 
+from analysis.data import frames
 from analysis.data.body import Body
 from analysis.data.checks import Array, TimeLimitError
 from analysis.data.contact import PenaltyContact
-from analysis.data.dissipation import CAUSES, RestCriterion
-from analysis.data.endings import Condition, Ending, Poses, ending_met, first_met
-from analysis.data.trajectory import Setting
+from analysis.data.dissipation import RestCriterion
+from analysis.data.endings import AT_REST, FLATTEST, TIME_LIMIT, Condition, Ending
+from analysis.data.state import State
 from analysis.data.watch import Watch
+from analysis.solve.effort import contact_time
+from analysis.solve.stepping import InitialValueProblem, Run, integrate
 from mbs_models.body_contact import largest_lever
+from mbs_models.endings import Motion, Place, dips, first_ending
 from mbs_models.floating import FloatingWithLosses
-from mbs_models.runs import EngineError, StepLimiter
+from mbs_models.integrators import Integrator
+from mbs_models.probe import Probe
+from mbs_models.runs import run
 from mbs_models.scene import Scene
-from mbs_models.solving import Ended, solving
+from mbs_models.solving import stepping
 
-STRETCH = 0.1
-"""Longest time in s after which a fixed step is chosen anew and rest is looked for."""
+STRETCHES = {"RK44": 0.1, "LSODA": 1.0}
+"""Time in s after which a run chooses a fixed step anew and looks for rest."""
 
 SAFETY = 0.6
 """Part of the predicted stability limit that a fixed step may use."""
 
-FIRST_STEP = 1e-5
-"""Step in s with which step control begins a stretch."""
-
-MINIMUM_STEP = 1e-13
-"""Step in s at which step control gives up; it needs short ones where a damper's force sets in."""
-
-PARTS = 16
-"""Of the time between two samples, at which conditions are asked where one has turned negative."""
-
-LOOK = 100
-"""Steps after which step control looks at the time."""
-
-
-_INITIAL = exu.ConfigurationType.Initial
+POSE, TURNING, TAKEN = slice(3, 7), slice(10, 13), slice(13, None)
+"""Columns of attitude, angular velocity and energies."""
 
 
 def largest_step(scene: Scene, leaning: float = 1.0) -> float:
@@ -97,278 +95,254 @@ def rounded_contact(scene: Scene) -> PenaltyContact:
     return contact
 
 
-class RestRun:
-    """A run in stretches, with a fixed step or under step control.
+class RestProblem:
+    """The motion of a scene in any attitude, by the engine's own accelerations.
 
     Parameters
     ----------
     scene : Scene
         With a rounded rim.
-    spacing : float
-        Time between samples in s.
-    watch : Watch
-        Ends the run, within a stretch only under step control.
-    step : float, optional
-        Largest step in s of the Runge-Kutta method of order 4. It is cut where rolling
-        resistance makes a nearly flat disk stiff.
-    local_tolerance : float, optional
-        Error that step control of Dormand and Prince's method of order 5 allows in a step, in m,
-        rad, m/s, rad/s and parts of weight times radius. One of the two is given.
-
-    Attributes
-    ----------
-    done : int
-        Sampling intervals behind it.
-    is_over : bool
-        Whether the watch has ended it.
-    counts : dict
-        Work done.
+    conditions : mapping
+        From reasons to functions of a `State` that end the motion where they turn negative; they
+        are not asked where the disk lies flat.
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        spacing: float,
-        watch: Watch,
-        *,
-        step: float | None = None,
-        local_tolerance: float | None = None,
-    ) -> None:
-        self.scene, self.spacing, self.done, self.is_over = scene, spacing, 0, False
-        self.counts = {"steps": 0, "rejected_steps": 0}
-        self._watch, self._step, self._local_tolerance = watch, step, local_tolerance
-        self._end, self._calls = 0.0, 0
-        self._is_locating = False
-        self._stopped: Ending | None = None
-        self._model = FloatingWithLosses(scene.scenario)
-        self._limiter = StepLimiter(spacing, MINIMUM_STEP)
-        if step is None:
-            self._model.system.SetPreStepUserFunction(self._before_step)
-        self._records: list[Array] = [self._model.record()[None]]
+    def __init__(self, scene: Scene, conditions: Mapping[str, Condition]) -> None:
+        self._scenario = scene.scenario
+        self.model = FloatingWithLosses(scene.scenario)
+        self._probe = Probe(self.model)
+        assert self.model.loads is not None
+        self._loads = self.model.loads
+        data = self.model.system.systemData
+        # What the engine's coordinates are measured from.
+        self._origin = data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates()
+        self.conditions = {name: _of_pose(condition) for name, condition in conditions.items()}
 
-    def until_rest(
-        self, count: int, criterion: RestCriterion, conditions: Mapping[str, Condition]
-    ) -> int | None:
-        """Run over so many sampling intervals; number of the sample at which rest began.
+    def starting_at(self, state: Array) -> InitialValueProblem:
+        """The problem from a state on; to be solved within `solving`."""
+        return InitialValueProblem(
+            self._derivative,
+            state,
+            None,
+            None,
+            contact_time(self._scenario),
+            lambda states: states[:, POSE],
+            self.conditions,
+        )
 
-        It ends earlier where a condition turns negative, or where the watch ends it.
-        """
-        self._end = count * self.spacing
-        stretch = max(1, round(STRETCH / self.spacing))
-        still = None
-        while still is None and self.done < count and not self.is_over:
-            begin = self._state(_INITIAL)
-            self._advance(min(stretch, count - self.done))
-            self._stopped = self._met(begin, conditions)
-            if self._stopped is not None:
-                break
-            self.is_over |= self._watch.is_over(self._time, self._end) and self.done < count
-            still = self._rest(criterion)
-        return still
-
-    @property
-    def times(self) -> Array:
-        """Times of the records in s, shape (n,)."""
-        found: Array = np.arange(sum(map(len, self._records)), dtype=float) * self.spacing
-        if self._stopped is not None:
-            found[-1] = self._stopped.time
-        return found
-
-    @property
-    def method(self) -> dict[str, Setting]:
-        """How it was made."""
-        if self._step is not None:
-            return {"integrator": "RK44", "step": self._step}
-        return {"integrator": "DOPRI5", "local_tolerance": self._local_tolerance}
-
-    @property
-    def ending(self) -> Ending | None:
-        """Why it ended early, if it did."""
-        if self._stopped is not None:
-            return self._stopped
-        if not self.is_over:
-            return None
-        if self.done == 0:
-            raise TimeLimitError(
-                f"time limit met after {self._watch.seconds:.3g} s of processor time, before "
-                "the first sample"
-            )
-        return Ending(reason="time limit", time=self._time, value=self._watch.seconds)
-
-    @property
-    def records(self) -> Array:
-        """Position of G, rotation, velocity, angular velocity and energy taken, shape (n, 24)."""
-        units = np.repeat((1.0, self._model.unit), (18, len(CAUSES)))
-        result: Array = np.concatenate(self._records) * units
-        return result
-
-    def _before_step(self, system: Any, moment: float) -> bool:
-        """Limit the step, and end the run where its time is over."""
-        self._calls += 1
-        is_due = self._calls % LOOK == 0 and not self._is_locating
-        if is_due and self._watch.is_over(moment, self._end):
-            self.is_over = True
-            raise Ended("time limit")
-        return self._limiter.limit(system, moment)
-
-    def _advance(self, intervals: int) -> None:
-        """Run over so many sampling intervals, unless the watch ends the run on the way."""
-        stored = self._solved(intervals, self.spacing, self._time)
-        if stored is not None:
-            self._go_on_from(self._state(exu.ConfigurationType.Current))
-            self._records.append(stored)
-            self.done += intervals
-
-    def _solved(self, intervals: int, spacing: float, begin: float) -> Array | None:
-        """Samples behind a time in s, by a run from the initial state; None if it was ended."""
-        system: Any = self._model.system
-        solver = exu.DynamicSolverType
-        try:
-            with solving(system):
-                system.SolveDynamic(
-                    self._settings(intervals, spacing, begin),
-                    solverType=solver.DOPRI5 if self._step is None else solver.RK44,
-                )
-        except exu.ExudynError as error:
-            if self.is_over:
-                return None
-            cause = str(error).strip().splitlines()[0]
-            if self._limiter.stalled:
-                cause = f"step control came down to its minimum step of {MINIMUM_STEP:g} s"
-            raise EngineError(
-                f"engine run stopped after t = {self._time:.6g} s: {cause}"
-            ) from error
-        _, stored = self._model.samples()
-        if len(stored) != intervals + 1 or not np.all(np.isfinite(stored)):
-            raise EngineError(f"engine run stopped after t = {self._time:.6g} s")
-        iteration = system.sys["dynamicSolver"].it
-        # The engine's index is that of the step to come.
-        self.counts["steps"] += int(iteration.currentStepIndex) - 1
-        self.counts["rejected_steps"] += int(iteration.rejectedAutomaticStepSizeSteps)
-        found: Array = stored[1:]
-        return found
-
-    def _state(self, configuration: Any) -> list[Array]:
-        data = self._model.system.systemData
-        return [np.array(each) for each in data.GetSystemState(configuration)]
-
-    def _go_on_from(self, state: list[Array]) -> None:
-        self._model.system.systemData.SetSystemState(state, _INITIAL)
-
-    def _settings(self, intervals: int, spacing: float, begin: float) -> Any:
-        settings = exu.SimulationSettings()
-        time = settings.timeIntegration
-        time.startTime = begin
-        time.endTime = begin + intervals * spacing
-        time.numberOfSteps = intervals
-        time.verboseMode = 0
-        time.adaptiveStep = False
-        time.automaticStepSize = self._step is None
-        if self._step is not None:
-            leaning = float(np.hypot(*self._records[-1][-1, [5, 8]]))
-            step = min(self._step, SAFETY * largest_step(self.scene, 0.5 * leaning))
-            time.numberOfSteps *= int(np.ceil(spacing / step - 1e-9))
-        else:
-            time.absoluteTolerance = self._local_tolerance
-            # The engine scales it with signed coordinates, so that it may cancel the other.
-            time.relativeTolerance = 0.0
-            time.minimumStepSize = MINIMUM_STEP
-            time.initialStepSize = min(FIRST_STEP, spacing)
-        # Nothing reads them, and the next step's first stage computes them anyway.
-        time.explicit.computeEndOfStepAccelerations = False
-        settings.solution.file.write = False
-        settings.solution.sensors.writePeriod = spacing
-        return settings
-
-    @property
-    def _time(self) -> float:
-        return self.done * self.spacing
-
-    def _met(self, begin: list[Array], conditions: Mapping[str, Condition]) -> Ending | None:
-        """Ending in the last stretch by a condition; the records then end there.
-
-        Parameters
-        ----------
-        begin : list of ndarray
-            State of the engine at the beginning of the stretch.
-        conditions : mapping
-        """
-        if not conditions or len(self._records) < 2:
-            return None
-        records = np.concatenate((self._records[-2][-1:], self._records[-1]))
-        met = first_met(conditions, *_poses(records))
-        if met is None:
-            return None
-        self._is_locating = True
-        begun = self._time - len(self._records[-1]) * self.spacing
-        state = self._state_after(begin, met.before, self.spacing, begun)
-        since, record = begun + met.before * self.spacing, records[met.before]
-        width, part = (met.row - met.before) * self.spacing, self.spacing / PARTS
-        finer = np.vstack((record, self._short_run(state, width, round(width / part))))
-        closer = first_met(conditions, *_poses(finer))
-        if closer is not None:
-            state = self._state_after(state, closer.before, part, 0.0)
-            since, record = since + closer.before * part, finer[closer.before]
-            width = (closer.row - closer.before) * part
-
-        def after(moment: float) -> Array:
-            return self._short_run(state, moment, 1) if moment else record[None]
-
-        ending = ending_met(conditions, lambda moment: _poses(after(moment)), 0.0, width)
-        last, time = after(ending.time), since + ending.time
-        whole = np.concatenate(self._records)
-        self._records = [whole[np.arange(len(whole)) * self.spacing < time], last]
-        return replace(ending, time=time)
-
-    def _state_after(
-        self, state: list[Array], count: int, spacing: float, begin: float
-    ) -> list[Array]:
-        """State so many intervals after another: the same steps lead to it again."""
-        if not count:
-            return state
-        self._go_on_from(state)
-        self._solved(count, spacing, begin)
-        return self._state(exu.ConfigurationType.Current)
-
-    def _short_run(self, state: list[Array], duration: float, intervals: int) -> Array:
-        """Records behind a state, in so many intervals."""
-        self._go_on_from(state)
-        self._limiter = StepLimiter(duration / intervals, MINIMUM_STEP)
-        found = self._solved(intervals, duration / intervals, 0.0)
-        assert found is not None
-        return found
-
-    def _rest(self, criterion: RestCriterion) -> int | None:
-        """Number of the first sample at rest, seen from the last stretches."""
-        needed = criterion.samples(self.spacing)
-        recent: list[Array] = []
-        number = 0
-        for block in reversed(self._records):
-            recent.insert(0, block)
-            number += len(block)
-            if number >= needed + len(self._records[-1]):
-                break
-        records = np.concatenate(recent)
-        scenario = self.scene.scenario
-        disk = scenario.disk
-        height = records[:, 2] + disk.eccentricity * records[:, 9]
-        rise = height - rounded_contact(self.scene).resting_height(disk, scenario.weight)
-        found = criterion.first(kinetic_energy(disk, records), rise, self.spacing)
-        return None if found is None else self.done + 1 - number + found
+    def _derivative(self, _: float, state: Array) -> list[float]:
+        x, y, z, s, a, b, c, *rates = state.tolist()
+        p, q, r = rates[3:6]
+        place = np.array((x, y, z, *self.model.rotation_vector((s, a, b, c)))) - self._origin
+        self._probe.put(place.tolist(), rates[:6])
+        # The engine has just asked for the loads in this state.
+        second, _unused = self._probe.solved()
+        return [
+            *rates[:3],
+            -0.5 * (a * p + b * q + c * r),
+            0.5 * (s * p + b * r - c * q),
+            0.5 * (s * q + c * p - a * r),
+            0.5 * (s * r + a * q - b * p),
+            *second.tolist(),
+            *self._loads.last.taken,
+        ]
 
 
-def _poses(records: Array) -> Poses:
-    place, rotation, velocity, angular = np.split(records[:, :18], (3, 12, 15), axis=1)
-    return Poses(place, rotation.reshape(-1, 3, 3), velocity, angular)
+def _of_pose(condition: Condition) -> Callable[[Array], float]:
+    def said(row: Array) -> float:
+        place, rotation, velocity, angular = spatial(row[None])
+        if hypot(rotation[0, 2, 0], rotation[0, 2, 1]) <= FLATTEST:
+            return 1.0
+        z, u = frames.from_poses(place, rotation, velocity, angular)
+        return condition(State(coordinates=tuple(z[0].tolist()), rates=tuple(u[0].tolist())))
+
+    return said
 
 
-def kinetic_energy(disk: Body, records: Array) -> Array:
-    """Kinetic energy in J, shape (n,), from records of `RestRun`, shape (n, 24)."""
-    rotation = records[:, 3:12].reshape(-1, 3, 3)
-    v, w = records[:, 12:15], records[:, 15:18]
-    local = np.einsum("nij,ni->nj", rotation, w)
+def spatial(states: Array) -> tuple[Array, Array, Array, Array]:
+    """Position, rotation matrix, velocity and angular velocity in inertial components."""
+    attitudes = states[:, POSE]
+    rotation = frames.rotations(attitudes / np.linalg.norm(attitudes, axis=1)[:, None])
+    angular = np.einsum("nij,nj->ni", rotation, states[:, TURNING])
+    return states[:, :3], rotation, states[:, 7:10], angular
+
+
+def kinetic_energy(disk: Body, states: Array) -> Array:
+    """Kinetic energy in J, shape (n,)."""
+    _, rotation, v, w = spatial(states)
+    local = states[:, TURNING]
     about_centre = np.einsum("ni,ij,nj->n", local, disk.tensor, local)
     arm = disk.eccentricity * rotation[:, :, 0]
     coupling = 2.0 * np.sum(v * np.cross(w, arm), axis=1)
     result: Array = 0.5 * (about_centre + disk.mass * (np.sum(v * v, axis=1) + coupling))
     return result
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Way:
+    """How far a run has come.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        In s.
+    states : ndarray, shape (n, 19)
+    still : int or None
+        Number of the sample from which on the disk is at rest.
+    ending : Ending or None
+    counts : Counter
+        Work done.
+    """
+
+    times: Array
+    states: Array
+    still: int | None
+    ending: Ending | None
+    counts: Counter[str]
+
+
+Advance = Callable[[Array, Array], Run]
+"""From times of a stretch in s and the state at the first of them to what a run has reached."""
+
+
+class RestRun:
+    """Runs of a scene in stretches, until the disk is at rest or the run ends otherwise.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a rounded rim.
+    times : ndarray, shape (n,)
+        Of the samples, evenly spaced from 0, in s.
+    criterion : RestCriterion
+    conditions : mapping
+        See `RestProblem`.
+    watch : Watch
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        times: Array,
+        criterion: RestCriterion,
+        conditions: Mapping[str, Condition],
+        watch: Watch,
+    ) -> None:
+        self._scene, self._times, self._criterion, self._watch = scene, times, criterion, watch
+        self._problem = RestProblem(scene, conditions)
+        self._start = states_of(self._problem.model.record()[None])
+
+    def by_steps(self, step: float) -> Way:
+        """With fixed steps of the engine's Runge-Kutta method of order 4, of at most so many s.
+
+        They are cut where rolling resistance makes a nearly flat disk stiff.
+        """
+        model = FloatingWithLosses(self._scene.scenario)
+        return self._until_rest(partial(self._over_steps, model, step), STRETCHES["RK44"])
+
+    def by_accelerations(self, local: float) -> Way:
+        """With steps of the engine's accelerations, to this relative and absolute error each."""
+        with stepping(self._problem.model.system):
+            return self._until_rest(partial(self._stepped, local), STRETCHES["LSODA"])
+
+    def _until_rest(self, advance: Advance, stretch: float) -> Way:
+        times, done, still, ending = self._times, 0, None, None
+        count = max(1, round(stretch / times[1]))
+        states, counts = np.empty((times.size, 19)), Counter[str]()
+        states[:1] = self._start
+        while done + 1 < times.size and still is None and ending is None:
+            found = advance(times[done : done + count + 1], states[done])
+            size = found.times.size - 1
+            states[done + 1 : done + size + 1] = found.states[1:]
+            counts.update(steps=found.steps, right_hand_sides=found.evaluations)
+            done += size
+            if found.ended is not None:
+                ending = self._ending(found)
+                times = np.append(times[:done], ending.time)
+            else:
+                still = self._still(states[: done + 1], size)
+        if still is not None:
+            done = min(done, still + self._criterion.samples(times[1]) - 1)
+            kinetic = kinetic_energy(self._scene.scenario.disk, states[done : done + 1])
+            ending = Ending(reason=AT_REST, time=float(times[done]), value=float(kinetic[0]))
+        return Way(
+            times=times[: done + 1],
+            states=states[: done + 1],
+            still=still,
+            ending=ending,
+            counts=counts,
+        )
+
+    def _stepped(self, local: float, times: Array, state: Array) -> Run:
+        problem = self._problem.starting_at(state)
+        return integrate(problem, times, "LSODA", local, allow_pulling=True, watch=self._watch)
+
+    def _over_steps(
+        self, model: FloatingWithLosses, step: float, times: Array, state: Array
+    ) -> Run:
+        _, rotation, *_unused = spatial(state[None])
+        leaning = float(np.hypot(*rotation[0, 2, :2]))
+        step = min(step, SAFETY * largest_step(self._scene, 0.5 * leaning))
+        spacing = self._times[1]
+        samples = run(
+            model,
+            Integrator(name="RK44"),
+            spacing=spacing,
+            intervals=times.size - 1,
+            substeps=int(np.ceil(spacing / step - 1e-9)),
+            begin=float(times[0]),
+        )
+        states, counts = states_of(samples.records), Counter(samples.counts)
+        found = first_ending(
+            self._places(states), spacing, partial(self._motion_from, states),
+            allow_pulling=True, work=counts,
+        )  # fmt: skip
+        ended = None
+        if found is not None:
+            ended, size = found.reason, found.row + 1
+            times = np.append(times[:size], times[found.row] + found.moment)
+            states = np.vstack((states[:size], found.values))
+        elif self._watch.is_over(times[-1], self._times[-1]) and times[-1] < self._times[-1]:
+            ended = TIME_LIMIT
+        return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])
+
+    def _places(self, states: Array) -> Iterator[Place]:
+        for reason, says in self._problem.conditions.items():
+            yield from dips(np.array([says(state) for state in states]), reason)
+
+    def _motion_from(self, states: Array, row: int) -> Motion:
+        problem = self._problem.starting_at(states[row])
+        return Motion(self._problem.model.system, problem, "LSODA", lambda state: state)
+
+    def _ending(self, found: Run) -> Ending:
+        """Why a run ends early."""
+        assert found.ended is not None
+        time = float(found.times[-1])
+        if found.ended != TIME_LIMIT:
+            value = self._problem.conditions[found.ended](found.states[-1])
+            return Ending(reason=found.ended, time=time, value=value)
+        seconds = self._watch.seconds
+        if time < self._times[1]:
+            raise TimeLimitError(
+                f"time limit met after {seconds:.3g} s of processor time, before the first sample"
+            )
+        return Ending(reason=TIME_LIMIT, time=time, value=seconds)
+
+    def _still(self, states: Array, new: int) -> int | None:
+        """Number of the first sample at rest, of which so many are new."""
+        spacing, scenario = self._times[1], self._scene.scenario
+        first = max(0, len(states) - new - self._criterion.samples(spacing))
+        recent = states[first:]
+        _, rotation, *_unused = spatial(recent)
+        height = recent[:, 2] + scenario.disk.eccentricity * rotation[:, 2, 0]
+        rise = height - rounded_contact(self._scene).resting_height(scenario.disk, scenario.weight)
+        found = self._criterion.first(kinetic_energy(scenario.disk, recent), rise, spacing)
+        return None if found is None else first + found
+
+
+def states_of(records: Array) -> Array:
+    """States, shape (n, 19), from records of the engine, shape (n, 24)."""
+    rotation = records[:, 3:12].reshape(-1, 3, 3)
+    angular = np.einsum("nji,nj->ni", rotation, records[:, 15:18])
+    attitude = frames.quaternions(rotation)
+    return np.column_stack((records[:, :3], attitude, records[:, 12:15], angular, records[:, 18:]))

@@ -1,10 +1,10 @@
-"""Single runs of the engine's solver."""
+"""Runs of the engine's own solvers, one after another on a model."""
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, floor, inf
-from typing import Any, NamedTuple
+from typing import Any
 
 import exudyn as exu
 import numpy as np
@@ -14,7 +14,7 @@ from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.newton import complete_jacobian
 from mbs_models.probe import Probe
-from mbs_models.solving import Ended, solving
+from mbs_models.solving import Ended, EngineError, cause_of, solving
 
 MINIMUM_STEP = 1e-9
 """Step in s at which step control gives up."""
@@ -22,19 +22,10 @@ MINIMUM_STEP = 1e-9
 Stop = Callable[[float], bool]
 """Called after each step with the time in the run in s; whether the run ends there."""
 
+Start = tuple[Array, Array]
+"""Second derivatives of the engine's coordinates and multipliers at the start of a run."""
 
-class EngineError(ArithmeticError):
-    """The engine ended a run early, or gave up on the way.
-
-    Attributes
-    ----------
-    samples : Samples or None
-        What the run had recorded until then.
-    """
-
-    def __init__(self, message: str, samples: "Samples | None" = None) -> None:
-        super().__init__(message)
-        self.samples = samples
+_INITIAL = exu.ConfigurationType.Initial
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -53,33 +44,51 @@ class Samples:
     seconds : float
         Processor time that the engine's solver took.
     stopped : float, optional
-        Time in s at which the run was stopped, if it was.
+        Time in s since its start at which the run was stopped, if it was.
+    failure : EngineError, optional
+        Why it broke off, if it did.
     """
 
     records: Array
     algebraic: Array
     counts: dict[str, int]
-    seconds: float = 0.0
-    stopped: float | None = None
+    seconds: float
+    stopped: float | None
+    failure: EngineError | None
 
 
-def run(
+def run(model: Model, integrator: Integrator, **how: Any) -> Samples:
+    """The same as `record`.
+
+    Raises
+    ------
+    EngineError
+        If the run did not reach its end with finite results, or step control gave up.
+    """
+    samples = record(model, integrator, **how)
+    if samples.failure is not None:
+        raise samples.failure
+    return samples
+
+
+def record(
     model: Model,
     integrator: Integrator,
     *,
     spacing: float,
     intervals: int,
     substeps: int,
-    start: "Start | None" = None,
+    begin: float = 0.0,
+    start: Start | None = None,
     stop: Stop | None = None,
     most: float = inf,
 ) -> Samples:
-    """Run a model from its initial state and sample it evenly; samples fall on steps.
+    """Run a model from where it is and sample it evenly; samples fall on steps.
 
     Parameters
     ----------
     model : Model
-        A newly built one; it cannot be run twice.
+        At its start, or where a run before has left it.
     integrator : Integrator
     spacing : float
         Time between samples in s.
@@ -87,6 +96,8 @@ def run(
         Number of such intervals.
     substeps : int
         Steps per interval; the least number of them if the integrator controls its step.
+    begin : float
+        Time at which it starts in s, for messages.
     start : Start, optional
         What `settle` has returned, if it has been called.
     stop : callable, optional
@@ -98,74 +109,76 @@ def run(
     -------
     Samples
         With `intervals + 1` rows, the first of them at the start, or with those up to where
-        `stop` has ended it.
-
-    Raises
-    ------
-    EngineError
-        If the run did not reach its end with finite results, or step control gave up.
+        it was stopped or broke off.
     """
-    system = model.system
-    start = start or _start(model, integrator)
+    system, duration = model.system, spacing * intervals
+    if start is None and (integrator.implicit or model.closes_contact):
+        start = settle(model, Probe(model))
     if integrator.implicit:
         complete_jacobian(model)
-    settings = _settings(model, integrator, spacing * intervals, intervals * substeps)
+    settings = _settings(model, integrator, duration, intervals * substeps)
     settings.solution.sensors.writePeriod = spacing
-    limiter = StepLimiter(spacing, most=most)
+    limiter = StepLimiter(spacing, most)
     if integrator.controls_step:
         system.SetPreStepUserFunction(limiter.limit)
-    stopped: list[float] = []
-    if stop is not None:
-
-        def after_step(_system: Any, moment: float) -> bool:
-            over = stop(moment)
-            if over:
-                stopped.append(moment)
-            return not over
-
-        system.SetPostStepUserFunction(after_step)
-    begin = time.process_time()
-    failure = None
+    stopped = _stopping(system, stop)
+    clock, failure = time.process_time(), None
     try:
         with solving(system):
-            system.SolveDynamic(
-                settings, solverType=getattr(exu.DynamicSolverType, integrator.name)
-            )
+            kind = getattr(exu.DynamicSolverType, integrator.name)
+            system.SolveDynamic(settings, solverType=kind)
     except exu.ExudynError as error:
         failure = error
-    samples = _samples(model, integrator, start, spacing)
-    complete = len(samples.records) == intervals + 1 or bool(stopped)
-    samples = replace(
-        samples, seconds=time.process_time() - begin, stopped=stopped[0] if stopped else None
+    records, algebraic = _samples(model, start, spacing)
+    seconds = time.process_time() - clock
+    data, broken = system.systemData, None
+    if failure is not None or (len(records) <= intervals and not stopped):
+        broken = _early_end(system, begin, duration, failure, limiter)
+        broken.__cause__ = failure
+    else:
+        data.SetSystemState(data.GetSystemState(exu.ConfigurationType.Current), _INITIAL)
+    return Samples(
+        records=records,
+        algebraic=algebraic,
+        counts=_counts(system.sys["dynamicSolver"], integrator),
+        seconds=seconds,
+        stopped=stopped[0] if stopped else None,
+        failure=broken,
     )
-    if failure is not None or not complete:
-        raise _early_end(model, spacing * intervals, failure, limiter, samples) from failure
-    return samples
 
 
-class Start(NamedTuple):
-    """Second derivatives of the engine's coordinates and multipliers at the start."""
+def _stopping(system: Any, stop: Stop | None) -> list[float]:
+    """Have the engine ask after each step; the time at which it was stopped, once it was."""
+    stopped: list[float] = []
 
-    accelerations: Array = np.zeros(0)
-    algebraic: Array = np.zeros(0)
+    def after_step(_system: Any, moment: float) -> bool:
+        assert stop is not None
+        if stop(moment):
+            stopped.append(moment)
+        return not stopped
+
+    if stop is not None:
+        system.SetPostStepUserFunction(after_step)
+    return stopped
 
 
-def _samples(model: Model, integrator: Integrator, start: Start, spacing: float) -> Samples:
-    """What the sensors have stored at multiples of `spacing`, as far as it is finite."""
+def _samples(model: Model, start: Start | None, spacing: float) -> Start:
+    """Records and multipliers that the sensors have stored at multiples of `spacing`.
+
+    As far as they are finite.
+    """
     times, stored = model.samples()
     places = spacing * np.arange(len(stored))
     good = np.all(np.isfinite(stored), axis=1) & (np.abs(times - places) < 0.5 * spacing)
     stored = stored[: len(good) if np.all(good) else int(np.argmin(good))]
     unknowns = len(model.record())
-    # The engine's own first sample holds neither.
-    stored[:1, unknowns:] = start.algebraic
-    if model.closes_contact:
-        stored[:1, unknowns - start.accelerations.size : unknowns] = start.accelerations
-    return Samples(
-        records=stored[:, :unknowns],
-        algebraic=stored[:, unknowns:],
-        counts=_counts(model.system.sys["dynamicSolver"], integrator),
-    )
+    if start is not None:
+        # The engine's own first sample holds neither.
+        accelerations, algebraic = start
+        stored[:1, unknowns:] = algebraic
+        if model.closes_contact:
+            stored[:1, unknowns - accelerations.size : unknowns] = accelerations
+    return stored[:, :unknowns], stored[:, unknowns:]
 
 
 class StepLimiter:
@@ -177,8 +190,6 @@ class StepLimiter:
     ----------
     spacing : float
         Time between samples in s.
-    minimum : float
-        The minimum step in s that step control is set to.
     most : float
         Steps after which the run is given up.
 
@@ -191,8 +202,8 @@ class StepLimiter:
         Taken so far.
     """
 
-    def __init__(self, spacing: float, minimum: float = MINIMUM_STEP, most: float = inf) -> None:
-        self._spacing, self._minimum, self.most = spacing, minimum, most
+    def __init__(self, spacing: float, most: float) -> None:
+        self._spacing, self.most = spacing, most
         self.stalled, self.steps = False, 0
 
     def limit(self, system: Any, _t: float) -> bool:
@@ -205,7 +216,7 @@ class StepLimiter:
         start = iteration.currentTime - step
         sample = (floor(start / self._spacing + 1e-9) + 1) * self._spacing
         rest = sample - start
-        if step <= 1.001 * self._minimum < rest:
+        if step <= 1.001 * MINIMUM_STEP < rest:
             self.stalled = True
             raise Ended("minimum step")
         # Equal steps to the next sample: a short last one would hold up the step control.
@@ -233,13 +244,6 @@ def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
     }
 
 
-def _start(model: Model, integrator: Integrator) -> Start:
-    """Start of a run, with accelerations where somebody wants them."""
-    if integrator.implicit or model.closes_contact:
-        return settle(model, Probe(model))
-    return Start()
-
-
 def settle(model: Model, probe: Probe) -> Start:
     """Give the engine its own accurate initial accelerations, and return them.
 
@@ -250,11 +254,11 @@ def settle(model: Model, probe: Probe) -> Start:
     data = model.system.systemData
     if model.has_constraints(model.scenario):
         velocities = probe.admissible_velocities().tolist()
-        data.SetODE2Coordinates_t(velocities, exu.ConfigurationType.Initial)
+        data.SetODE2Coordinates_t(velocities, _INITIAL)
         data.SetODE2Coordinates_t(velocities)
     second_derivatives, algebraic = probe.solve()
-    data.SetODE2Coordinates_tt(second_derivatives.tolist(), exu.ConfigurationType.Initial)
-    return Start(second_derivatives, algebraic)
+    data.SetODE2Coordinates_tt(second_derivatives.tolist(), _INITIAL)
+    return second_derivatives, algebraic
 
 
 def _settings(model: Model, integrator: Integrator, duration: float, steps: int) -> Any:
@@ -285,25 +289,21 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
 
 
 def _early_end(
-    model: Model,
-    end: float,
-    error: Exception | None,
-    limiter: StepLimiter,
-    samples: Samples,
+    system: Any, begin: float, duration: float, error: Exception | None, limiter: StepLimiter
 ) -> EngineError:
-    solver = model.system.sys["dynamicSolver"]
+    solver = system.sys["dynamicSolver"]
     cause = "the result is not finite"
     if limiter.stalled:
         cause = f"step control came down to its minimum step of {MINIMUM_STEP:g} s"
     elif limiter.steps > limiter.most:
         cause = f"it has taken {limiter.most:.1e} steps, far more than expected"
     elif error is not None:
-        cause = str(error).split(" [Python file")[0].strip().splitlines()[0]
+        cause = cause_of(error)
         if solver.conv.newtonSolutionDiverged or solver.conv.stepReductionFailed:
             cause = f"Newton's iteration did not converge (residual {solver.conv.residual:.1e})"
         elif solver.conv.linearSolverFailed:
             cause = "the system matrix is singular"
     return EngineError(
-        f"engine run stopped at t = {solver.it.currentTime:.6g} s of {end:.6g} s: {cause}",
-        samples,
+        f"engine run stopped at t = {solver.it.currentTime:.6g} s of {duration:.6g} s: {cause} "
+        f"(span from t = {begin:.6g} s)"
     )

@@ -1,9 +1,7 @@
 """Sampled motions: columns of their samples, and what came with them."""
 
-from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
-from typing import NamedTuple
 
 import numpy as np
 
@@ -56,9 +54,9 @@ def state_of(row: Array) -> State:
     return State(coordinates=tuple(values[COORDINATES]), rates=tuple(values[RATES]))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sampled:
-    """A motion over all times: what came out and what it took.
+    """A motion over all times, and what has led there.
 
     Parameters
     ----------
@@ -66,37 +64,24 @@ class Sampled:
         Those asked for, up to where it ended, and the time of that ending.
     values : ndarray, shape (n, 12 + k)
         Co-rotating coordinates, their rates, and the constraint forces.
+    integrator : Integrator
     step : float
         Longest step in s, or the limit of step control.
-    counts : Counter
-        See `Samples`.
-    setup_seconds : float
-        Processor time that building the scene took.
     seconds : float
-        Processor time that the engine's solver took.
+        Processor time that the solver took.
     ended : str or None
         Why it ended before the last time asked for.
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
+    estimate : float, optional
+        Estimated error in rad.
     """
 
     times: Array
     values: Array
-    step: float
-    counts: Counter[str]
-    setup_seconds: float = 0.0
-    seconds: float = 0.0
-    ended: str | None = None
-    pulling: tuple[tuple[float, float], ...] = ()
-
-    def with_work(self, counts: Counter[str]) -> "Sampled":
-        """The same with the work of runs before it."""
-        return replace(self, counts=self.counts + counts)
-
-
-class Reached(NamedTuple):
-    """A motion, the integrator that has led there, and its estimated error in rad."""
-
-    result: Sampled
     integrator: Integrator
+    step: float
+    seconds: float
+    ended: str | None
+    pulling: tuple[tuple[float, float], ...] = ()
     estimate: float | None = None

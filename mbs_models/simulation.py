@@ -1,7 +1,8 @@
 """Simulation of a scene in the engine, to a step size or to a tolerance."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -29,15 +30,14 @@ from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Progress, Watch
 from mbs_models import sampled
-from mbs_models.effort import default_integrator, simulation_effort, stepping_integrator
-from mbs_models.extrapolation import FINEST
+from mbs_models.accelerations import stepped
+from mbs_models.effort import simulation_effort, ways
+from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.own_runs import run_over
-from mbs_models.runs import EngineError
-from mbs_models.sampled import Reached, Sampled
+from mbs_models.sampled import Sampled
 from mbs_models.scene import Scene
-from mbs_models.stepped import stepped
-from mbs_models.to_tolerance import to_tolerance
+from mbs_models.solving import EngineError
 
 
 def simulate(
@@ -127,21 +127,7 @@ def simulate(
     scene, times = Scene.of(scene), increasing_times(times)
     allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene.built_as, integrator, constrained=scene.has_constraints)
-    if step is not None and tolerance is not None:
-        raise ValueError("give either step or tolerance, not both")
-    step = None if step is None else positive("step", step)
-    if chosen.local_tolerance is not None:
-        if tolerance is not None:
-            raise ValueError(
-                f"tolerance must be left out for integrator {chosen.name!r}, which has a "
-                f"local_tolerance of its own, got {tolerance!r}"
-            )
-    elif step is None or chosen.steps_accelerations:
-        tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
-        if tolerance < FINEST:
-            raise ToleranceError(
-                f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
-            )
+    step, tolerance = _accuracy(chosen, step, tolerance)
     told = None if integrator is None else chosen
     effort = simulation_effort(scene, times, told, step=step, tolerance=tolerance)
     effort.check()
@@ -159,17 +145,31 @@ def simulate(
         allow_pulling=allow_pulling,
         watch=Watch(time_limit, progress, most),
     )
-    try:
-        if integrator is None and tolerance is not None:
-            chosen = default_integrator(scene, times, tolerance)
-            result, chosen, estimate = call.by_default(chosen)
-        else:
-            result, chosen, estimate = call.by(chosen)
-    except (EngineError, ToleranceError, TimeLimitError) as error:
-        raise type(error)(f"{error}; {_advice(scene, chosen)}") from error
-    return trajectory(
-        scene, chosen, result, watch=call.watch, tolerance=tolerance, estimate=estimate
-    )
+    if told is None and tolerance is not None:
+        return call.trajectory(ways(scene, times, tolerance))
+    return call.trajectory([chosen])
+
+
+def _accuracy(
+    chosen: Integrator, step: float | None, tolerance: float | None
+) -> tuple[float | None, float | None]:
+    """Step and tolerance that are asked for, checked; a tolerance by default."""
+    if step is not None and tolerance is not None:
+        raise ValueError("give either step or tolerance, not both")
+    step = None if step is None else positive("step", step)
+    if chosen.local_tolerance is not None:
+        if tolerance is not None:
+            raise ValueError(
+                f"tolerance must be left out for integrator {chosen.name!r}, which has a "
+                f"local_tolerance of its own, got {tolerance!r}"
+            )
+    elif step is None or chosen.steps_accelerations:
+        tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
+        if tolerance < FINEST:
+            raise ToleranceError(
+                f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
+            )
+    return step, tolerance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,92 +183,72 @@ class _Call:
     stop_when: Mapping[str, Condition]
     allow_pulling: bool
     watch: Watch
+    counts: Counter[str] = field(default_factory=Counter)
 
-    def by_default(self, chosen: Integrator) -> Reached:
-        """Reach the tolerance by the integrator that is likely to be fastest, or by another one.
+    def trajectory(self, integrators: Sequence[Integrator]) -> Trajectory:
+        """The motion by the first of some integrators that leads there."""
+        for number, integrator in enumerate(integrators, start=1):
+            is_last = number == len(integrators)
+            try:
+                return self._told(self._run(integrator, is_last_way=is_last))
+            except HopelessError:
+                pass
+            except (EngineError, ToleranceError, TimeLimitError) as error:
+                may_go_on = integrator.steps_accelerations and not is_last
+                if not may_go_on or isinstance(error, TimeLimitError):
+                    raise type(error)(f"{error}; {_advice(self.scene, integrators[0])}") from error
+        raise AssertionError("the last way has come to nothing without saying so")
 
-        Where steps of the accelerations do not lead there, the engine's own may, and the other
-        way round.
-        """
-        own = find_integrator(self.scene.built_as, None, constrained=self.scene.has_constraints)
-        if not chosen.steps_accelerations:
-            return self.by(own, self._by_accelerations)
-        return self._by_accelerations() or self.by(own)
-
-    def by(
-        self, integrator: Integrator, otherwise: Callable[[], Reached | None] | None = None
-    ) -> Reached:
+    def _run(self, integrator: Integrator, *, is_last_way: bool) -> Sampled:
         """Run with an integrator, to the tolerance if there is one."""
-        if integrator.steps_accelerations:
-            return stepped(
-                self.scene,
-                self.times,
-                integrator,
-                self.tolerance,
-                longest=self.longest,
-                **self._how,
-            )
-        if self.tolerance is None:
-            return Reached(self._over(integrator, self.longest), integrator)
-        return to_tolerance(self.scene, self._over, integrator, self.tolerance, otherwise)
-
-    def _by_accelerations(self) -> Reached | None:
-        """Step the accelerations to the tolerance; None if that does not lead there."""
-        assert self.tolerance is not None
-        try:
-            return self.by(stepping_integrator(self.scene, self.times, self.tolerance))
-        except (EngineError, ToleranceError):
-            return None
-
-    def _over(self, integrator: Integrator, longest: float, halvings: int = 0) -> Sampled:
-        return run_over(self.scene, self.times, integrator, longest, halvings, **self._how)
-
-    @property
-    def _how(self) -> dict[str, Any]:
-        return {
+        scene, times, tolerance = self.scene, self.times, self.tolerance
+        how: dict[str, Any] = {
             "stop_when": self.stop_when,
             "allow_pulling": self.allow_pulling,
             "watch": self.watch,
+            "counts": self.counts,
         }
+        if integrator.steps_accelerations:
+            return stepped(scene, times, integrator, tolerance, longest=self.longest, **how)
 
+        def run(longest: float, halvings: int = 0) -> Sampled:
+            return run_over(scene, times, integrator, longest, halvings, **how)
 
-def trajectory(
-    scene: Scene,
-    integrator: Integrator,
-    result: Sampled,
-    *,
-    watch: Watch | None = None,
-    tolerance: float | None = None,
-    estimate: float | None = None,
-) -> Trajectory:
-    """Trajectory from the samples."""
-    ending = None
-    if result.ended is not None:
-        seconds = (watch or Watch()).seconds
-        force = float(result.values[-1, sampled.NORMAL_FORCE])
-        values = {TIME_LIMIT: seconds, CONTACT_WOULD_PULL: force}
-        value = values.get(result.ended, 0.0)
-        ending = Ending(reason=result.ended, time=float(result.times[-1]), value=value)
-    return Trajectory(
-        times=result.times,
-        coordinates=result.values[:, sampled.COORDINATES],
-        rates=result.values[:, sampled.RATES],
-        multipliers=result.values[:, sampled.FORCES],
-        scenario=scene.scenario,
-        source="engine",
-        method={
-            "formulation": scene.built_as,
-            **integrator.settings(),
-            "step": result.step,
-            "tolerance": tolerance,
-        },
-        error_estimate=estimate,
-        counts=dict(result.counts),
-        versions=versions("numpy", "exudyn"),
-        ending=ending,
-        pulling=result.pulling,
-        solver_seconds=result.seconds,
-    )
+        if tolerance is None:
+            return run(self.longest)
+        return extrapolated(scene, run, integrator, tolerance, is_last_way=is_last_way)
+
+    def _told(self, result: Sampled) -> Trajectory:
+        """Trajectory from the samples."""
+        ending = None
+        if result.ended is not None:
+            force = float(result.values[-1, sampled.NORMAL_FORCE])
+            value = {TIME_LIMIT: self.watch.seconds, CONTACT_WOULD_PULL: force}
+            ending = Ending(
+                reason=result.ended,
+                time=float(result.times[-1]),
+                value=value.get(result.ended, 0.0),
+            )
+        return Trajectory(
+            times=result.times,
+            coordinates=result.values[:, sampled.COORDINATES],
+            rates=result.values[:, sampled.RATES],
+            multipliers=result.values[:, sampled.FORCES],
+            scenario=self.scene.scenario,
+            source="engine",
+            method={
+                "formulation": self.scene.built_as,
+                **result.integrator.settings(),
+                "step": result.step,
+                "tolerance": self.tolerance,
+            },
+            error_estimate=result.estimate,
+            counts=dict(self.counts),
+            versions=versions("numpy", "exudyn"),
+            ending=ending,
+            pulling=result.pulling,
+            solver_seconds=result.seconds,
+        )
 
 
 def _advice(scene: Scene, integrator: Integrator) -> str:

@@ -1,4 +1,4 @@
-"""Calls of the engine's solvers: silent, and what Python raises within them comes through."""
+"""Calls of the engine: silent, with their own errors, and what Python raises comes through."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -6,6 +6,8 @@ from typing import Any
 
 import exudyn as exu
 import numpy as np
+
+from analysis.solve.stepping import SolverError
 
 _PASSED_ON = (exu.ExudynError, SystemError)
 """What an error within the engine becomes: one of its own, or the interpreter's complaint about an
@@ -22,6 +24,14 @@ function; the engine may be back at the start of the step when that is seen here
 
 class Ended(Exception):  # noqa: N818 - nothing is wrong
     """What a user function raises to end a run; the engine reports it as an error of its own."""
+
+
+class EngineError(ArithmeticError):
+    """The engine ended a run early, or gave up on the way."""
+
+
+class SingularError(ArithmeticError):
+    """The equations of motion have no solution in a state."""
 
 
 @contextmanager
@@ -58,6 +68,27 @@ def solving(system: Any) -> Iterator[None]:
         raise raised from None
     finally:
         exu.config.printToConsole = before
+
+
+@contextmanager
+def stepping(system: Any) -> Iterator[None]:
+    """The same for a run on the engine's accelerations.
+
+    Raises
+    ------
+    EngineError
+        If the engine or the solver has failed, or the equations are singular.
+    """
+    try:
+        with solving(system):
+            yield
+    except (SolverError, SingularError, exu.ExudynError) as error:
+        raise EngineError(f"run on the engine's accelerations: {cause_of(error)}") from error
+
+
+def cause_of(error: Exception) -> str:
+    """What an error of the engine says, without where it was raised."""
+    return str(error).split(" [Python file")[0].strip().splitlines()[0]
 
 
 def _raised(error: BaseException) -> BaseException | None:

@@ -12,9 +12,10 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import MODELS
 from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
+from mbs_models.building import table_forces
 from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_force, friction_load
 from mbs_models.loads import euler_tree_contact
-from mbs_models.model import Floats, Model, table_forces
+from mbs_models.model import Floats, Model
 
 _ROUND = "has a round disk at its end"
 

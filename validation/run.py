@@ -108,15 +108,8 @@ def run_effort(scenario: Scenario, times: npt.ArrayLike, **how: Any) -> Effort:
     if options.source == "in-house":
         return inhouse_effort.simulation_effort(scenario, times, **given)
     from mbs_models.effort import simulation_effort
-    from mbs_models.integrators import find_integrator
 
-    scene = _scene(scenario, options)
-    if "integrator" in given:
-        # Raises if it cannot take the scene.
-        constrained = scene.has_constraints
-        name = given["integrator"]
-        given["integrator"] = find_integrator(scene.built_as, name, constrained=constrained)
-    return simulation_effort(scene, times, **given)
+    return simulation_effort(_scene(scenario, options), times, **given)
 
 
 def rest_effort(scenario: Scenario, end: float, **how: Any) -> Effort:
@@ -131,10 +124,8 @@ def rest_effort(scenario: Scenario, end: float, **how: Any) -> Effort:
     if options.source == "in-house":
         return inhouse_effort.rest_effort(scenario, end)
     from mbs_models.effort import rest_effort as engine_effort
-    from mbs_models.rest_run import SAFETY, largest_step
 
-    scene, step = _scene(scenario, options), options.step
-    return engine_effort(scene, end, SAFETY * largest_step(scene) if step is None else step)
+    return engine_effort(_scene(scenario, options), end, options.step)
 
 
 def _of_rest(**how: Any) -> RunOptions:

@@ -18,24 +18,15 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Start,
-    State,
     Table,
-    Trajectory,
     multiplier_names,
 )
 from analysis.data.admissible import independent_coordinates
 from analysis.data.constraint_set import set_name
-from analysis.mechanics import paper
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
-from mbs_models.inventory import inventory
-from mbs_models.probe import Probe
-from mbs_models.scene import build
 
 SLOPE = Table(inclination=radians(2.0), downhill=0.7)
-FREE_ROLLING: ConstraintSet = ("contact", "no-slip-along")
-NO_SLIP: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
-TIMES = np.linspace(0.0, 0.2, 21)
 
 RANGES = {
     "x": (-0.02, 0.02),
@@ -116,85 +107,6 @@ def test_accelerations_and_forces_are_right_near_a_flat_disk(
             np.testing.assert_allclose(one, other, rtol=0.0, atol=least * scale)
 
 
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=name)
-def test_random_starts_are_as_free_as_the_constraints_leave_them(
-    constraints: ConstraintSet,
-) -> None:
-    """Six velocities less one for each row, of which the held spin is not drawn at random."""
-    names = independent_coordinates(constraints)
-    state = random_start(constraints, np.random.default_rng(0)).state(
-        constraints, analysis.STEEL_DISK
-    )
-    matrix = paper.constraint_directions(constraints, analysis.STEEL_DISK, state.coordinates)
-    free = 6 - np.linalg.matrix_rank(matrix) + ("constant-spin" in constraints)
-    assert sum(each.endswith("_rate") for each in names) + 1 == free
-
-
-def angle_gap(one: Trajectory, other: Trajectory) -> float:
-    return float(np.max(np.abs(one.coordinates - other.coordinates)[:, 3:]))
-
-
-RUNS = [
-    *((constraints, formulation, SLOPE) for constraints, formulation in CASES),
-    *((FREE_ROLLING, formulation, Table()) for formulation in ("euler-tree", "floating-lie")),
-    *((NO_SLIP, formulation, Table()) for formulation in ("euler-tree", "floating")),
-]
-
-
-@pytest.mark.parametrize(
-    ("constraints", "formulation", "table"),
-    [
-        run
-        if run[1] in ("contact-tree", "euler-tree")
-        else pytest.param(*run, marks=pytest.mark.slow)
-        for run in RUNS
-    ],
-    ids=name,
-)
-def test_motions_agree(constraints: ConstraintSet, formulation: Formulation, table: Table) -> None:
-    scenario = Scenario(constraints=constraints, table=table, start=Start(beta=1.4, spin=20.0))
-    truth = analysis.simulate(scenario, TIMES, tolerance=1e-10)
-    run = mbs_models.simulate(Scene(scenario, formulation), TIMES, tolerance=5e-8)
-    assert np.ptp(truth.coordinates[:, 5]) > 0.1
-    assert angle_gap(run, truth) < 1e-7
-    np.testing.assert_allclose(run.coordinates[:, :3], truth.coordinates[:, :3], atol=1e-8)
-    np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=1e-5)
-
-
-@pytest.mark.parametrize(("constraints", "formulation"), CASES, ids=name)
-def test_friction_is_in_a_scene_only_where_some_slip_is_left(
-    constraints: ConstraintSet, formulation: Formulation
-) -> None:
-    scene = Scene(Scenario(constraints=constraints), formulation)
-    found = inventory(scene)
-    slips = not set(NO_SLIP) <= set(constraints)
-    # Another user function samples the constraint forces.
-    assert found.user_functions == scene.has_constraints + slips
-    assert any("friction" in item.why for item in found.items) is slips
-
-
-@pytest.mark.parametrize(
-    ("constraints", "rate", "broken"),
-    [
-        (FREE_ROLLING, 5, "no-slip-along"),
-        (NO_SLIP, 5, "no-slip-along"),
-        (NO_SLIP, 1, "no-slip-across"),
-    ],
-    ids=name,
-)
-def test_start_that_slips_is_refused_by_the_name_of_what_it_breaks(
-    constraints: ConstraintSet, rate: int, broken: str
-) -> None:
-    state = Start(beta=1.2).state(constraints, analysis.STEEL_DISK)
-    rates = list(state.rates)
-    rates[rate] += 1e-4
-    start = State(coordinates=state.coordinates, rates=tuple(rates))
-    scenario = Scenario(constraints=constraints, start=start)
-    for formulation in formulations(scenario):
-        with pytest.raises(ValueError, match=f"'{broken}' of contact.* on velocity level"):
-            mbs_models.acceleration(Scene(scenario, formulation))
-
-
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
@@ -208,19 +120,3 @@ def test_what_is_not_linearised_is_refused(fields: dict[str, Any], message: str)
     scenario = Scenario(**{"start": Start.stationary(30.0)} | fields)
     with pytest.raises(ValueError, match=message):
         mbs_models.eigenvalues(Scene(scenario))
-
-
-@pytest.mark.parametrize(("constraints", "formulation"), CASES, ids=name)
-def test_model_moved_to_another_state_accelerates_like_one_built_there(
-    constraints: ConstraintSet, formulation: Formulation
-) -> None:
-    random = np.random.default_rng(3)
-    here, there = (replace(random_start(constraints, random), spin=7.0) for _ in range(2))
-    scene = Scene(Scenario(constraints=constraints, start=here, table=SLOPE), formulation)
-    state = there.state(constraints, scene.scenario.disk)
-    model = build(scene)
-    probe = Probe(model)
-    probe.move_to(state.coordinates, state.rates)
-    moved = model.decode_accelerations(probe.solve()[0], state.coordinates, state.rates)
-    built = mbs_models.acceleration(scene, state)[0]
-    np.testing.assert_allclose(moved, built, rtol=1e-8, atol=1e-7)

@@ -1,23 +1,34 @@
-"""What is in a scene: this list holds it, item by item."""
+"""What is in a scene: this list holds it, item by item; and where it starts."""
 
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 import mbs_models
-from analysis import LEVELS, Dissipation, Level, PenaltyContact, SmoothCoulomb
+from analysis import (
+    LEVELS,
+    POSSIBLE_SETS,
+    ConstraintSet,
+    Dissipation,
+    Level,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+)
+from analysis.data.constraint_set import set_name
 from mbs_models import Formulation, Scene
 from mbs_models.ballast import BALLAST, six_axes
 from mbs_models.integrators import find_integrator
-from mbs_models.inventory import Inventory, _items, inventory, unused_markers
+from mbs_models.inventory import Inventory, inventory, unused_markers
 from mbs_models.model import Model
 from mbs_models.runs import run
 from mbs_models.scene import build
 from tests.calls import printed
 from tests.helpers import model
 from tests.scenes import rest_scene, scene_of
-from validation.commands.scene import scene_table
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
 READ = ["sensor Node"]
@@ -137,35 +148,11 @@ def test_rest_scene_has_one_connector_which_names_what_is_on(
     assert sum(item.why.startswith(named) for item in found.items) == 1
 
 
-def test_every_item_says_why_it_is_there() -> None:
-    for level, formulation, _ in SCENES:
-        for item in inventory(scene_of(level, formulation)).items:
-            assert len(item.why) > 5
-
-
-def test_item_without_a_reason_is_found() -> None:
-    model = build(Scene())
-    model.reasons.clear()
-    with pytest.raises(LookupError, match="node 0 has no recorded reason"):
-        list(_items(model))
-
-
-def test_frictionless_scene_does_not_mention_friction() -> None:
-    for level, formulation, _ in SCENES:
-        found = inventory(scene_of(level, formulation, friction=SMOOTH))
-        assert not [item for item in found.items if "friction" in item.why]
-
-
 def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str]) -> None:
     shown = printed(capsys, "scene --model 3 --formulation euler-tree")
     assert "JointRollingDisc" in shown
     assert "without slip along the edge" in shown
     assert "6 coordinates, 6 algebraic equations (4 constraints" in shown
-
-
-def test_table_has_one_row_per_item() -> None:
-    found = inventory(scene_of(4, "floating"))
-    assert len(scene_table(found).rows) == len(found.items)
 
 
 def change_of_the_end(
@@ -190,3 +177,35 @@ def test_ballast_does_not_change_the_motion(part: str) -> None:
 
 def test_joint_with_six_axes_holds_the_same_motion() -> None:
     assert change_of_the_end("euler-tree", six_axes) < 1e-9
+
+
+def test_default_formulation_is_the_most_accurate_one_of_each_level() -> None:
+    assert [scene_of(level).built_as for level in LEVELS] == [
+        "contact-tree",
+        "euler-tree",
+        "euler-tree",
+        "euler-tree",
+    ]
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_engine_starts_where_the_scene_says(level: Any) -> None:
+    start = Start(beta=1.1, gamma=0.7, spin=-23.0, beta_rate=3.0)
+    for formulation in mbs_models.formulations(model(level)):
+        built = build(scene_of(level, formulation, start=start))
+        coordinates, rates = built.decode(built.record()[None])
+        state = built.scenario.initial_state
+        np.testing.assert_allclose(coordinates[0], state.coordinates, atol=1e-12)
+        np.testing.assert_allclose(rates[0], state.rates, atol=1e-11)
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
+def test_friction_is_in_a_scene_only_where_some_slip_is_left(constraints: ConstraintSet) -> None:
+    scenario = Scenario(constraints=constraints)
+    slips = not {"no-slip-along", "no-slip-across"} <= set(constraints)
+    for formulation in mbs_models.formulations(scenario):
+        scene = Scene(scenario, formulation)
+        found = inventory(scene)
+        # Another user function samples the constraint forces.
+        assert found.user_functions == scene.has_constraints + slips
+        assert any("friction" in item.why for item in found.items) is slips

@@ -1,0 +1,140 @@
+"""What the engine side refuses before it computes anything, and runs that come to nothing."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mbs_models
+from analysis import (
+    MODELS,
+    STEEL_DISK,
+    Dissipation,
+    PenaltyContact,
+    SmoothCoulomb,
+    Start,
+    ToleranceError,
+)
+from mbs_models import EngineError, Integrator, Newton, Scene
+from mbs_models.integrators import FINEST_LOCAL
+from tests.scenes import rest_scene, scene_of
+
+TIMES = np.linspace(0.0, 0.5, 26)
+LOADED = SmoothCoulomb(load="contact")
+
+simulate = partial(mbs_models.simulate, scene_of(2), TIMES)
+explicit = partial(mbs_models.simulate, Scene(), TIMES)
+to_rest = mbs_models.simulate_to_rest
+local = partial(Integrator, name="DOP853")
+
+integrator: Any = Integrator
+newton: Any = Newton
+scene: Any = scene_of
+
+REFUSED: list[tuple[Callable[[], object], str]] = [
+    (partial(simulate, step=-1e-3), "step must be positive"),
+    (partial(simulate, tolerance=0.0), "tolerance must be positive"),
+    (partial(simulate, step=1e-3, tolerance=1e-3), "either step or tolerance"),
+    (partial(simulate, integrator="RK45"), "integrator must be one of RK44.*LSODA"),
+    (partial(simulate, integrator="DOPRI5"), "explicit and cannot take the constraints"),
+    (partial(explicit, tolerance=1e-6, integrator="DOPRI5"), "tolerance must be left out for"),
+    (partial(simulate, tolerance=1e-6, integrator=local(local_tolerance=1e-6)),
+     "tolerance must be left out for integrator 'DOP853'"),
+    (partial(simulate, stop_when="asleep"),
+     "stop_when must be one of inverted, lost, module:function, got 'asleep'"),
+    (partial(simulate, stop_when=lambda _: None),
+     "stop_when <lambda> must be a finite number, got None"),
+    (partial(local, local_tolerance=1e-14),
+     rf"local_tolerance must lie in \[{FINEST_LOCAL:g}, 1\)"),
+    (partial(integrator, name="RK99"), "integrator must be one of RK44, RK67, DOPRI5"),
+    (partial(integrator, name="RK44", newton=Newton()), "newton is no option of"),
+    (partial(integrator, name="RK44", local_tolerance=1e-3), "local_tolerance is no option"),
+    (partial(integrator, name="DOPRI5", local_tolerance=0.0), "local_tolerance must be positive"),
+    (partial(integrator, name="RK67", spectral_radius=0.9), "spectral_radius is no option"),
+    (partial(integrator, name="GeneralizedAlpha", spectral_radius=1.5), r"in \[0, 1\], got 1.5"),
+    (partial(newton, relative=0.0), "relative must be"),
+    (partial(newton, absolute="tight"), "absolute must be"),
+    (partial(scene, formulation="floatng"), "formulation must be one of floating"),
+    (partial(scene, 2, "contact-tree"), "exists for Model 1 alone, got Model 2"),
+    (partial(scene, 1, "contact-tree", friction=LOADED),
+     "load 'contact' of the friction law .* use one of euler-tree"),
+    (partial(to_rest, rest_scene(), 1.0, step=1e-3), "the predicted stability limit"),
+    (partial(to_rest, rest_scene(), 1.0, step=1e-4, tolerance=1e-3), "either step or tolerance"),
+    (partial(to_rest, rest_scene(), 1.0, spacing=2.0), "spacing must not exceed end"),
+    (partial(to_rest, Scene(), 1.0), "scene must have a penalty contact, got contact None"),
+    (partial(to_rest, scene_of(1, "floating-lie", contact=PenaltyContact(stiffness=1e6)), 1.0),
+     "half_thickness must be positive"),
+    (partial(to_rest, scene_of(1, "floating", contact=PenaltyContact.rounded(STEEL_DISK)), 1.0),
+     "must be of formulation 'floating-lie'"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "message"), REFUSED)
+def test_bad_input_is_refused(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(ValueError, match=message) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+
+
+def long_steps(scene: Scene, step: float, **how: Any) -> Callable[[], object]:
+    return partial(mbs_models.simulate, scene, [0.0, step, 2.0 * step], step=step, **how)
+
+
+SINGULAR = SmoothCoulomb(coefficient=30.0, load="contact")
+SETTLING = rest_scene(
+    dissipation=Dissipation(rolling_viscous=5e-3, pivoting=1e-3), start=Start(beta=0.1, spin=0.0)
+)
+FAILING: list[tuple[Callable[[], object], type[Exception], str]] = [
+    (long_steps(scene_of(1, "euler-tree"), 1.0), EngineError,
+     r"stopped at t = .* s of 2 s: Newton's iteration"),
+    (long_steps(scene_of(friction=SmoothCoulomb(smoothing=1e-6)), 5.0), EngineError,
+     r"stopped at t = "),
+    # Within the step, friction is asked for at infinite numbers, of which there is no sine.
+    (long_steps(scene_of(1, "floating", friction=LOADED,
+                         contact=PenaltyContact.damped(1e4, STEEL_DISK)),
+                0.1, integrator="GeneralizedAlpha"), EngineError,
+     "a step was so long that the motion exploded"),
+    (partial(explicit, integrator=Integrator(name="DOPRI5", local_tolerance=1e-40)), EngineError,
+     "step control came down to its minimum step"),
+    (partial(mbs_models.simulate, scene_of(2, friction=SINGULAR, start=Start(beta=0.4, spin=30.0)),
+             TIMES, tolerance=1e-6, integrator="DOP853"), ArithmeticError,
+     "equations of motion are singular"),
+    (partial(to_rest, SETTLING, 0.2, step=1e-4), EngineError, "the energy has exploded"),
+    (partial(explicit, tolerance=1e-16), ToleranceError,
+     "cannot be reached: rounding leaves 2e-13 rad"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "error", "message"), FAILING)
+def test_a_run_that_comes_to_nothing_says_why(
+    call: Callable[[], object], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("level", "column", "rate", "name"),
+    [
+        (1, 2, False, "'contact' of Model 1.*position level by 1.000e-04 m,"),
+        (1, 2, True, "'contact' of Model 1.*velocity level by 1.000e-04 m/s,"),
+        (2, 0, False, "'fixed-cog' of Model 2.*position level by 1.000e-04 m,"),
+        (2, 1, True, "'fixed-cog' of Model 2.*velocity level by 1.000e-04 m/s,"),
+        (3, 5, True, "velocity level by 2.488e-07 m/s,"),
+    ],
+)
+def test_start_that_breaks_a_constraint_is_refused_by_its_name(
+    level: Any, column: int, rate: bool, name: str
+) -> None:
+    start = Start().state(MODELS[level], STEEL_DISK)
+    values = list(start.rates if rate else start.coordinates)
+    values[column] += 1e-4
+    broken: Any = {"rates" if rate else "coordinates": tuple(values)}
+    for formulation in mbs_models.formulations(scene_of(level).scenario):
+        scene = Scene(scene_of(level, start=replace(start, **broken)).scenario, formulation)
+        for call in (mbs_models.acceleration, partial(mbs_models.simulate, times=[0.0, 0.1])):
+            with pytest.raises(ValueError, match=name):
+                call(scene)
