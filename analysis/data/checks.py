@@ -99,7 +99,7 @@ def in_range(
         wanted = f"lie in the open interval ({low}, {high}), {why}"
     elif least == 0.0 and result <= 0.0:
         wanted = "be positive" if is_above else "not be negative"
-    elif is_below and result >= most:
+    elif is_below and result >= most and least in (0.0, -inf):
         wanted = f"be less than {high}"
     raise ArgumentError(name, f"must {wanted}, got {result:g}")
 

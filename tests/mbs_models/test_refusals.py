@@ -48,7 +48,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(simulate, stop_when=lambda _: None),
      "stop_when <lambda> must be a finite number, got None"),
     (partial(local, local_tolerance=1e-14),
-     rf"local_tolerance must lie in \[{FINEST_LOCAL:g}, 1\)"),
+     f"local_tolerance must lie from {FINEST_LOCAL:g} to less than 1"),
     (partial(integrator, name="RK99"), "integrator must be one of RK44, RK67, DOPRI5"),
     (partial(integrator, name="RK44", newton=Newton()), "newton is no option of"),
     (partial(integrator, name="RK44", local_tolerance=1e-3), "local_tolerance is no option"),

@@ -65,6 +65,7 @@ def present(rows: Rows) -> Content:
     at_first = {"start.gamma_rate": 0.0, "start.x": held.initial_state.coordinates[0]}
     known = flat(held.values()) | at_first
     known |= {f"disk.{name}": value for name, value in STEEL_RING.items()}
+    known |= {f"disk.{name}": getattr(held.disk, name) for name in SIX}
     rest = [
         parameters(ON_THE_WAY, flat(Case(losses).scenario.values())).assign(of=losses)
         for losses in CASES

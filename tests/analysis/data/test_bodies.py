@@ -210,7 +210,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "body without numbers": (lambda: body_from({"body": "sphere"}), "cannot be made"),
     "surface above": (
         lambda: Scenario(disk=_Flat(**{n: getattr(EGG, n) for n in NUMBERS})),
-        r"depth of lowest_point\(.*\) must lie from 0",
+        r"depth of lowest_point\(.*\) must not be negative",
     ),
     "rounded sphere": (
         lambda: Scenario(
