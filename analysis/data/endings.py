@@ -1,14 +1,9 @@
 """Why a motion ends, and what a run can be told to end at."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
 
-import numpy as np
-from scipy.optimize import brentq
-
-from analysis.data import frames
-from analysis.data.checks import Array, choice, number
+from analysis.data.checks import choice, number
 from analysis.data.elementary import sin
 from analysis.data.names import ArgumentError
 from analysis.data.own import is_own, own_object
@@ -27,11 +22,6 @@ REACHED = 0.9
 FLATTEST = 1e-6
 """Leaning in rad down to which a pose is told by its Euler angles."""
 
-_CLOSE = 1e-13
-"""To which an ending is located, in s and relative to its time."""
-
-_LYING = (1.0, FLAT)
-"""Stands for what no condition says of a disk that lies flat."""
 
 Condition = Callable[[State], float]
 """From a state to a number; a run ends where that turns negative."""
@@ -155,106 +145,3 @@ def _named(given: str | Condition) -> tuple[str, Condition]:
     if not callable(condition):
         raise ValueError(f"stop_when must hold names or functions of a State, got {given!r}")
     return getattr(condition, "__name__", type(condition).__name__), condition
-
-
-class Met(NamedTuple):
-    """Where a condition turned negative.
-
-    `row` is the number of the pose there, `before` that of the pose at which it was asked before.
-    """
-
-    row: int
-    before: int
-
-
-class Poses(NamedTuple):
-    """Poses and how they move: shapes (n, 3), (n, 3, 3), (n, 3), (n, 3); `frames.from_poses`."""
-
-    positions: Array
-    rotations: Array
-    velocities: Array
-    angular_velocities: Array
-
-
-def first_met(
-    conditions: Mapping[str, Condition],
-    positions: Array,
-    rotations: Array,
-    velocities: Array,
-    angular_velocities: Array,
-) -> Met | None:
-    """First pose at which a condition turns negative.
-
-    Poses that lie flat, which no `State` describes, are passed over.
-
-    Parameters
-    ----------
-    conditions : mapping
-        By name, as `named_conditions` makes it.
-    positions, rotations, velocities, angular_velocities : ndarray
-        As in `Poses`.
-    """
-    poses = Poses(positions, rotations, velocities, angular_velocities)
-    before: dict[str, float] = {}
-    asked = -1
-    for row, values in _said(conditions, poses):
-        if any(value < 0.0 <= before.get(name, -1.0) for name, value in values.items()):
-            return Met(row, asked)
-        before, asked = values, row
-    return None
-
-
-def ending_met(
-    conditions: Mapping[str, Condition],
-    pose_at: Callable[[float], Poses],
-    begin: float,
-    end: float,
-) -> Ending:
-    """Where the first of some conditions turns negative.
-
-    Parameters
-    ----------
-    conditions : mapping
-        Those that are negative at `begin` do not count.
-    pose_at : callable
-        From a time in s to the one pose there. A condition counts as not negative where it lies
-        flat.
-    begin, end : float
-        Times in s. If none is negative at `end`, it turns so there up to the error of the motion.
-    """
-
-    def said_at(time: float) -> dict[str, float]:
-        return dict(_said(conditions, pose_at(time))).get(0, {})
-
-    armed = [name for name, value in said_at(begin).items() if value >= 0.0]
-
-    def least(time: float) -> tuple[float, str]:
-        said = said_at(time)
-        return min(((said[name], name) for name in armed if said), default=_LYING)
-
-    time = end
-    if least(end)[0] < 0.0:
-        time = float(brentq(lambda t: least(t)[0], begin, end, xtol=_CLOSE, rtol=_CLOSE))
-        if not said_at(time):
-            # It lay flat until then, and the condition is negative at once.
-            time = min(end, time + 4.0 * _CLOSE * (1.0 + time))
-    value, reason = least(time)
-    return Ending(reason=reason, time=time, value=value)
-
-
-def _said(
-    conditions: Mapping[str, Condition], poses: Poses
-) -> Iterator[tuple[int, dict[str, float]]]:
-    """Numbers of the poses that do not lie flat, and what the conditions say of each."""
-    leaning = np.hypot(poses.rotations[:, 2, 0], poses.rotations[:, 2, 1])
-    rows = np.flatnonzero(leaning > FLATTEST)
-    coordinates, rates = frames.from_poses(*(each[rows] for each in poses))
-    for row, z, u in zip(rows.tolist(), coordinates.tolist(), rates.tolist(), strict=True):
-        state = State(coordinates=tuple(z), rates=tuple(u))
-        yield (
-            row,
-            {
-                name: number(f"condition {name}", condition(state))
-                for name, condition in conditions.items()
-            },
-        )

@@ -1,8 +1,19 @@
 """The way between the co-rotating coordinates and the inertial frame."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from analysis.data.checks import Array
+
+
+class Poses(NamedTuple):
+    """Poses and how they move: shapes (n, 3), (n, 3, 3), (n, 3), (n, 3); see `from_poses`."""
+
+    positions: Array
+    rotations: Array
+    velocities: Array
+    angular_velocities: Array
 
 
 def turn_about_vertical(alpha: Array, vectors: Array) -> Array:

@@ -18,7 +18,7 @@ from analysis.data import frames
 from analysis.data.checks import Array
 from analysis.data.constraint_set import MULTIPLIERS
 from analysis.data.dissipation import CAUSES
-from analysis.data.endings import Poses
+from analysis.data.frames import Poses
 from analysis.data.members import Rows
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES

@@ -10,7 +10,8 @@ from analysis.data import frames
 from analysis.data.checks import Array, choice, number
 from analysis.data.dense import interpolate
 from analysis.data.dissipation import CAUSES
-from analysis.data.endings import Ending, Poses
+from analysis.data.endings import Ending
+from analysis.data.frames import Poses
 from analysis.data.motion_quantities import filled, quantities
 from analysis.data.phases import Phases, phases_of
 from analysis.data.sampled import SampledMotion

@@ -19,9 +19,8 @@ from analysis import (
     simulate_to_rest,
 )
 from analysis.data.agreement import until_agreement
-from analysis.data.endings import first_met
 from analysis.data.trajectory import SOURCES, Source
-from tests.helpers import not_none, turn_z
+from tests.helpers import not_none
 from validation import cli
 from validation.run import run_to_rest
 
@@ -70,19 +69,6 @@ def test_condition_that_holds_at_the_start_ends_nothing() -> None:
 
     motion = simulate_to_rest(SCENARIO, 0.05, local_tolerance=1e-6, stop_when=always)
     assert motion.ending is None
-
-
-def test_flat_poses_are_passed_over() -> None:
-    rotations = np.array([turn_z(0.3), np.eye(3), turn_z(1.0)])
-    nothing = np.zeros((3, 3))
-    asked: list[State] = []
-
-    def never(state: State) -> float:
-        asked.append(state)
-        return 1.0
-
-    assert first_met({"never": never}, nothing, rotations, nothing, nothing) is None
-    assert not asked
 
 
 def test_command_ends_where_the_disk_is_up(

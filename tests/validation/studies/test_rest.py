@@ -138,8 +138,8 @@ def test_a_start_that_is_missing_fails() -> None:
 @pytest.mark.slow
 def test_centred_disks_keep_to_closed_forms_and_fail_where_they_do_not() -> None:
     table = frame(
-        {"case": name, **row} for name in closed_forms.cases()
-        for row in plain(closed_forms.measure(name))
+        {"case": name, **row} for name, case in closed_forms.cases().items()
+        for row in plain(closed_forms.measure(case))
     )  # fmt: skip
     content = shows(closed_forms, **{"rest-closed": table})
     assert len(content.checks) == 18
