@@ -26,7 +26,7 @@ from mbs_models.linear_stability import largest_step
 from validation.kit.limits import holds
 from validation.kit.references import STIFF, deviation
 from validation.kit.ways import Way
-from validation.study import Row, Study
+from validation.study import Row, Study, relative
 
 Axis = Literal["smoothing", "stiffness"]
 Place = tuple[Axis, float]
@@ -232,5 +232,7 @@ STEPS = Study(
     cases=_cases,
     measure=measure,
     keys=("kind", "formulation", "integrator"),
+    sample=("stiffness 10000 N/m", "smoothing 1 m/s", "smoothing 0.01 m/s"),
+    confirm={"step": relative("step", 0.01), "predicted": relative("predicted", 1e-4)},
     columns={"step": "largest in s; none if no step tried works", "predicted": "in s"},
 )
