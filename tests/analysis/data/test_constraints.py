@@ -66,8 +66,8 @@ def test_order_of_the_names_does_not_matter() -> None:
 
 def test_models_add_their_constraints_one_after_another() -> None:
     expected = [name for name in MULTIPLIERS if name != "lateral_force"]
-    for level, count in {1: 1, 2: 3, 3: 4, 4: 5}.items():
-        assert list(multiplier_names(model(level).constraints)) == expected[:count]
+    for level, count in zip(LEVELS, (1, 3, 4, 5), strict=True):
+        assert list(multiplier_names(MODELS[level])) == expected[:count]
 
 
 @all_sets

@@ -201,9 +201,9 @@ def test_motions_agree_under_every_law(law: FrictionLaw) -> None:
 def test_linear_stability_depends_on_the_gradient_alone(law: FrictionLaw, system: System) -> None:
     level: Level = 4 if system == "reduced" else 1
     papers = SmoothCoulomb(coefficient=law.gradient, smoothing=1.0)
-    spins = np.linspace(10.0, 50.0, 9)
     found, expected = (
-        spectra.eigenvalues(model(level, friction=each), spins, system) for each in (law, papers)
+        spectra.eigenvalues(model(level, friction=each), np.linspace(10.0, 50.0, 9), system)
+        for each in (law, papers)
     )
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-9)
 
@@ -243,7 +243,6 @@ class Answering(FrictionLaw):
         (Answering(answer=nan), "per_speed(0) must be a finite number, got nan"),
         (Answering(answer=-3.0), "per_speed(0) must not be negative, got -3"),
         (Answering(answer=lambda speed: 1.0 / speed), "ZeroDivisionError: float division"),
-        (Answering(answer=lambda _: "3"), "per_speed(0) must be a finite number, got '3'"),
         (Answering(answer=1.0, finest=0.0), "finest_speed must be positive, got 0"),
     ],
 )
@@ -273,7 +272,6 @@ class Pushing(FrictionLaw):
     [
         (lambda x, y, n: (n * x, n * y), "slope of force at no slip must"),
         (lambda x, y, n: (-n * x, n * y), "must be against the slip if IS_ISOTROPIC"),
-        (lambda x, y, n: (-n * x, -2.0 * n * y), "must be against the slip if IS_ISOTROPIC"),
         (lambda x, y, n: (-n * n * x, -n * n * y), "must double with the load"),
         (lambda x, y, n: (nan, n * x * y), "must be a finite number, got nan"),
     ],

@@ -225,14 +225,13 @@ def test_error_between_samples_is_within_its_estimate(count: int, fine: Trajecto
 
 
 def test_forces_and_rates_between_samples_converge(fine: Trajectory) -> None:
-    def apart(count: int) -> tuple[float, float]:
-        between = every(fine, count).resampled(fine.times, tolerance=1e-3)
-        force = np.abs(between.normal_force - fine.normal_force).max()
-        return float(force), float(np.abs(between.rates - fine.rates).max())
-
-    (coarse_force, coarse_rate), (fine_force, fine_rate) = apart(200), apart(100)
-    assert fine_force < 0.2 * coarse_force
-    assert fine_rate < 0.01 * coarse_rate
+    coarse, closer = (
+        every(fine, count).resampled(fine.times, tolerance=1e-3) for count in (200, 100)
+    )
+    for name, gain in (("normal_force", 0.2), ("rates", 0.01)):
+        exact = getattr(fine, name)
+        errors = [np.abs(getattr(run, name) - exact).max() for run in (closer, coarse)]
+        assert errors[0] < gain * errors[1]
 
 
 def test_state_at_a_sample_is_the_sample(motion: StoredRun) -> None:
@@ -246,7 +245,9 @@ def test_state_at_a_sample_is_the_sample(motion: StoredRun) -> None:
 
 def test_attitude_between_samples_is_that_of_a_run_sampled_there(falling: SpatialMotion) -> None:
     wanted = falling.times[:-1] + 0.3 * np.diff(falling.times)
-    between = falling.resampled(wanted[wanted < 0.05], tolerance=1e-6)
+    between = replace(falling, rest_time=0.02).resampled(wanted[wanted < 0.05], tolerance=1e-6)
+    assert between.rest_time == 0.02
+    assert replace(falling, rest_time=0.06).resampled([0.0, 0.05], tolerance=1.0).rest_time is None
     other = simulate_to_rest(
         falling.scenario, float(falling.times[-1]), spacing=5e-5, tolerance=1e-6
     )
@@ -280,16 +281,10 @@ def test_samples_next_to_an_ending_do_not_amplify_rounding(fine: Trajectory) -> 
     assert np.abs(found - fine.coordinates[3950])[4:].max() < 1e-7
 
 
-@pytest.mark.parametrize("time", [-1e-6, 0.6])
-def test_time_outside_the_samples_is_refused(time: float, motion: StoredRun) -> None:
-    with pytest.raises(ValueError, match=r"^times must lie within the samples, from 0 to 0\.\d"):
-        motion.at(time)
-
-
-def test_rest_time_is_kept_where_it_lies_within(falling: SpatialMotion) -> None:
-    rested = replace(falling, rest_time=0.05)
-    assert rested.resampled([0.0, 0.06], tolerance=1e-3).rest_time == 0.05
-    assert rested.resampled([0.0, 0.04], tolerance=1e-3).rest_time is None
+def test_time_outside_the_samples_is_refused(motion: StoredRun) -> None:
+    for time in (-1e-6, 0.6):
+        with pytest.raises(ValueError, match="times must lie within the samples, from 0 to 0"):
+            motion.at(time)
 
 
 # --- Out of Python -------------------------------------------------------------------------------

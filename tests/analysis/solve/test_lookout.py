@@ -38,7 +38,9 @@ def said(run: Trajectory) -> tuple[str, float]:
 
 
 def assert_said(run: Trajectory, reason: str, time: float, within: float) -> None:
-    assert said(run) == (reason, pytest.approx(time, abs=within)), run.scenario
+    found = said(run)
+    assert found[0] == reason, run.scenario
+    assert found[1] == pytest.approx(time, abs=within), run.scenario
 
 
 @pytest.mark.parametrize(
