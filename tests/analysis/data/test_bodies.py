@@ -151,9 +151,9 @@ def test_clearance_is_the_depth_of_the_lowest_point(body: Body, half: float) -> 
     np.testing.assert_allclose(slopes, np.array([per_beta, per_gamma]) * 2 * step, atol=1e-14)
 
 
-@pytest.mark.parametrize("half", [2e-4, 2e-3])
 @every_body
-def test_resting_place_is_the_lowest_of_all_attitudes(body: Body, half: float) -> None:
+def test_resting_place_is_the_lowest_of_all_attitudes(body: Body) -> None:
+    half = 2e-3
     height, lean = body.resting_place(half if body.has_edge else 0.0)
     up = attitudes(20000)
     points = np.column_stack(body.lowest_point(up.T, half))

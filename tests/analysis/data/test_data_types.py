@@ -184,13 +184,11 @@ def test_replacing_one_field_of_a_scenario_changes_all_that_follows_from_it() ->
 
 
 def test_a_disk_dropped_from_a_height_starts_at_it() -> None:
-    soft = Scenario(contact=SOFT, start=Start(height=0.005))
-    assert soft.initial_state.coordinates[2] == pytest.approx(0.05, rel=1e-12)
+    sharp = Scenario(contact=SOFT, start=Start(height=0.005))
+    assert sharp.initial_state.coordinates[2] == pytest.approx(0.05, rel=1e-12)
     rounded = Scenario.rest(start=Start(beta=0.3, height=0.005))
-    lowest = rounded.initial_state.coordinates[2] - np.hypot(
-        0.045 * np.sin(0.3), 2e-4 * np.cos(0.3)
-    )
-    assert lowest == pytest.approx(0.005, rel=1e-12)
+    reach = np.hypot(0.045 * np.sin(0.3), 2e-4 * np.cos(0.3))
+    assert rounded.initial_state.coordinates[2] == pytest.approx(0.005 + reach, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -242,6 +242,7 @@ class Answering(FrictionLaw):
     [
         (Answering(answer=nan), "per_speed(0) must be a finite number, got nan"),
         (Answering(answer=-3.0), "per_speed(0) must not be negative, got -3"),
+        (Answering(answer=1e300), "per_speed(0) must lie from 0 to 1e+12, got 1e+300"),
         (Answering(answer=lambda speed: 1.0 / speed), "ZeroDivisionError: float division"),
         (Answering(answer=1.0, finest=0.0), "finest_speed must be positive, got 0"),
     ],

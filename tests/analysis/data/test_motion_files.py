@@ -222,9 +222,7 @@ TRAJECTORIES: dict[str, tuple[Change, str]] = {
     "negative error": (described(error_estimate=-1.0), "error_estimate must not be negative"),
     "unknown source": (described(source="me"), "source must be one of engine, in-house"),
     "foreign part of the scenario": (described(scenario__wind=3), "scenario must be one of"),
-    "radius as text": (described(scenario__disk__radius="0.045"), f"radius {NUMBER} '0.045'"),
     "pulling backwards": (described(pulling=[[2, 1]]), "pulling must hold rising times"),
-    "ending is text": (described(ending="soon"), "."),
     "ending without reason": (
         described(ending={"reason": 3, "time": 1.0, "value": 0.0}),
         "reason must be text, got 3",

@@ -186,18 +186,15 @@ def test_text_that_is_no_scenario_is_refused_with_its_line(
         load_scenario(path)
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
+def test_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "my.toml"
+    for content, message in (
         (b"PK\x03\x04\xff\xfe", "is no scenario: not text in UTF-8"),
         (b"#" * (LARGEST_FILE + 1), "is no scenario: more than 1000000 bytes"),
-    ],
-)
-def test_file_that_is_no_text_is_refused(content: bytes, message: str, tmp_path: Path) -> None:
-    path = tmp_path / "my.toml"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=message):
-        load_scenario(path)
+    ):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=message):
+            load_scenario(path)
 
 
 def test_file_runs_the_module_of_its_law_and_nothing_else(
