@@ -3,7 +3,7 @@
 import json
 import re
 from dataclasses import asdict, replace
-from math import nan, pi
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -24,136 +24,41 @@ from analysis import (
     Table,
     ViscousFriction,
 )
-from analysis.data.checks import Array
-
-RING: dict[str, float] = {
-    "radius": 0.045,
-    "hole_radius": 0.015,
-    "hole_distance": 0.02,
-    "thickness": 0.01,
-    "density": 7700.0,
-}
 
 
-def ring_integrals(
-    radius: float, hole_radius: float, hole_distance: float, thickness: float, density: float
-) -> tuple[float, Array, Array]:
-    """Mass, first moments and second moments about G, summed over the ring's own area.
-
-    Polar coordinates around the hole's centre: Gauss-Legendre from the hole to the outer edge,
-    and the trapezoidal rule, exact for smooth periodic functions, around. Nothing is subtracted.
-    """
-    angles = np.linspace(0.0, 2 * pi, 400, endpoint=False)
-    nodes, weights = np.polynomial.legendre.leggauss(6)
-    # The hole lies opposite to the COG, at x = -hole_distance.
-    across = hole_distance * np.sin(angles)
-    outer = hole_distance * np.cos(angles) + np.sqrt(radius**2 - across**2)
-    half = (outer - hole_radius)[:, None] / 2
-    distances = hole_radius + half * (1 + nodes)
-    x = distances * np.cos(angles)[:, None] - hole_distance
-    y = distances * np.sin(angles)[:, None]
-    mass = density * thickness * half * weights * distances * 2 * pi / angles.size
-    through = thickness**2 / 12
-    moments = np.array([y**2 + through, x**2 + through, x**2 + y**2])
-    first = np.array([np.sum(mass * x), np.sum(mass * y)])
-    return float(np.sum(mass)), first, np.sum(mass * moments, axis=(1, 2))
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {},
-        {"hole_distance": 0.0},
-        {"hole_distance": 0.025, "hole_radius": 0.012},
-        {"thickness": 0.03, "density": 2700.0},
-    ],
-)
-def test_ring_has_the_integrals_over_its_area(changes: dict[str, float]) -> None:
-    ring = Disk.ring(**(RING | changes))
-    mass, first, moments = ring_integrals(**(RING | changes))
-    assert ring.mass == pytest.approx(mass, rel=1e-12)
-    assert ring.eccentricity == pytest.approx(first[0] / mass, rel=1e-12, abs=1e-15)
-    assert first[1] == pytest.approx(0.0, abs=1e-15)
-    computed = (ring.inertia_x, ring.inertia_y, ring.inertia_z)
-    np.testing.assert_allclose(computed, moments, rtol=1e-12)
-
-
-@pytest.mark.parametrize("scale", [1e-3, 1.0, 20.0])
 @pytest.mark.parametrize(("radius", "distance"), [(0.015, 0.02), (0.001, 0.03), (0.04, 0.001)])
-def test_disk_tells_the_hole_it_was_made_with(
-    radius: float, distance: float, scale: float
-) -> None:
-    geometry = {"radius": 0.045, "hole_radius": radius, "hole_distance": distance}
-    lengths = {name: scale * length for name, length in geometry.items()}
-    disk = Disk.ring(**lengths, thickness=0.01, density=7700.0)
-    assert disk.hole == pytest.approx((scale * radius, scale * distance), rel=1e-6)
+def test_disk_tells_the_hole_it_was_made_with(radius: float, distance: float) -> None:
+    for scale in (1e-3, 20.0):
+        ring = {"radius": 0.045, "hole_radius": radius, "hole_distance": distance}
+        disk = Disk.ring(
+            **{name: scale * length for name, length in ring.items()}, thickness=0.01, density=8e3
+        )
+        assert disk.hole == pytest.approx((scale * radius, scale * distance), rel=1e-6)
 
 
 def test_disk_that_no_hole_explains_has_none() -> None:
-    assert Disk.ring(**(RING | {"hole_radius": 0.0})).hole is None
+    full = Disk.ring(hole_radius=0.0)
+    assert full.hole is None
+    assert full.eccentricity == 0.0
+    assert full.inertia_x == full.inertia_y
     assert replace(STEEL_DISK, eccentricity=0.02, inertia_y=4.3e-4, inertia_z=6e-4).hole is None
 
 
-def test_ring_without_a_hole_is_a_centred_disk() -> None:
-    full = Disk.ring(**(RING | {"hole_radius": 0.0}))
-    assert full.eccentricity == 0.0
-    assert full.inertia_x == full.inertia_y
-    assert full.inertia_z == pytest.approx(full.mass * full.radius**2 / 2, rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("radius", 0.045),
-        ("mass", 0.4354247),
-        ("eccentricity", 2.5e-3),
-        ("inertia_x", 2.485550e-4),
-        ("inertia_y", 2.267837e-4),
-        ("inertia_z", 4.680816e-4),
-    ],
-)
-def test_default_disk_is_the_unrounded_ring(name: str, value: float) -> None:
-    assert getattr(STEEL_DISK, name) == pytest.approx(value, rel=2e-7)
-
-
-@pytest.mark.parametrize("name", list(asdict(ROUNDED_STEEL_DISK)))
-def test_table_1_is_the_default_disk_to_three_digits(name: str) -> None:
-    exact, printed = getattr(STEEL_DISK, name), getattr(ROUNDED_STEEL_DISK, name)
-    assert float(f"{exact:.2e}") == pytest.approx(printed, rel=1e-12)
-
-
-def test_named_disks_are_the_papers() -> None:
+def test_named_disks_are_the_unrounded_ring_and_table_1() -> None:
     assert DISKS == {"steel": STEEL_DISK, "steel-rounded": ROUNDED_STEEL_DISK}
+    unrounded = (0.045, 0.4354247, 2.5e-3, 2.485550e-4, 2.267837e-4, 4.680816e-4)
+    exact, printed = asdict(STEEL_DISK), asdict(ROUNDED_STEEL_DISK)
+    assert [*exact.values()][:6] == pytest.approx(unrounded, rel=2e-7)
+    assert printed == pytest.approx({name: float(f"{x:.2e}") for name, x in exact.items()})
 
 
 def test_weight_is_mass_times_what_presses_of_gravity() -> None:
     assert GRAVITY == 9.81
     assert Scenario().weight == STEEL_DISK.mass * GRAVITY
-    leaning = Scenario(table=Table(gravity=1.62, inclination=pi / 3))
-    assert leaning.weight == pytest.approx(STEEL_DISK.mass * 1.62 / 2, rel=1e-14)
-
-
-def test_inertia_moves_to_the_cog_along_x() -> None:
-    shift = STEEL_DISK.mass * STEEL_DISK.eccentricity**2
-    about_cog = STEEL_DISK.inertia_about_cog
-    expected = (STEEL_DISK.inertia_x, STEEL_DISK.inertia_y - shift, STEEL_DISK.inertia_z - shift)
-    np.testing.assert_allclose(about_cog, expected, rtol=1e-14)
-
-
-@pytest.mark.parametrize("value", [0.045, 0.1])
-def test_disk_refuses_an_eccentricity_outside_the_radius(value: float) -> None:
-    message = rf"^eccentricity must lie in \[0, radius\) = \[0, 0\.045\), got {value:g}$"
-    with pytest.raises(ValueError, match=message):
-        replace(STEEL_DISK, eccentricity=value)
-
-
-@pytest.mark.parametrize("name", ["inertia_y", "inertia_z"])
-def test_disk_refuses_inertia_that_is_negative_about_the_cog(name: str) -> None:
-    shift = STEEL_DISK.mass * STEEL_DISK.eccentricity**2
-    with pytest.raises(
-        ValueError, match=rf"^{name} must exceed mass \* eccentricity² .* leaves -"
-    ):
-        replace(STEEL_DISK, **{name: 0.99 * shift})
+    table = Table(gravity=2.0, inclination=pi / 6, downhill=pi / 2)
+    np.testing.assert_allclose(table.vector, (0.0, 1.0, -np.sqrt(3.0)), atol=1e-15)
+    assert table.pressing == pytest.approx(np.sqrt(3.0))
+    assert Scenario(table=table).weight == STEEL_DISK.mass * table.pressing
 
 
 @pytest.mark.parametrize(
@@ -183,37 +88,9 @@ def test_disk_accepts_a_lamina() -> None:
     assert lamina.inertia_about_cog[2] == pytest.approx(a + b, rel=1e-12)
 
 
-def test_hole_lies_inside_the_ring() -> None:
-    message = r"^hole_distance \+ hole_radius must be less than radius = 0\.045, got 0\.045$"
-    with pytest.raises(ValueError, match=message):
-        Disk.ring(hole_distance=0.03)
-
-
-@pytest.mark.parametrize("field", ["coordinates", "rates"])
-def test_state_needs_six_numbers(field: str) -> None:
-    good: dict[str, Any] = {"coordinates": (0, 0, 0, 0, 1, 0), "rates": (0,) * 6}
-    with pytest.raises(ValueError, match=f"^{field} must hold 6 numbers, got 5$"):
-        State(**(good | {field: (1.0,) * 5}))
-    with pytest.raises(ValueError, match=rf"^{field}\[gamma\] must be a finite number, got nan$"):
-        State(**(good | {field: (1.0, 1.0, 1.0, 1.0, 1.0, nan)}))
-
-
-@pytest.mark.parametrize("beta", [0.0, pi, -1.0, 3.2])
-def test_state_refuses_a_singular_tilt(beta: float) -> None:
-    with pytest.raises(ValueError, match=rf"^beta must lie in .* \(0, pi\), .* got {beta:g}$"):
-        State(coordinates=(0, 0, 0, 0, beta, 0), rates=(0,) * 6)
-
-
 def test_state_vector_holds_coordinates_before_rates() -> None:
     state = State(coordinates=(1, 2, 3, 4, 0.5, 6), rates=(7, 8, 9, 10, 11, 12))
     np.testing.assert_array_equal(state.vector, [1, 2, 3, 4, 0.5, 6, 7, 8, 9, 10, 11, 12])
-
-
-def test_table_pulls_down_and_along() -> None:
-    table = Table(gravity=2.0, inclination=pi / 6, downhill=pi / 2)
-    np.testing.assert_allclose(table.vector, (0.0, 1.0, -np.sqrt(3.0)), atol=1e-15)
-    assert table.pressing == pytest.approx(np.sqrt(3.0))
-    assert not table.is_horizontal
 
 
 SOFT = PenaltyContact(stiffness=1e5)
@@ -251,13 +128,11 @@ def test_replacing_one_field_of_a_scenario_changes_all_that_follows_from_it() ->
 
 
 def test_a_disk_dropped_from_a_height_starts_at_it() -> None:
-    soft = Scenario(contact=SOFT, start=Start(height=0.005))
-    assert soft.initial_state.coordinates[2] == pytest.approx(0.05, rel=1e-12)
+    sharp = Scenario(contact=SOFT, start=Start(height=0.005))
+    assert sharp.initial_state.coordinates[2] == pytest.approx(0.05, rel=1e-12)
     rounded = Scenario.rest(start=Start(beta=0.3, height=0.005))
-    lowest = rounded.initial_state.coordinates[2] - np.hypot(
-        0.045 * np.sin(0.3), 2e-4 * np.cos(0.3)
-    )
-    assert lowest == pytest.approx(0.005, rel=1e-12)
+    reach = np.hypot(0.045 * np.sin(0.3), 2e-4 * np.cos(0.3))
+    assert rounded.initial_state.coordinates[2] == pytest.approx(0.005 + reach, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -265,26 +140,11 @@ def test_a_disk_dropped_from_a_height_starts_at_it() -> None:
     [
         Scenario(),
         Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3), start=Start(height=0.1)),
-        Scenario(constraints=MODELS[4], disk=ROUNDED_STEEL_DISK, table=Table(inclination=0.1)),
         Scenario(friction=ViscousFriction(viscosity=3.0), start=Scenario().initial_state),
         Scenario(constraints=("contact", "no-slip-across"), start=Start(x=0.1, y_rate=-4.0)),
     ],
-    ids=["paper", "rest", "model 4", "state", "set"],
+    ids=["paper", "rest", "state", "set"],
 )
 def test_scenario_comes_back_from_its_values(scenario: Scenario) -> None:
     through_json = json.loads(json.dumps(scenario.values()))
     assert Scenario.from_values(through_json) == scenario
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"level": 3}, "scenario must be one of constraints, disk, .*, got 'level'"),
-        ({"disk": 3}, "disk must be a table, got 3"),
-        ({"disk": {"radius": 1.0}}, r"\[disk\] lacks mass, eccentricity, "),
-        ({"table": {"tilt": 0.1}}, r"tilt is unknown here; \[table\] takes gravity, "),
-    ],
-)
-def test_values_that_are_no_scenario_are_named(values: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=f"^{message}"):
-        Scenario.from_values(values)

@@ -15,12 +15,9 @@ import analysis
 import mbs_models
 from analysis import (
     LAWS,
-    LEVELS,
-    LOADS,
     AnisotropicCoulomb,
     FrictionLaw,
     Level,
-    Load,
     LubricatedCoulomb,
     PenaltyContact,
     PowerLawCoulomb,
@@ -82,13 +79,6 @@ def test_both_sides_write_the_same_law(law: FrictionLaw) -> None:
             assert engine(*slip, load) == pytest.approx(law.force(*slip, load), rel=2e-14)
 
 
-@pytest.mark.parametrize("law", SIMPLE, ids=name)
-def test_gradient_is_the_slope_at_no_slip(law: FrictionLaw) -> None:
-    slip = 1e-6 * law.finest_speed
-    assert law.per_speed(slip) * slip / slip == pytest.approx(law.gradient, rel=2e-6)
-    assert law.gradient == pytest.approx(law.per_speed(0.0), rel=1e-14)
-
-
 @pytest.mark.parametrize("law", [*SIMPLE, SquareRoot()], ids=name)
 def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: FrictionLaw) -> None:
     unit = law.gradient / law.finest_speed
@@ -103,6 +93,7 @@ def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: Frictio
         accuracy = 1e-10 + 1e-12 / relative
         assert law.per_speed_slope(speed) / unit == pytest.approx(expected / unit, abs=accuracy)
     near = 1e-6 * law.finest_speed
+    assert law.per_speed(near) == pytest.approx(law.gradient, rel=2e-6)
     expected = (law.per_speed(near) - law.gradient) / near
     assert law.per_speed_slope(0.0) / unit == pytest.approx(expected / unit, abs=2e-6)
 
@@ -116,13 +107,9 @@ def test_full_force_of_the_laws() -> None:
     assert ViscousFriction().per_speed(7.0) == ViscousFriction().viscosity
 
 
-def test_stribeck_without_a_drop_is_the_papers_law() -> None:
-    plain = Stribeck(static=0.3, kinetic=0.3)
-    assert [plain.per_speed(v) for v in SPEEDS] == [SmoothCoulomb().per_speed(v) for v in SPEEDS]
-
-
-def test_general_laws_are_the_papers_where_they_have_to_be() -> None:
+def test_laws_are_the_papers_where_they_have_to_be() -> None:
     equal = (
+        Stribeck(static=0.3, kinetic=0.3),
         AnisotropicCoulomb(along=0.3, across=0.3),
         PowerLawCoulomb(exponent=1.0),
         LubricatedCoulomb(film=0.0),
@@ -143,16 +130,14 @@ def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
         assert power == pytest.approx(-np.max(slip @ ellipse), rel=2e-5)
 
 
-@pytest.mark.parametrize("law", GENERAL, ids=name)
-@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("law", OTHERS, ids=name)
+@pytest.mark.parametrize("level", [1, 3])
 def test_stability_under_any_law_is_that_of_the_engine(law: FrictionLaw, level: Level) -> None:
-    spinning = Start.stationary(31.0)
-    for load in LOADS:
-        scenario = model(level, friction=replace(law, load=load), start=spinning)
-        found = spectra.eigenvalues(scenario, np.array([31.0]), "numeric")[0]
-        engine = mbs_models.eigenvalues(Scene(scenario))
-        missing = [np.min(np.abs(found - each)) for each in engine]
-        np.testing.assert_allclose(missing, 0.0, atol=1e-4 * np.abs(engine).max())
+    scenario = model(level, friction=replace(law, load="contact"), start=Start.stationary(31.0))
+    found = spectra.eigenvalues(scenario, [31.0], "numeric")[0]
+    engine = mbs_models.eigenvalues(Scene(scenario))
+    missing = [np.min(np.abs(found - each)) for each in engine]
+    np.testing.assert_allclose(missing, 0.0, atol=1e-4 * np.abs(engine).max())
 
 
 @pytest.mark.parametrize("law", GENERAL, ids=name)
@@ -176,36 +161,38 @@ def test_contact_force_without_or_with_several_solutions_is_told() -> None:
     assert load == pytest.approx(1.0 - 3.0 * flat.force(0.0, 9.0, load)[1], rel=1e-12)
 
 
-@pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("level", [1, 3])
 @pytest.mark.parametrize("law", [*OTHERS, SquareRoot()], ids=name)
-def test_accelerations_agree_under_every_law(law: FrictionLaw, level: Level, load: Load) -> None:
+def test_accelerations_agree_under_every_law(law: FrictionLaw, level: Level) -> None:
     start = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
-    scenario = model(level, friction=replace(law, load=load), start=start)
+    scenario = model(level, friction=replace(law, load="contact"), start=start)
+    assert_accelerations_agree(scenario)
+
+
+@pytest.mark.parametrize("law", GENERAL, ids=name)
+def test_yielding_table_knows_every_law_on_both_sides(law: FrictionLaw) -> None:
+    contact = PenaltyContact(stiffness=2e5, damping=20.0)
+    assert_accelerations_agree(Scenario(contact=contact, friction=replace(law, load="contact")))
+
+
+def assert_accelerations_agree(scenario: Scenario) -> None:
     state = scenario.initial_state
     expected, forces = accelerations(scenario, state.coordinates, state.rates)
     for formulation in formulations(scenario):
-        scene = Scene(scenario=scenario, formulation=formulation)
-        found, multipliers = mbs_models.acceleration(scene)
+        found, multipliers = mbs_models.acceleration(Scene(scenario, formulation))
         np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-7)
         np.testing.assert_allclose(multipliers, forces, rtol=1e-8, atol=1e-8)
 
 
-@pytest.mark.parametrize("law", [*OTHERS, SquareRoot()], ids=name)
-def test_motions_agree_under_every_law(law: FrictionLaw) -> None:
-    for level in (1, 4):
-        scenario = model(level, friction=law)
-        truth = analysis.simulate(scenario, TIMES, tolerance=1e-10)
-        run = mbs_models.simulate(Scene(scenario=scenario), TIMES, tolerance=1e-7)
-        np.testing.assert_allclose(run.coordinates, truth.coordinates, atol=2e-7)
-
-
 @pytest.mark.parametrize("law", OTHERS, ids=name)
-def test_reduced_and_full_equations_agree_under_every_law(law: FrictionLaw) -> None:
+def test_motions_agree_under_every_law(law: FrictionLaw) -> None:
+    scenario = model(4, friction=law)
+    engine = mbs_models.simulate(Scene(scenario), TIMES, tolerance=1e-7)
     full, reduced = (
-        analysis.simulate(model(4, friction=law), TIMES, form=form, tolerance=1e-10)
+        analysis.simulate(scenario, TIMES, form=form, tolerance=1e-10)
         for form in ("index-1", "reduced")
     )
+    np.testing.assert_allclose(engine.coordinates, full.coordinates, atol=2e-7)
     np.testing.assert_allclose(reduced.coordinates, full.coordinates, atol=1e-9)
 
 
@@ -214,25 +201,11 @@ def test_reduced_and_full_equations_agree_under_every_law(law: FrictionLaw) -> N
 def test_linear_stability_depends_on_the_gradient_alone(law: FrictionLaw, system: System) -> None:
     level: Level = 4 if system == "reduced" else 1
     papers = SmoothCoulomb(coefficient=law.gradient, smoothing=1.0)
-    spins = np.linspace(10.0, 50.0, 9)
     found, expected = (
-        spectra.eigenvalues(model(level, friction=each), spins, system) for each in (law, papers)
-    )
-    np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-9)
-
-
-@pytest.mark.parametrize("level", LEVELS)
-@pytest.mark.parametrize("law", SIMPLE[1:], ids=name)
-def test_engine_eigenvalues_depend_on_the_gradient_alone(law: FrictionLaw, level: Level) -> None:
-    papers = SmoothCoulomb(coefficient=law.gradient * 0.1, smoothing=0.1)
-    start = Start.stationary(25.0)
-    found, expected = (
-        np.sort_complex(
-            mbs_models.eigenvalues(Scene(scenario=model(level, friction=each, start=start)))
-        )
+        spectra.eigenvalues(model(level, friction=each), np.linspace(10.0, 50.0, 9), system)
         for each in (law, papers)
     )
-    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-9)
 
 
 @pytest.mark.parametrize("law", [*SHIPPED, SquareRoot(coefficient=0.2)], ids=name)
@@ -269,8 +242,8 @@ class Answering(FrictionLaw):
     [
         (Answering(answer=nan), "per_speed(0) must be a finite number, got nan"),
         (Answering(answer=-3.0), "per_speed(0) must not be negative, got -3"),
+        (Answering(answer=1e300), "per_speed(0) must lie from 0 to 1e+12, got 1e+300"),
         (Answering(answer=lambda speed: 1.0 / speed), "ZeroDivisionError: float division"),
-        (Answering(answer=lambda _: "3"), "per_speed(0) must be a finite number, got '3'"),
         (Answering(answer=1.0, finest=0.0), "finest_speed must be positive, got 0"),
     ],
 )
@@ -300,7 +273,6 @@ class Pushing(FrictionLaw):
     [
         (lambda x, y, n: (n * x, n * y), "slope of force at no slip must"),
         (lambda x, y, n: (-n * x, n * y), "must be against the slip if IS_ISOTROPIC"),
-        (lambda x, y, n: (-n * x, -2.0 * n * y), "must be against the slip if IS_ISOTROPIC"),
         (lambda x, y, n: (-n * n * x, -n * n * y), "must double with the load"),
         (lambda x, y, n: (nan, n * x * y), "must be a finite number, got nan"),
     ],
@@ -312,21 +284,9 @@ def test_force_that_is_not_what_its_law_says_of_it_is_refused(says: Any, message
 
 def test_edge_without_direction_takes_isotropic_friction_alone() -> None:
     law = AnisotropicCoulomb(load="contact")
-    with pytest.raises(ValueError, match="friction must be isotropic unless the body is a disk"):
-        Scenario.rest(friction=law)
-    with pytest.raises(ValueError, match="friction must be isotropic unless the body is a disk"):
-        Scenario(disk=TIPPE_TOP, friction=law)
-
-
-@pytest.mark.parametrize("law", GENERAL, ids=name)
-def test_yielding_table_knows_every_law_on_both_sides(law: FrictionLaw) -> None:
-    contact = PenaltyContact(stiffness=2e5, damping=20.0)
-    scenario = Scenario(contact=contact, friction=replace(law, load="contact"))
-    state = scenario.initial_state
-    expected, _ = accelerations(scenario, state.coordinates, state.rates)
-    for formulation in formulations(scenario):
-        found, _ = mbs_models.acceleration(Scene(scenario, formulation))
-        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-7)
+    for other in ({"contact": Scenario.rest().contact}, {"disk": TIPPE_TOP}):
+        with pytest.raises(ValueError, match="friction must be isotropic unless the body is a"):
+            Scenario(friction=law, **other)
 
 
 @pytest.mark.slow
@@ -340,23 +300,18 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
         call = [sys.executable, "-P", "-m", "validation", *words]
         return subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
 
-    law = "--law=rough:SquareRoot,coefficient=0.2"
-    assert tippedisk("simulate", law, "--end=0.1", "--out=own.npz").returncode == 0
+    law = "--law=rough:SquareRoot"
+    assert tippedisk("simulate", f"{law},coefficient=0.2", "--end=0.1", "--out=own.npz").stdout
     with pytest.raises(ValueError, match="'rough:SquareRoot' must be imported first"):
         load_run(tmp_path / "own.npz", Trajectory)
     # A stored run executes nothing: its law comes from the file of a scenario, or from --law.
     assert "must be imported first" in tippedisk("scenario", "own.npz").stderr
-    again = tippedisk("scenario", "own.npz", "--law=rough:SquareRoot")
-    (tmp_path / "own.toml").write_text(again.stdout)
-    assert tippedisk("scenario", "own.toml").stdout == again.stdout
-    assert 'law = "rough:SquareRoot"' in again.stdout
-    assert "coefficient = 0.2" in again.stdout
-    words = ("simulate", "--scenario=own.toml", "--source=in-house", "--end=0.1")
-    assert tippedisk(*words, "--out=again.npz").returncode == 0
-    shown = tippedisk("show", "own.npz", "again.npz", "--law=rough:SquareRoot", "--plot=own.png")
-    assert "Differences from own" in shown.stdout
-    assert tippedisk("animate", "own.npz", "--law=rough:SquareRoot").returncode == 0
-    cases = ("spin=30,40", "--scenario=own.toml", "--end=0.1", "--workers=1")
-    assert tippedisk("sweep", *cases, "--out=own.db").stdout == "own.db: 2 cases\n"
-    cases = ("law=tanh,rough:SquareRoot", "--model=4", "--end=0.1", "--workers=1")
+    again = tippedisk("scenario", "own.npz", law).stdout
+    assert 'law = "rough:SquareRoot"' in again
+    assert "coefficient = 0.2" in again
+    (tmp_path / "own.toml").write_text(again)
+    assert tippedisk("scenario", "own.toml").stdout == again
+    assert tippedisk("show", "own.npz", law, "--plot=own.png").returncode == 0
+    assert tippedisk("animate", "own.npz", law).returncode == 0
+    cases = ("law=tanh,rough:SquareRoot", "--scenario=own.toml", "--end=0.1", "--workers=1")
     assert tippedisk("sweep", *cases, "--out=laws.db").stdout == "laws.db: 2 cases\n"

@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import LEVELS, Scenario, SpatialMotion, StoredRun, Trajectory, load_run
+from analysis import Scenario, SpatialMotion, StoredRun, Trajectory, load_run
 from analysis.data.files import whole_file
-from analysis.data.limits import LARGEST_STORAGE
 from tests.calls import refusal
 from tests.helpers import random_trajectory
 
@@ -49,7 +48,7 @@ def still_motion() -> SpatialMotion:
     )
 
 
-MOTIONS = [*(random_trajectory(level) for level in LEVELS), still_motion()]
+MOTIONS = [random_trajectory(4), still_motion()]
 
 
 @pytest.fixture
@@ -79,7 +78,7 @@ def test_file_gives_back_exactly_what_was_saved(saved: StoredRun, tmp_path: Path
         assert not array.dtype.hasobject
 
 
-@pytest.mark.parametrize("saved", [random_trajectory(4), still_motion()], ids=repr)
+@pytest.mark.parametrize("saved", MOTIONS, ids=repr)
 def test_file_of_format_2_loads(saved: StoredRun, path: Path) -> None:
     saved.save(path)
     arrays = described(format=2)(members(path))
@@ -100,26 +99,19 @@ def test_file_has_the_permissions_of_any_new_file(path: Path) -> None:
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
-@pytest.mark.parametrize("before", [None, b"an older result"])
 def test_interrupted_save_leaves_the_folder_as_it_was(
-    error: type[BaseException],
-    before: bytes | None,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    error: type[BaseException], path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = tmp_path / "motion.npz"
-    if before is not None:
-        path.write_bytes(before)
-
     def stop_half_way(stream: Any, **_: Any) -> None:
         stream.write(b"half of the file")
         raise error
 
+    before = path.read_bytes()
     monkeypatch.setattr(np, "savez", stop_half_way)
-    with pytest.raises(error):
-        random_trajectory().save(path)
-    left = {entry.name: entry.read_bytes() for entry in tmp_path.iterdir()}
-    assert left == ({} if before is None else {"motion.npz": before})
+    for name in (path.name, "new.npz"):
+        with pytest.raises(error):
+            random_trajectory().save(path.parent / name)
+    assert [entry.read_bytes() for entry in path.parent.iterdir()] == [before]
 
 
 def test_new_file_replaces_the_old_one(path: Path) -> None:
@@ -128,19 +120,16 @@ def test_new_file_replaces_the_old_one(path: Path) -> None:
     assert len(list(path.parent.iterdir())) == 1
 
 
-def test_a_full_disk_is_told_with_its_file(tmp_path: Path) -> None:
+def test_a_full_disk_and_missing_folders_are_told_with_their_file(tmp_path: Path) -> None:
     path = tmp_path / "motion.npz"
     full = OSError(errno.ENOSPC, "No space left on device")
     with pytest.raises(OSError, match=rf"No space .*: '.*{path.name}'$"), whole_file(path):
         raise full
     assert list(tmp_path.iterdir()) == []
-
-
-def test_missing_files_and_folders_are_missing(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
-        load_run(tmp_path / "nothing.npz")
+        load_run(path)
     with pytest.raises(FileNotFoundError):
-        random_trajectory().save(tmp_path / "nowhere" / "motion.npz")
+        random_trajectory().save(tmp_path / "nowhere" / path.name)
 
 
 def assert_refused(path: Path, cause: str = ".") -> None:
@@ -149,32 +138,26 @@ def assert_refused(path: Path, cause: str = ".") -> None:
     assert "\n" not in str(found.value)
 
 
-def flagged(offset: int, value: int) -> Callable[[bytes], bytes]:
-    """Set a byte of the archive's own directory."""
+def altered(mark: bytes, offset: int, bit: int) -> Callable[[bytes], bytes]:
+    """Flip bits of the byte that lies so far behind a mark."""
 
     def change(content: bytes) -> bytes:
-        place = content.index(b"PK\x01\x02") + offset
-        return content[:place] + bytes([value]) + content[place + 1 :]
+        place = content.index(mark) + offset
+        return content[:place] + bytes([content[place] ^ bit]) + content[place + 1 :]
 
     return change
 
 
-def with_a_flipped_bit(content: bytes) -> bytes:
-    place = content.index(random_trajectory().rates.tobytes()) + 17
-    return content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :]
-
+DIRECTORY = b"PK\x01\x02"
 
 DAMAGED: dict[str, Callable[[bytes], bytes]] = {
     "nothing": lambda _: b"",
-    **{
-        f"cut at {part}": lambda whole, part=part: whole[: int(part * len(whole))]  # type: ignore[misc]
-        for part in (0.01, 0.6, 0.999)
-    },
+    "cut": lambda whole: whole[: len(whole) // 2],
     "random bytes": lambda _: np.random.default_rng(0).bytes(3000),
     # `zipfile` answers with errors that say neither OSError nor BadZipFile.
-    "encrypted": flagged(8, 1),
-    "of a later ZIP": flagged(6, 255),
-    "bit flipped": with_a_flipped_bit,
+    "encrypted": altered(DIRECTORY, 8, 1),
+    "of a later ZIP": altered(DIRECTORY, 6, 255),
+    "bit flipped": altered(random_trajectory().rates.tobytes(), 17, 1),
 }
 
 
@@ -225,52 +208,36 @@ def last_is(value: float) -> Callable[[Any], Any]:
     return change
 
 
-def text(meta: Any) -> Change:
-    return lambda arrays: arrays | {"meta": np.array(meta)}
-
-
 REAL = "must be an array of real numbers, got"
 NUMBER = "must be a finite number, got"
 
 TRAJECTORIES: dict[str, tuple[Change, str]] = {
     **{
-        f"lacks {name}": (lacking(name), f"lacks '{name}'")
-        for name in ("times", "coordinates", "multipliers", "meta", "scenario", "counts")
+        f"lacks {name}": (lacking(name), f"lacks '{name}'") for name in ("times", "meta", "counts")
     },
     "complex coordinates": (sampled("coordinates", lambda q: q + 1j), f"coordinates {REAL} compl"),
-    "nan": (sampled("coordinates", last_is(np.nan)), "coordinates must be finite"),
     "huge": (sampled("rates", last_is(-1e300)), r"rates must not exceed 1e\+100"),
-    "no sample": (sampled("times", lambda t: t[:0]), "times must be one-dimensional with at lea"),
-    "lost column": (sampled("coordinates", lambda q: q[:, 1:]), r"coordinates must have shape"),
     "method is text": (described(method="RK44"), "method must be a mapping, got str"),
     "list in method": (described(method__step=[1.0]), r"method\['step'\] must be text, a number"),
-    "error as text": (described(error_estimate="small"), f"error_estimate {NUMBER}"),
     "negative error": (described(error_estimate=-1.0), "error_estimate must not be negative"),
     "unknown source": (described(source="me"), "source must be one of engine, in-house"),
-    "constraints are text": (
-        described(scenario__constraints="contact"),
-        "constraints must be a list of names, got 'contact'",
-    ),
     "foreign part of the scenario": (described(scenario__wind=3), "scenario must be one of"),
-    "radius as text": (described(scenario__disk__radius="0.045"), f"radius {NUMBER} '0.045'"),
-    "mass is true": (described(scenario__disk__mass=True), f"mass {NUMBER} True"),
-    "pulling as text": (described(pulling=["ab"]), f"pulling {NUMBER} 'a'"),
     "pulling backwards": (described(pulling=[[2, 1]]), "pulling must hold rising times"),
-    "ending is text": (described(ending="soon"), "."),
     "ending without reason": (
         described(ending={"reason": 3, "time": 1.0, "value": 0.0}),
         "reason must be text, got 3",
     ),
     "foreign piece": (described(colour="red"), "meta must be one of .*colour"),
     "newer format": (described(format=99), "format must be 3, got 99: .* from a newer version"),
-    "no format": (text("{}"), "format must be 3, got 1: the file comes from an older version"),
-    "description is a list": (text("[]"), "meta must be a mapping, got list"),
-    "deep description": (text("[" * 100_000), "."),
+    "no format": (
+        sampled("meta", lambda _: "{}"),
+        "format must be 3, got 1: .* from an older",
+    ),
+    "description is a list": (sampled("meta", lambda _: "[]"), "meta must be a mapping, got list"),
+    "deep description": (sampled("meta", lambda _: "[" * 100_000), "."),
 }
 
 REST: dict[str, tuple[Change, str]] = {
-    "lacks energies": (lacking("energies"), "lacks 'energies'"),
-    "rest time as text": (described(rest_time="soon"), f"rest_time {NUMBER}"),
     "rest time outside": (
         described(rest_time=99.0),
         "rest_time must lie within the samples, from 0 to 4 s, got 99",
@@ -298,8 +265,7 @@ def test_foreign_file_is_refused_with_its_cause(
 def test_file_of_something_else_is_refused(path: Path) -> None:
     with pytest.raises(ValueError, match="kind must be SpatialMotion, got Trajectory"):
         load_run(path, SpatialMotion)
-    times = np.array(list(random_trajectory().times), dtype=object)
-    np.savez(path, allow_pickle=True, **(members(path) | {"times": times}))
+    np.savez(path, allow_pickle=True, **(members(path) | {"times": np.ones(5, dtype=object)}))
     assert_refused(path, ".*allow_pickle")
     with path.open("wb") as stream:
         np.save(stream, np.arange(3.0))
@@ -310,7 +276,6 @@ def test_file_of_something_else_is_refused(path: Path) -> None:
     ("count", "cause"),
     [
         (10**30, r"times\.npy claims 8e\+30 bytes, and at most 2e\+09 are read"),
-        (LARGEST_STORAGE // 8, r"times\.npy claims 2000000000 bytes and holds 40"),
         (6, r"times\.npy claims 48 bytes and holds 40"),
     ],
 )

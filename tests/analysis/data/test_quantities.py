@@ -91,40 +91,30 @@ def test_every_number_of_a_data_type_is_declared_with_its_default() -> None:
 
 
 @EVERY
-def test_a_quantity_is_found_by_its_name_and_by_its_option(quantity: Quantity) -> None:
-    for name in (quantity.key, quantity.name):
-        assert full_name(name) == quantity.key
+def test_a_quantity_is_found_by_name_an_axis_and_a_commented_key(quantity: Quantity) -> None:
+    assert full_name(quantity.key) == full_name(quantity.name) == quantity.key
     assert quantity.unit is None or full_name(quantity.flag.lstrip("-")) == quantity.key
     assert sum(each.flag == quantity.flag for each in QUANTITIES.values()) == 1
-
-
-@EVERY
-def test_a_quantity_is_an_axis(quantity: Quantity) -> None:
     if quantity.choices:
         values = ",".join(str(each).lower() for each in quantity.choices)
         assert axis_from_text(f"{quantity.key}={values}").size == len(quantity.choices)
     else:
         assert axis_from_text(f"{quantity.key}=0.1:0.2:3").at(0) == 0.1
-
-
-@EVERY
-def test_a_quantity_is_a_commented_key(quantity: Quantity) -> None:
     text = scenario_text(home(quantity))
     assert max(map(len, text.split("\n"))) <= 99
     if quantity.table and quantity.key != "disk.name":
-        assert re.search(
-            rf"^(# )?{quantity.name} = \S.*  # {re.escape(quantity.comment)}$", text, re.MULTILINE
-        )
+        comment = re.escape(quantity.comment)
+        assert re.search(rf"^(# )?{quantity.name} = \S.*  # {comment}$", text, re.MULTILINE)
     else:
         assert f"{quantity.name} = " in text
 
 
-def test_every_quantity_is_an_option_with_what_it_means(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_every_quantity_is_told_with_what_it_means(capsys: pytest.CaptureFixture[str]) -> None:
     shown = " ".join(printed(capsys, "scenario --help").split())
     for quantity in QUANTITIES.values():
         assert re.search(rf"{quantity.flag}\b[^-].*{re.escape(quantity.meaning)}", shown)
+    page = Path(__file__).parents[3] / "docs" / "scenario.md"
+    assert markdown() in page.read_text(encoding="utf-8")
 
 
 @EVERY
@@ -142,11 +132,6 @@ def test_an_option_changes_its_quantity_and_nothing_else(
     shown = printed(capsys, "scenario", str(path), *words)
     assert shown == scenario_text(changed(scenario, {quantity.key: value}))
     assert quantity.is_switch or value == "contact" or shown != scenario_text(scenario)
-
-
-def test_documentation_has_every_quantity() -> None:
-    page = Path(__file__).parents[3] / "docs" / "scenario.md"
-    assert markdown() in page.read_text(encoding="utf-8")
 
 
 @EVERY

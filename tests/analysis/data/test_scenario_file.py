@@ -23,13 +23,10 @@ from analysis import (
     FrictionLaw,
     PenaltyContact,
     Scenario,
-    SmoothCoulomb,
     Start,
     State,
-    Stribeck,
     Table,
     TanhCoulomb,
-    ViscousFriction,
     load_scenario,
     scenario_text,
 )
@@ -66,91 +63,46 @@ def reals(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(low, high, allow_nan=False)
 
 
-RINGS = st.builds(
-    Disk.ring,
-    radius=reals(0.04, 2.0),
-    hole_radius=reals(0.0, 0.01),
-    hole_distance=reals(0.0, 0.02),
-    thickness=reals(1e-3, 0.01),
-    density=reals(100.0, 2e4),
-)
-TEXT = st.text(st.characters(exclude_categories=["Cs"]))
+AMOUNT = reals(0.0, 1.0)
 LOAD = st.sampled_from(LOADS)
-AMOUNT = reals(0.0, 2.0)
-FRICTION: st.SearchStrategy[FrictionLaw] = st.one_of(
-    st.builds(SmoothCoulomb, load=LOAD, coefficient=AMOUNT, smoothing=reals(1e-3, 1e3)),
-    st.builds(TanhCoulomb, load=LOAD, coefficient=AMOUNT, smoothing=reals(1e-3, 1e3)),
-    st.builds(Stribeck, load=LOAD, static=reals(0.5, 1.0), kinetic=reals(0.0, 0.5)),
-    st.builds(ViscousFriction, load=LOAD, viscosity=AMOUNT),
-    st.builds(Own, load=LOAD, strength=AMOUNT, kind=TEXT),
+TEXT = st.text(st.characters(exclude_categories=["Cs"]))
+ANGLES = reals(-7.0, 7.0) | st.sampled_from((pi / 2, pi / 90, -pi / 2 + 0.1))
+IDEAL = st.builds(
+    Scenario,
+    constraints=st.sampled_from(POSSIBLE_SETS),
+    disk=st.sampled_from([*DISKS.values()]) | st.builds(Disk.ring, radius=reals(0.04, 2.0)),
+    friction=st.builds(TanhCoulomb, load=LOAD, coefficient=AMOUNT)
+    | st.builds(Own, load=LOAD, strength=AMOUNT, kind=TEXT),
+    table=st.builds(Table, inclination=reals(0.0, 1.5), downhill=ANGLES),
+    start=st.builds(Start, beta=reals(0.1, 3.0), gamma=ANGLES, spin=reals(-1e5, 1e5)),
 )
-TABLES = st.builds(
-    Table, gravity=reals(0.1, 30.0), inclination=reals(0.0, 1.5), downhill=reals(-7.0, 7.0)
-)
-ANGLES = st.one_of(
-    reals(-7.0, 7.0), st.sampled_from((0.0, pi / 2, -pi / 2, pi / 90, -pi / 2 + 0.1))
-)
-STARTS = st.builds(
-    Start,
-    beta=reals(0.1, 3.0),
-    gamma=ANGLES,
-    alpha=ANGLES,
-    spin=reals(-1e5, 1e5),
-    beta_rate=st.none() | reals(-10.0, 10.0),
-    x=st.none() | reals(-1.0, 1.0),
-)
-STATES = st.builds(
-    State,
-    coordinates=st.tuples(*[reals(-1.0, 1.0)] * 4, reals(0.1, 3.0), ANGLES),
-    rates=st.tuples(*[reals(-1e3, 1e3)] * 6),
-)
-DISKS_ANY = st.sampled_from(list(DISKS.values())) | RINGS
-
-
-def free(start: Start) -> Start:
-    """The same start without what a constraint may contradict."""
-    return Start(beta=start.beta, gamma=start.gamma, spin=start.spin, alpha=start.alpha)
-
-
-IDEAL = st.one_of(
-    st.builds(
-        Scenario, disk=DISKS_ANY, friction=FRICTION, table=TABLES, start=st.one_of(STARTS, STATES)
-    ),
-    st.builds(
-        Scenario,
-        constraints=st.sampled_from(POSSIBLE_SETS),
-        disk=DISKS_ANY,
-        friction=FRICTION,
-        start=STARTS.map(free),
+FREE = st.builds(
+    Scenario,
+    start=st.builds(Start, beta_rate=st.none() | reals(-10.0, 10.0), x=st.none() | AMOUNT)
+    | st.builds(
+        State,
+        coordinates=st.tuples(*[reals(-1.0, 1.0)] * 4, reals(0.1, 3.0), ANGLES),
+        rates=st.tuples(*[reals(-1e3, 1e3)] * 6),
     ),
 )
 COMPLIANT = st.builds(
     Scenario,
-    friction=FRICTION,
-    contact=st.builds(
-        PenaltyContact,
-        stiffness=reals(1e5, 1e9),
-        damping=reals(0.0, 1e4),
-        half_thickness=reals(1e-6, 0.02),
-        bilateral=st.booleans(),
-    ),
-    dissipation=st.builds(
-        Dissipation, rolling_dry=reals(0.0, 1.0), pivoting=reals(0.0, 1.0), air_drag=reals(0, 10)
-    ),
-    start=st.builds(Start, height=st.none() | reals(0.0, 1.0)),
+    contact=st.builds(PenaltyContact, stiffness=reals(1e5, 1e9), bilateral=st.booleans()),
+    dissipation=st.builds(Dissipation, pivoting=AMOUNT, air_drag=AMOUNT),
+    start=st.builds(Start, height=st.none() | AMOUNT),
 )
 
 
 @pytest.mark.filterwarnings("ignore::analysis.data.written.UnitWarning")
 @QUICK
-@given(IDEAL | COMPLIANT)
+@given(IDEAL | FREE | COMPLIANT)
 def test_scenario_comes_back_from_its_text(tmp_path: Path, scenario: Scenario) -> None:
     path = tmp_path / "my.toml"
     path.write_text(scenario_text(scenario), encoding="utf-8")
     assert load_scenario(path) == scenario
 
 
-@pytest.mark.parametrize("level", MODELS)
+@pytest.mark.parametrize("level", [1, 4])
 def test_taking_in_a_key_that_was_left_out_changes_nothing(level: Any, tmp_path: Path) -> None:
     scenario = Scenario(constraints=MODELS[level], start=Start(beta=1.2, gamma=0.3))
     text = scenario_text(scenario)
@@ -172,24 +124,17 @@ def test_contact_that_is_taken_in_is_that_of_the_way_to_rest(tmp_path: Path) -> 
     assert load_scenario(path).contact == Scenario.rest().contact
 
 
-def test_short_file_holds_what_it_must(tmp_path: Path) -> None:
-    path = tmp_path / "my.toml"
-    path.write_text(
-        'format = 1\nmodel = 3\ndisk.name = "steel-rounded"\n[friction]\n[table]\n[start]'
-    )
-    assert load_scenario(path) == Scenario(constraints=MODELS[3], disk=ROUNDED_STEEL_DISK)
-
-
-def test_angles_may_be_text(tmp_path: Path) -> None:
-    text = with_key(scenario_text(Scenario()), "start", "beta", '"80 deg"')
-    text = with_key(text, "table", "inclination", '"2deg"')
-    text = with_key(text, "table", "downhill", '"pi/2"')
+def test_short_file_holds_what_it_must_and_angles_may_be_text(tmp_path: Path) -> None:
+    text = """format = 1\nmodel = 3\ndisk.name = "steel-rounded"\n[friction]
+[table]\ninclination = "2deg"\ndownhill = "pi/2"\n[start]\nbeta = "80 deg"\n"""
     path = tmp_path / "my.toml"
     path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
-    read = load_scenario(path)
-    assert read.table == Table(inclination=pi / 90, downhill=pi / 2)
-    assert isinstance(read.start, Start)
-    assert read.start.beta == 80 * pi / 180
+    assert load_scenario(path) == Scenario(
+        constraints=MODELS[3],
+        disk=ROUNDED_STEEL_DISK,
+        table=Table(inclination=pi / 90, downhill=pi / 2),
+        start=Start(beta=80 * pi / 180),
+    )
 
 
 @pytest.mark.parametrize(
@@ -197,12 +142,9 @@ def test_angles_may_be_text(tmp_path: Path) -> None:
     [
         ("pi/2", pi / 2),
         ("-pi/2 + 0.1", -pi / 2 + 0.1),
-        ("90deg", pi / 2),
-        ("2pi", 2 * pi),
         ("2*pi/3 - 45 deg", 2 * pi / 3 - 45 * pi / 180),
         ("1E-3", 1e-3),
         ("+.5", 0.5),
-        ("3", 3.0),
     ],
 )
 def test_angle_is_a_sum_of_products(text: str, value: float) -> None:
@@ -231,7 +173,6 @@ def test_angle_is_spelled_exactly_or_not_at_all(value: float) -> None:
         ("a = " + "[" * 5000, 1, "not TOML: nested too deeply"),
         ("", 1, "format is missing; it must be 1"),
         ("format = 1\nmodel = 1\ndisk = 3\n", 3, "disk must be a table, got 3"),
-        ("format = 1\nmodel = 1\ndisk = {name = 'gold'}\n", 3, "name must be one of steel"),
         ("format = 1\nmodel = 1\n[disk]\n\"name\" = 'gold'\n", 4, "name must be one of steel"),
         ("format = 1\nmodel = 1\n[[disk]]\nname = 'steel'\n", 3, "disk must be a table, got ["),
     ],
@@ -245,18 +186,15 @@ def test_text_that_is_no_scenario_is_refused_with_its_line(
         load_scenario(path)
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
+def test_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "my.toml"
+    for content, message in (
         (b"PK\x03\x04\xff\xfe", "is no scenario: not text in UTF-8"),
         (b"#" * (LARGEST_FILE + 1), "is no scenario: more than 1000000 bytes"),
-    ],
-)
-def test_file_that_is_no_text_is_refused(content: bytes, message: str, tmp_path: Path) -> None:
-    path = tmp_path / "my.toml"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=message):
-        load_scenario(path)
+    ):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=message):
+            load_scenario(path)
 
 
 def test_file_runs_the_module_of_its_law_and_nothing_else(

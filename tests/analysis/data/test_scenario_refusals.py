@@ -19,32 +19,22 @@ HELD = Scenario(constraints=("contact", "fixed-cog", "no-slip-across"))
 REFUSED: list[tuple[Scenario, str, str, str]] = [
     # What the file itself says: keys with their values, the message, and the key to blame.
     (PAPER, "format = 2", "format 2 is newer than this version", "format"),
-    (PAPER, "format = true", "format must be 1, got True", "format"),
     (PAPER, "model = 5", "model must be one of 1, 2, 3, 4, got '5'", "model"),
-    (PAPER, "model = true", "model must be one of 1, 2, 3, 4, got 'True'", "model"),
     (PAPER, 'constraints = ["contact"]', "constraints do not go together with", "constraints"),
     (PAPER, "radius = 0.1", "radius must stand in the table [disk]", "radius"),
     (PAPER, "colour = 3", "unknown key 'colour'; a scenario holds format, model", "colour"),
     (PAPER, "disk.colour = 3", "colour is unknown here; [disk] takes name; or radius", "colour"),
-    (PAPER, "table.angle = 3", "angle is unknown here; [table] takes gravity, inc", "angle"),
-    (PAPER, "disk.mass = 1.0", "mass is unknown here; [disk] takes name; or radius", "mass"),
     (PAPER, "disk.density =", "[disk] lacks density", "[disk]"),
-    (PAPER, "friction.viscosity = 1.0", "viscosity is unknown here; [friction]", "viscosity"),
     (ROUNDED, 'disk.name = "steel"', "radius is unknown here; [disk] takes name; or", "radius"),
     (PAPER, "start.coordinates = [1]", "beta is unknown here; [start] takes coord", "beta"),
     (STATE, "start.rates =", "[start] lacks rates", "[start]"),
-    (STATE, "start.spin = 4", "spin is unknown here; [start]", "spin"),
     (SOFT, "contact.stiffness =", "[contact] lacks stiffness", "[contact]"),
     # Values of the wrong kind, among them wrong units.
     (PAPER, 'disk.radius = "45mm"', "radius must be a number in m, got '45mm'", "radius"),
-    (PAPER, "disk.radius = true", "radius must be a finite number, got True", "radius"),
-    (PAPER, "disk.radius = 1979-05-27", "radius must be a finite number, got", "radius"),
     (PAPER, "disk.radius = 1" + 400 * "0", "radius must be a finite number, got one", "radius"),
     (PAPER, 'table.inclination = "2 grad"', "inclination must be an angle", "inclination"),
     (PAPER, "friction.law = []", "law must be text, got []", "law"),
-    (PAPER, 'friction.law = "math:sin"', "friction law 'math:sin' must be a class", "law"),
     (PAPER, 'friction.law = ".x:Law"', "friction law '.x:Law' cannot be loaded", "law"),
-    (STATE, "start.rates = 3", "rates must be a list of 6", "rates"),
     (STATE, "start.rates = [1]", "rates must hold 6 numb", "rates"),
     (STATE, 'start.coordinates = [0, 0, 0, 0, 0, "pi"]', "coordinates[gamma] must", "coordinates"),
     # Values that do not fit each other.
@@ -65,11 +55,10 @@ REFUSED: list[tuple[Scenario, str, str, str]] = [
     (SOFT, "contact.half_thickness = 0.1", "half_thickness must not ex", "half_thickness"),
     # Starts that break a constraint.
     *((PAPER, f"model = 2; start.{name} = 1", f"{name} must be", name)
-      for name in ("x", "y", "x_rate", "y_rate")),
+      for name in ("x", "y_rate")),
     (PAPER, "model = 3; start.gamma_rate = 5", "gamma_rate must be -2.44929e-15 in Model 3",
      "gamma_rate"),
     (SLIP_FREE, "start.x_rate = 1", "x_rate must be", "x_rate"),
-    (SLIP_FREE, "start.y_rate = 1", "y_rate must be", "y_rate"),
     (HELD, "start.beta_rate = 1", "beta_rate must be", "beta_rate"),
     # Sets of constraints that are none.
     *((HELD, f"constraints = {given}", f"constraints must {fault}", "constraints")
@@ -77,8 +66,6 @@ REFUSED: list[tuple[Scenario, str, str, str]] = [
         ('["contact", "glue"]', "be one of contact, "),
         ('["contact", "contact"]', "name each constraint once"),
         ('["fixed-cog"]', "hold 'contact': without it"),
-        ("[]", "hold 'contact': without it"),
-        ("1.5", "be a list of names, got 1.5"),
         ('"contact"', "be a list of names, got 'contact'"),
         ('["contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin"]',
          "leave the disk a freedom"),

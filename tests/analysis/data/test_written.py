@@ -13,11 +13,9 @@ from validation import cli
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--gamma 90", "gamma is in rad, and above a turn; degrees are written with"),
         ("--gamma=-90 --alpha 1", "gamma is in rad, and above a turn; degrees are written with"),
         (RING.replace("0.05", "40", 1), "radius is in m, and above 1 m"),
         ("--gamma 450deg --alpha 10*pi", ""),
-        ("--gamma 6 --spin 100", ""),
     ],
 )
 def test_units_that_are_in_doubt_are_warned_of_once(

@@ -21,8 +21,6 @@ SCIPY_METHODS = [each for each in METHODS if each != "taylor"]
 SHORT_PULL = Start(spin=139.0)
 """Its contact would pull for 2.2 ms."""
 
-FAST = Start(beta=2.0, spin=40.0)
-
 
 def random_scenario(random: np.random.Generator) -> Scenario:
     """A start that ends, for more than one reason, within a second, or does not."""
@@ -48,7 +46,7 @@ def assert_said(run: Trajectory, reason: str, time: float, within: float) -> Non
 @pytest.mark.parametrize(
     ("spin", "tolerance"),
     # The first pulls for a tenth of a millisecond.
-    [(138.5465, 1e-8), (139.0, 1e-3), (139.0, 1e-8), (140.0, 1e-3), (140.0, 1e-8)],
+    [(138.5465, 1e-8), (139.0, 1e-3)],
 )
 def test_a_short_pull_between_two_samples_ends_a_run(spin: float, tolerance: float) -> None:
     scenario = Scenario(start=Start(spin=spin))
@@ -99,10 +97,9 @@ def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: i
         if starts == ALL:
             # Compiling takes longer than a quick test may.
             others.append(analysis.simulate(scenario, [0.0, 0.6], method="taylor", **how))
-        reason, time = said(few)
         for other in others:
-            assert_said(other, reason, time, 2e-6)
-        ended += bool(reason)
+            assert_said(other, *said(few), 2e-6)
+        ended += few.ending is not None
     assert ended > starts // 4
 
 
@@ -121,7 +118,9 @@ def test_of_two_endings_in_one_step_the_earlier_one_counts(order: int) -> None:
     # They are a few microseconds apart, and the step is hundreds of times as long.
     conditions = [turned_by(0.5), turned_by(0.5001)][::order]
     run, alone = (
-        analysis.simulate(Scenario(start=FAST), [0.0, 1.0], stop_when=each, local_tolerance=1e-6)
+        analysis.simulate(
+            Scenario(start=Start(beta=2.0)), [0.0, 1.0], stop_when=each, local_tolerance=1e-6
+        )
         for each in (conditions, turned_by(0.5))
     )
     assert said(run) == said(alone)
