@@ -1,6 +1,5 @@
 """Compiled batches: members are those of single runs, and each on its own."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,7 +7,6 @@ import pytest
 
 from analysis import (
     Ensemble,
-    FrictionLaw,
     Start,
     ToleranceError,
     Trajectory,
@@ -17,6 +15,7 @@ from analysis import (
 )
 from analysis.compiled import code
 from analysis.models import request
+from tests.analysis.compiled.test_compiled import Branching
 from tests.helpers import model, not_none
 from validation import benchmark, by_hand
 
@@ -28,18 +27,6 @@ TIMES = np.linspace(0.0, 0.6, 121)
 @pytest.fixture(autouse=True)
 def _compiled_in_a_quarter_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(code, "COMPACT", True)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Capped(FrictionLaw):
-    """Law that asks how large a number is, which a symbol cannot tell."""
-
-    def per_speed(self, speed: float) -> float:
-        return 0.3 / (max(speed, 0.01) + 0.1)
-
-    @property
-    def finest_speed(self) -> float:
-        return 0.01
 
 
 def test_estimates_cover_the_time_at_which_a_condition_ends_a_member() -> None:
@@ -88,7 +75,7 @@ def test_members_of_a_batch_pull_when_they_do_alone() -> None:
 
 
 def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
-    members = [model(4, friction=Capped()), model(4)]
+    members = [model(4, friction=Branching()), model(4)]
     pure, compiled_one = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
     assert isinstance(pure, Trajectory)
     assert isinstance(compiled_one, Trajectory)

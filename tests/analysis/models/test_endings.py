@@ -1,6 +1,5 @@
 """Why a motion ends, and where: flat, inverted, or where the user says."""
 
-from functools import cache
 from math import pi, sin
 from typing import Any
 
@@ -11,13 +10,11 @@ import analysis
 import mbs_models
 from analysis import (
     Form,
-    Level,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
     State,
-    Trajectory,
 )
 from analysis.data.endings import REACHED
 from tests.helpers import model, not_none
@@ -144,33 +141,6 @@ def test_of_two_conditions_of_one_name_none_is_forgotten() -> None:
         analysis.simulate(Scenario(), TIMES, stop_when=both)
 
 
-@cache
-def ended_starts(*levels: Level) -> list[tuple[Scenario, str]]:
-    """Random starts of models in turns, and what their runs end at."""
-    random = np.random.default_rng(31)
-    spins = {"inverted": (30.0, 70.0), "lost": (10.0, 40.0), "contact would pull": (80.0, 160.0)}
-    found = []
-    for number in range(60):
-        reason = [*spins][number % 3]
-        start = Start(
-            spin=random.uniform(*spins[reason]),
-            beta=random.uniform(0.9, 2.2),
-            gamma=random.uniform(0.3, 2.8) if reason == "lost" else random.uniform(-2.3, -0.8),
-        )
-        found.append((model(levels[number % len(levels)], start=start), reason))
-    return found
-
-
-def errors_at_ending(run: Trajectory, stop_when: tuple[str, ...]) -> tuple[float, float]:
-    """Errors of the ending's time in s and of all states in rad, by Taylor's method."""
-    how: dict[str, Any] = {"form": run.method["form"], "method": "taylor"}
-    how["local_tolerance"] = 3e-14
-    ended = analysis.simulate(run.scenario, [0.0, 1.5], stop_when=stop_when, **how)
-    whole = analysis.simulate(run.scenario, run.times, allow_pulling=True, **how)
-    late = abs(not_none(run.ending).time - not_none(ended.ending).time)
-    return late, float(np.max(np.abs(run.coordinates - whole.coordinates)[:, 4:]))
-
-
 @pytest.mark.parametrize(
     ("start", "tolerance", "time"),
     [
@@ -190,33 +160,3 @@ def test_tolerance_covers_the_time_of_an_ending_and_the_state_there(
         scenario, run.times, form="reduced", method="Radau", local_tolerance=1e-9
     )
     assert np.max(np.abs(run.coordinates - whole.coordinates)[:, 4:]) < tolerance
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("samples", [2, 151])
-@pytest.mark.parametrize(
-    ("method", "levels"),
-    # Steps of SciPy's methods still go across the least slip where it has two directions.
-    [("DOP853", (3, 4)), ("taylor", (1, 2))],
-)
-def test_tolerance_is_kept_where_conditions_end_random_runs(
-    method: Any, levels: tuple[Level, ...], samples: int
-) -> None:
-    random = np.random.default_rng(32)
-    ended = 0
-    for scenario, reason in ended_starts(*levels):
-        stop_when = () if reason == "contact would pull" else (reason,)
-        tolerance = 10.0 ** -random.integers(3, 10)
-        run = analysis.simulate(
-            scenario,
-            np.linspace(0.0, 1.5, samples),
-            tolerance=tolerance,
-            stop_when=stop_when,
-            method=method,
-        )
-        if run.ending is None or run.ending.reason == "flat":
-            continue
-        late, apart = errors_at_ending(run, stop_when)
-        assert max(late, apart) <= tolerance + 1e-11, (scenario, tolerance)
-        ended += 1
-    assert ended > 30

@@ -10,7 +10,6 @@ import pytest
 
 from analysis import (
     LEVELS,
-    MODELS,
     Ensemble,
     PenaltyContact,
     Scenario,
@@ -18,11 +17,8 @@ from analysis import (
     simulate,
     simulate_many,
 )
-from analysis.compiled import code, systems
-from analysis.data.members import in_columns
+from analysis.compiled import code
 from analysis.models import ensemble as many
-from analysis.models.forms import check_form, start_values
-from analysis.solve.effort import longest_step, simulation_effort
 from tests.helpers import assert_close, model
 
 TIMES = np.linspace(0.0, 1.0, 51)
@@ -157,36 +153,6 @@ def test_ensemble_refuses_what_a_scenario_refuses(level: Any) -> None:
             Ensemble(scenario=model(level), fields=fields)
         assert str(told.value) == first
     assert refused > 10
-
-
-@pytest.mark.parametrize("level", LEVELS)
-def test_members_start_and_are_weighed_as_single_scenarios(level: Any) -> None:
-    random = np.random.default_rng(7)
-    fields = {
-        "spin": random.choice([0.0, 1e-4, 30.0, 50.0], size=SOME),
-        "beta": random.uniform(0.5, 2.5, size=SOME),
-        "mu": random.choice([0.0, 0.3], size=SOME),
-        "hole_distance": random.uniform(0.0, 0.02, size=SOME),
-    }
-    ensemble = Ensemble(scenario=Scenario(constraints=MODELS[level]), fields=fields)
-
-    def told(scenario: Scenario) -> tuple[Any, ...]:
-        check_form(scenario, "index-1")
-        effort = simulation_effort(scenario, TIMES, method="taylor", tolerance=1e-6)
-        return (
-            *start_values(scenario, "index-1"),
-            *systems.parameters(scenario),
-            longest_step(scenario),
-            effort.steps,
-        )
-
-    seen: list[int] = []
-    for rows, found in ensemble.alike(told):
-        assert not isinstance(found, Exception)
-        alone = np.array([told(ensemble[row]) for row in rows.tolist()])
-        assert_close(in_columns(found, rows.size), alone, relative=1e-13)
-        seen += rows.tolist()
-    assert sorted(seen) == list(range(SOME))
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.data.endings import REACHED
-from analysis.data.inversion import DEFINITION, STAYING
+from analysis.data.inversion import STAYING
 from tests.helpers import model, not_none, random_trajectory
 
 SPACING = 0.01
@@ -185,8 +185,3 @@ def upright() -> Trajectory:
         times=np.linspace(0.0, 2.0, run.times.size),
         coordinates=coordinates,
     )
-
-
-def test_definition_names_its_numbers() -> None:
-    assert f"{REACHED:.0%}" in DEFINITION
-    assert f"{STAYING:g} s" in DEFINITION

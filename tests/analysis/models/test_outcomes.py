@@ -2,11 +2,10 @@
 
 from concurrent.futures import BrokenExecutor
 from math import pi
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import simpson
 
 from analysis import (
     Ensemble,
@@ -18,7 +17,6 @@ from analysis import (
     simulate_many,
 )
 from analysis.compiled import code
-from analysis.data.constraint_set import PRESCRIBED
 from analysis.data.outcomes import DONE, OUTCOMES, Row
 from tests.helpers import model
 from tests.sweeps import sweep
@@ -110,21 +108,6 @@ def test_outcomes_tell_the_inversion_as_a_motion_does_and_the_spin_a_second_late
         later, then = (motion.at(inversion.time + after).rates[3] for after in (1.0, 0.0))
         assert abs(later - then) > 1.0
         assert row["spin_after"] == pytest.approx(later, abs=0.01)
-
-
-def test_sliding_took_what_every_prescribed_rate_brought(monkeypatch: pytest.MonkeyPatch) -> None:
-    motion = simulate(model(4), np.linspace(0.0, 0.2, 41), local_tolerance=1e-6)
-    (before,) = outcomes([motion]).rows()
-    # As if the table moved along at the rate of x.
-    monkeypatch.setitem(PRESCRIBED, "tangential_force", "x")
-    monkeypatch.setitem(cast("dict[str, str]", OUTCOMES), "brought_by_tangential_force", "J")
-    (row,) = outcomes([motion]).rows()
-    brought = simpson(motion.multiplier("tangential_force") * motion.rate("x"), x=motion.times)
-    assert abs(brought) > 1e-5
-    assert row["brought_by_tangential_force"] == pytest.approx(brought)
-    assert row["brought_by_spin_torque"] == before["brought_by_spin_torque"]
-    taken = cast("float", before["taken_sliding"]) + brought
-    assert row["taken_sliding"] == pytest.approx(taken, rel=1e-12)
 
 
 def test_errors_are_rows_that_say_why() -> None:

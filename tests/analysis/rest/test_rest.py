@@ -295,47 +295,6 @@ def test_way_to_rest_that_cannot_be_run_is_refused(
         simulate_to_rest(scenario, 1.0, **how)
 
 
-def mean_loss(motion: SpatialMotion, begin: float, end: float) -> tuple[float, float]:
-    """Mean leaning and loss in W between two times."""
-    part = (motion.times >= begin) & (motion.times <= end)
-    energy = motion.energies.sum(axis=1)[part]
-    return float(motion.leaning[part].mean()), float((energy[0] - energy[-1]) / (end - begin))
-
-
-@pytest.fixture(scope="module")
-def slid() -> SpatialMotion:
-    return simulate_to_rest(Scenario.rest(), 80.0, local_tolerance=1e-10)
-
-
-@pytest.mark.slow
-def test_sliding_friction_alone_leaves_the_disk_rolling(slid: SpatialMotion) -> None:
-    phases = slid.phases
-    assert phases.inversion_lost == pytest.approx(19.2, abs=0.1)
-    assert phases.rolling == pytest.approx(21.05, abs=0.1)
-    assert phases.flat is None
-    assert phases.rest is None
-    leaning, loss = mean_loss(slid, 70.0, 80.0)
-    assert leaning == pytest.approx(0.285, abs=0.005)
-    assert slid.energies[-1].sum() == pytest.approx(0.0805, abs=0.001)
-    assert loss == pytest.approx(8.2e-5, rel=0.1)
-
-
-@pytest.mark.slow
-def test_creeping_loss_is_that_of_the_viscous_slip_and_vanishes_with_it(
-    slid: SpatialMotion,
-) -> None:
-    start = slid.to_trajectory().state(-1)
-    losses = []
-    for coefficient, smoothing in ((0.3, 0.1), (0.6, 0.2), (0.6, 0.05), (0.6, 0.0125)):
-        friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing, load="contact")
-        scenario = Scenario.rest(start=start, friction=friction)
-        motion = simulate_to_rest(scenario, 12.0, local_tolerance=1e-10)
-        losses.append(mean_loss(motion, 6.0, 12.0)[1])
-    # At such small slip the law is viscous: only smoothing / coefficient matters.
-    assert losses[1] == pytest.approx(losses[0], rel=0.03)
-    assert losses[3] < 0.5 * losses[2]
-
-
 def test_disk_slides_down_a_slope_until_friction_carries_it() -> None:
     # The regularised law never sticks: the slope makes it creep at a speed that can be told.
     lean = 0.035
