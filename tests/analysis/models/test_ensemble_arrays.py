@@ -18,6 +18,7 @@ from analysis import (
     simulate_many,
 )
 from analysis.compiled import code
+from analysis.data.changes import changed
 from analysis.models import ensemble as many
 from tests.helpers import assert_close, model
 
@@ -49,8 +50,8 @@ def assert_same_as_alone(runs: Trajectories, relative: float, **how: Any) -> Non
             told, alone = getattr(runs.inversions, name), getattr(found.inversion, of_one)
             wanted = np.nan if alone is None else alone
             np.testing.assert_allclose(told[member], wanted, rtol=1e-12, atol=1e-14)
-        assert (found.ending and found.ending.reason) == runs.endings[member]
-        assert (single.ending and single.ending.reason) == runs.endings[member]
+        for each in (found, single):
+            assert (each.ending and each.ending.reason) == runs.endings[member]
         assert runs.ends[member] == found.times[-1] == pytest.approx(single.times[-1], abs=1e-10)
         for name in ("coordinates", "rates", "multipliers"):
             assert_close(getattr(found, name), getattr(single, name), relative=100 * relative)
@@ -109,21 +110,27 @@ def test_ensemble_in_pieces_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None
 RANGES: dict[str, tuple[float, ...]] = {
     "start.spin": (20.0, -3.0, 2e5),
     "start.beta": (1.2, 0.0, 1e-9, np.nan),
-    "start.gamma": (0.1, 1e7),
     "start.beta_rate": (0.0, 0.0, 2.0, np.inf),
     "start.gamma_rate": (0.3,),
     "start.x": (0.0, 0.01),
     "start.height": (0.0, 0.01, -1.0),
-    "friction.coefficient": (0.3, 0.0, -0.1, 1e10),
     "friction.smoothing": (0.1, 0.0, 1e-13),
     "disk.eccentricity": (2e-3, 0.0, 0.05, -1.0),
-    "disk.mass": (0.4, 0.0, 40.0),
     "disk.inertia_y": (2.2e-4, 1e-3, 1e-9),
-    "disk.hole_radius": (0.01, 0.03),
     "table.inclination": (0.0, 0.1, 2.0),
-    "table.gravity": (9.81, 0.0),
     "dissipation.pivoting": (0.0, 1e-6, 2.0),
 }
+
+
+def first_refusal(base: Scenario, fields: dict[str, Any]) -> str | None:
+    """What the rules of one scenario say, member by member."""
+    for member in range(SOME):
+        scenario = {name: values[member] for name, values in fields.items()}
+        try:
+            changed(base, scenario)
+        except ValueError as error:
+            return f"member {member} of fields: {error}"
+    return None
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -132,26 +139,14 @@ def test_ensemble_refuses_what_a_scenario_refuses(level: Any) -> None:
     for _ in range(60):
         names = random.choice(list(RANGES), size=2, replace=False)
         fields = {name: random.choice(RANGES[name], size=SOME) for name in names}
-        if any(name == "disk.hole_radius" for name in names) and names[0][:4] == names[1][:4]:
-            continue
-        # As the rules of one scenario have it, member by member.
-        first = None
-        unchecked = object.__new__(Ensemble)
-        object.__setattr__(unchecked, "scenario", model(level))
-        object.__setattr__(unchecked, "fields", fields)
-        for member in range(SOME):
-            try:
-                _ = unchecked[member]
-            except ValueError as error:
-                first = f"member {member} of fields: {error}"
-                break
-        if first is None:
+        wanted = first_refusal(model(level), fields)
+        if wanted is None:
             assert len(Ensemble(scenario=model(level), fields=fields)) == SOME
             continue
         refused += 1
         with pytest.raises(ValueError, match=r"^member") as told:
             Ensemble(scenario=model(level), fields=fields)
-        assert str(told.value) == first
+        assert str(told.value) == wanted
     assert refused > 10
 
 
@@ -163,10 +158,7 @@ def test_ensemble_refuses_what_a_scenario_refuses(level: Any) -> None:
         (model(1), {"spin": [1.0], "start.spin": [2.0]}, "start.spin twice"),
         (model(1), {"spin": [1.0, 2.0], "mu": [0.1]}, r"one shape, got \(2,\) of start.spin"),
         (model(1), {"spin": 3.0}, r"start.spin must have shape \(m,\)"),
-        (model(1), {"spin": ["fast"]}, "start.spin must be an array of real numbers"),
         (model(1), {"stiffness": [1e5]}, "needs a penalty contact"),
-        (model(1), {"spin": [1.0, np.nan]}, "member 1 of fields: spin must be a finite number"),
-        (model(1), {"radius": [1.0, 1e200], "density": [7e3, 7e3]}, "member 1 of fields"),
         (
             Scenario(contact=PenaltyContact(stiffness=1e5)),
             {"stiffness": [1e5, 1.0]},

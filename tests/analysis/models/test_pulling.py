@@ -102,8 +102,8 @@ def test_a_start_that_needs_a_pulling_contact_is_refused(side: str) -> None:
         RUNS[side](Scenario(start=start), TIMES)
 
 
-@pytest.mark.parametrize("level", [1, 2, 3, 4])
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
+@pytest.mark.parametrize("level", [1, 4])
+@pytest.mark.parametrize("formulation", ["euler-tree", "floating-lie"])
 def test_accelerations_of_a_pulling_contact_agree(level: Level, formulation: Any) -> None:
     start = Start(beta=1.2, gamma=0.4, spin=90.0, beta_rate=60.0)
     scenario = model(level, friction=CONTACT, start=start)

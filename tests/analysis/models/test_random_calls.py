@@ -34,19 +34,8 @@ NUMBERS = st.one_of(
     ),
 ).map(str)
 
-START = (
-    "--spin", "--beta", "--gamma", "--alpha", "--beta-rate", "--gamma-rate", "--x", "--y",
-    "--x-rate", "--y-rate", "--height", "--mu", "--eps",
-)  # fmt: skip
-TABLE = ("--gravity", "--inclination", "--downhill")
-DISK = (
-    "--radius", "--mass", "--eccentricity", "--inertia-x", "--inertia-y", "--inertia-z",
-    "--hole-radius", "--hole-distance", "--thickness", "--density", "--disk", "--body",
-    "--inertia-xy", "--inertia-xz", "--inertia-yz", "--other-radius", "--long-axis",
-)  # fmt: skip
-CONTACT = ("--stiffness", "--damping", "--half-thickness")
-LOSSES = ("--rolling", "--rolling-viscous", "--pivoting", "--air-drag")
-PROBLEM = (*START, *TABLE, *DISK, *CONTACT, *LOSSES, "--model", "--constraints", "--law", "--load")
+PROBLEM = [each.flag for each in QUANTITIES.values()]
+LOSSES = [each.flag for each in QUANTITIES.values() if each.table == "dissipation"]
 SIMULATE = (*PROBLEM, "--end", "--samples", "--tolerance", "--step", "--time-limit")
 REST = (*PROBLEM, "--step", "--end")
 SIDES = st.sampled_from(SOURCES)

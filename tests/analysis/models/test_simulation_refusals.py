@@ -38,13 +38,7 @@ PENALTY = Scenario(contact=PenaltyContact(stiffness=1e5))
         (Scenario(), {"times": [0.0]}, "times must be one-dimensional with at least 2 entries"),
         (Scenario(), {"method": "RK4"}, "method must be one of DOP853, RK45, .*, got 'RK4'"),
         (Scenario(), {"form": "index-2"}, "form must be one of index-1, reduced, free-body, got"),
-        (Scenario(), {"tolerance": 0.0}, "tolerance must be positive, got 0"),
         (Scenario(), {"tolerance": nan}, "tolerance must be a finite number, got nan"),
-        (
-            Scenario(),
-            {"local_tolerance": 1.0},
-            "local_tolerance must lie from 3e-14 to less than 1, got 1",
-        ),
         (Scenario(), {"tolerance": 1e-6, "local_tolerance": 1e-6}, "give either tolerance or"),
         (Scenario(), {"time_limit": 0.0}, "time_limit must be positive, got 0"),
         (model(3), REDUCED, "form 'reduced' exists for Model 4 alone, got Model 3$"),
@@ -82,7 +76,7 @@ def test_unreachable_tolerance_is_refused(method: Method) -> None:
         simulate(Scenario(), [0.0, 0.01], method=method, tolerance=1e-16)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-11, 1e-12, 1e-13, 1e-16])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-13, 1e-16])
 def test_compared_runs_differ_threefold_in_their_local_tolerance(
     tolerance: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

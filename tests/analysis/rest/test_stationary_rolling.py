@@ -131,6 +131,24 @@ def test_a_disk_without_slip_rolls_on_the_textbooks_circle(beta: float, rate: fl
     np.testing.assert_allclose(motion.normal_force, WEIGHT, rtol=1e-8)
 
 
+@pytest.mark.slow
+def test_pivoting_friction_alone_ends_in_no_finite_time() -> None:
+    start = rolling_start(DISK, 0.1, euler_disk_precession(CENTRED, 0.1), 0.0)
+    rest = Scenario.rest(
+        disk=DISK,
+        contact=PenaltyContact.rounded(DISK, half_thickness=2e-5),
+        dissipation=Dissipation(pivoting=1e-3),
+        start=start,
+    )
+    motion = simulate_to_rest(rest, 6.0, spacing=2e-3)
+    count = motion.times.size // 100 * 100
+    beta = motion.leaning[:count].reshape(-1, 100).mean(axis=1)
+    rate, middle = np.diff(beta), 0.5 * (beta[1:] + beta[:-1])
+    # The rate goes with a power of beta of at least one: no end.
+    assert np.polyfit(np.log(middle), np.log(-rate), 1)[0] > 1.4
+    assert motion.rest_time is None
+
+
 def test_fit_finds_the_power_law_it_was_given() -> None:
     times = np.linspace(0.0, 0.95, 200)
     law = fit_power_law(times, 0.3 * (1.0 - times) ** 0.6)
