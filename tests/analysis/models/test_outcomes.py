@@ -2,10 +2,11 @@
 
 from concurrent.futures import BrokenExecutor
 from math import pi
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from scipy.integrate import simpson
 
 from analysis import (
     Ensemble,
@@ -108,6 +109,16 @@ def test_outcomes_tell_the_inversion_as_a_motion_does_and_the_spin_a_second_late
         later, then = (motion.at(at + after).rates[3] for after in (1.0, 0.0))
         assert abs(later - then) > 1.0
         assert row["spin_after"] == pytest.approx(later, abs=0.01)
+
+
+def test_sliding_took_what_the_held_spin_brought() -> None:
+    motion = simulate(model(4), np.linspace(0.0, 0.2, 41), local_tolerance=1e-6)
+    (row,) = outcomes([motion]).rows()
+    brought = simpson(motion.multiplier("spin_torque") * motion.rate("alpha"), x=motion.times)
+    assert abs(brought) > 1e-5
+    assert row["brought_by_spin_torque"] == pytest.approx(brought)
+    lost = cast("float", row["energy_start"]) - cast("float", row["energy_end"])
+    assert row["taken_sliding"] == pytest.approx(lost + brought, rel=1e-12)
 
 
 def test_errors_are_rows_that_say_why() -> None:

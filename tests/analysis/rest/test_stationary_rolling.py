@@ -22,6 +22,7 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.data.dissipation import Dissipation
+from analysis.data.spatial_motion import SpatialMotion
 from analysis.mechanics import paper
 from analysis.rest.final_stage import fit_power_law, precession
 from analysis.rest.stationary_rolling import (
@@ -131,22 +132,52 @@ def test_a_disk_without_slip_rolls_on_the_textbooks_circle(beta: float, rate: fl
     np.testing.assert_allclose(motion.normal_force, WEIGHT, rtol=1e-8)
 
 
+def final_stage(dissipation: Dissipation, end: float) -> SpatialMotion:
+    beta = 0.1
+    contact = PenaltyContact.rounded(DISK, half_thickness=2e-5)
+    start = rolling_start(DISK, beta, euler_disk_precession(CENTRED, beta), 0.0)
+    rest = Scenario.rest(disk=DISK, contact=contact, dissipation=dissipation, start=start)
+    return simulate_to_rest(rest, end, spacing=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("dissipation", "tilting", "turning"),
+    [
+        (Dissipation(rolling_viscous=2e-4), 1 / 2, -1 / 4),
+        (Dissipation(rolling_dry=1e-3), 2 / 3, -1 / 3),
+    ],
+    ids=["viscous", "dry"],
+)
+def test_rolling_resistance_ends_in_its_power_law(
+    dissipation: Dissipation, tilting: float, turning: float
+) -> None:
+    motion = final_stage(dissipation, 1.2)
+    # The fit spans 0.08 > beta > 0.02: small angles, well above half_thickness / radius.
+    leaning = motion.leaning
+    part = slice(int(np.argmax(leaning < 0.08)), int(np.argmax(leaning < 0.02)))
+    law = fit_power_law(motion.times[part], leaning[part])
+    rate_law = fit_power_law(motion.times[part], precession(motion)[part], law.end)
+    assert law.exponent == pytest.approx(tilting, abs=0.005)
+    assert rate_law.exponent == pytest.approx(turning, abs=0.003)
+    # The start does not sink yet, which leaves a little nutation.
+    assert law.end == pytest.approx(time_to_flat(motion.scenario, 0.1), rel=0.01)
+    assert law.error < 0.01
+    assert law.decades > 0.8
+
+
 @pytest.mark.slow
 def test_pivoting_friction_alone_ends_in_no_finite_time() -> None:
-    start = rolling_start(DISK, 0.1, euler_disk_precession(CENTRED, 0.1), 0.0)
-    rest = Scenario.rest(
-        disk=DISK,
-        contact=PenaltyContact.rounded(DISK, half_thickness=2e-5),
-        dissipation=Dissipation(pivoting=1e-3),
-        start=start,
-    )
-    motion = simulate_to_rest(rest, 6.0, spacing=2e-3)
-    count = motion.times.size // 100 * 100
-    beta = motion.leaning[:count].reshape(-1, 100).mean(axis=1)
+    motion = final_stage(Dissipation(pivoting=1e-3), 6.0)
+    width = 100
+    count = motion.times.size // width * width
+    beta = motion.leaning[:count].reshape(-1, width).mean(axis=1)
     rate, middle = np.diff(beta), 0.5 * (beta[1:] + beta[:-1])
     # The rate goes with a power of beta of at least one: no end.
-    assert np.polyfit(np.log(middle), np.log(-rate), 1)[0] > 1.4
+    power = np.polyfit(np.log(middle), np.log(-rate), 1)[0]
+    assert power > 1.4
     assert motion.rest_time is None
+    assert motion.leaning.min() > 0.03
 
 
 def test_fit_finds_the_power_law_it_was_given() -> None:
