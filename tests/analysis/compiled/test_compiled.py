@@ -1,10 +1,10 @@
-"""Compiled runs: the equations of the pure path, its accuracy, its endings, and its refusals."""
+"""Compiled runs and batches: the pure path's equations, accuracy, endings; their refusals."""
 
 import math
 import os
 import subprocess
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -16,9 +16,9 @@ from analysis import (
     MODELS,
     POSSIBLE_SETS,
     ConstraintSet,
+    Ensemble,
     Form,
     FrictionLaw,
-    Level,
     Load,
     PenaltyContact,
     Scenario,
@@ -27,9 +27,11 @@ from analysis import (
     State,
     Stribeck,
     TanhCoulomb,
+    ToleranceError,
     Trajectory,
     ViscousFriction,
     simulate,
+    simulate_many,
 )
 from analysis.compiled import code, library, systems
 from analysis.compiled.ensemble import simulate_compiled
@@ -40,9 +42,11 @@ from analysis.data.quantities import LOADS
 from analysis.data.watch import Watch
 from analysis.mechanics import reduced
 from analysis.mechanics.recorded import solver
+from analysis.models import request
 from analysis.models.request import Request
 from tests.bodies import COMPOSED, TIPPE_TOP
 from tests.helpers import assert_close, model, mostly_slow, not_none, random_disk, random_table
+from validation import benchmark, by_hand
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
@@ -56,24 +60,21 @@ def _compiled_in_a_quarter_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(code, "COMPACT", True)
 
 
-def values(symbols: list[Any], variables: list[Any], scenario: Scenario, states: Array) -> Array:
-    """Values of symbols at states, shape (n, k)."""
-    function = heyoka.cfunc(symbols, variables, opt_level=0)
-    numbers = np.array(systems.parameters(scenario))[: function.nparams, None]
-    columns = np.ascontiguousarray(states.T)
-    return np.asarray(function(columns, pars=numbers * np.ones(len(states)))).T
-
-
-def signed(symbols: list[Any], system: systems.System, scenario: Scenario, states: Array) -> Array:
-    """The same for symbols that hold the sign of slip."""
-    if not system.flips:
-        return values(symbols, system.variables, scenario, states)
-    function = heyoka.cfunc([system.kink, *symbols], system.variables, opt_level=0)
+def values(
+    symbols: list[Any],
+    variables: list[Any],
+    scenario: Scenario,
+    states: Array,
+    kink: Any = None,
+) -> Array:
+    """Values of symbols at states, shape (n, k), also of those that hold the sign of `kink`."""
+    function = heyoka.cfunc([*symbols, *([kink] if kink else [])], variables, opt_level=0)
     numbers = np.array(systems.parameters(scenario))[: function.nparams, None]
     numbers = numbers * np.ones(len(states))
     columns = np.ascontiguousarray(states.T)
-    numbers[SIGN] = np.sign(function(columns, pars=numbers)[0])
-    return np.asarray(function(columns, pars=numbers)[1:]).T
+    if kink:
+        numbers[SIGN] = np.sign(function(columns, pars=numbers)[-1])
+    return np.asarray(function(columns, pars=numbers)[: len(symbols)]).T
 
 
 def assert_rows_close(actual: Array, expected: Any, relative: float) -> None:
@@ -107,7 +108,8 @@ def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(
     variables, forces = systems.multipliers(structure)
     states = random.normal(size=(1000, 12))
     states[:, 4] = random.uniform(0.3, pi - 0.3, size=1000)
-    found = signed(system.derivatives, system, scenario, states)
+    kink = system.kink if system.flips else None
+    found = values(system.derivatives, system.variables, scenario, states, kink)
     held = values(forces, variables, scenario, states)
     solve, rows, pure = solver(scenario), [], []
     for row, state in enumerate(states.tolist()):
@@ -132,7 +134,8 @@ def test_compiled_and_pure_reduced_systems_are_the_same_at_1000_states() -> None
     symbols = [*system.derivatives, system.endings["contact would pull"]]
     states = random.normal(size=(1000, 3))
     pure = [reduced.solver(scenario, 3.0)(*x)[:4] for x in states.tolist()]
-    assert_rows_close(signed(symbols, system, scenario, states), pure, relative=1e-12)
+    found = values(symbols, system.variables, scenario, states, system.kink)
+    assert_rows_close(found, pure, relative=1e-12)
 
 
 @pytest.mark.parametrize("law", [Stribeck(), TanhCoulomb(), ViscousFriction()], ids=str)
@@ -173,23 +176,21 @@ def test_slip_that_changes_its_sign_costs_no_accuracy() -> None:
     scenario = model(4, start=TURNING, friction=SmoothCoulomb(smoothing=0.02))
     slips = simulate(scenario, TIMES, form="reduced", local_tolerance=1e-13)
     run = simulate(scenario, TIMES, form="reduced", method="taylor", local_tolerance=1e-12)
-    rim = scenario.disk.radius + scenario.disk.eccentricity * np.sin(slips.coordinate("gamma"))
-    sb = np.sin(slips.coordinate("beta"))
-    slip = rim * slips.rate("beta") * sb
-    slip -= scenario.disk.eccentricity * 30.0 * sb**2 * np.cos(slips.coordinate("gamma"))
+    e, gamma, sb = (
+        scenario.disk.eccentricity,
+        slips.coordinate("gamma"),
+        np.sin(slips.coordinate("beta")),
+    )
+    slip = (scenario.disk.radius + e * np.sin(gamma)) * slips.rate("beta") * sb
+    slip -= e * 30.0 * sb**2 * np.cos(gamma)
     assert np.sum(np.diff(np.sign(slip)) != 0.0) >= 2
     assert difference(run, slips) < 1e-11
 
 
-@pytest.mark.parametrize("level", [1, 2])
-def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy(level: Level) -> None:
+def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy() -> None:
     # A step across the least slip is wrong by 1.4e-4 rad in Model 1, and its size shows nothing.
-    scenario = model(
-        level,
-        start=Start(
-            beta=2.4663996908, gamma=-1.8359146256, spin=58.7337033616, beta_rate=0.8359669861
-        ),
-    )
+    start = Start(beta=2.46639969, gamma=-1.83591463, spin=58.7337034, beta_rate=0.835966986)
+    scenario = model(1, start=start)
     times = np.linspace(0.0, 2.0, 21)
     pure = simulate(scenario, times, local_tolerance=1e-12)
     run = simulate(scenario, times, method="taylor", local_tolerance=1e-9)
@@ -217,17 +218,6 @@ def test_compiled_run_ends_where_the_pure_one_does() -> None:
         assert run.times[-1] == ending.time == pytest.approx(expected.time, abs=1e-10)
         assert abs(ending.value) < 1e-8
         assert run.times.size == pure.times.size
-
-
-def test_pulling_is_told_as_by_the_pure_path() -> None:
-    scenario = model(4, start=Start(spin=60.0, beta_rate=25.0))
-    times = np.linspace(0.0, 0.5, 51)
-    how: dict[str, Any] = {"form": "reduced", "allow_pulling": True, "local_tolerance": 1e-12}
-    run = simulate(scenario, times, **how, method="taylor")
-    pure = simulate(scenario, times, **how)
-    assert len(pure.pulling) >= 1
-    np.testing.assert_allclose(run.pulling, pure.pulling, rtol=0.0, atol=1e-9)
-    assert run.times.size == times.size
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -296,19 +286,10 @@ def test_home_that_cannot_be_written_says_nothing() -> None:
     assert done.stdout + done.stderr == ""
 
 
-def test_scenarios_alike_in_structure_share_what_is_compiled() -> None:
-    first = Structure.of(model(4), "reduced", {}, allow_pulling=False)
-    other = replace(model(4), friction=SmoothCoulomb(coefficient=0.1), start=Start(spin=20.0))
-    assert Structure.of(other, "reduced", {}, allow_pulling=False) == first
-    harder = replace(model(4), friction=SmoothCoulomb(load="contact"))
-    assert Structure.of(harder, "reduced", {}, allow_pulling=False) != first
-
-
-@pytest.mark.parametrize("rate", [np.nan, np.inf, 1e200])
-def test_state_that_is_not_finite_ends_a_compiled_run(rate: float) -> None:
+def test_state_that_is_not_finite_ends_a_compiled_run() -> None:
     how = Request(times=TIMES, form="reduced", method="taylor", local_tolerance=1e-12)
     (part,), _ = simulate_compiled([model(4)], [np.inf], how)
-    part.group.states[0, 10] = rate
+    part.group.states[0, 10] = np.nan
     only = np.array([0])
     _, failures = integrate(part.group, only, TIMES, 1e-12, 1.0, watch=Watch())
     assert "no longer finite" in str(failures[0])
@@ -316,12 +297,88 @@ def test_state_that_is_not_finite_ends_a_compiled_run(rate: float) -> None:
 
 def test_time_limit_ends_a_compiled_run() -> None:
     told: list[float] = []
-
-    def tell(reached: float, _: float) -> None:
-        told.append(reached)
-
     how: dict[str, Any] = {"form": "reduced", "method": "taylor", "local_tolerance": 1e-12}
-    run = simulate(model(4), TIMES, time_limit=1e-9, progress=tell, **how)
+    run = simulate(
+        model(4), TIMES, time_limit=1e-9, progress=lambda reached, _: told.append(reached), **how
+    )
     assert not_none(run.ending).reason == "time limit"
     assert run.times[-1] == pytest.approx(told[-1])
     assert len(told) == 1
+
+
+def test_estimates_cover_the_time_at_which_a_condition_ends_a_member() -> None:
+    members = [model(4, start=Start(spin=spin)) for spin in (36.0, 40.0, 44.0)]
+    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted"}
+    ends = [0.0, 1.0]
+    outcomes = simulate_many(members, ends, **how, tolerance=1e-3)
+    coarse, fine = (simulate_many(members, ends, **how, local_tolerance=x) for x in (1e-6, 1e-9))
+    for member, *three in zip(members, outcomes, coarse, fine, strict=True):
+        outcome, *pair = (each for each in three if isinstance(each, Trajectory))
+        single = simulate(member, ends, **how, method="taylor", tolerance=1e-3)
+        assert outcome.error_estimate == pytest.approx(single.error_estimate, rel=1e-3)
+        late = abs(pair[0].times[-1] - pair[1].times[-1])
+        assert late > 1e-12
+        assert not_none(outcome.error_estimate) > 2.0 * late
+
+
+def test_members_that_taylor_takes_to_no_tolerance_run_with_dop853(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(request, "COMPILED_TOLERANCES", (1e-6, 1e-6))
+    members = [model(4, start=Start(spin=spin)) for spin in (30.0, 40.0)]
+    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-9}
+    times = np.linspace(0.0, 0.5, 6)
+    spins = Ensemble(scenario=members[0], fields={"spin": np.array([30.0, 40.0])})
+    listed, arrays = (simulate_many(each, times, **how) for each in (members, spins))
+    for number, member in enumerate(members):
+        alone = simulate(member, times, **how)
+        for outcome in (listed[number], arrays[number]):
+            assert isinstance(outcome, Trajectory)
+            assert outcome.method == alone.method
+            np.testing.assert_array_equal(outcome.coordinates, alone.coordinates)
+    insisting = simulate_many(members, times, **how, method="taylor")
+    assert all(isinstance(outcome, ToleranceError) for outcome in insisting)
+
+
+def test_members_of_a_batch_pull_when_they_do_alone() -> None:
+    fields = {"spin": np.array([40.0, 60.0]), "beta_rate": np.array([2.0, 25.0])}
+    ensemble = Ensemble(scenario=model(4), fields=fields)
+    how: dict[str, Any] = {"form": "reduced", "allow_pulling": True, "local_tolerance": 1e-12}
+    runs = simulate_many(ensemble, TIMES, method="taylor", **how)
+    for run, scenario in zip(runs, ensemble, strict=True):
+        pure = simulate(scenario, TIMES, **how)
+        np.testing.assert_allclose(run.pulling, pure.pulling, rtol=0.0, atol=1e-9)
+    assert runs[1].pulling
+
+
+def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
+    members = [model(4, friction=Branching()), model(4)]
+    pure, compiled_one = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
+    assert isinstance(pure, Trajectory)
+    assert isinstance(compiled_one, Trajectory)
+    assert pure.method["method"] == "DOP853"
+    assert compiled_one.method["method"] == "taylor"
+    (refused, _) = simulate_many(members, TIMES, form="reduced", tolerance=1e-6, method="taylor")
+    assert isinstance(refused, ValueError)
+
+
+def test_member_that_fails_leaves_its_batch_alone() -> None:
+    members = [model(4), model(4, start=Start(beta_rate=30.0)), model(4)]
+    first, pulling, last = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
+    assert isinstance(pulling, ValueError)
+    assert "start needs a contact that pulls" in str(pulling)
+    assert isinstance(first, Trajectory)
+    assert isinstance(last, Trajectory)
+    np.testing.assert_array_equal(first.coordinates, last.coordinates)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scenario", "form", "_"), benchmark.COMPILED, ids=["index-1", "reduced"])
+def test_heyoka_driven_by_hand_samples_the_same_motion(scenario: Any, form: Any, _: int) -> None:
+    times = benchmark.TIMES
+    run = simulate(scenario, times, form=form, method="taylor", local_tolerance=1e-9)
+    alone = by_hand.single(scenario, form, 1e-9, times)()[-1]
+    many = by_hand.batches([scenario] * 8, form, 1e-9, times)()[0][:, :, 0]
+    columns = slice(0, 2) if form == "reduced" else slice(4, 6)
+    for sampled in (alone, many):
+        np.testing.assert_allclose(sampled[:, columns], run.coordinates[:, 4:], atol=1e-7)

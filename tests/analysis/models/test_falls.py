@@ -12,6 +12,7 @@ import analysis
 import mbs_models
 from analysis import (
     CENTRED_DISK,
+    STEEL_DISK,
     Level,
     Scenario,
     SmoothCoulomb,
@@ -22,35 +23,31 @@ from analysis import (
 from analysis.data import limits
 from analysis.data.endings import FLAT
 from analysis.data.limits import LEAST_TILT
-from mbs_models import Integrator, Scene
+from mbs_models import Formulation, Integrator, Scene
 from tests.helpers import model, not_none
 
 Run = Callable[..., Trajectory]
 
+
+def engine(formulation: Formulation) -> Run:
+    return lambda scenario, *given, **how: mbs_models.simulate(
+        Scene(scenario, formulation), *given, **how
+    )
+
+
 RUNS: dict[str, Run] = {
     "in-house": analysis.simulate,
-    "contact-tree": lambda scenario, *given, **how: mbs_models.simulate(
-        Scene(scenario, "contact-tree"), *given, **how
-    ),
-    "euler-tree": lambda scenario, *given, **how: mbs_models.simulate(
-        Scene(scenario, "euler-tree"), *given, **how
-    ),
+    "contact-tree": engine("contact-tree"),
+    "euler-tree": engine("euler-tree"),
 }
 
 FALLS = {
-    "centred": Scenario(
-        disk=CENTRED_DISK,
-        friction=SmoothCoulomb(coefficient=0.0),
-        start=Start(spin=0.0, beta=0.1),
-    ),
-    "low": Scenario(
-        friction=SmoothCoulomb(coefficient=0.0),
-        start=Start(spin=0.0, beta=0.1, gamma=-np.pi / 2),
-    ),
-    "high": Scenario(
-        friction=SmoothCoulomb(coefficient=0.0),
-        start=Start(spin=0.0, beta=1.0, gamma=-np.pi / 2),
-    ),
+    name: Scenario(disk=disk, friction=SmoothCoulomb(coefficient=0.0), start=start)
+    for name, disk, start in (
+        ("centred", CENTRED_DISK, Start(spin=0.0, beta=0.1)),
+        ("low", STEEL_DISK, Start(spin=0.0, beta=0.1, gamma=-np.pi / 2)),
+        ("high", STEEL_DISK, Start(spin=0.0, beta=1.0, gamma=-np.pi / 2)),
+    )
 }
 """Without friction and spin, and with the centre of gravity right above the contact's edge."""
 
@@ -76,7 +73,7 @@ def time_of_fall(scenario: Scenario) -> float:
 
 @pytest.mark.parametrize("run", RUNS.values(), ids=RUNS)
 @pytest.mark.parametrize("scenario", FALLS.values(), ids=FALLS)
-@pytest.mark.parametrize("times", [[0.0, 1.0], [0.0, 0.2], np.linspace(0.0, 1.0, 201)], ids=len)
+@pytest.mark.parametrize("times", [[0.0, 1.0], np.linspace(0.0, 1.0, 201)], ids=len)
 def test_disk_ends_flat_when_it_lies_flat(run: Run, scenario: Scenario, times: Any) -> None:
     ending = not_none(run(scenario, times).ending)
     assert ending.reason == FLAT
@@ -91,11 +88,8 @@ def test_disk_that_passes_nearly_flat_goes_on_alike_on_both_sides() -> None:
 
 
 @pytest.mark.parametrize("level", [1, 2, 3])
-@pytest.mark.parametrize("beta", [0.1, 0.5])
-def test_rates_that_grow_near_flat_are_in_the_way_of_no_tolerance(
-    level: Level, beta: float
-) -> None:
-    low = model(level, start=Start(spin=0.0, beta=beta))
+def test_rates_that_grow_near_flat_are_in_the_way_of_no_tolerance(level: Level) -> None:
+    low = model(level, start=Start(spin=0.0, beta=0.1))
     coarse, fine = (
         analysis.simulate(low, [0.0, 0.1], tolerance=tolerance) for tolerance in (1e-5, 1e-9)
     )
@@ -104,25 +98,20 @@ def test_rates_that_grow_near_flat_are_in_the_way_of_no_tolerance(
     assert np.abs(coarse.coordinates - fine.coordinates)[:, 4:].max() < 1e-5
 
 
+DOPRI5 = Integrator(name="DOPRI5", local_tolerance=1e-12)
+
+
 @pytest.mark.parametrize(
-    "how",
-    [
-        {"side": "in-house"},
-        {"side": "in-house", "local_tolerance": 1e-13},
-        {"side": "contact-tree", "tolerance": 1e-10},
-        {"side": "contact-tree", "integrator": Integrator(name="DOPRI5", local_tolerance=1e-12)},
-    ],
-    ids=str,
+    ("side", "how"), [("in-house", {}), ("contact-tree", {"integrator": DOPRI5})]
 )
-def test_run_that_takes_far_more_steps_than_expected_says_where(
-    how: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+def test_run_that_takes_far_more_steps_than_expected_says_where_and_alike_each_time(
+    side: str, how: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(limits, "SPARE_SECONDS", 1e-3)
-    run = RUNS[how.pop("side")]
     said = []
     for _ in range(2):
         with pytest.raises(ArithmeticError, match=r"steps, far more than expected") as caught:
-            run(HIDDEN, [0.0, 0.05], **how)
+            RUNS[side](HIDDEN, [0.0, 0.05], **how)
         said.append(str(caught.value))
     assert said[0] == said[1]
     assert "at t = 0.0" in said[0]
@@ -132,7 +121,7 @@ def test_time_limit_lets_a_run_take_more_steps_than_expected(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(limits, "SPARE_SECONDS", 1e-3)
-    how: dict[str, Any] = {"tolerance": 1e-6}
     with pytest.raises(ToleranceError, match=r"^DOP853 was given up at t = 0\.0\d+ s, where the "):
-        analysis.simulate(HIDDEN, [0.0, 0.05], **how)
-    assert analysis.simulate(HIDDEN, [0.0, 0.05], **how, time_limit=1e6).ending is None
+        analysis.simulate(HIDDEN, [0.0, 0.05], tolerance=1e-6)
+    allowed = analysis.simulate(HIDDEN, [0.0, 0.05], tolerance=1e-6, time_limit=1e6)
+    assert allowed.ending is None

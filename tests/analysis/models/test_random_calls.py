@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -13,7 +12,7 @@ from hypothesis import strategies as st
 import analysis
 import mbs_models
 from analysis import MODELS, STEEL_DISK, Scenario, Start
-from analysis.data.quantities import LEVELS, LOADS, QUANTITIES
+from analysis.data.quantities import QUANTITIES
 from analysis.data.scenario_text import scenario_text
 from tests.helpers import random_trajectory
 from tests.scenario_texts import with_key
@@ -35,19 +34,8 @@ NUMBERS = st.one_of(
     ),
 ).map(str)
 
-START = (
-    "--spin", "--beta", "--gamma", "--alpha", "--beta-rate", "--gamma-rate", "--x", "--y",
-    "--x-rate", "--y-rate", "--height", "--mu", "--eps",
-)  # fmt: skip
-TABLE = ("--gravity", "--inclination", "--downhill")
-DISK = (
-    "--radius", "--mass", "--eccentricity", "--inertia-x", "--inertia-y", "--inertia-z",
-    "--hole-radius", "--hole-distance", "--thickness", "--density", "--disk", "--body",
-    "--inertia-xy", "--inertia-xz", "--inertia-yz", "--other-radius", "--long-axis",
-)  # fmt: skip
-CONTACT = ("--stiffness", "--damping", "--half-thickness")
-LOSSES = ("--rolling", "--rolling-viscous", "--pivoting", "--air-drag")
-PROBLEM = (*START, *TABLE, *DISK, *CONTACT, *LOSSES, "--model", "--constraints", "--law", "--load")
+PROBLEM = [each.flag for each in QUANTITIES.values()]
+LOSSES = [each.flag for each in QUANTITIES.values() if each.table == "dissipation"]
 SIMULATE = (*PROBLEM, "--end", "--samples", "--tolerance", "--step", "--time-limit")
 REST = (*PROBLEM, "--step", "--end")
 SIDES = st.sampled_from(SOURCES)
@@ -198,31 +186,3 @@ def test_eigenvalues_of_the_steepest_friction_are_followed(
     # Differences of rounding only, divided by each other, overflowed.
     answer(["eigenvalues", "--spin", "3", "--mu", "1e9", "--eps", "1e-3"], capsys)
     answer(["eigenvalues", "--spin", "3", "--mu", "0", "--eps", "1e-12"], capsys)
-
-
-@pytest.mark.usefixtures("_counted")
-@pytest.mark.slow
-@settings(QUICK, max_examples=20)
-@given(
-    SIDES,
-    st.fixed_dictionaries(
-        {},
-        optional={
-            "--spin": st.floats(-300.0, 300.0),
-            "--beta": st.floats(0.1, 3.0),
-            "--mu": st.floats(0.0, 10.0),
-            "--eps": st.floats(1e-2, 10.0),
-            "--gamma": st.floats(-10.0, 10.0),
-            "--model": st.sampled_from(LEVELS),
-            "--load": st.sampled_from(LOADS),
-        },
-    ),
-)
-def test_short_runs_of_random_problems_answer_in_one_line(
-    capsys: pytest.CaptureFixture[str], source: str, values: dict[str, Any]
-) -> None:
-    chosen = [f"{name}={value}" for name, value in values.items()]
-    with TemporaryDirectory() as folder:
-        out = f"{folder}/run.npz"
-        fixed = f"simulate --end 0.01 --samples 3 --tolerance 1e-4 --source {source} --out {out}"
-        answer([*fixed.split(), *chosen], capsys)

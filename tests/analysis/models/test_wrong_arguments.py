@@ -21,11 +21,9 @@ from analysis import (
     simulate_many,
     simulate_to_rest,
 )
-from analysis.nonlinear.heteroclinic import fall, saddle
+from analysis.nonlinear.heteroclinic import fall
 from analysis.nonlinear.stationary import stationary_motions
-from analysis.stability.chart import stability_chart
 from analysis.stability.critical import critical_speeds
-from analysis.stability.hopf_curves import hopf_curves
 from analysis.stability.spectra import eigenvalues
 from mbs_models import Integrator, Newton, Scene
 
@@ -51,36 +49,26 @@ CALLS: dict[str, Callable[..., Any]] = {
     "spins": lambda spin: Ensemble(scenario=Scenario(), fields={"spin": spin}),
     "state": lambda rates: State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.0), rates=rates),
     "eigenvalues": lambda spins: eigenvalues(Scenario(), spins),
-    "chart": lambda gradients: stability_chart(Scenario(), [30.0], gradients),
-    "curves": lambda gradients: hopf_curves(Scenario(), gradients=gradients),
     "critical": lambda interval: critical_speeds(MODEL_4, interval),
     "stationary": lambda starts: stationary_motions(Scenario(), 30.0, starts),
     "fall": lambda spin: fall(MODEL_4, spin),
-    "saddle": lambda spin: saddle(MODEL_4, spin),
     "acceleration": lambda state: mbs_models.acceleration(Scene(), state),
 }
 
 RUNS = ("in-house", "engine", "many")
+WAYS = ("in-house rest", "engine rest")
 WRONG = [
     *((side, "times", MASKED, "must hold no masked values, got") for side in RUNS),
-    *((side, "allow_pulling", "x", "must be True or False, got 'x'") for side in RUNS),
     *((side, "allow_pulling", 1, "must be True or False, got 1") for side in RUNS),
     *((side, "stop_when", 2.0, "must hold names or functions of a State") for side in RUNS),
-    *((side, "progress", "x", "must be a function, got 'x'") for side in CALLS if " " in side),
-    *((side, "progress", 3, "must be a function, got 3") for side in RUNS),
+    *((side, "progress", 3, "must be a function, got 3") for side in (*RUNS, *WAYS)),
     *((side, "time_limit", True, "must be a finite number, got True") for side in RUNS),
     ("in-house", "local_tolerance", 2.0, "must lie from 3e-14 to less than 1, got 2"),
-    ("many", "local_tolerance", 2.0, "must lie from 3e-14 to less than 1, got 2"),
     ("in-house rest", "local_tolerance", 2.0, "must lie from 1e-13 to less than 1, got 2"),
     ("integrator", "local_tolerance", 2.0, "must be less than 1, got 2"),
     ("many", "tolerance", [1e-6, 1e-8], "must be one number or 1 of them, got 2"),
-    ("many", "tolerance", -1.0, "must be positive, got -1"),
-    ("many", "stop_when", "up", "must be one of inverted, lost, module:function, got 'up'"),
-    ("many", "workers", 1.5, "must be a whole number, got 1.5"),
     ("many", "workers", True, "must be a whole number, got True"),
     ("many", "workers", 0, "must be at least 1, got 0"),
-    ("many", "method", "x", "must be one of DOP853, .*, got 'x'"),
-    ("many", "form", "x", "must be one of index-1, .*, got 'x'"),
     ("many", "scenarios", Scenario(), "must be an Ensemble or a list of Scenario, got"),
     ("many", "scenarios", [Scenario(), 3], r"\[1\] must be a Scenario, got 3"),
     ("in-house", "scenario", 5, "must be a Scenario, got 5"),
@@ -88,22 +76,16 @@ WRONG = [
     ("in-house rest", "scenario", Scene(), "must be a Scenario, got Scene"),
     ("engine", "scene", "euler-tree", "must be a Scene, got 'euler-tree'"),
     ("engine rest", "step", 0.0, "must be positive, got 0"),
-    ("engine rest", "step", "x", "must be a finite number, got 'x'"),
-    *((side, "criterion", 1.0, "must be a RestCriterion, got 1") for side in CALLS if " " in side),
+    *((side, "criterion", 1.0, "must be a RestCriterion, got 1") for side in WAYS),
     ("newton", "modified", "yes", "must be True or False, got 'yes'"),
     ("contact", "bilateral", 1, "must be True or False, got 1"),
     ("spins", "spin", np.ma.array([1.0, 2.0], mask=[True, False]), "must hold no masked values"),
-    ("spins", "spin", [True, False], "must be an array of real numbers, got bool"),
     ("state", "rates", 5, "must hold 6 numbers, got 5"),
     ("eigenvalues", "spins", MASKED, "must hold no masked values"),
-    ("eigenvalues", "spins", True, "must be an array of real numbers, got bool values"),
     ("eigenvalues", "spins", ["30"], "must be an array of real numbers, got <U2 values"),
-    ("chart", "gradients", [True], "must be an array of real numbers, got bool values"),
-    ("curves", "gradients", ("x", 3.0), "must be a finite number, got 'x'"),
     ("critical", "interval", 5.0, "must be lowest and highest spin, got 5.0"),
     ("stationary", "starts", True, "must be a whole number, got True"),
     ("fall", "spin", float("nan"), "must be a finite number, got nan"),
-    ("saddle", "spin", True, "must be a finite number, got True"),
     ("acceleration", "state", 5, "must be a State, got 5"),
 ]  # fmt: skip
 

@@ -54,26 +54,21 @@ def standing(stiffness: float, half_thickness: float) -> Trajectory:
     return simulate_to_rest(Scenario.rest(contact=contact), 1.0, spacing=1e-2).to_trajectory()
 
 
-def difference(one: Trajectory, other: Trajectory) -> float:
-    columns = [4, 5]
-    return float(np.max(np.abs(one.coordinates[:, columns] - other.coordinates[:, columns])))
+GAPS = {
+    "compliance": ([(k, THIN) for k in (2e5, 4e5, 8e5)], None, 1, 1e-5),
+    "thickness": ([(2e5, c) for c in (4e-4, 2e-4, 1e-4)], (2e5, THIN), 2, 2e-5),
+}
 
 
-def test_inversion_agrees_with_model_1_to_first_order_in_the_compliance(
-    model_1: Trajectory,
+@pytest.mark.parametrize(("rims", "ideal", "order", "last"), GAPS.values(), ids=GAPS)
+def test_inversion_tends_to_that_of_model_1_and_to_that_of_a_thin_disk(
+    rims: list[tuple[float, float]], ideal: Any, order: int, last: float, model_1: Trajectory
 ) -> None:
-    errors = [difference(standing(k, THIN), model_1) for k in (2e5, 4e5, 8e5)]
-    assert errors[-1] < 1e-5
+    limit = standing(*ideal) if ideal else model_1
+    errors = [np.abs(standing(*rim).coordinates - limit.coordinates)[:, 4:].max() for rim in rims]
+    assert errors[-1] < last
     for coarse, fine in pairwise(errors):
-        assert log2(coarse / fine) == pytest.approx(1.0, abs=0.05)
-
-
-def test_inversion_agrees_with_the_thin_disk_to_second_order_in_the_thickness() -> None:
-    thin = standing(2e5, THIN)
-    errors = [difference(standing(2e5, c), thin) for c in (4e-4, 2e-4, 1e-4)]
-    assert errors[-1] < 2e-5
-    for coarse, fine in pairwise(errors):
-        assert log2(coarse / fine) == pytest.approx(2.0, abs=0.05)
+        assert log2(coarse / fine) == pytest.approx(order, abs=0.05)
 
 
 def test_contact_force_is_that_of_model_1(model_1: Trajectory) -> None:
@@ -81,32 +76,24 @@ def test_contact_force_is_that_of_model_1(model_1: Trajectory) -> None:
     np.testing.assert_allclose(found.normal_force[5:], model_1.normal_force[5:], atol=2e-4)
 
 
-def test_energy_budget_closes_until_rest(settled: SpatialMotion) -> None:
-    start = settled.energies[0].sum()
-    assert np.max(np.abs(settled.energy_residual)) < 1e-6 * start
-    taken = settled.dissipated[-1].sum() + settled.energies[-1].sum()
-    assert taken == pytest.approx(start, rel=1e-6)
-    assert settled.energy_taken("rolling_dry")[-1] == 0.0
-    assert settled.energy_taken("air_drag")[-1] == 0.0
-
-
-def test_energy_never_rises_and_no_cause_gives_any_back(settled: SpatialMotion) -> None:
-    start = settled.energies[0].sum()
-    assert np.max(np.diff(settled.energies.sum(axis=1))) < 1e-7 * start
+def test_energy_budget_closes_and_no_cause_gives_energy_and_no_contact_pulls(
+    settled: SpatialMotion,
+) -> None:
+    energy = settled.energies.sum(axis=1)
+    assert np.max(np.abs(settled.energy_residual)) < 1e-6 * energy[0]
+    assert settled.dissipated[-1].sum() + energy[-1] == pytest.approx(energy[0], rel=1e-6)
+    assert np.max(np.diff(energy)) < 1e-7 * energy[0]
     # The friction laws take power at every instant; sampled work only rises.
-    assert np.min(np.diff(settled.dissipated, axis=0)) > -1e-9 * start
+    assert np.min(np.diff(settled.dissipated, axis=0)) > -1e-9 * energy[0]
+    assert np.min(settled.normal_force) >= 0.0
 
 
 def test_motion_ends_where_the_disk_is_at_rest(settled: SpatialMotion) -> None:
-    assert settled.ending is not None
-    assert settled.ending.reason == "at rest"
-    assert settled.ending.time == settled.times[-1]
-    assert settled.ending.value == pytest.approx(settled.energies[-1, 0], rel=1e-6, abs=1e-15)
+    ending = not_none(settled.ending)
+    assert ending.reason == "at rest"
+    assert ending.time == settled.times[-1]
+    assert ending.value == pytest.approx(settled.energies[-1, 0], rel=1e-6, abs=1e-15)
     assert settled.rest_time == pytest.approx(settled.times[-1] - 0.1, abs=1e-9)
-
-
-def test_contact_never_pulls(settled: SpatialMotion) -> None:
-    assert np.min(settled.normal_force) >= 0.0
 
 
 def test_phases_follow_each_other_until_rest(settled: SpatialMotion) -> None:
@@ -149,7 +136,7 @@ def test_flat_and_rolling_begin_at_the_first_sample_from_which_they_hold(
     assert is_rolling(times[begin])
 
 
-@pytest.mark.parametrize(("part", "is_ever_flat"), [(1.0, False), (0.9999, False), (0.5, True)])
+@pytest.mark.parametrize(("part", "is_ever_flat"), [(0.9999, False), (0.5, True)])
 def test_what_is_too_thick_to_lie_is_never_flat(part: float, is_ever_flat: bool) -> None:
     contact = PenaltyContact.rounded(STEEL_DISK, half_thickness=part * STEEL_DISK.radius)
     start = Start(spin=0.0, beta=0.3, gamma=-pi / 2)
@@ -161,7 +148,6 @@ def test_what_is_too_thick_to_lie_is_never_flat(part: float, is_ever_flat: bool)
 def test_start_turned_to_the_other_face_moves_the_same_way() -> None:
     start = Start(beta=1.2, gamma=0.4, spin=10.0, gamma_rate=-2.0)
     scenario = Scenario.rest(dissipation=SETTLING, start=start)
-    one = simulate_to_rest(scenario, 4.0, spacing=1e-2, local_tolerance=1e-10)
     # A half turn of the body about x maps the disk onto itself and swaps its faces.
     x, y, z, alpha, beta, gamma = scenario.initial_state.coordinates
     rates = scenario.initial_state.rates
@@ -169,33 +155,34 @@ def test_start_turned_to_the_other_face_moves_the_same_way() -> None:
         coordinates=(-x, -y, z, alpha + pi, pi - beta, pi - gamma),
         rates=(-rates[0], -rates[1], rates[2], rates[3], -rates[4], -rates[5]),
     )
-    other = simulate_to_rest(
-        replace(scenario, start=swapped), 4.0, spacing=1e-2, local_tolerance=1e-10
+    one, other = (
+        simulate_to_rest(each, 4.0, spacing=1e-2, local_tolerance=1e-10)
+        for each in (scenario, replace(scenario, start=swapped))
     )
     np.testing.assert_allclose(one.tilt, pi - other.tilt, atol=1e-7)
     np.testing.assert_allclose(one.cog_height, other.cog_height, atol=1e-8)
     np.testing.assert_allclose(one.positions, other.positions, atol=1e-7)
 
 
-@pytest.mark.parametrize("height", [0.01, 0.05])
-def test_dropped_disk_bounces_without_pull_and_with_a_closed_budget(height: float) -> None:
-    motion = dropped(height)
-    airborne = motion.normal_force == 0.0
-    assert np.any(airborne)
-    assert np.any(~airborne)
-    assert np.min(motion.normal_force) >= 0.0
+def dropped(**settings: Any) -> SpatialMotion:
+    """Tilted disk thrown upwards by 5 cm, so that it lifts off and comes down again."""
+    start = Scenario(start=Start(beta=0.7, gamma=0.3, spin=1.0)).initial_state
+    rates = (0.0, 0.0, float(np.sqrt(2 * 9.81 * 0.05)), *start.rates[3:])
+    thrown = State(coordinates=start.coordinates, rates=rates)
+    return simulate_to_rest(Scenario.rest(start=thrown), 0.5, spacing=1e-3, **settings)
+
+
+def test_dropped_disk_bounces_without_pull_and_with_a_closed_budget() -> None:
+    motion = dropped()
+    assert np.min(motion.normal_force) == 0.0
+    assert np.max(motion.normal_force) > 0.0
     assert np.max(np.abs(motion.energy_residual)) < 1e-6 * motion.energies[0].sum()
 
 
 @pytest.mark.parametrize("tolerance", mostly_slow([1e-2, None, 1e-6], (1e-2, None)))
 def test_bounces_meet_the_tolerance_and_its_estimate(tolerance: float | None) -> None:
-    found, best = (dropped(0.05, tolerance=value) for value in (tolerance, 1e-8))
+    found, best = (dropped(tolerance=value) for value in (tolerance, 1e-8))
     assert found.deviation(best) <= not_none(found.error_estimate) <= (tolerance or 1e-3)
-
-
-def test_simulation_says_when_no_two_runs_agree() -> None:
-    with pytest.raises(ToleranceError, match="tolerance 1e-15 cannot be reached"):
-        dropped(0.05, tolerance=1e-15)
 
 
 def test_runs_that_disagree_are_no_result_and_their_whole_difference_is_the_estimate(
@@ -214,26 +201,17 @@ def test_runs_that_disagree_are_no_result_and_their_whole_difference_is_the_esti
     assert found.error_estimate == pytest.approx(7.5e-4)
 
 
-def test_deviation_wants_the_same_times(settled: SpatialMotion) -> None:
-    other = settled.resampled(np.linspace(0.0, 1.0, 11))
-    with pytest.raises(ValueError, match=r"other must be sampled at the same times, got t = 0\.1"):
-        settled.deviation(other)
-
-
 def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotion) -> None:
-    about_vertical = quaternions_about((0.0, 0.0, 1.0), 0.3)
-    tilted = quaternions_about((1.0, 0.0, 0.0), 2e-3)
-    for turn, expected in ((about_vertical, 0.0), (tilted, 2e-3)):
+    tilted = Rotation.from_rotvec([2e-3, 0.0, 0.0])
+    for turn, expected in ((Rotation.from_rotvec([0.0, 0.0, 0.3]), 0.0), (tilted, 2e-3)):
         turned = (turn * Rotation.from_matrix(settled.rotations)).as_quat(scalar_first=True)
         other = replace(settled, quaternions=turned)
         assert settled.deviation(other) == pytest.approx(expected, rel=1e-5, abs=1e-12)
     energies = settled.energies.copy()
     energies[-1, 1] += 0.01 * energies[0].sum()
     assert settled.deviation(replace(settled, energies=energies)) == pytest.approx(0.01)
-
-
-def quaternions_about(axis: tuple[float, float, float], angle: float) -> Rotation:
-    return Rotation.from_rotvec(np.array(axis) * angle)
+    with pytest.raises(ValueError, match=r"other must be sampled at the same times, got t = 0\.1"):
+        settled.deviation(settled.resampled(np.linspace(0.0, 1.0, 11)))
 
 
 def test_time_limit_ends_runs_with_what_they_reached(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -243,22 +221,12 @@ def test_time_limit_ends_runs_with_what_they_reached(monkeypatch: pytest.MonkeyP
     found = simulate_to_rest(
         Scenario.rest(), 5.0, time_limit=4.0, progress=lambda reached, _end: told.append(reached)
     )
-    assert found.ending is not None
-    assert found.ending.reason == "time limit"
-    assert found.ending.time == found.times[-1] < 5.0
+    assert not_none(found.ending).reason == "time limit"
+    assert not_none(found.ending).time == found.times[-1] < 5.0
     assert found.rest_time is None
     assert max(told) > 1.0
     with pytest.raises(TimeLimitError, match="in the first stretch"):
         simulate_to_rest(Scenario.rest(), 5.0, time_limit=1e-3)
-
-
-def dropped(height: float, **settings: float | None) -> SpatialMotion:
-    """Tilted disk thrown upwards, so that it lifts off and comes down again."""
-    start = Scenario(start=Start(beta=0.7, gamma=0.3, spin=1.0)).initial_state
-    up = float(np.sqrt(2 * 9.81 * height))
-    thrown = State(coordinates=start.coordinates, rates=(0.0, 0.0, up, *start.rates[3:]))
-    scenario = Scenario.rest(start=thrown)
-    return simulate_to_rest(scenario, 0.5, spacing=1e-3, **settings)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("option", CAUSES[2:])
@@ -289,7 +257,7 @@ def test_disk_balanced_on_its_rim_is_not_at_rest(disk: Body, tilt: float, gamma:
     assert simulate_to_rest(scenario, 0.5, spacing=1e-2).rest_time is None
 
 
-@pytest.mark.parametrize("half_thickness", [1e-4, 5e-3, 0.02, 0.044, 0.045])
+@pytest.mark.parametrize("half_thickness", [1e-4, 0.02, 0.045])
 def test_resting_height_is_the_lowest_of_all_attitudes(half_thickness: float) -> None:
     disk = replace(STEEL_DISK, eccentricity=0.01)
     contact = PenaltyContact.rounded(disk, half_thickness=half_thickness)
@@ -312,13 +280,7 @@ REST = Scenario.rest()
         (Scenario(), {}, "contact must be a PenaltyContact, got None"),
         (REST, {"spacing": 2.0}, "spacing must not exceed end = 1"),
         (REST, {"tolerance": 1e-3, "local_tolerance": 1e-8}, "give either tolerance or local_t"),
-        (
-            REST,
-            {"local_tolerance": 1e-15},
-            "local_tolerance must lie from 1e-13 to less than 1, got",
-        ),
         (REST, {"method": "Radau"}, "method must be one of"),
-        (REST, {"stop_when": "asleep"}, "stop_when must be one of"),
     ],
 )
 def test_way_to_rest_that_cannot_be_run_is_refused(
@@ -326,47 +288,6 @@ def test_way_to_rest_that_cannot_be_run_is_refused(
 ) -> None:
     with pytest.raises(ValueError, match=f"^{message}"):
         simulate_to_rest(scenario, 1.0, **how)
-
-
-def mean_loss(motion: SpatialMotion, begin: float, end: float) -> tuple[float, float]:
-    """Mean leaning and loss in W between two times."""
-    part = (motion.times >= begin) & (motion.times <= end)
-    energy = motion.energies.sum(axis=1)[part]
-    return float(motion.leaning[part].mean()), float((energy[0] - energy[-1]) / (end - begin))
-
-
-@pytest.fixture(scope="module")
-def slid() -> SpatialMotion:
-    return simulate_to_rest(Scenario.rest(), 80.0, local_tolerance=1e-10)
-
-
-@pytest.mark.slow
-def test_sliding_friction_alone_leaves_the_disk_rolling(slid: SpatialMotion) -> None:
-    phases = slid.phases
-    assert phases.inversion_lost == pytest.approx(19.2, abs=0.1)
-    assert phases.rolling == pytest.approx(21.05, abs=0.1)
-    assert phases.flat is None
-    assert phases.rest is None
-    leaning, loss = mean_loss(slid, 70.0, 80.0)
-    assert leaning == pytest.approx(0.285, abs=0.005)
-    assert slid.energies[-1].sum() == pytest.approx(0.0805, abs=0.001)
-    assert loss == pytest.approx(8.2e-5, rel=0.1)
-
-
-@pytest.mark.slow
-def test_creeping_loss_is_that_of_the_viscous_slip_and_vanishes_with_it(
-    slid: SpatialMotion,
-) -> None:
-    start = slid.to_trajectory().state(-1)
-    losses = []
-    for coefficient, smoothing in ((0.3, 0.1), (0.6, 0.2), (0.6, 0.05), (0.6, 0.0125)):
-        friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing, load="contact")
-        scenario = Scenario.rest(start=start, friction=friction)
-        motion = simulate_to_rest(scenario, 12.0, local_tolerance=1e-10)
-        losses.append(mean_loss(motion, 6.0, 12.0)[1])
-    # At such small slip the law is viscous: only smoothing / coefficient matters.
-    assert losses[1] == pytest.approx(losses[0], rel=0.03)
-    assert losses[3] < 0.5 * losses[2]
 
 
 def test_disk_slides_down_a_slope_until_friction_carries_it() -> None:

@@ -32,35 +32,39 @@ def tilted(state: State) -> float:
     return LIMIT - state.coordinates[4]
 
 
-@pytest.mark.parametrize("source", SOURCES)
-def test_run_to_rest_ends_where_a_condition_turns_negative(source: Source) -> None:
-    whole = run_to_rest(SCENARIO, 0.3, source=source, tolerance=1e-3)
-    ended = run_to_rest(SCENARIO, 0.3, source=source, tolerance=1e-3, stop_when=tilted)
+@pytest.fixture(scope="module")
+def whole() -> SpatialMotion:
+    return simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3)
+
+
+@pytest.fixture(scope="module")
+def ended() -> SpatialMotion:
+    return simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3, stop_when=tilted)
+
+
+def test_run_to_rest_is_the_whole_one_until_a_condition_turns_negative(
+    whole: SpatialMotion, ended: SpatialMotion
+) -> None:
     first = int(np.argmax(whole.tilt > LIMIT))
-    assert 0 < first < whole.times.size - 1
-    assert ended.times.size == first + 1
+    assert 0 < first == ended.times.size - 1
     np.testing.assert_allclose(ended.tilt[:-1], whole.tilt[:first], atol=1e-6)
     assert whole.times[first - 1] < ended.times[-1] < whole.times[first]
-    assert ended.tilt[-1] == pytest.approx(LIMIT, abs=1e-9)
-    assert ended.ending is not None
-    assert ended.ending.reason == "tilted"
-    assert ended.ending.time == ended.times[-1]
-    assert ended.ending.value == pytest.approx(0.0, abs=1e-9)
+    ending = not_none(ended.ending)
+    assert ending.reason == "tilted"
+    assert ending.value == pytest.approx(0.0, abs=1e-9)
     assert ended.rest_time is None
-    assert ended.error_estimate is not None
 
 
-def test_motion_in_the_papers_coordinates_keeps_its_ending_and_its_error() -> None:
-    motion = simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3, stop_when=tilted)
-    run = motion.to_trajectory()
-    assert run.ending == motion.ending
+def test_motion_in_the_papers_coordinates_keeps_its_ending_and_its_error(
+    ended: SpatialMotion,
+) -> None:
+    run = ended.to_trajectory()
+    assert run.ending == ended.ending
     assert "tilted" in repr(run)
-    assert "complete" not in repr(run)
-    assert motion.error_estimate is not None
     # It is of the vertical's direction, which gamma moves by the sine of the tilt.
-    steepest = motion.error_estimate / np.sin(motion.leaning.min())
+    steepest = not_none(ended.error_estimate) / np.sin(ended.leaning.min())
     assert run.error_estimate == pytest.approx(steepest)
-    assert motion.to_trajectory(0.5 * motion.times[-1]).ending is None
+    assert ended.to_trajectory(0.5 * ended.times[-1]).ending is None
 
 
 def test_condition_that_holds_at_the_start_ends_nothing() -> None:
@@ -93,7 +97,7 @@ def truth() -> float:
 
 
 @pytest.mark.parametrize("source", SOURCES)
-@pytest.mark.parametrize("spacing", [0.002, 0.02, 0.1])
+@pytest.mark.parametrize("spacing", [0.002, 0.1])
 @pytest.mark.parametrize(
     "how", [{"tolerance": 1e-3}, pytest.param({"tolerance": 1e-6}, marks=pytest.mark.slow), {}]
 )
@@ -137,10 +141,8 @@ def test_ending_after_impacts_is_located() -> None:
     assert np.ptp(times) < 1e-7
     whole = motion(1e-3)
     before = whole.times < times[0]
-    assert np.any(whole.normal_force[before] == 0.0)
-    assert np.any(whole.normal_force[before] > 0.0)
-    assert np.all(whole.tilt[before] > 0.2)
-    assert whole.tilt[~before][0] < 0.2
+    assert np.min(whole.normal_force[before]) == 0.0 < np.max(whole.normal_force[before])
+    assert np.min(whole.tilt[before]) > 0.2 > whole.tilt[~before][0]
 
 
 @pytest.mark.parametrize("source", SOURCES)
@@ -158,24 +160,20 @@ def test_the_first_of_two_conditions_ends_the_run_though_both_hold_at_the_next_s
         assert motion.tilt[-1] == pytest.approx(LIMIT, abs=1e-9)
 
 
-def test_estimate_covers_the_time_of_an_ending() -> None:
-    motion = simulate_to_rest(SCENARIO, 0.3, tolerance=1e-4, stop_when=tilted)
-    late = float(motion.times[-1]) + 1e-5
+def test_estimate_covers_the_time_of_an_ending_which_both_runs_must_have(
+    whole: SpatialMotion, ended: SpatialMotion
+) -> None:
+    late = float(ended.times[-1]) + 1e-5
     ahead = replace(
-        motion,
-        times=np.append(motion.times[:-1], late),
-        ending=replace(not_none(motion.ending), time=late),
+        ended,
+        times=np.append(ended.times[:-1], late),
+        ending=replace(not_none(ended.ending), time=late),
     )
-    runs = iter([motion, ahead])
+    runs = iter([ended, ahead])
     agreed = until_agreement(lambda _local: next(runs), 1e-6, 1.0)
     # Both end at the same tilt: by the states alone, they would not differ.
-    moved = 1e-5 * float(np.hypot(*motion.angular_velocities[-1, :2]))
-    assert not_none(agreed.error_estimate) == pytest.approx(max(moved, 1e-5), rel=1e-6)
-
-
-def test_runs_of_which_one_ends_do_not_agree() -> None:
-    ended = simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3, stop_when=tilted)
-    whole = simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3)
-    runs = itertools.cycle([ended, whole])
+    moved = 1e-5 * float(np.hypot(*ended.angular_velocities[-1, :2]))
+    assert agreed.error_estimate == pytest.approx(max(moved, 1e-5), rel=1e-6)
+    different = itertools.cycle([ended, whole])
     with pytest.raises(ToleranceError, match="differ by inf"):
-        until_agreement(lambda _local: next(runs), 1e-9, 1.0)
+        until_agreement(lambda _local: next(different), 1e-9, 1.0)
