@@ -120,15 +120,6 @@ def test_motions_are_compared_as_far_as_there_are_some(scenario: Scenario, over:
         assert detail == over
 
 
-def test_constrained_scenes_are_stepped_by_a_solver_of_the_engine() -> None:
-    solvers = [
-        comparisons.own_integrator(Scene(Scenario(constraints=MODELS[level]), "euler-tree"))
-        for level in MODELS
-    ]
-    assert solvers == ["TrapezoidalIndex2"] * len(MODELS)
-    assert comparisons.own_integrator(Scene()) == "RK67"
-
-
 def driving(friction: Any) -> Any:
     def backwards(*given: Any) -> Any:
         along, across = friction(*given)
