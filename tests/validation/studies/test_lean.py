@@ -60,8 +60,3 @@ def test_all_parts_and_costlier_ways_have_a_price() -> None:
     made = lean.pairs()
     assert len(made) == 12
     assert sum(pair.same for pair in made.values()) == 8
-
-
-def test_start_of_a_process_is_timed() -> None:
-    ((row,),) = (lean.start(""),)
-    assert 1.0 < row["time"] < 5000.0

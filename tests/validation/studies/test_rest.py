@@ -53,8 +53,6 @@ ENGINE = runs.ENGINE[runs.SHOWN]
     ("column", "change", "check"),
     [
         ("tilt", lambda tilt: [*tilt[:700], tilt[700] + 2e-3, *tilt[701:]], "tilt in rad"),
-        ("tilt", lambda tilt: [nan, *tilt[1:]], "tilt in rad"),
-        ("rolling", lambda time: time + 0.1, "phases in s"),
         ("flat", lambda _: nan, "phases in s"),
         ("taken_by_sliding", lambda taken: 1.1 * taken, "energy taken"),
         ("face", lambda _: "second", "face apart"),
@@ -117,7 +115,6 @@ def shows(part: Any, **tables: pd.DataFrame) -> Content:
         (creep, "ε = 0.3 m/s", "tilts", lambda x: [*x[:-1], 1.01 * x[-1]]),
         (creep, creep.BEGIN, "tilts", lambda x: [each + 1e-4 for each in x]),
         (contact, next(iter(contact.cases())), "step_error", lambda _: nan),
-        (starts, "random, seed 3", "rest", lambda _: nan),
         (starts, "random, seed 3", "force", lambda _: -1.0),
     ],
 )
@@ -128,11 +125,6 @@ def test_what_departs_in_a_stored_table_fails(
     assert all(check.holds for check in shows(part, **{name: table}).checks)
     wrong = shows(part, **{name: planted(table, case, column, change)})
     assert not all(check.holds for check in wrong.checks)
-
-
-def test_a_start_that_is_missing_fails() -> None:
-    table = kit.load(starts.STUDY)
-    assert not all(check.holds for check in shows(starts, **{"rest-starts": table[1:]}).checks)
 
 
 @pytest.mark.slow

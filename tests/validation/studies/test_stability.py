@@ -14,7 +14,6 @@ from analysis import POSSIBLE_SETS, ConstraintSet, Scenario
 from analysis.data.constraint_set import set_name
 from analysis.stability import spectra
 from analysis.stability.critical import Crossing, critical_speeds
-from analysis.stability.printed import critical_speed
 from validation import report
 from validation import study as kit
 from validation.page.content import Content
@@ -37,11 +36,6 @@ def test_engine_and_in_house_eigenvalues_agree_under_every_set(constraints: Cons
         found = np.linalg.eigvals(engine_matrices(scenario, spins, formulation=formulation))
         for one, other in zip(found, spectra.eigenvalues(scenario, spins), strict=True):
             assert distance(one.astype(complex), other) <= EIGENVALUE_LIMIT
-
-
-def test_engine_finds_the_closed_form_critical_speed() -> None:
-    found = measured.engine_critical_spin(4, 30.0, 32.0, 7.1)
-    assert found == pytest.approx(critical_speed(PAPER).spin, rel=1e-7)
 
 
 @pytest.fixture(scope="module")
