@@ -140,9 +140,3 @@ def test_centred_disks_keep_to_closed_forms_and_fail_where_they_do_not() -> None
         wrong = planted(table, case, "value", lambda x: 0.01 * x)
         checks = shows(closed_forms, **{"rest-closed": wrong}).checks
         assert not all(check.holds for check in checks)
-
-
-def test_a_random_start_comes_to_rest() -> None:
-    row = plain(starts.measure(starts.cases()["random, seed 1"]))[0]
-    assert row["rest"] is not None
-    assert row["force"] >= 0.0

@@ -201,16 +201,13 @@ def test_failed_refused_crashed_and_unfinished_runs_are_told_apart(
     assert str(error) in found["reason"] or "50000 steps taken" in found["reason"]
 
 
-@pytest.mark.parametrize(
-    ("reason", "verdict"),
-    [("not finished within 1 s", "time limit"), ("the interpreter ended with -11", "crashed")],
-)
-def test_problem_of_which_the_process_ends_has_a_row_for_each_way(
-    reason: str, verdict: str
-) -> None:
-    rows = outcomes.failed(EASY, reason)
-    assert [row["way"] for row in rows] == [way.name for way in ways(EASY)]
-    assert {(row["verdict"], row["broken"]) for row in rows} == {(verdict, verdict == "crashed")}
+def test_problem_of_which_the_process_ends_has_a_row_for_each_way() -> None:
+    late = outcomes.failed(EASY, "not finished within 1 s")
+    ended = outcomes.failed(EASY, "the interpreter ended with -11")
+    for rows, verdict in ((late, "time limit"), (ended, "crashed")):
+        assert [row["way"] for row in rows] == [way.name for way in ways(EASY)]
+        told = {(row["verdict"], row["broken"]) for row in rows}
+        assert told == {(verdict, verdict == "crashed")}
 
 
 # --- Beside the cases ---------------------------------------------------------------------------
