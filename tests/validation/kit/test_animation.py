@@ -1,5 +1,6 @@
 """Animations: the page and the GIF show the motion that was stored."""
 
+import html
 import io
 import json
 import re
@@ -88,6 +89,13 @@ def tumbling(samples: int = 101, rate: float = 2.0) -> SpatialMotion:
     )
 
 
+def flipped() -> SpatialMotion:
+    """The same, with every other quaternion of the other sign."""
+    motion = tumbling()
+    signs = np.where(np.arange(motion.times.size) % 2, -1.0, 1.0)[:, None]
+    return replace(motion, quaternions=signs * motion.quaternions)
+
+
 MOTIONS: dict[str, Callable[[], StoredRun]] = {"trajectory": inversion, "spatial": tumbling}
 
 
@@ -139,12 +147,10 @@ def test_samples_half_a_turn_apart_are_refused() -> None:
 
 
 def test_interpolation_takes_the_shorter_way_round() -> None:
-    motion = tumbling()
-    signs = np.where(np.arange(motion.times.size) % 2, -1.0, 1.0)[:, None]
     times = np.linspace(0.0, 1.0, 333)
-    flipped = keyframes(replace(motion, quaternions=signs * motion.quaternions)).at(times)
+    found = keyframes(flipped()).at(times)
     np.testing.assert_allclose(
-        flipped.rotations, keyframes(motion).at(times).rotations, atol=1e-12
+        found.rotations, keyframes(tumbling()).at(times).rotations, atol=1e-12
     )
 
 
@@ -235,6 +241,13 @@ def test_shape_of_a_body_is_that_of_its_mass(disk: Body) -> None:
     assert np.hypot(*body.mark) == pytest.approx(disk.radius)
 
 
+def test_masses_are_drawn_where_they_are() -> None:
+    disk = Disk.of_parts((0.04, 0.01, 7700.0), masses=[(0.0, 0.03, 0.1)])
+    (mass,) = shape(disk).masses
+    np.testing.assert_allclose(np.mean(mass[:-1], axis=0), (0.03, 0.0), atol=1e-12)
+    assert shape(disk).cog[0] > 0.0
+
+
 @pytest.mark.parametrize("solid", [TIPPE_TOP, EGG], ids=["sphere", "own"])
 def test_lines_of_a_solid_lie_on_its_surface_and_fill_its_outline(solid: Body) -> None:
     points = np.vstack(shape(solid).lines)
@@ -261,6 +274,14 @@ def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
 
 
 @needs_node
+def test_player_takes_the_shorter_way_round_between_keyframes() -> None:
+    times = np.array([0.1234, 0.777])
+    shown = played(animate(flipped()), times)
+    tilts = [each["beta"] for each in shown]
+    np.testing.assert_allclose(tilts, np.abs(2.0 * (times - 0.5)), atol=2e-4)
+
+
+@needs_node
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_player_shows_the_motion(kind: str) -> None:
     motion = MOTIONS[kind]()
@@ -282,6 +303,12 @@ def test_player_shows_the_motion(kind: str) -> None:
             assert shown["spin"] == pytest.approx(rates[0, 2], abs=1e-3)
         # Table, shadow, light and heavy half, contact point, mark and centre of gravity.
         assert len(shown["drawn"]) == 7
+
+
+def test_notebook_shows_the_page_in_a_frame_of_its_own() -> None:
+    made = animate(inversion(), end=0.2)
+    found = re.fullmatch(r'<iframe srcdoc="([^"]*)" .*</iframe>', made._repr_html_(), re.DOTALL)
+    assert html.unescape(not_none(found)[1]) == made.page
 
 
 def test_gif_shows_the_heavy_half_low_and_then_high() -> None:
