@@ -84,3 +84,11 @@ def test_a_missing_run_or_a_number_that_is_none_makes_no_section(table: pd.DataF
     ):
         with pytest.raises((KeyError, ValueError)):
             shown(broken)
+
+
+def test_a_case_is_run_by_both_sides() -> None:
+    rows = plain(inversion.measure((1, "weight", 0.1)))
+    assert [row["source"] for row in rows] == list(SOURCES)
+    runs = inversion.motions(frame(rows).assign(case="Model 1"))
+    one, other = (runs["Model 1", source].coordinates for source in SOURCES)
+    assert 0.0 < np.max(np.abs(one - other)) < 2 * inversion.TOLERANCE
