@@ -3,14 +3,12 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 
 from tests.toy_study import STUDY
 from validation import report
 from validation import study as kit
-from validation.page.content import Content
 
 PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
 
@@ -60,27 +58,6 @@ def test_a_second_call_measures_and_draws_nothing(
     )
 
 
-def planted(results: Path, folder: Path, value: float) -> Path:
-    """The same results with a value of the sample replaced."""
-    folder.mkdir()
-    for path in results.glob("toy.*"):
-        (folder / path.name).write_bytes(path.read_bytes())
-    table = pd.read_csv(folder / "toy.csv")
-    table.loc[0, "value"] = value
-    table.to_csv(folder / "toy.csv", index=False)
-    return folder
-
-
-@pytest.mark.parametrize("value", [1.01, np.nan, np.inf])
-def test_a_wrong_stored_value_fails_the_report(
-    value: float, results: Path, tmp_path: Path
-) -> None:
-    wrong = planted(results, tmp_path / "results", value)
-    made = report.make(tmp_path / "report", results=wrong, pages=PAGES, workers=0)
-    assert not made.holds
-    assert "checks FAIL" in made.page.read_text()
-
-
 def test_a_section_without_its_table_says_so_and_fails_the_report(tmp_path: Path) -> None:
     made = report.make(tmp_path / "report", results=tmp_path, pages=PAGES, workers=0)
     assert {c.name for c in made.checks if not c.holds} == {"toy: table", "toy-section: section"}
@@ -105,11 +82,3 @@ def test_files_of_an_earlier_report_go_and_foreign_ones_stay(
 def test_two_reports_do_not_work_in_one_folder(results: Path, tmp_path: Path) -> None:
     with report.locked(tmp_path), pytest.raises(OSError, match="another process works in it"):
         report.make(tmp_path, results=results, pages=PAGES, workers=0)
-
-
-def test_parts_of_a_section_are_shown_together() -> None:
-    check = kit.at_most("a", 0.0, 1.0)
-    one, other = Content(numbers={"a": 1}, checks=[check]), Content(numbers={"b": 2})
-    assert (one | other | one) == Content(
-        numbers={"a": 1, "b": 2}, checks=[check, check], verdicts=[]
-    )

@@ -39,6 +39,7 @@ from validation.studies.crosscheck import Check
 from validation.studies.stability.eigenvalue_check import distance
 
 SLOPE = Table(inclination=2 * pi / 180, downhill=0.7)
+SCENARIO = Scenario()
 FAST = Start(spin=100.0, beta=1.0)
 """Ends where the contact would pull."""
 
@@ -63,14 +64,12 @@ def test_every_formulation_of_a_set_agrees(constraints: ConstraintSet) -> None:
 
 
 SCENARIOS = {
-    "slope": Scenario(table=SLOPE),
     "slope, Model 3": Scenario(constraints=MODELS[3], table=SLOPE),
     "slope, load contact": Scenario(table=SLOPE, friction=SmoothCoulomb(load="contact")),
     "slope, penalty": Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK), table=SLOPE),
     "composed disk": Scenario(disk=COMPOSED),
     "sphere": Scenario(disk=TIPPE_TOP),
     "ellipse": Scenario(disk=ELLIPSE, contact=PenaltyContact.damped(1e5, ELLIPSE)),
-    "moon": Scenario(table=Table(gravity=1.62)),
     **{name: Scenario(friction=law()) for name, law in LAWS.items()},
     "rolling resistance": Scenario.rest(
         dissipation=Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=5e-5)
@@ -120,21 +119,8 @@ def test_motions_are_compared_as_far_as_there_are_some(scenario: Scenario, over:
         assert detail == over
 
 
-def test_constrained_scenes_are_stepped_by_a_solver_of_the_engine() -> None:
-    solvers = [
-        comparisons.own_integrator(Scene(Scenario(constraints=MODELS[level]), "euler-tree"))
-        for level in MODELS
-    ]
-    assert solvers == ["TrapezoidalIndex2"] * len(MODELS)
-    assert comparisons.own_integrator(Scene()) == "RK67"
-
-
 def driving(friction: Any) -> Any:
-    def backwards(*given: Any) -> Any:
-        along, across = friction(*given)
-        return -along, -across
-
-    return backwards
+    return lambda *given: tuple(-part for part in friction(*given))
 
 
 def uphill(numbers: Any) -> Any:
@@ -149,12 +135,10 @@ def pushing(touch: Any) -> Any:
     return backwards
 
 
-YIELDING = Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK))
-
 WRONG: dict[str, tuple[Any, str, Callable[[Any], Any], Scenario]] = {
-    "friction": (recorded, "_friction", driving, Scenario()),
+    "friction": (recorded, "_friction", driving, SCENARIO),
     "slope": (recorded, "numbers", uphill, Scenario(table=SLOPE)),
-    "penalty": (penalty.YieldingTable, "touch", pushing, YIELDING),
+    "penalty": (penalty.YieldingTable, "touch", pushing, SCENARIOS["slope, penalty"]),
 }
 """Where the in-house equations get a wrong sign, and how; in which scenario it is seen."""
 
@@ -231,14 +215,11 @@ def singular(_: Array) -> Array:
     raise ArithmeticError("singular")
 
 
-def accelerations(states: int, scenario: Scenario | None = None) -> Check:
-    scenario = Scenario() if scenario is None else scenario
+def accelerations(states: int, scenario: Scenario = SCENARIO) -> Check:
     return crosscheck.check_formulation(scenario, "euler-tree", states=states, end=None)[0]
 
 
-@pytest.mark.parametrize(
-    "how", [lambda a: nan * a, lambda a: inf * a, singular], ids=["nan", "inf", "singular"]
-)
+@pytest.mark.parametrize("how", [lambda a: nan * a, singular], ids=["nan", "singular"])
 def test_one_state_without_a_number_on_one_side_is_no_agreement(
     how: Callable[[Array], Array], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -264,9 +245,7 @@ def test_states_without_a_solution_on_either_side_are_not_counted() -> None:
 VALUES = np.array([1.0 + 2.0j, 1.0 - 2.0j, -3.0])
 
 
-@pytest.mark.parametrize(
-    "found", [VALUES[:2], np.append(VALUES, -5.0), VALUES[:0], nan * VALUES, inf * VALUES.real]
-)
+@pytest.mark.parametrize("found", [VALUES[:2], np.append(VALUES, -5.0), nan * VALUES])
 def test_eigenvalues_that_one_side_lacks_are_no_agreement(
     found: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -308,8 +287,7 @@ def test_study_compares_every_model_load_formulation_and_set() -> None:
     assert content.verdicts[0].answer == "yes"
 
 
-@pytest.mark.parametrize("wrong", [1e-4, nan, inf, None])
-@pytest.mark.parametrize("row", [0, 30, -1])
+@pytest.mark.parametrize(("row", "wrong"), [(0, 1e-4), (30, nan), (-1, None)])
 def test_one_difference_that_is_too_large_or_none_fails(row: int, wrong: float | None) -> None:
     rows = compared().reset_index(drop=True)
     rows.loc[rows.index[row], "difference"] = wrong

@@ -66,9 +66,3 @@ def test_a_misprint_that_is_none_or_a_correction_that_is_wrong_fails() -> None:
     assert failed(present(misprints=table.assign(**{"as printed": 0.0, "corrected": 1e-9}))) != []
     assert len(failed(present(misprints=table.assign(corrected=nan)))) == len(table)
     assert failed(present(misprints=table.iloc[1:])) == ["misprints: corrected"]
-
-
-def test_number_that_was_not_measured_is_no_section() -> None:
-    without = rows()["printed-numbers-engine"].iloc[:-1]
-    with pytest.raises(KeyError):
-        present(printed_numbers_engine=without)

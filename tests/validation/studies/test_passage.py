@@ -5,14 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import Dissipation, Scenario
+from analysis import Scenario
 from tests.calls import run as call
 from tests.helpers import not_none
 from validation.nonlinear.passage import Passage, SlowPair, follow, measure
 from validation.run import run
 from validation.studies.nonlinear.delay import SMALL, delay_law, slowed
-
-README = Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3, pivoting=5e-5))
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +26,7 @@ def test_the_growth_rate_is_the_real_part_of_the_slow_pair(pair: SlowPair) -> No
 
 
 def test_a_compliant_contact_has_the_slow_pair_of_the_ideal_one(pair: SlowPair) -> None:
-    assert SlowPair.of(README).spin == pair.spin
+    assert SlowPair.of(Scenario.rest()).spin == pair.spin
 
 
 @pytest.mark.parametrize("power", [0.5, 0.8])

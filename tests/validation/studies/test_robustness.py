@@ -14,8 +14,7 @@ import analysis
 import mbs_models
 from analysis import LOADS, MODELS, POSSIBLE_SETS, Scenario, Start, Trajectory
 from analysis.data.endings import CONTACT_WOULD_PULL
-from mbs_models import Scene
-from tests.helpers import not_none
+from tests.helpers import mostly_slow, not_none
 from validation import study as kit
 from validation.kit.references import Reference, reference
 from validation.kit.ways import StepLimit, Way
@@ -72,16 +71,6 @@ def test_what_the_library_is_left_to_choose_for_is_what_named_ways_do_not_finish
     assert {way for each in CHOSEN.cases().values() for way in ways(each)} == {CHOSEN_WAY}
 
 
-@pytest.mark.parametrize("radius", ["0.001", "10"])
-def test_scaled_disk_makes_the_same_motion(radius: str) -> None:
-    problem = cases()[f"radius of the disk in m: {radius}, Model 1"]
-    run, original = (
-        mbs_models.simulate(Scene(each), np.linspace(0.0, end, 51), tolerance=1e-8)
-        for each, end in ((problem.scenario, problem.end), (Scenario(), 0.5))
-    )
-    np.testing.assert_allclose(run.coordinates[:, 3:], original.coordinates[:, 3:], atol=1e-7)
-
-
 # --- What they are called -----------------------------------------------------------------------
 
 
@@ -120,10 +109,6 @@ def later(run: Trajectory, seconds: float) -> Trajectory:
     return replace(run, times=times, ending=replace(ending, time=ending.time + seconds))
 
 
-def unended(run: Trajectory) -> Trajectory:
-    return replace(run, times=np.append(run.times[:-1], INVERTED.end), ending=None)
-
-
 def otherwise(run: Trajectory) -> Trajectory:
     return replace(run, ending=replace(not_none(run.ending), reason=CONTACT_WOULD_PULL))
 
@@ -133,12 +118,9 @@ def otherwise(run: Trajectory) -> Trajectory:
     [
         (EASY, partial(moved, angle=1e-4)),
         (INVERTED, partial(later, seconds=5e-6)),
-        (INVERTED, partial(later, seconds=-5e-7)),
-        (INVERTED, partial(moved, angle=2e-6)),
         (INVERTED, otherwise),
-        (INVERTED, unended),
     ],
-    ids=["angles", "late", "early, at some rad/s", "attitude", "reason", "not at all"],
+    ids=["angles", "late", "reason"],
 )
 def test_wrong_angles_or_endings_break_the_promise_of_runs_that_make_one(
     problem: Problem, spoil: Callable[[Trajectory], Trajectory]
@@ -150,12 +132,8 @@ def test_wrong_angles_or_endings_break_the_promise_of_runs_that_make_one(
     assert wrong["cause"] == "wrong angles or ending"
     assert not judge(problem, spoil(right), estimate=None)["broken"]
     assert judge(problem, right, repeatable=False)["broken"]
-
-
-@pytest.mark.parametrize("column", ["error", "ending_error"])
-@pytest.mark.parametrize("wrong", [nan, inf])
-def test_error_that_is_no_number_breaks_a_promise(column: str, wrong: float) -> None:
-    assert judge(EASY, known(EASY).first, **{column: wrong})["broken"]
+    assert judge(problem, right, error=nan)["broken"]
+    assert judge(problem, right, ending_error=inf)["broken"]
 
 
 @pytest.mark.parametrize(
@@ -202,7 +180,6 @@ def test_result_without_a_reference_is_not_called_accurate() -> None:
     ("taken", "error", "verdict", "why"),
     [
         (0, ValueError("explicit integrator"), "refused", "explicit integrator"),
-        (0, ValueError("needs a contact that pulls"), "refused", "starts where the contact"),
         (1, ValueError("beta must lie in (0, pi)"), "crashed", "crashed"),
         (1, mbs_models.EngineError("Newton's iteration did not converge"), "diverged", "Newton"),
         (1, mbs_models.EngineError("singular: each newton of normal force"), "diverged", "load:"),
@@ -224,22 +201,21 @@ def test_failed_refused_crashed_and_unfinished_runs_are_told_apart(
     assert str(error) in found["reason"] or "50000 steps taken" in found["reason"]
 
 
-@pytest.mark.parametrize(
-    ("reason", "verdict"),
-    [("not finished within 1 s", "time limit"), ("the interpreter ended with -11", "crashed")],
-)
-def test_problem_of_which_the_process_ends_has_a_row_for_each_way(
-    reason: str, verdict: str
-) -> None:
-    rows = outcomes.failed(EASY, reason)
-    assert [row["way"] for row in rows] == [way.name for way in ways(EASY)]
-    assert {(row["verdict"], row["broken"]) for row in rows} == {(verdict, verdict == "crashed")}
+def test_problem_of_which_the_process_ends_has_a_row_for_each_way() -> None:
+    late = outcomes.failed(EASY, "not finished within 1 s")
+    ended = outcomes.failed(EASY, "the interpreter ended with -11")
+    for rows, verdict in ((late, "time limit"), (ended, "crashed")):
+        assert [row["way"] for row in rows] == [way.name for way in ways(EASY)]
+        told = {(row["verdict"], row["broken"]) for row in rows}
+        assert told == {(verdict, verdict == "crashed")}
 
 
 # --- Beside the cases ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("place", [("smoothing", 1e-8), ("stiffness", 1e7)])
+@pytest.mark.parametrize(
+    "place", mostly_slow((("smoothing", 1e-8), ("stiffness", 1e7)), [("smoothing", 1e-8)])
+)
 def test_largest_stable_step_is_the_predicted_one_and_implicit_ones_are_longer(
     place: steps.Place,
 ) -> None:
@@ -328,21 +304,11 @@ def test_stored_cases_hold_and_are_told_with_their_numbers(rows: Rows) -> None:
 @pytest.mark.parametrize(
     ("study", "column", "value", "check"),
     [
-        *(
-            (study, *wrong)
-            for study in ("robustness", "robustness-chosen")
-            for wrong in (
-                ("broken", True, "promise broken"),
-                ("error", 1e-3, "promise broken"),
-                ("error", nan, "against their numbers"),
-                ("energy", inf, "against their numbers"),
-                ("verdict", "crashed", "promise broken"),
-                ("way", "another", "missing or too many"),
-            )
-        ),
+        ("robustness", "error", 1e-3, "promise broken"),
+        ("robustness-chosen", "energy", inf, "against their numbers"),
+        ("robustness-chosen", "way", "another", "missing or too many"),
         ("robustness-steps", "step", 2e-3, "stable over predicted"),
         ("robustness-steps", "predicted", nan, "places without"),
-        ("robustness-steps", "integrator", "another", "places without"),
         ("robustness-conservation", "position", 1e-3, "position"),
         ("robustness-conservation", "energy", nan, "energy"),
         ("robustness-penalty", "angles", 1.0, "order less one"),
