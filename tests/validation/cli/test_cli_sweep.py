@@ -47,10 +47,6 @@ def test_axes_come_from_a_file_as_well() -> None:
 def test_what_cannot_run_here_is_refused_before_anything_is_kept(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    for executor, module in (("dask", "distributed"), ("mpi", "mpi4py")):
-        monkeypatch.setitem(sys.modules, module, None)
-        said = refusal(capsys, CALL, f"--executor {executor}")
-        assert f"the executor {executor} needs the extra" in said
     monkeypatch.setattr(library, "find_spec", lambda _: None)
     said = refusal(capsys, CALL, "--method taylor")
     assert "method 'taylor' needs heyoka, which is not installed: pip install" in said
@@ -59,3 +55,12 @@ def test_what_cannot_run_here_is_refused_before_anything_is_kept(
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
     assert "5 cases may take" in refusal(capsys, CALL)
     assert not Path("a.db").exists()
+
+
+@pytest.mark.parametrize(("executor", "module"), [("dask", "distributed"), ("mpi", "mpi4py")])
+def test_missing_extra_is_told_in_one_line(
+    executor: str, module: str, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    said = refusal(capsys, CALL, f"--executor {executor}")
+    assert f"the executor {executor} needs the extra" in said
