@@ -13,6 +13,7 @@ from analysis import (
     Dissipation,
     PenaltyContact,
     Scenario,
+    SmoothCoulomb,
     SpatialMotion,
     Start,
     State,
@@ -73,9 +74,7 @@ TOLD: dict[str, Scenario] = {
     "soft.toml --stiffness 1e6": replace(COMPLIANT, contact=replace(SOFT, stiffness=1e6)),
     "soft.toml --mass 1": replace(COMPLIANT, disk=HEAVY),
     "soft.toml --spin 30": replace(COMPLIANT, start=Start(spin=30.0)),
-    "state.toml --mu 0.1": replace(
-        PAPER, start=STATE, friction=replace(PAPER.friction, coefficient=0.1)
-    ),
+    "state.toml --mu 0.1": replace(PAPER, start=STATE, friction=SmoothCoulomb(coefficient=0.1)),
     # The way to rest has defaults of its own.
     "--rest": Scenario.rest(),
     "--rest --mass 1": Scenario.rest(disk=HEAVY),
@@ -155,7 +154,7 @@ def test_check_answers_by_its_exit_code(
 ) -> None:
     def answer(scenario: Scenario, **how: float) -> list[crosscheck.Check]:
         assert how == {"states": 10, "end": 2.0}
-        assert scenario == replace(PAPER, friction=replace(PAPER.friction, coefficient=0.2))
+        assert scenario == replace(PAPER, friction=SmoothCoulomb(coefficient=0.2))
         about: Any = {"quantity": "accelerations", "formulation": "floating", "detail": "relative"}
         return [
             crosscheck.Check(criterion=1e-8, difference=each, **about)

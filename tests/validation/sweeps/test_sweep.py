@@ -6,6 +6,7 @@ import tracemalloc
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing, nullcontext
 from dataclasses import replace
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -218,11 +219,11 @@ def test_damaged_or_foreign_file_is_blamed_and_neither_read_nor_written(
     else:
         path.write_bytes(damage or path.read_bytes()[:-4096])
     before = path.read_bytes()
-    for call in (lambda: Results.load(path), lambda: swept(wanted, path)):
+    for call in (Results.load, partial(swept, wanted)):
         with pytest.raises(
             (ValueError, OSError), match=rf"^{re.escape(str(path))}:? {DAMAGES[damage]}"
         ):
-            call()
+            call(path)
     assert path.read_bytes() == before
 
 
