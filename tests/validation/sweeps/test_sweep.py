@@ -1,5 +1,6 @@
 """Sweeps: outcomes of the cases, the store, and workers that fail."""
 
+import csv
 import re
 import sqlite3
 import tracemalloc
@@ -242,23 +243,22 @@ def test_second_writer_is_refused_and_readers_are_not(tmp_path: Path) -> None:
 
 
 def test_csv_holds_every_row_in_full_precision(tmp_path: Path) -> None:
-    wanted, path, text = sweep("spin=30:40:3", "mu=0.2,-1"), tmp_path / "a.db", tmp_path / "a.csv"
-    columns = swept(wanted, path).columns
+    path, text = tmp_path / "a.db", tmp_path / "a.csv"
+    columns = swept(sweep("spin=30:40:3", "mu=0.2,-1"), path).columns
     assert write_csv(path, text) == 6
-    head, *lines = text.read_text().splitlines()
-    assert head.split(",") == ["number", "start.spin", "friction.coefficient", *COLUMNS]
-    at = head.split(",").index("force_least")
-    found = [float(line.split(",")[at] or "nan") for line in lines]
+    with text.open() as lines:
+        rows = list(csv.DictReader(lines))
+    assert list(rows[0]) == ["number", "start.spin", "friction.coefficient", *COLUMNS]
+    found = [float(row["force_least"] or "nan") for row in rows]
     np.testing.assert_array_equal(found, columns["force_least"])
 
 
 def test_column_on_the_grid_leaves_gaps_where_no_row_is(tmp_path: Path) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    columns = swept(wanted, path, numbers=[0, 3]).columns
-    end = Results.load(path).on_grid("end")
-    np.testing.assert_array_equal(end, [[0.05, np.nan], [np.nan, 0.05], [np.nan, np.nan]])
-    assert Results.load(path).on_grid("ending").tolist() == [[None] * 2] * 3
-    assert [columns[name].dtype.kind for name in ("status", "end")] == ["O", "f"]
+    results = swept(sweep(*SPINS), tmp_path / "a.db", numbers=[0, 3])
+    gaps = [[0.05, np.nan], [np.nan, 0.05], [np.nan, np.nan]]
+    np.testing.assert_array_equal(results.on_grid("end"), gaps)
+    assert results.on_grid("ending").tolist() == [[None] * 2] * 3
+    assert [results.columns[name].dtype.kind for name in ("status", "end")] == ["O", "f"]
 
 
 @pytest.mark.slow
