@@ -4,6 +4,8 @@ import pytest
 
 from validation import cli
 
+Capture = pytest.CaptureFixture[str]
+
 
 def run(*words: str) -> int:
     """Exit code of a call; text with spaces is several words."""
@@ -13,7 +15,7 @@ def run(*words: str) -> int:
         return int(stop.code or 0)
 
 
-def refusal(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+def refusal(capsys: Capture, *words: str) -> str:
     """The one line in which a call is refused, with code 2 and nothing else said."""
     assert run(*words) == 2
     shown = capsys.readouterr()
@@ -24,7 +26,7 @@ def refusal(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     return shown.err
 
 
-def printed(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+def printed(capsys: Capture, *words: str) -> str:
     """What a call prints that succeeds."""
     assert run(*words) == 0
     return capsys.readouterr().out

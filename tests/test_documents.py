@@ -14,10 +14,7 @@ from validation.parser.top import parsed
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")])
-LONG = (
-    *("report", "study", "rest", "map"),
-    *("cycles", "heteroclinic", "passage"),
-)
+LONG = ("report", "study", "rest", "map", "cycles", "heteroclinic", "passage")
 """Subcommands of more than some seconds, which other tests run."""
 
 

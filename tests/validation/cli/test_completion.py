@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from tests.calls import printed
+from tests.calls import Capture, printed
 from validation.parser.commands import COMMANDS, SHELLS
 
 COMPLETE = """
@@ -13,33 +13,27 @@ COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))
 _tippedisk; echo "${{COMPREPLY[@]}}"
 """
 
+OFFERED = {
+    "tippedisk sim": "simulate",
+    "tippedisk simulate --source e": "engine",
+    "tippedisk simulate --incl": "--inclination",
+    "tippedisk simulate --csv ''": "",
+    "tippedisk map spin-": "spin-friction spin-eccentricity",
+    "tippedisk rest --no-bil": "--no-bilateral",
+}
 
-BASH = shutil.which("bash")
 
-
-@pytest.mark.skipif(BASH is None, reason="needs bash")
-@pytest.mark.parametrize(
-    ("words", "offered"),
-    [
-        ("tippedisk sim", "simulate"),
-        ("tippedisk simulate --source e", "engine"),
-        ("tippedisk simulate --incl", "--inclination"),
-        ("tippedisk simulate --csv ''", ""),
-        ("tippedisk map spin-", "spin-friction spin-eccentricity"),
-        ("tippedisk rest --no-bil", "--no-bilateral"),
-    ],
-)
-def test_bash_offers_what_fits(
-    words: str, offered: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
+@pytest.mark.parametrize("words", OFFERED)
+def test_bash_offers_what_fits(words: str, capsys: Capture) -> None:
     script = printed(capsys, "completion bash") + COMPLETE.format(words=words)
-    done = subprocess.run([str(BASH), "-c", script], capture_output=True, text=True, check=True)
-    assert (done.stdout, done.stderr) == (f"{offered}\n", "")
+    done = subprocess.run(["/bin/bash", "-c", script], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == (f"{OFFERED[words]}\n", "")
 
 
 @pytest.mark.parametrize("shell", SHELLS)
 def test_script_of_a_shell_knows_every_command_and_is_understood(
-    shell: str, capsys: pytest.CaptureFixture[str]
+    shell: str, capsys: Capture
 ) -> None:
     script = printed(capsys, "completion", shell)
     for command in COMMANDS:

@@ -2,14 +2,13 @@
 
 import re
 from itertools import count, pairwise
-from pathlib import Path
 
 import pytest
 
-from tests.calls import run
+from tests.calls import Capture, run
 from validation.kit import progress
 
-SIMULATE = "simulate --source in-house --samples 3 --tolerance 1e-5"
+SIMULATE = "simulate --source in-house --samples 3 --tolerance 1e-5 --out new.npz --end"
 
 
 @pytest.fixture(name="clock")
@@ -20,45 +19,34 @@ def _clock(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress, "monotonic", lambda: float(next(seconds)))
 
 
-def test_short_work_is_silent(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert run(SIMULATE, "--end 0.02 --out", str(tmp_path / "run.npz")) == 0
+def test_short_work_is_silent(capsys: Capture) -> None:
+    assert run(SIMULATE, "0.02") == 0
     assert capsys.readouterr().err == ""
 
 
 @pytest.mark.usefixtures("clock")
-def test_lines_tell_what_is_done_and_what_is_left_and_come_the_rarer_the_longer_it_takes(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    for _ in progress.counted(range(3000), "cases"):
-        pass
-    lines = capsys.readouterr().err.splitlines()
-    found = [
-        re.fullmatch(r"cases: (\d+) of 3000, after \S+ \w+(, some \S+ \w+ to go)?", line)
-        for line in lines
-    ]
-    done = [int(match[1]) for match in found if match]
-    assert len(done) == len(lines) > 10
-    assert len(lines) < 60
-    steps = [after - before for before, after in pairwise(done)]
-    assert steps[-1] > 5 * steps[0]
-    # From less than a hundredth nothing is reckoned.
-    assert [bool(match[2]) for match in found if match] == [number > 30 for number in done]
-
-
-@pytest.mark.usefixtures("clock")
-def test_long_run_tells_its_time_without_a_terminal(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    assert run(SIMULATE, "--end 1 --out", str(tmp_path / "run.npz")) == 0
+def test_long_run_tells_its_time_without_a_terminal(capsys: Capture) -> None:
+    assert run(SIMULATE, "1") == 0
     first, *_ = capsys.readouterr().err.splitlines()
     assert re.fullmatch(r"t = \S+ of 1 s, after \S+ s, some \S+ \w+ to go", first)
 
 
 @pytest.mark.usefixtures("clock")
-def test_failed_cases_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress.bar(total=100, unit="cases") as shown:
+def test_lines_tell_what_is_done_and_left_and_come_the_rarer_the_longer_it_takes(
+    capsys: Capture,
+) -> None:
+    with progress.bar(total=3000, unit="cases") as shown:
         shown.set_postfix_str("2 failed", refresh=False)
-        for _ in range(40):
+        for _ in range(3000):
             shown.update()
-    first, *_ = capsys.readouterr().err.splitlines()
-    assert re.fullmatch(r"\d+ of 100 cases, 2 failed, after .*", first)
+    lines = capsys.readouterr().err.splitlines()
+    pattern = r"(\d+) of 3000 cases, 2 failed, after \S+ \w+(, some \S+ \w+ to go)?"
+    found = [match for line in lines if (match := re.fullmatch(pattern, line))]
+    assert 10 < len(found) == len(lines) < 60
+    done = [int(match[1]) for match in found]
+    steps = [after - before for before, after in pairwise(done)]
+    assert steps[-1] > 5 * steps[0]
+    # From less than a hundredth nothing is reckoned.
+    assert [bool(match[2]) for match in found] == [number > 30 for number in done]
+    assert list(progress.counted(range(40), "runs")) == list(range(40))
+    assert re.match(r"runs: \d+ of 40, after ", capsys.readouterr().err)

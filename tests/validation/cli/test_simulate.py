@@ -1,48 +1,39 @@
 """`tippedisk simulate`."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from analysis import Trajectory, load_run
+from analysis import MODELS, Scenario, SmoothCoulomb, Start, Trajectory, load_run
 from analysis.data.endings import INVERTED
-from tests.calls import printed, run
+from analysis.data.trajectory import SOURCES
+from tests.calls import Capture, printed, run
 from tests.helpers import not_none
-from validation.parser import runs
+
+SHORT = "simulate --end 0.1 --samples 6 --tolerance 1e-6 --out new.npz"
+
+every_source = pytest.mark.parametrize("source", SOURCES)
 
 
-@pytest.mark.parametrize("source", runs.SOURCES)
-def test_simulate_stores_arrays_and_all_parameters(source: str, tmp_path: Path) -> None:
-    out = tmp_path / "run.npz"
-    call = f"simulate --source {source} --model 2 --mu 0.2 --eps 0.05 --spin 35 --end 0.2"
-    assert run(*call.split(), "--samples", "21", "--tolerance", "1e-6", "--out", str(out)) == 0
-    with np.load(out, allow_pickle=False) as stored:
-        assert stored["times"].shape == (21,)
-        assert stored["coordinates"].shape == stored["rates"].shape == (21, 6)
-        meta = json.loads(str(stored["meta"]))
-    assert meta["source"] == source
-    assert meta["scenario"]["constraints"] == ["contact", "fixed-cog"]
-    assert meta["scenario"]["friction"] == {
-        "law": "smooth-coulomb",
-        "coefficient": 0.2,
-        "smoothing": 0.05,
-        "load": "weight",
-    }
-    assert meta["scenario"]["disk"]["radius"] == 0.045
-    assert 0 < meta["error_estimate"] <= 1e-6
-    assert "numpy" in meta["versions"]
+@every_source
+def test_simulate_stores_the_motion_and_all_parameters(source: str) -> None:
+    assert run(SHORT, f"--source {source} --model 2 --mu 0.2 --eps 0.05 --spin 35") == 0
+    found = load_run("new.npz", Trajectory)
+    np.testing.assert_allclose(found.times, np.linspace(0.0, 0.1, 6))
+    assert found.source == source
+    assert found.scenario == Scenario(
+        constraints=MODELS[2],
+        friction=SmoothCoulomb(coefficient=0.2, smoothing=0.05),
+        start=Start(spin=35.0),
+    )
+    assert 0 < not_none(found.error_estimate) <= 1e-6
 
 
-@pytest.mark.parametrize("source", ["engine", "in-house"])
-def test_run_from_an_unstable_stationary_motion_says_so(
-    source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    call = ["simulate", "--source", source, "--end", "0.1", "--out", str(tmp_path / "run.npz")]
-    assert run(*call, "--gamma", "pi/2", "--spin", "20") == 0
-    assert "start is exactly inverted spinning, which is unstable" in capsys.readouterr().out
-    assert "which is unstable" not in printed(capsys, *call, "--gamma", "1.57", "--spin", "20")
+@every_source
+def test_run_from_an_unstable_stationary_motion_says_so(source: str, capsys: Capture) -> None:
+    call = f"{SHORT} --source {source} --spin 20 --gamma"
+    said = "start is exactly inverted spinning, which is unstable"
+    assert said in printed(capsys, call, "pi/2")
+    assert said not in printed(capsys, call, "1.57")
 
 
 @pytest.mark.parametrize(
@@ -54,21 +45,16 @@ def test_run_from_an_unstable_stationary_motion_says_so(
         ("--source in-house --local-tolerance 1e-9", False),
     ],
 )
-def test_solver_can_be_chosen(how: str, estimated: bool, tmp_path: Path) -> None:
-    asked, usual = tmp_path / "asked.npz", tmp_path / "usual.npz"
-    for out, options in ((asked, how), (usual, "")):
-        assert run("simulate --end 0.5 --samples 21", options, "--out", str(out)) == 0
-    found, known = (load_run(out, Trajectory) for out in (asked, usual))
+def test_solver_can_be_chosen(how: str, estimated: bool) -> None:
+    call = "simulate --end 0.5 --samples 21 --out"
+    assert run(call, "asked.npz", how) == run(call, "usual.npz") == 0
+    found, known = (load_run(f"{name}.npz", Trajectory) for name in ("asked", "usual"))
     assert (found.error_estimate is not None) == estimated
     assert 0.0 < np.max(np.abs(found.coordinates - known.coordinates)) < 1e-6
 
 
-@pytest.mark.parametrize("source", runs.SOURCES)
-def test_run_stops_where_it_is_told_to(
-    source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "run.npz"
-    assert run("simulate", "--source", source, "--stop-when", "inverted", "--out", str(out)) == 0
-    assert "the centre of gravity is up, at 90% of its largest height" in capsys.readouterr().out
-    ending = load_run(out, Trajectory).ending
-    assert not_none(ending).reason == INVERTED
+@every_source
+def test_run_stops_where_it_is_told_to(source: str, capsys: Capture) -> None:
+    shown = printed(capsys, "simulate --stop-when inverted --out new.npz --source", source)
+    assert "the centre of gravity is up, at 90% of its largest height" in shown
+    assert not_none(load_run("new.npz", Trajectory).ending).reason == INVERTED

@@ -14,28 +14,20 @@ from scipy.stats import qmc
 from validation.sweeps.axes import LAYOUTS, Axis, Design, axis_from, axis_from_text
 
 
-def grid(*texts: str) -> Design:
-    return Design(axes=tuple(map(axis_from_text, texts)))
+def design(*texts: str, **how: Any) -> Design:
+    return Design(axes=tuple(map(axis_from_text, texts)), **how)
 
 
-def drawn(layout: Any, number: int, *texts: str, seed: int = 0) -> Design:
-    axes = tuple(map(axis_from_text, texts))
-    return Design(axes=axes, layout=layout, number=number, seed=seed)
-
-
-def points(design: Design) -> Any:
-    return np.array([design.case(index) for index in range(design.size)])
+def points(found: Design) -> Any:
+    return np.array([found.case(index) for index in range(found.size)])
 
 
 @given(st.lists(st.integers(1, 4), min_size=1, max_size=4))
 def test_grid_holds_all_combinations_with_the_last_axis_fastest(sizes: list[int]) -> None:
     fields = ("spin", "mu", "beta", "x")[: len(sizes)]
     values = [[0.1 * (k + 1) for k in range(size)] for size in sizes]
-    texts = [
-        f"{name}={','.join(map(str, each))}" for name, each in zip(fields, values, strict=True)
-    ]
-    design = grid(*texts)
-    assert [design.case(index) for index in range(design.size)] == list(product(*values))
+    texts = [f"{name}={str(each)[1:-1]}" for name, each in zip(fields, values, strict=True)]
+    assert list(map(tuple, points(design(*texts)))) == list(product(*values))
 
 
 def test_ends_of_a_range_are_exact_and_steps_even() -> None:
@@ -55,9 +47,11 @@ def test_angles_are_read_as_on_the_command_line() -> None:
 @pytest.mark.parametrize("layout", LAYOUTS[1:])
 def test_drawn_points_fill_the_ranges_and_depend_on_the_seed_alone(layout: str) -> None:
     texts = ("spin=10:20", "mu=0.01:1:log", "model=1,2,4")
-    first = points(drawn(layout, 300, *texts))
-    assert np.array_equal(first, points(drawn(layout, 300, *texts)))
-    assert not np.array_equal(first, points(drawn(layout, 300, *texts, seed=1)))
+    first, again, other = (
+        points(design(*texts, layout=layout, number=300, seed=seed)) for seed in (0, 0, 1)
+    )
+    assert np.array_equal(first, again)
+    assert not np.array_equal(first, other)
     assert len(np.unique(first[:, 0])) == 300
     for column, (low, middle, high) in enumerate([(10.0, 15.0, 20.0), (0.01, 0.1, 1.0)]):
         values = first[:, column]
@@ -68,29 +62,29 @@ def test_drawn_points_fill_the_ranges_and_depend_on_the_seed_alone(layout: str) 
 
 
 def test_latin_hypercube_has_one_point_in_each_layer() -> None:
-    layers = np.floor(points(drawn("latin-hypercube", 50, "spin=0:50", "beta_rate=0:50")))
-    for column in layers.T:
-        assert sorted(column) == list(range(50))
+    axes = ("spin=0:50", "beta_rate=0:50")
+    layers = np.floor(points(design(*axes, layout="latin-hypercube", number=50)))
+    np.testing.assert_array_equal(np.sort(layers, axis=0).T, [range(50)] * 2)
 
 
 def test_sobol_points_go_on_over_blocks_as_one_sequence() -> None:
-    design = drawn("sobol", 10_000, "spin=0:1", "gamma=0:1", seed=3)
+    found = design("spin=0:1", "gamma=0:1", layout="sobol", number=10_000, seed=3)
     whole = qmc.Sobol(2, rng=3).random(8192 * 2)
     for index in (0, 4095, 4096, 8191, 9999):
-        assert design.case(index) == tuple(whole[index])
+        assert found.case(index) == tuple(whole[index])
 
 
 def test_memory_does_not_grow_with_the_number_of_cases() -> None:
-    def peak(design: Design) -> int:
+    def peak(found: Design) -> int:
         tracemalloc.start()
-        for index in (0, design.size // 2, design.size - 1):
-            design.case(index)
-        found = tracemalloc.get_traced_memory()[1]
+        for index in (0, found.size // 2, found.size - 1):
+            found.case(index)
+        largest = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
-        return found
+        return largest
 
-    assert peak(grid("spin=0:60:1000000", "gamma=0:1:1000000")) < 100_000
-    assert peak(drawn("random", 10**12, "spin=0:60", "gamma=0:1")) < 500_000
+    assert peak(design("spin=0:60:1000000", "gamma=0:1:1000000")) < 100_000
+    assert peak(design("spin=0:60", "gamma=0:1", layout="random", number=10**12)) < 500_000
 
 
 BAD_AXES: dict[str, str] = {
@@ -104,7 +98,6 @@ BAD_AXES: dict[str, str] = {
     "mu=a,b": "friction.coefficient must be a number, got 'a'",
     "model=1:4:4": "axis model takes a list",
     "model=5,1": "model must be one of 1, 2, 3, 4, got '5'",
-    "gamma=up,down": "start.gamma must be an angle",
 }
 
 
@@ -114,7 +107,7 @@ def test_what_is_no_axis_is_refused(text: str) -> None:
         axis_from_text(text)
 
 
-def test_words_are_no_numbers_and_numbers_no_words() -> None:
+def test_axis_of_the_wrong_type_is_refused() -> None:
     with pytest.raises(ValueError, match=r"friction\.load must be text, got 1"):
         axis_from("load", [1, 2])
     with pytest.raises(ValueError, match="either values, or first and last"):
@@ -131,12 +124,10 @@ def test_words_are_no_numbers_and_numbers_no_words() -> None:
         (("spin=1:2",), {"layout": "sobol"}, "number must be a whole number"),
         (("spin=1:2:3",), {"layout": "random", "number": 5}, "takes no count where points are"),
         (("spin=1:2",), {"layout": "latin-hypercube", "number": 10**9}, "limited by memory"),
-        (("spin=1,2",), {"seed": -1}, "seed must be at least 0"),
-        (("spin=1,2",), {"layout": "hexagonal"}, "layout must be one of grid"),
     ],
 )
 def test_axes_that_do_not_fit_are_refused(
     axes: tuple[str, ...], how: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(ValueError, match=message):
-        Design(axes=tuple(map(axis_from_text, axes)), **how)
+        design(*axes, **how)

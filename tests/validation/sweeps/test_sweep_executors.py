@@ -20,8 +20,9 @@ from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
 
 ROOT = Path(__file__).parents[3]
-AXES = ("spin=30:45:60",)
-OPTIONS = ["--model", "4", "--formulation", "reduced", "--end", "0.3", "--tolerance", "1e-4"]
+AXIS = "spin=30:45:60"
+WANTED = sweep(AXIS, end=0.3)
+OPTIONS = "--model 4 --formulation reduced --end 0.3 --tolerance 1e-4 --executor mpi --out"
 
 pytestmark = [
     pytest.mark.slow,
@@ -34,8 +35,7 @@ pytestmark = [
 
 def check_complete(path: Path, folder: Path) -> None:
     """Every case is there, with the numbers of a run in this process."""
-    wanted = sweep(*AXES, end=0.3)
-    here = swept(wanted, folder / "here.db", numbers=range(0, 60, 7)).columns
+    here = swept(WANTED, folder / "here.db", numbers=range(0, 60, 7)).columns
     found = Results.load(path).columns
     assert found["number"].tolist() == list(range(60))
     assert set(found["status"]) == {DONE}
@@ -44,7 +44,7 @@ def check_complete(path: Path, folder: Path) -> None:
 
 def test_dask_finishes_a_sweep_though_a_worker_is_killed(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
-    wanted, path = sweep(*AXES, end=0.3), tmp_path / "a.db"
+    path = tmp_path / "a.db"
     killed: list[int] = []
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None
@@ -56,18 +56,18 @@ def test_dask_finishes_a_sweep_though_a_worker_is_killed(tmp_path: Path) -> None
                 os.kill(killed[0], signal.SIGKILL)
 
         with (
-            Store(path, wanted) as kept,
+            Store(path, WANTED) as kept,
             open_pool("dask", workers=2, scheduler=cluster.scheduler_address) as pool,
         ):
             assert pool.workers == 2
-            run_cases(wanted, kept, pool, told=told)
+            run_cases(WANTED, kept, pool, told=told)
     assert killed
     check_complete(path, tmp_path)
 
 
 def test_lost_dask_scheduler_is_told_and_the_rows_stay(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
-    wanted, path = sweep(*AXES, end=0.3), tmp_path / "a.db"
+    path = tmp_path / "a.db"
     cluster = distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None)
     closing: list[threading.Thread] = []
 
@@ -76,31 +76,33 @@ def test_lost_dask_scheduler_is_told_and_the_rows_stay(tmp_path: Path) -> None:
             closing.append(threading.Thread(target=cluster.close))
             closing[0].start()
 
-    with pytest.raises(OSError, match="the workers are lost"), Store(path, wanted) as kept:  # noqa: SIM117
+    with pytest.raises(OSError, match="the workers are lost"), Store(path, WANTED) as kept:  # noqa: SIM117
         with open_pool("dask", workers=1, scheduler=cluster.scheduler_address) as pool:
-            run_cases(wanted, kept, pool, told=told)
+            run_cases(WANTED, kept, pool, told=told)
     closing[0].join()
     assert 0 < Results.load(path).columns["number"].size < 60
 
 
 def mpi_call(path: Path, ranks: int) -> list[str]:
     pytest.importorskip("mpi4py")
-    found = shutil.which("mpiexec") or shutil.which(
-        "mpiexec", path=str(Path(sys.executable).parent)
-    )
+    beside = str(Path(sys.executable).parent)
+    found = shutil.which("mpiexec") or shutil.which("mpiexec", path=beside)
     if found is None:
         pytest.skip("needs mpiexec")
     call = [found, "-n", str(ranks), sys.executable, "-m", "mpi4py.futures", "-m", "validation"]
-    return [*call, "sweep", *AXES, *OPTIONS, "--executor", "mpi", "--out", str(path)]
+    return [*call, "sweep", AXIS, *OPTIONS.split(), str(path)]
+
+
+def check_finishes(path: Path, ranks: int) -> None:
+    """Ranks say that all cases are there."""
+    call = mpi_call(path, ranks)
+    done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False, timeout=300)
+    assert done.stdout == f"{path}: 60 cases\n", done.stderr
 
 
 def test_mpi_ranks_finish_a_sweep(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    done = subprocess.run(
-        mpi_call(path, 3), cwd=ROOT, capture_output=True, text=True, check=False, timeout=300
-    )
-    assert done.stdout == f"{path}: 60 cases\n", done.stderr
-    check_complete(path, tmp_path)
+    check_finishes(tmp_path / "a.db", 3)
+    check_complete(tmp_path / "a.db", tmp_path)
 
 
 def test_killed_mpi_job_leaves_a_store_that_the_same_command_finishes(tmp_path: Path) -> None:
@@ -115,10 +117,7 @@ def test_killed_mpi_job_leaves_a_store_that_the_same_command_finishes(tmp_path: 
             count = Results.load(path).columns["number"].size
     os.killpg(job.pid, signal.SIGKILL)
     job.wait()
-    done = subprocess.run(
-        mpi_call(path, 2), cwd=ROOT, capture_output=True, text=True, check=False, timeout=300
-    )
-    assert done.stdout == f"{path}: 60 cases\n", done.stderr
+    check_finishes(path, 2)
 
 
 def test_tables_of_other_packages_hold_the_columns(tmp_path: Path) -> None:

@@ -5,11 +5,12 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from tests.helpers import is_running
+from tests.helpers import is_running, mostly_slow
 from tests.sweeps import sweep, swept
 
 ROOT = Path(__file__).parents[3]
@@ -30,43 +31,26 @@ with Store(sys.argv[1], wanted) as kept:
 """
 
 
-def killed_writer(path: Path, lines: int) -> int:
-    """Kill a process in the midst of writing; returns the last number that it said was safe."""
-    writer = subprocess.Popen(
-        [sys.executable, "-c", WRITER, str(path)],
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
+def kill_writer(path: Path, lines: int) -> None:
+    """Kill a process in the midst of writing: what it has said was safe is there."""
+    call = [sys.executable, "-c", WRITER, str(path)]
+    writer = subprocess.Popen(call, cwd=ROOT, stdout=subprocess.PIPE, text=True)
     assert writer.stdout is not None
-    said = [int(writer.stdout.readline()) for _ in range(lines)]
+    said = [writer.stdout.readline() for _ in range(lines)]
     writer.send_signal(signal.SIGKILL)
-    writer.wait()
-    said += [int(line) for line in writer.stdout.read().splitlines()]
-    writer.stdout.close()
-    return said[-1]
-
-
-def check_whole(path: Path, promised: int) -> None:
-    with sqlite3.connect(path) as file:
+    said += writer.communicate()[0].splitlines()
+    with closing(sqlite3.connect(path)) as file:
         assert file.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         ends = [end for (end,) in file.execute('SELECT "end" FROM cases ORDER BY number')]
-    file.close()
     assert ends == [float(n) for n in range(len(ends))]
     # Of the commit that was going on, all or nothing.
-    assert len(ends) - promised in (0, 7)
+    assert len(ends) - int(said[-1]) in (0, 7)
 
 
-def test_killed_writer_leaves_all_that_it_has_committed(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    check_whole(path, killed_writer(path, 3))
-
-
-@pytest.mark.slow
-def test_store_outlives_many_kills(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    for lines in range(1, 6):
-        check_whole(path, killed_writer(path, lines))
+@pytest.mark.parametrize("kills", mostly_slow([1, 5], [1]))
+def test_store_outlives_its_killed_writers(kills: int, tmp_path: Path) -> None:
+    for lines in range(kills):
+        kill_writer(tmp_path / "a.db", lines + 3)
 
 
 def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
@@ -76,27 +60,21 @@ def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
     assert found.columns["number"].tolist() == [2]
 
 
-def children(process: int) -> list[int]:
-    found = Path(f"/proc/{process}/task/{process}/children").read_text()
-    return [int(word) for word in found.split()]
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 def test_interrupted_and_killed_sweeps_leave_no_process_and_go_on(tmp_path: Path) -> None:
     path = tmp_path / "a.db"
     # More cases than any machine runs between two commits.
     # What runs in the background of a script is born deaf to Ctrl-C.
-    call = ["env", "--default-signal=INT", sys.executable]
-    call += ["-m", "validation", "sweep", "spin=30:40:1000000", "--model", "4"]
-    call += ["--formulation", "reduced", "--end", "0.05", "--workers", "2", "--out", str(path)]
+    words = "sweep spin=30:40:1000000 --model 4 --formulation reduced --end 0.05 --workers 2 --out"
+    call = ["env", "--default-signal=INT", sys.executable, "-m", "validation", *words.split()]
     count = 0
     for sent in (signal.SIGINT, signal.SIGKILL, signal.SIGINT):
-        process = subprocess.Popen(call, cwd=ROOT, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen([*call, str(path)], cwd=ROOT, stderr=subprocess.PIPE, text=True)
         while not path.exists() or rows(path) <= count:
             assert process.poll() is None
             time.sleep(0.05)
-        workers = children(process.pid)
+        workers = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
         process.send_signal(sent)
         said = process.communicate(timeout=60.0)[1]
         assert process.returncode == (130 if sent == signal.SIGINT else -sent)
@@ -104,7 +82,7 @@ def test_interrupted_and_killed_sweeps_leave_no_process_and_go_on(tmp_path: Path
             assert "the same command goes on" in said
             assert said.endswith("tippedisk sweep: interrupted\n")
         limit = time.monotonic() + 60.0
-        while any(map(is_running, workers)):
+        while any(is_running(int(worker)) for worker in workers):
             assert time.monotonic() < limit
             time.sleep(0.05)
         assert rows(path) >= count
@@ -112,8 +90,7 @@ def test_interrupted_and_killed_sweeps_leave_no_process_and_go_on(tmp_path: Path
 
 
 def rows(path: Path) -> int:
-    with sqlite3.connect(path, timeout=10.0) as file:
+    with closing(sqlite3.connect(path, timeout=10.0)) as file:
         tables = file.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
         count = file.execute("SELECT count(*) FROM cases").fetchone()[0] if tables else 0
-    file.close()
     return int(count)

@@ -1,5 +1,6 @@
 """Pictures of sweeps."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,6 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from tests.calls import run
 from tests.sweeps import sweep, swept
 from validation.maps.sweeps import check_drawable, draw
 from validation.sweeps.axes import Design, axis_from_text
@@ -15,13 +15,13 @@ from validation.sweeps.results import Results
 from validation.sweeps.sweep import Sweep
 
 
-def drawn(wanted: Sweep, path: Path) -> tuple[Figure, Results]:
-    results = swept(wanted, path)
+def drawn(wanted: Sweep, folder: Path) -> tuple[Figure, Results]:
+    results = swept(wanted, folder / "a.db")
     return draw(results), results
 
 
 def test_one_axis_is_drawn_as_curves_of_the_outcomes(tmp_path: Path) -> None:
-    figure, results = drawn(sweep("mu=-0.1,0.1,0.4"), tmp_path / "a.db")
+    figure, results = drawn(sweep("mu=-0.1,0.1,0.4"), tmp_path)
     outcomes, _, spins, forces = figure.axes
     assert [each.get_text() for each in outcomes.get_yticklabels()] == ["not inverted", "refused"]
     np.testing.assert_array_equal(outcomes.lines[0].get_ydata(), [1, 0, 0])
@@ -31,17 +31,19 @@ def test_one_axis_is_drawn_as_curves_of_the_outcomes(tmp_path: Path) -> None:
     assert forces.get_xlabel() == "friction coefficient μ"
 
 
+def redesigned(wanted: Sweep, *axes: str, **layout: Any) -> Sweep:
+    return replace(wanted, design=Design(axes=tuple(map(axis_from_text, axes)), **layout))
+
+
 def test_drawn_axis_is_put_in_order(tmp_path: Path) -> None:
-    design = Design(axes=(axis_from_text("spin=30:40"),), layout="random", number=4)
-    wanted = sweep("spin=30:40:2")
-    figure, _ = drawn(Sweep(scenario=wanted.scenario, design=design, plan=wanted.plan),
-                      tmp_path / "a.db")  # fmt: skip
+    wanted = redesigned(sweep("spin=30:40:2"), "spin=30:40", layout="random", number=4)
+    figure, _ = drawn(wanted, tmp_path)
     assert np.all(np.diff(np.asarray(figure.axes[0].lines[0].get_xdata(), dtype=float)) > 0.0)
 
 
 def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right(tmp_path: Path) -> None:
     wanted = sweep("mu=0.1:0.4:2:log", "gamma=0:0.5:2", end=1.5, tolerance=1e-3)
-    figure, _ = drawn(wanted, tmp_path / "a.db")
+    figure, _ = drawn(wanted, tmp_path)
     axes = figure.axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == (
         "γ at the start in rad",
@@ -63,10 +65,8 @@ def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right(tmp_path: Pa
 def test_several_axes_are_drawn_in_pairs(
     texts: tuple[str, ...], layout: dict[str, Any], tmp_path: Path
 ) -> None:
-    base = sweep("spin=30:40:2", end=1.0, tolerance=1e-2)
-    design = Design(axes=tuple(map(axis_from_text, texts)), **layout)
-    wanted = Sweep(scenario=base.scenario, design=design, plan=base.plan)
-    figure, results = drawn(wanted, tmp_path / "a.db")
+    wanted = redesigned(sweep("spin=30:40:2", end=1.0, tolerance=1e-2), *texts, **layout)
+    figure, results = drawn(wanted, tmp_path)
     refused = results.columns["status"] == "refused"
     assert 0 < np.count_nonzero(refused) < refused.size
     shares, below = figure.axes[0], figure.axes[3]
@@ -91,11 +91,3 @@ def test_several_axes_are_drawn_in_pairs(
 def test_sweep_without_a_picture_is_refused(axes: tuple[str, ...], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         check_drawable(sweep(*axes))
-
-
-@pytest.mark.slow
-def test_command_writes_the_picture(tmp_path: Path) -> None:
-    out, plot = tmp_path / "a.db", tmp_path / "a.svg"
-    how = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1"
-    assert run("sweep", "spin=30:40:2", *how.split(), "--out", str(out), "--plot", str(plot)) == 0
-    assert plot.stat().st_size > 5000
