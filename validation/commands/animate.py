@@ -1,4 +1,4 @@
-"""What `tippedisk animate` does."""
+"""What the commands that write pages to play with do: `animate` and `play`."""
 
 import argparse
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import validation
 from analysis import load_run
 from analysis.data.checks import number, positive, within
+from analysis.data.files import whole_file
 from analysis.data.limits import PLAYBACK_SPEEDS
 from analysis.data.names import ArgumentError
 from validation.commands.output import name_of
@@ -28,6 +29,17 @@ def animate(options: argparse.Namespace) -> int:
     )
     detail, poses = shown.save(out, **given), shown.poses
     print(f"{out}: {poses.times[0]:g} to {poses.times[-1]:g} s, {detail}")
+    return 0
+
+
+def play(options: argparse.Namespace) -> int:
+    """Write the page on which the disk is spun by hand."""
+    from validation.kit.animation.play import page
+
+    made = page().encode()
+    with whole_file(options.out) as stream:
+        stream.write(made)
+    print(f"{options.out}: a page of {len(made) / 1e3:.0f} kB; open it in a browser")
     return 0
 
 

@@ -494,6 +494,16 @@ def _animate() -> Options:
     )
 
 
+@_command("animate")
+def _play() -> Options:
+    """Write a page on which the disk is spun by hand.
+
+    Its sliders set the start, the friction and the disk; the equations of Model 1 are integrated
+    in the browser, without a network.
+    """
+    return (file("--out", "page to write, .html or -", writable(".html"), default="play.html"),)
+
+
 @_command("completion")
 def _completion() -> Options:
     """Completion of commands, options and their values in a shell.

@@ -1,4 +1,4 @@
-"""`tippedisk show`: how far stored motions are apart, and their picture."""
+"""`tippedisk show`: how far stored motions are apart, and their picture; `tippedisk play`."""
 
 import os
 import re
@@ -23,6 +23,7 @@ from analysis import (
 from tests.calls import printed, run
 from tests.helpers import not_none, random_trajectory
 from validation import cli
+from validation.kit.animation.play import page
 from validation.kit.differences import difference_table, fields_table
 from validation.kit.tables import show
 
@@ -157,3 +158,19 @@ def test_differences_or_the_samples_of_one_motion_are_written(
     assert run("show", files[0], "--csv", out) == 0
     one.to_csv(tmp_path / "samples.csv")
     assert Path(out).read_text() == (tmp_path / "samples.csv").read_text()
+
+
+@pytest.mark.parametrize(("words", "name"), [("", "play.html"), ("--out own.html", "own.html")])
+def test_page_to_spin_the_disk_by_hand_is_written(
+    words: str,
+    name: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    said = printed(capsys, "play", words)
+    assert said.startswith(f"{name}: ")
+    assert said.count("\n") == 1
+    assert [each.name for each in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_text(encoding="utf-8") == page()
