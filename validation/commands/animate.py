@@ -43,10 +43,6 @@ def play(options: argparse.Namespace) -> int:
     return 0
 
 
-def _is_gif(out: Path) -> bool:
-    return out.suffix.lower() == ".gif"
-
-
 def _check_numbers(options: argparse.Namespace, out: Path) -> None:
     told = {name: value for name, value in vars(options).items() if value is not None}
     for name in {"begin", "end"} & told.keys():
@@ -58,5 +54,5 @@ def _check_numbers(options: argparse.Namespace, out: Path) -> None:
     if {"begin", "end"} <= told.keys() and options.begin >= options.end:
         raise ArgumentError("begin", f"must lie before {options.end:g}, got {options.begin:g}")
     for name in {"fps", "width"} & told.keys():
-        if not _is_gif(out):
+        if out.suffix.lower() != ".gif":
             raise ArgumentError(name, "needs --out FILE.gif; a page has none")

@@ -110,11 +110,7 @@ def _command(module: str, **how: Any) -> Callable[[Callable[[], Options]], None]
     **how
         Further parameters of `Command`.
     """
-
-    def declare(options: Callable[[], Options]) -> None:
-        COMMANDS.append(Command(options=options, module=module, **how))
-
-    return declare
+    return lambda options: COMMANDS.append(Command(options=options, module=module, **how))
 
 
 @_command("studies")
