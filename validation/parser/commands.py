@@ -5,8 +5,7 @@ from typing import Any
 
 from analysis.data.quantities import SECTIONS
 from validation.parser.options import (
-    BODY,
-    LAW,
+    OWN,
     SCENARIO,
     Command,
     Options,
@@ -190,8 +189,7 @@ def _show() -> Options:
     """
     return (
         file("files", "written by simulate or rest", existing(".npz"), nargs="+"),
-        LAW,
-        BODY,
+        *OWN,
     )
 
 
@@ -485,8 +483,7 @@ def _animate() -> Options:
         option("--speed", "1 for real time", usual="0.1 until the disk is inverted"),
         option("--fps", "GIF only: frames per second", usual="20"),
         option("--width", "GIF only: width and height in pixels", type=int, usual="480"),
-        LAW,
-        BODY,
+        *OWN,
     )
 
 
