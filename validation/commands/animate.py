@@ -1,4 +1,4 @@
-"""What `tippedisk animate` does."""
+"""What the commands that write pages to play with do: `animate` and `play`."""
 
 import argparse
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import validation
 from analysis import load_run
 from analysis.data.checks import number, positive, within
+from analysis.data.files import whole_file
 from analysis.data.limits import PLAYBACK_SPEEDS
 from analysis.data.names import ArgumentError
 from validation.commands.output import name_of
@@ -31,8 +32,15 @@ def animate(options: argparse.Namespace) -> int:
     return 0
 
 
-def _is_gif(out: Path) -> bool:
-    return out.suffix.lower() == ".gif"
+def play(options: argparse.Namespace) -> int:
+    """Write the page on which the disk is spun by hand."""
+    from validation.kit.animation.play import page
+
+    made = page().encode()
+    with whole_file(options.out) as stream:
+        stream.write(made)
+    print(f"{options.out}: a page of {len(made) / 1e3:.0f} kB; open it in a browser")
+    return 0
 
 
 def _check_numbers(options: argparse.Namespace, out: Path) -> None:
@@ -46,5 +54,5 @@ def _check_numbers(options: argparse.Namespace, out: Path) -> None:
     if {"begin", "end"} <= told.keys() and options.begin >= options.end:
         raise ArgumentError("begin", f"must lie before {options.end:g}, got {options.begin:g}")
     for name in {"fps", "width"} & told.keys():
-        if not _is_gif(out):
+        if out.suffix.lower() != ".gif":
             raise ArgumentError(name, "needs --out FILE.gif; a page has none")

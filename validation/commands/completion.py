@@ -1,11 +1,67 @@
-"""What `tippedisk completion` does."""
+"""What `tippedisk completion` does: what the parsers know, as a script for a shell."""
 
-import argparse
+from argparse import Action, Namespace
+from collections.abc import Iterator
 
-from validation.parser.completion import script
+from validation.parser.commands import COMMANDS
+
+_BASH = """\
+_tippedisk() {{
+    local words=""
+    case "$COMP_CWORD:${{COMP_WORDS[1]}}:${{COMP_WORDS[COMP_CWORD-1]}}" in
+        1:*) words="{commands}" ;;
+{cases}
+    esac
+    COMPREPLY=($(compgen -W "$words" -- "${{COMP_WORDS[COMP_CWORD]}}"))
+}}
+complete -o default -F _tippedisk tippedisk
+"""
+"""Where there are no words to offer, the shell offers files."""
+
+_ZSH = "autoload -U +X compinit bashcompinit && compinit && bashcompinit\n"
 
 
-def completion(options: argparse.Namespace) -> int:
-    """Print the script for a shell."""
-    print(script(options.shell), end="")
+def completion(options: Namespace) -> int:
+    """Print the script that teaches a shell the command line."""
+    if options.shell == "fish":
+        for line in _fish():
+            print(f"complete -c tippedisk {line}")
+        return 0
+    commands, cases = " ".join(each.name for each in COMMANDS), "\n".join(_bash())
+    told = _BASH.format(commands=commands, cases=cases)
+    print(_ZSH + told if options.shell == "zsh" else told, end="")
     return 0
+
+
+def _values(action: Action) -> str:
+    return " ".join(map(str, action.choices or ()))
+
+
+def _bash() -> Iterator[str]:
+    """Words behind an option that takes a value, and anywhere else, by command."""
+    for command in COMMANDS:
+        words: list[str] = []
+        for action in command.parser().actions:
+            words += action.option_strings or [_values(action)]
+            if action.option_strings and action.nargs != 0:
+                places = "|".join(f"*:{command.name}:{each}" for each in action.option_strings)
+                yield f'        {places}) words="{_values(action)}" ;;'
+        yield f'        *:{command.name}:*) words="{" ".join(words)}" ;;'
+
+
+def _fish() -> Iterator[str]:
+    for command in COMMANDS:
+        about = command.about.partition("\n")[0]
+        yield f"-n __fish_use_subcommand -fa {command.name} -d {_quoted(about)}"
+        for action in command.parser().actions:
+            names = "".join(f" -l {each[2:]}" for each in action.option_strings if each[1] == "-")
+            values = f" -xa {_quoted(_values(action))}" if action.choices else " -r"
+            what = values if action.nargs != 0 and (names or action.choices) else ""
+            told = _quoted((action.help or "").replace("%%", "%"))
+            where = f"__fish_seen_subcommand_from {command.name}"
+            if names or what:
+                yield f"-n '{where}'{names}{what} -d {told}"
+
+
+def _quoted(text: str) -> str:
+    return "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"

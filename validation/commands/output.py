@@ -5,6 +5,7 @@ import json
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -48,11 +49,11 @@ class Result:
         """Store, draw and print what is asked for; returns the exit code."""
         given = vars(options)
         if (path := given.get("csv")) is not None:
-            (self.csv or self._write)(path)
+            (self.csv or partial(write, self.tables[0]))(path)
         if (path := given.get("plot")) is not None and self.draw is not None:
             save(self.draw(), path)
         if given.get("json"):
-            print(json.dumps(self._values()))
+            print(json.dumps(self.tables[0].records() if self.values is None else self.values))
             return self.code
         lines = [*self.notes]
         if given.get("csv") is None:
@@ -60,12 +61,6 @@ class Result:
         for line in lines:
             print(line)
         return self.code
-
-    def _write(self, path: Path) -> None:
-        write(self.tables[0], path)
-
-    def _values(self) -> Any:
-        return self.tables[0].records() if self.values is None else self.values
 
 
 def _text(table: Table) -> str:

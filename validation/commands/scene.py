@@ -2,7 +2,7 @@
 
 import argparse
 
-from mbs_models.inventory import Inventory, inventory
+from mbs_models.inventory import inventory
 from mbs_models.scene import Scene
 from validation.commands.output import Result
 from validation.commands.scenarios import chosen_scenario
@@ -10,15 +10,10 @@ from validation.kit.tables import Table
 
 
 def scene(options: argparse.Namespace) -> Result:
-    """List the items of a scene."""
-    described = Scene(scenario=chosen_scenario(options), formulation=options.formulation)
-    return Result(tables=[scene_table(inventory(described))])
-
-
-def scene_table(listed: Inventory) -> Table:
-    """Table of an inventory; the note sums it up."""
-    scene = listed.scene
-    return Table.of(
+    """List the items of a scene; a note sums them up."""
+    scene = Scene(scenario=chosen_scenario(options), formulation=options.formulation)
+    listed = inventory(scene)
+    table = Table.of(
         listed.items,
         {
             "item": lambda item: f"{item.kind} {item.number}",
@@ -35,3 +30,4 @@ def scene_table(listed: Inventory) -> Table:
         f"({listed.constraints} constraints; an idle equation only says that an unused "
         f"constraint force is zero), {listed.user_functions} user functions.",
     )
+    return Result(tables=[table])

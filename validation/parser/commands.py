@@ -5,8 +5,7 @@ from typing import Any
 
 from analysis.data.quantities import SECTIONS
 from validation.parser.options import (
-    BODY,
-    LAW,
+    OWN,
     SCENARIO,
     Command,
     Options,
@@ -110,11 +109,7 @@ def _command(module: str, **how: Any) -> Callable[[Callable[[], Options]], None]
     **how
         Further parameters of `Command`.
     """
-
-    def declare(options: Callable[[], Options]) -> None:
-        COMMANDS.append(Command(options=options, module=module, **how))
-
-    return declare
+    return lambda options: COMMANDS.append(Command(options=options, module=module, **how))
 
 
 @_command("studies")
@@ -194,8 +189,7 @@ def _show() -> Options:
     """
     return (
         file("files", "written by simulate or rest", existing(".npz"), nargs="+"),
-        LAW,
-        BODY,
+        *OWN,
     )
 
 
@@ -489,9 +483,18 @@ def _animate() -> Options:
         option("--speed", "1 for real time", usual="0.1 until the disk is inverted"),
         option("--fps", "GIF only: frames per second", usual="20"),
         option("--width", "GIF only: width and height in pixels", type=int, usual="480"),
-        LAW,
-        BODY,
+        *OWN,
     )
+
+
+@_command("animate")
+def _play() -> Options:
+    """Write a page on which the disk is spun by hand.
+
+    Its sliders set the start, the friction and the disk; the equations of Model 1 are integrated
+    in the browser, without a network.
+    """
+    return (file("--out", "page to write, .html or -", writable(".html"), default="play.html"),)
 
 
 @_command("completion")

@@ -176,19 +176,14 @@ OUTPUTS = {
 
 SCENARIO = file("--scenario", "scenario, .toml, or a stored run to repeat, .npz", existing())
 
-LAW = option(
-    "--law",
-    "friction law of one's own that the motion was run with: imports it",
-    type=str,
-    metavar="MODULE:CLASS",
+OWN = tuple(
+    option(name, f"{about}: imports it", type=str, metavar="MODULE:CLASS")
+    for name, about in (
+        ("--law", "friction law of one's own that the motion was run with"),
+        ("--body", "body of one's own that moved"),
+    )
 )
-
-BODY = option(
-    "--body",
-    "body of one's own that moved: imports it",
-    type=str,
-    metavar="MODULE:CLASS",
-)
+"""What a stored motion needs to be read that was run with classes of one's own."""
 
 
 def _how(quantity: Quantity) -> dict[str, Any]:

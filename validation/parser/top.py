@@ -36,6 +36,7 @@ examples:
   tippedisk critical --system full                   where eigenvalues cross, where it is stable
   tippedisk rest --rolling 1e-3 --pivoting 5e-5 --plot rest.png
   tippedisk animate engine.npz                       a page that plays the motion
+  tippedisk play                                     a page on which the disk is spun by hand
 
 Each command has its own --help. Every switch has a --no-SWITCH, and `-` is standard output.
 

@@ -1,4 +1,4 @@
-"""`tippedisk show`: how far stored motions are apart, and their picture."""
+"""`tippedisk show`: how far stored motions are apart, and their picture; `tippedisk play`."""
 
 import os
 import re
@@ -22,6 +22,7 @@ from analysis import (
 from tests.calls import Capture, printed, run
 from tests.helpers import not_none, random_trajectory
 from validation import cli
+from validation.kit.animation.play import page
 from validation.kit.differences import difference_table, fields_table
 from validation.kit.tables import show
 
@@ -127,3 +128,14 @@ def test_differences_or_the_samples_of_one_motion_are_written(capsys: Capture) -
     assert run("show one.npz --csv out.csv") == 0
     one.to_csv(Path("samples.csv"))
     assert Path("out.csv").read_text() == Path("samples.csv").read_text()
+
+
+@pytest.mark.parametrize(("words", "name"), [("", "play.html"), ("--out own.html", "own.html")])
+def test_page_to_spin_the_disk_by_hand_is_written(
+    words: str, name: str, capsys: Capture
+) -> None:
+    said = printed(capsys, "play", words)
+    assert said.startswith(f"{name}: ")
+    assert said.count("\n") == 1
+    assert [each.name for each in Path().iterdir()] == [name]
+    assert Path(name).read_text(encoding="utf-8") == page()
