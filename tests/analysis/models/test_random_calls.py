@@ -43,7 +43,7 @@ SIDES = st.sampled_from(SOURCES)
 
 def with_values(*names: str) -> st.SearchStrategy[list[str]]:
     """Some of these options, each with some value, as one word so that it may begin with -."""
-    return st.dictionaries(st.sampled_from(names), NUMBERS, max_size=4).map(
+    return st.dictionaries(st.sampled_from(names), NUMBERS, max_size=3).map(
         lambda chosen: [f"{name}={value}" for name, value in chosen.items()]
     )
 
@@ -78,7 +78,7 @@ def answer(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
 
 
 QUICK = settings(
-    max_examples=60,
+    max_examples=100,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture],

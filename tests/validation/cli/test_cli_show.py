@@ -131,11 +131,9 @@ def test_differences_or_the_samples_of_one_motion_are_written(capsys: Capture) -
 
 
 @pytest.mark.parametrize(("words", "name"), [("", "play.html"), ("--out own.html", "own.html")])
-def test_page_to_spin_the_disk_by_hand_is_written(
-    words: str, name: str, capsys: Capture
-) -> None:
+def test_page_to_spin_the_disk_by_hand_is_written(words: str, name: str, capsys: Capture) -> None:
     said = printed(capsys, "play", words)
     assert said.startswith(f"{name}: ")
     assert said.count("\n") == 1
-    assert [each.name for each in Path().iterdir()] == [name]
+    assert [each.name for each in Path().glob("*.html")] == [name]
     assert Path(name).read_text(encoding="utf-8") == page()
