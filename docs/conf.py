@@ -43,6 +43,7 @@ smartquotes = False
 
 autodoc_typehints = "none"  # docstrings say more
 autodoc_member_order = "bysource"
+maximum_signature_line_length = 99
 autodoc_default_options = {
     "members": True,
     "inherited-members": "object, BaseException",
