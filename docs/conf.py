@@ -75,7 +75,7 @@ def setup(app: Sphinx) -> None:
 
 def _lead_inside(_: Sphinx, page: nodes.document) -> None:
     """Let links to files beside `docs/` lead to the pages that include them."""
-    for link in page.findall(lambda node: isinstance(node, addnodes.pending_xref)):
+    for link in page.findall(addnodes.pending_xref):
         name = Path(link["reftarget"]).name
         target = BESIDE.get(name) or BESIDE.get(f"{name}.md")
         if target and link["reftype"] == "myst":
