@@ -5,15 +5,18 @@ import re
 import shlex
 import subprocess
 import sys
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
 
+import analysis
+import mbs_models
 from analysis import Scenario, Start, simulate_to_rest
 from validation.parser.top import parsed
 
 ROOT = Path(__file__).parent.parent
-PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")])
+PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")])
 LONG = ("report", "study", "rest", "map", "cycles", "heteroclinic", "passage")
 """Subcommands of more than some seconds, which other tests run."""
 
@@ -23,7 +26,7 @@ def blocks(language: str) -> dict[str, str]:
     found: dict[str, str] = {}
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
-        fenced = re.findall(r"```(\w*)\n(.*?)```", text, flags=re.DOTALL)
+        fenced = re.findall(r"```([\w{}-]*)[^\n]*\n(.*?)```", text, flags=re.DOTALL)
         assert text.count("```") == 2 * len(fenced), page
         own = [code for named, code in fenced if named == language]
         found |= {f"{page.stem} {number}": code for number, code in enumerate(own, 1)}
@@ -75,7 +78,21 @@ def run(words: list[str], folder: Path) -> str:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_links_lead_to_files_that_are_there(page: Path) -> None:
     for link in re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
-        assert link.startswith("https://") or (page.parent / link).is_file(), link
+        file = page.parent / link.partition("#")[0]
+        assert link.startswith("https://") or file.exists(), link
+
+
+def test_every_public_name_has_a_task_and_every_page_a_place_in_the_contents() -> None:
+    docs = ROOT / "docs"
+    tasks, contents = (
+        (docs / name).read_text(encoding="utf-8") for name in ("api.md", "index.md")
+    )
+    for package in (analysis, mbs_models):
+        listed = re.findall(rf"^   {package.__name__}\.(\w+)$", tasks, re.MULTILINE)
+        assert sorted(listed) == sorted(package.__all__)
+    places = re.findall(r"^[\w/*-]+$", contents, re.MULTILINE)
+    pages = [str(page.relative_to(docs).with_suffix("")) for page in docs.rglob("*.md")]
+    assert {page for page in pages if not any(fnmatch(page, each) for each in places)} == {"index"}
 
 
 @pytest.mark.parametrize("name", ALONE)

@@ -3,6 +3,7 @@
 from abc import ABCMeta
 from dataclasses import fields
 from functools import cache
+from inspect import Signature, signature
 from typing import Any, ClassVar
 
 from analysis.data.checks import choice, in_range, switch
@@ -45,6 +46,12 @@ class _Checking(ABCMeta):
             if quantity is not None and not (value is None and follows):
                 given[name] = checked(quantity, value)
         return super().__call__(*arguments, **given)
+
+    @property
+    def __signature__(cls) -> Signature:
+        """That of the dataclass, which `__call__` would hide from help and documentation."""
+        made = signature(cls.__init__)  # type: ignore[misc] # it is the class's own
+        return made.replace(parameters=list(made.parameters.values())[1:])
 
 
 @cache

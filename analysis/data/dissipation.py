@@ -23,12 +23,12 @@ class Dissipation(Described):
     ----------
     rolling_dry : float
         Coefficient of the dry rolling resistance; its power is
-        rolling_dry * force * |contour velocity|, smoothed as the sliding friction is.
+        rolling_dry * force * ‖contour velocity‖, smoothed as the sliding friction is.
     rolling_viscous : float
         Coefficient of the viscous rolling resistance in s/m; its power is
-        rolling_viscous * force * |contour velocity|².
+        rolling_viscous * force * ‖contour velocity‖².
     pivoting : float
-        Lever of the pivoting friction in m; its power is pivoting * force * |vertical spin|,
+        Lever of the pivoting friction in m; its power is pivoting * force * ‖vertical spin‖,
         smoothed likewise.
     air_drag : float
         Density of the air times drag coefficient of a plate in kg/m³. Pressure acts on the faces

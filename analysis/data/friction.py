@@ -18,7 +18,7 @@ _LITTLE = 1e-7
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrictionLaw(Described):
-    """Friction as a function of slip and load: force = -load * per_speed(|slip|) * slip or any.
+    """Friction as a function of slip and load: force = -load * per_speed(‖slip‖) * slip or any.
 
     A law of one's own derives from this class, as a frozen dataclass, and says `per_speed` and
     `finest_speed`. One that opposes slip in some directions more than in others, or not in
@@ -156,7 +156,7 @@ class _Regularised(FrictionLaw):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SmoothCoulomb(_Regularised):
-    """Smooth Coulomb friction, Eq. (3): force = -coefficient * load * slip / (|slip| + smoothing).
+    """Smooth Coulomb friction, Eq. (3): force = -coefficient * load * slip / (‖slip‖ + smoothing).
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ class Stribeck(FrictionLaw):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TanhCoulomb(_Regularised):
-    """Coulomb friction regularised by force = -coefficient * load * tanh(|slip| / smoothing).
+    """Coulomb friction regularised by force = -coefficient * load * tanh(‖slip‖ / smoothing).
 
     All its derivatives exist, at no slip too, where Eq. (3) has a kink in the second.
 
@@ -321,7 +321,7 @@ class ViscousFriction(FrictionLaw):
 class AnisotropicCoulomb(FrictionLaw):
     """Smooth Coulomb friction with two coefficients, along the edge of the disk and across it.
 
-    With M = diag(along, across) the force is -load * M² slip / (|M slip| + max(M) * smoothing).
+    With M = diag(along, across) the force is -load * M² slip / (‖M slip‖ + max(M) * smoothing).
     Its largest values make an ellipse, and it is that point of it which takes the most power from
     the slip (S. Goyal, A. Ruina and J. Papadopoulos, Wear 143, 1991). With two equal coefficients
     it is `SmoothCoulomb`.
@@ -405,7 +405,7 @@ class PowerLawCoulomb(_Regularised):
 class LubricatedCoulomb(_Regularised):
     """Smooth Coulomb friction and a viscous film that does not know the load.
 
-    The force is -(coefficient * load / (|slip| + smoothing) + film) * slip, also under no load as
+    The force is -(coefficient * load / (‖slip‖ + smoothing) + film) * slip, also under no load as
     long as the disk touches the table.
 
     Parameters

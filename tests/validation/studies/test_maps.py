@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,19 +9,12 @@ import pandas as pd
 import pytest
 
 from analysis import Scenario
-from tests.stated import missing, rows_below, values
 from validation.maps.panel import Panel
 from validation.maps.problems import PROBLEMS, panels
 from validation.maps.refinement import expected_cases
 from validation.studies import maps
 from validation.study import load
 from validation.sweeps.sweep import look_ahead
-
-DOCS = Path(__file__).parents[3] / "docs"
-TABLE = (
-    "| map, from Table 3 | runs | in place of | other side agrees | "
-    "difference, median and largest in rad |"
-)
 
 
 @pytest.fixture(scope="module")
@@ -79,40 +71,6 @@ def test_check_fails_where_a_wrong_value_is_planted(name: str, stored: pd.DataFr
     wrong = stored.copy()
     wrong.loc[where(stored), column] = value
     assert name in failing(wrong)
-
-
-def test_table_of_the_docs_is_that_of_the_stored_maps(stored: pd.DataFrame) -> None:
-    stated = rows_below((DOCS / "sweeps.md").read_text(encoding="utf-8"), TABLE)
-    assert [row[0].partition(",")[0] for row in stated] == list(maps.LEVELS)
-    for row, name in zip(stated, maps.LEVELS, strict=True):
-        cells = stored[stored["case"].str.fullmatch(rf"{name}( \d)?")]
-        seen = cells[cells["seen"]]
-        sizes = [
-            each.sweep.design.size for case, each in maps.whole().items() if case.startswith(name)
-        ]
-        known: list[list[float]] = [
-            [len(cells)],
-            [sum(sizes)],
-            [seen["alike"].sum(), len(seen)],
-            [seen["difference"].median(), seen["difference"].max()],
-        ]
-        for cell, numbers in zip(row[1:], known, strict=True):
-            assert values(cell)
-            assert not missing(cell, numbers), row
-
-
-@pytest.mark.slow
-def test_docs_state_what_the_maps_say(stored: pd.DataFrame) -> None:
-    said = " ".join((DOCS / "sweeps.md").read_text(encoding="utf-8").split())
-    content = maps.present({"maps": stored})
-    claims, models = content.tables["claims"], content.tables["models"]
-    assert isinstance(claims, pd.DataFrame)
-    assert isinstance(models, pd.DataFrame)
-    for told in claims["found"][:2]:
-        assert told.removesuffix(" more") in said
-    assert claims["found"].tolist()[4] in said
-    far = [f"{part:.0f}" for part in models.iloc[:, -1]]
-    assert f"{far[0]} and {far[1]} % of the starts, and Model 4 for {far[2]} %" in said
 
 
 def test_cases_of_a_map_and_their_time_are_told_ahead_to_within_a_factor_of_four(
