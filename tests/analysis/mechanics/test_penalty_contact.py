@@ -155,6 +155,6 @@ def test_contact_that_fits_no_scene_is_refused(fields: dict[str, Any], message: 
         ({"half_thickness": -1e-4}, "half_thickness must not be negative, got -0.0001"),
     ],
 )
-def test_bad_contact_is_refused(fields: dict[str, float], message: str) -> None:
+def test_bad_contact_is_refused(fields: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         PenaltyContact(**{"stiffness": 1e5} | fields)
