@@ -69,4 +69,4 @@ def play() -> "Page":
     from validation.kit.animation.play import page  # noqa: PLC0415
     from validation.kit.animation.player import Page  # noqa: PLC0415
 
-    return Page(title="The tippedisk, spun by hand", text=page(), height=60.0)
+    return Page(title="The tippedisk, spun by hand", text=page(), height=72.0)
