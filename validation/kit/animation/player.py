@@ -49,7 +49,7 @@ class Page:
 
     title: str
     text: str = field(repr=False)
-    height: float = 46.0
+    height: float = 54.0
 
     def _repr_html_(self) -> str:
         # In a frame of its own, as notebooks do not run scripts where they stand.
