@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from analysis import StoredRun
-    from validation.kit.animation.player import Animation
+    from validation.kit.animation.player import Animation, Page
 
 
 def animate(
@@ -49,3 +49,24 @@ def animate(
 
     poses = keyframes(run).between(begin, end)
     return player(poses, name="tippedisk", title=title, speed=speed)
+
+
+def play() -> "Page":
+    """Page on which the disk of Model 1 is spun by hand, with sliders, which a notebook shows.
+
+    The equations are integrated in the browser: no kernel, network or other file is needed.
+
+    Returns
+    -------
+    Page
+
+    Examples
+    --------
+    >>> from validation import play
+    >>> "friction coefficient" in play().text
+    True
+    """
+    from validation.kit.animation.play import page  # noqa: PLC0415
+    from validation.kit.animation.player import Page  # noqa: PLC0415
+
+    return Page(title="The tippedisk, spun by hand", text=page(), height=72.0)

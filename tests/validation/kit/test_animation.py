@@ -35,7 +35,7 @@ from analysis.data.disk import CENTRED_DISK
 from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP
 from tests.calls import refusal
 from tests.helpers import not_none, random_trajectory
-from validation import animate
+from validation import animate, play
 from validation.kit.animation import gif as animation_gif
 from validation.kit.animation import picture as drawing
 from validation.kit.animation.body import hull, in_sight, shape
@@ -307,8 +307,11 @@ def test_player_shows_the_motion(kind: str) -> None:
 
 def test_notebook_shows_the_page_in_a_frame_of_its_own() -> None:
     made = animate(inversion(), end=0.2)
-    found = re.fullmatch(r'<iframe srcdoc="([^"]*)" .*</iframe>', made._repr_html_(), re.DOTALL)
-    assert html.unescape(not_none(found)[1]) == made.page
+    for shown, page in ((made, made.page), (play(), play().text)):
+        told = shown._repr_html_()
+        found = re.fullmatch(r'<iframe srcdoc="([^"]*)" .*</iframe>', told, re.DOTALL)
+        assert html.unescape(not_none(found)[1]) == page
+        assert len(repr(shown)) < 100
 
 
 def test_gif_shows_the_heavy_half_low_and_then_high() -> None:

@@ -11,7 +11,7 @@ import base64
 import html
 import json
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -35,6 +35,31 @@ SLOW = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Page:
+    """A page of its own, which a notebook shows in a frame.
+
+    Parameters
+    ----------
+    title : str
+    text : str
+        All of it, as HTML.
+    height : float
+        Of the frame, in lines of text.
+    """
+
+    title: str
+    text: str = field(repr=False)
+    height: float = 54.0
+
+    def _repr_html_(self) -> str:
+        # In a frame of its own, as notebooks do not run scripts where they stand.
+        return (
+            f'<iframe srcdoc="{html.escape(self.text)}" title="{html.escape(self.title)}" '
+            f'style="width: 100%; height: {self.height:g}rem; border: 0"></iframe>'
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Animation:
     """A player that is ready to be put on a page, to be shown in a notebook or to be saved.
 
@@ -53,8 +78,8 @@ class Animation:
 
     name: str
     title: str
-    fragment: str
-    poses: Keyframes
+    fragment: str = field(repr=False)
+    poses: Keyframes = field(repr=False)
     speed: float | None = None
 
     @property
@@ -71,11 +96,7 @@ class Animation:
         )
 
     def _repr_html_(self) -> str:
-        # In a frame of its own, as notebooks do not run scripts where they stand.
-        return (
-            f'<iframe srcdoc="{html.escape(self.page)}" title="{html.escape(self.title)}" '
-            'style="width: 100%; height: 46rem; border: 0"></iframe>'
-        )
+        return Page(title=self.title, text=self.page)._repr_html_()
 
     def save(self, path: str | os.PathLike[str], **how: Any) -> str:
         """Write a page, or a GIF where the name ends in .gif; returns what was written, in words.
