@@ -18,6 +18,7 @@ from validation.maps.problems import PROBLEMS, Problem, panels
 from validation.maps.refinement import expected_cases
 from validation.maps.uncertainty import DISTANCES, Uncertainty, run_pairs, shifted_sweeps
 from validation.parser.paths import PICTURES
+from validation.sweeps.pools import Pool
 from validation.sweeps.sweep import Sweep, look_ahead
 
 _SHORTEST = 0.02
@@ -39,9 +40,11 @@ def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's
     how: dict[str, Any] = {"end": end, "compiled": options.compiled}
     wanted = panels(problem, scenario, **size, **how)
     pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)
-    folder = output_folder("out", options.out)
-    _announce(options, wanted, pairs)
-    done, fineness = _run(options, wanted, pairs, folder)
+    # Workers that cannot be had are not announced, and leave no folder behind.
+    with chosen_pool(options) as pool:
+        _announce(options, wanted, pairs)
+        folder = output_folder("out", options.out)
+        done, fineness = _run(options, wanted, pairs, folder, pool)
     return Result(
         tables=[_table(problem, done)],
         after=[] if fineness is None else [_fineness(fineness)],
@@ -91,11 +94,15 @@ def _announce(
 
 
 def _run(
-    options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep], folder: Path
+    options: argparse.Namespace,
+    wanted: Sequence[Sweep],
+    pairs: Sequence[Sweep],
+    folder: Path,
+    pool: Pool,
 ) -> tuple[list[Panel], Uncertainty | None]:
     """Run all panels and pairs, with a bar that counts."""
     problem = PROBLEMS[options.name]
-    with chosen_pool(options) as pool, bar(options.name, unit="cases") as shown:
+    with bar(options.name, unit="cases") as shown:
         how: dict[str, Any] = {
             "time_limit": options.time_limit,
             "told": lambda new, _: shown.update(new),

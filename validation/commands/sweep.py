@@ -44,14 +44,17 @@ def sweep(options: argparse.Namespace) -> Result:
         except ValueError as error:
             raise ArgumentError("plot", f"cannot be made: {error}") from None
     ahead = look_ahead(wanted)
-    with Store(out, wanted, accept_other_code=options.accept_other_code) as store:
+    # The workers first: where there are none, no store is made.
+    with (
+        chosen_pool(options) as pool,
+        Store(out, wanted, accept_other_code=options.accept_other_code) as store,
+    ):
         left = wanted.design.size - store.count()
         if left:
             _announce(wanted, ahead, left, processes)
         if left or options.retry:
             with (
                 _interrupted(store, wanted),
-                chosen_pool(options) as pool,
                 _counter(wanted.design.size, store.count()) as told,
             ):
                 how = {"time_limit": time_limit, "retry": options.retry, "told": told}
