@@ -42,8 +42,8 @@ def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's
     pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)
     # Workers that cannot be had are not announced, and leave no folder behind.
     with chosen_pool(options) as pool:
-        _announce(options, wanted, pairs)
         folder = output_folder("out", options.out)
+        _announce(options, wanted, pairs)
         done, fineness = _run(options, wanted, pairs, folder, pool)
     return Result(
         tables=[_table(problem, done)],

@@ -345,10 +345,10 @@ def stored(tmp_path: Path) -> Path:
 BAD = [
     ("truncated.npz", "truncated.npz is not a readable motion"),
     ("run.npz --begin 0.5 --end 0.5", "--begin: begin must lie before 0.5, got 0.5"),
-    ("run.npz --end 3", "end must lie within the data, from 0 to 1.6 s, got 3"),
-    ("run.npz --fps 20", "--fps: fps needs --out FILE.gif"),
-    ("run.npz --out run.gif --fps 60", "fps must be at most 50"),
-    ("run.npz --out run.gif --width 20", "width must lie from 100 to 2000 pixels, got 20"),
+    ("run.npz --end 3", "--end: end must lie from 0 to 1.6, got 3"),
+    ("run.npz --fps 20", "--fps: fps needs a file that ends in .gif"),
+    ("run.npz --out run.gif --fps 60", "--fps: fps must lie from 0.01 to 50, got 60"),
+    ("run.npz --out run.gif --width 20", "--width: width must lie from 100 to 2000, got 20"),
     ("run.npz --out run.gif --speed 1e-3", "may have 2000 frames, not 32001: raise the speed"),
 ]
 

@@ -140,9 +140,7 @@ def _disk(distance: float) -> dict[str, Any]:
 def page() -> str:
     """The page as HTML."""
     data = json.dumps(settings(), default=lambda outline: outline.round(5).tolist())
-    frame = player.frame(name="spun", title="The motion", is_heavy=True).replace(
-        "<figure ", "<figure data-alone ", 1
-    )
+    frame = player.frame(name="spun", title="The motion", is_heavy=True)
     template = Environment(autoescape=True).from_string(_asset("play.html"))
     return template.render(
         sliders=SLIDERS,
