@@ -262,6 +262,14 @@ def test_lines_of_a_solid_lie_on_its_surface_and_fill_its_outline(solid: Body) -
     assert 0.4 < np.mean(np.isnan(seen[:, 0])) < 0.6
 
 
+def test_what_lies_towards_the_eye_is_seen_in_one_place_and_across_it_in_its_size() -> None:
+    camera = drawing.Camera(np.array([0.1, -0.2, 0.3]), -1.25, radius=0.5)
+    along, across = camera.to_eye, np.linalg.svd(camera.to_eye[None])[2][1:]
+    seen = camera.project(camera.target + np.vstack((along, across)))
+    # A length of 1 m is two of the camera's radii.
+    np.testing.assert_allclose(seen @ seen.T, np.diag([0.0, 4.0, 4.0]), atol=1e-12)
+
+
 @pytest.mark.parametrize("body", [COMPOSED, ELLIPSE, TIPPE_TOP], ids=["disk", "ellipse", "solid"])
 def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
     scenario = Scenario(disk=body, start=Start(beta=1.3, gamma=0.5, spin=5.0))
