@@ -67,7 +67,6 @@ def _table(problem: Problem, done: Sequence[Panel]) -> Table:
             "median difference in rad": lambda each: _of_seen(each, "median"),
             "largest": lambda each: _of_seen(each, "max"),
         },
-        name="map",
         title=problem.title,
     )
 

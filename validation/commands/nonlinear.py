@@ -215,7 +215,6 @@ def _connections_over(options: argparse.Namespace, scenario: Scenario) -> Result
             "first-order prediction in rad/s": lambda row: row["prediction"],
             "saddle index": lambda row: (row["connection"] or {}).get("saddle_index"),
         },
-        name="ends_over",
         title=f"Hopf point and heteroclinic connection over {axis.field}",
         note=" ".join(
             f"{axis.field} = {row[axis.field]:g}: {row['reason']}."

@@ -77,7 +77,6 @@ def _stable_table(found: CriticalSpeeds) -> Table:
         sets.append(scenario.constraints)
     compared = (replace(scenario, constraints=each, start=Start()) for each in sets)
     return Table(
-        name=f"stable-{motion}",
         title=f"Where {motion} spinning is stable, all eigenvalues of a model together, from "
         f"{interval[0]:g} to {interval[1]:g} rad/s",
         columns=("model", "stable spins in rad/s"),
@@ -97,7 +96,6 @@ def _critical_table(found: CriticalSpeeds) -> Table:
     }
     low, high = found.interval
     return Table(
-        name=f"critical-{found.system}-{found.motion}",
         title=f"Single eigenvalues of {found.scenario.name}, {found.system} system, "
         f"{found.motion}, from {low:g} to {high:g} rad/s",
         columns=("as the spin rises", "spin in rad/s", "frequency in rad/s"),
@@ -148,7 +146,6 @@ def _table(name: str, found: Branches) -> Table:
     size = found.values.shape[1]
     heads = [f"{part} {index + 1}" for index in range(size) for part in ("Re λ", "Im λ")]
     return Table(
-        name="eigenvalues",
         title=f"Eigenvalues of {name} in 1/s",
         columns=("spin in rad/s", *heads),
         rows=[
