@@ -128,6 +128,7 @@ def test_run_can_be_repeated_from_its_own_result(source: str, capsys: Capture) -
     first, again = (load_run(name, Trajectory) for name in ("first.npz", "again.npz"))
     assert again.source == first.source == source
     np.testing.assert_allclose(first.times, np.linspace(0.0, 0.05, 6))
+    assert first.method["tolerance"] == 1e-6
     assert 0.0 < not_none(first.error_estimate) <= 1e-6
     assert scenario_text(again.scenario) == scenario_text(first.scenario)
     assert (first.coordinates == again.coordinates).all()
