@@ -165,12 +165,12 @@ def frame(*, name: str, title: str, **about: Any) -> str:
     **about
         What else `player.html` names.
     """
-    template = Environment(autoescape=True).from_string(_asset("player.html"))
+    template = Environment(autoescape=True).from_string(asset("player.html"))
     return template.render(
         name=name,
         title=title,
-        style=_asset("player.css"),
-        script=_asset("player.js"),
+        style=asset("player.css"),
+        script=asset("player.js"),
         **about,
     )
 
@@ -215,5 +215,6 @@ def _base64(values: np.ndarray) -> str:
     return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """Text of a file beside this module."""
     return files("validation.kit.animation").joinpath(name).read_text(encoding="utf-8")
