@@ -10,7 +10,6 @@ from analysis.data.checks import positive, whole
 from validation.commands.options import chosen_end, output_folder
 from validation.commands.output import Result, save
 from validation.commands.scenarios import chosen_scenario
-from validation.commands.sweep import chosen_pool, workers
 from validation.kit.progress import bar, duration, say
 from validation.kit.tables import Table
 from validation.maps.panel import Panel, run_panel
@@ -18,7 +17,7 @@ from validation.maps.problems import PROBLEMS, Problem, panels
 from validation.maps.refinement import expected_cases
 from validation.maps.uncertainty import DISTANCES, Uncertainty, run_pairs, shifted_sweeps
 from validation.parser.paths import PICTURES
-from validation.sweeps.pools import Pool
+from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.sweep import Sweep, look_ahead
 
 _SHORTEST = 0.02
@@ -28,7 +27,6 @@ _SHORTEST = 0.02
 def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's name
     """Run a map and draw it."""
     problem = PROBLEMS[options.name]
-    workers(options)
     positive("time_limit", options.time_limit)
     whole("pairs", options.pairs, least=0)
     if options.end is None:
@@ -41,9 +39,9 @@ def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's
     wanted = panels(problem, scenario, **size, **how)
     pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)
     # Workers that cannot be had are not announced, and leave no folder behind.
-    with chosen_pool(options) as pool:
+    with open_pool(options.executor, workers=options.workers, scheduler=options.scheduler) as pool:
         folder = output_folder("out", options.out)
-        _announce(options, wanted, pairs)
+        _announce(options, wanted, pairs, pool.workers)
         done, fineness = _run(options, wanted, pairs, folder, pool)
     return Result(
         tables=[_table(problem, done)],
@@ -78,14 +76,13 @@ def _of_seen(panel: Panel, what: str) -> float | None:
 
 
 def _announce(
-    options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep]
+    options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep], processes: int
 ) -> None:
     """Say about how many runs are coming, and how long they take where none has been made yet."""
     each = expected_cases(options.cells, options.levels)
     seconds = sum(each * look_ahead(sweep).seconds for sweep in wanted)
     seconds += sum(sweep.design.size * look_ahead(sweep).seconds for sweep in pairs)
     cases = each * len(wanted) + sum(sweep.design.size for sweep in pairs)
-    processes = workers(options)
     say(
         f"tippedisk map: some {cases} cases, roughly {duration(seconds / processes)} on "
         f"{processes} processes where none is in the folder yet"
