@@ -44,13 +44,12 @@ def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's
         _announce(options, wanted, pairs, pool.workers)
         done, fineness = _run(options, wanted, pairs, folder, pool)
     return Result(
-        tables=[_table(problem, done)],
-        after=[] if fineness is None else [_fineness(fineness)],
+        tables=[_table(problem, done, "" if fineness is None else _fineness(fineness))],
         notes=[str(_draw(options, done))],
     )
 
 
-def _table(problem: Problem, done: Sequence[Panel]) -> Table:
+def _table(problem: Problem, done: Sequence[Panel], note: str) -> Table:
     """What became of the disk in each panel, and what the other side says of it."""
     return Table.of(
         done,
@@ -66,6 +65,7 @@ def _table(problem: Problem, done: Sequence[Panel]) -> Table:
             "largest": lambda each: _of_seen(each, "max"),
         },
         title=problem.title,
+        note=note,
     )
 
 

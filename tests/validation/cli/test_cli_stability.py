@@ -46,7 +46,7 @@ def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form
     capsys: Capture,
 ) -> None:
     shown = printed(capsys, "critical")
-    assert shown.startswith("Model 1: inverted spinning is stable nowhere.\n")
+    assert shown.startswith("Model 1: inverted spinning is stable nowhere. By model, ")
     assert re.search(r"^Model 3 +30\.9168 to 60$", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes unstable +26\.8736 ", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes stable +30\.1049 ", shown, re.MULTILINE)
