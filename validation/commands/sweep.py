@@ -47,17 +47,13 @@ def sweep(options: argparse.Namespace) -> Result:
     with (
         open_pool(options.executor, workers=options.workers, scheduler=options.scheduler) as pool,
         Store(out, wanted, accept_other_code=options.accept_other_code) as store,
+        _interrupted(store, wanted),
+        _counter(wanted.design.size, store.count()) as told,
     ):
-        left = wanted.design.size - store.count()
-        if left:
+        if left := wanted.design.size - store.count():
             _announce(wanted, ahead, left, pool.workers)
-        if left or options.retry:
-            with (
-                _interrupted(store, wanted),
-                _counter(wanted.design.size, store.count()) as told,
-            ):
-                how = {"time_limit": time_limit, "retry": options.retry, "told": told}
-                run_cases(wanted, store, pool, **how)
+        how = {"time_limit": time_limit, "retry": options.retry, "told": told}
+        run_cases(wanted, store, pool, **how)
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
     return Result(

@@ -4,7 +4,7 @@ import csv
 import re
 import sqlite3
 import tracemalloc
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import closing, nullcontext
 from dataclasses import replace
 from functools import partial
@@ -20,6 +20,7 @@ from analysis import MODELS, Scenario, SmoothCoulomb, power
 from analysis.data.outcomes import DONE, Row
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
+from validation.kit.processes import Here
 from validation.kit.sources import digest
 from validation.run import run
 from validation.sweeps import case, runner
@@ -287,6 +288,21 @@ def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
     table = Results.load(path).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
     assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
+
+
+def test_quick_cases_go_out_in_larger_and_larger_chunks(tmp_path: Path) -> None:
+    sizes: list[int] = []
+
+    class Counting(Here):
+        def submit(self, function: Any, /, *given: Any, **named: Any) -> "Future[Any]":
+            sizes.append(len(given[1]))
+            return super().submit(function, *given, **named)
+
+    wanted = sweep("spin=30:40:40")
+    with Store(tmp_path / "a.db", wanted) as kept:
+        run_cases(wanted, kept, direct(executor=Counting()))
+    assert sum(sizes) == 40
+    assert max(sizes) > 8 * sizes[0]
 
 
 def one_worker() -> ProcessPoolExecutor:
