@@ -55,16 +55,8 @@ def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form
     assert "no friction: undamped" in printed(capsys, "critical --system full --mu 0")
 
 
-@pytest.mark.parametrize(
-    ("command", "rising", "others"),
-    [
-        ("eigenvalues", "30.2 30.5 30.8", ("30.5 30.8:30.2", "30.5,30.2,30.8,30.5")),
-        ("critical", "20:40", ("40:20", "40,30,20")),
-    ],
-)
-def test_spins_are_taken_in_any_order(
-    command: str, rising: str, others: tuple[str, ...], capsys: Capture
-) -> None:
-    call = f"{command} --system reduced --json --spin "
-    expected = printed(capsys, call, rising)
-    assert all(printed(capsys, call, spins) == expected for spins in others)
+def test_spins_are_taken_in_any_order(capsys: Capture) -> None:
+    call = "eigenvalues --system reduced --json --spin "
+    expected = printed(capsys, call, "30.2 30.5 30.8")
+    for spins in ("30.5 30.8:30.2", "30.5,30.2,30.8,30.5"):
+        assert printed(capsys, call, spins) == expected
