@@ -10,6 +10,7 @@ their places, to be looked at. The exit code is 1 above `ALLOWED`.
 
 import argparse
 import ast
+import os
 import random
 import shutil
 import subprocess
@@ -152,8 +153,12 @@ def survives(mutation: Mutation, copy: Path, *, near: bool) -> bool:
 
 def _pass(copy: Path, folder: str) -> bool:
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "auto", folder]
+    # Commands that tests start elsewhere are to be the copy's, too.
+    surroundings = {**os.environ, "PYTHONPATH": str(copy)}
     try:
-        done = subprocess.run(command, cwd=copy, capture_output=True, timeout=LIMIT, check=False)
+        done = subprocess.run(
+            command, cwd=copy, env=surroundings, capture_output=True, timeout=LIMIT, check=False
+        )
     except subprocess.TimeoutExpired:
         return False
     return done.returncode == 0

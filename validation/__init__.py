@@ -33,7 +33,8 @@ def animate(
     Raises
     ------
     ValueError
-        If the part is none of the motion, or its samples are too far apart to be animated.
+        If the part is none of the motion, its samples are too far apart to be animated, or the
+        speed is out of range.
 
     Examples
     --------

@@ -24,9 +24,6 @@ from analysis.solve.runs import Runs
 _REDUCED = [4, 5, 10]
 """Columns of beta, gamma and the rate of beta in a state of the index-1 system."""
 
-MOST_FORCES = 4
-"""Constraint forces up to which a disk with products of inertia is compiled within seconds."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Group:

@@ -10,7 +10,6 @@ from analysis.data.checks import positive, whole
 from validation.commands.options import chosen_end, output_folder
 from validation.commands.output import Result, save
 from validation.commands.scenarios import chosen_scenario
-from validation.commands.sweep import chosen_pool, workers
 from validation.kit.progress import bar, duration, say
 from validation.kit.tables import Table
 from validation.maps.panel import Panel, run_panel
@@ -18,6 +17,7 @@ from validation.maps.problems import PROBLEMS, Problem, panels
 from validation.maps.refinement import expected_cases
 from validation.maps.uncertainty import DISTANCES, Uncertainty, run_pairs, shifted_sweeps
 from validation.parser.paths import PICTURES
+from validation.sweeps.pools import open_pool
 from validation.sweeps.sweep import Sweep, look_ahead
 
 _SHORTEST = 0.02
@@ -27,7 +27,6 @@ _SHORTEST = 0.02
 def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's name
     """Run a map and draw it."""
     problem = PROBLEMS[options.name]
-    workers(options)
     positive("time_limit", options.time_limit)
     whole("pairs", options.pairs, least=0)
     if options.end is None:
@@ -39,17 +38,26 @@ def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's
     how: dict[str, Any] = {"end": end, "compiled": options.compiled}
     wanted = panels(problem, scenario, **size, **how)
     pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)
-    folder = output_folder("out", options.out)
-    _announce(options, wanted, pairs)
-    done, fineness = _run(options, wanted, pairs, folder)
+    # Workers that cannot be had are not announced, and leave no folder behind.
+    with (
+        open_pool(options.executor, workers=options.workers, scheduler=options.scheduler) as pool,
+        bar(options.name, unit="cases") as shown,
+    ):
+        folder = output_folder("out", options.out)
+        _announce(options, wanted, pairs, pool.workers)
+        each = {"time_limit": options.time_limit, "told": lambda new, _: shown.update(new)}
+        done = []
+        for index, sweep in enumerate(wanted, 1):
+            path = folder / f"{options.name}{f'-{index}' if len(wanted) > 1 else ''}.db"
+            done.append(run_panel(problem, sweep, path, pool, levels=options.levels, **each))
+        fineness = run_pairs(problem, pairs, folder, pool, **each) if pairs else None
     return Result(
-        tables=[_table(problem, done)],
-        after=[] if fineness is None else [_fineness(fineness)],
+        tables=[_table(problem, done, "" if fineness is None else _fineness(fineness))],
         notes=[str(_draw(options, done))],
     )
 
 
-def _table(problem: Problem, done: Sequence[Panel]) -> Table:
+def _table(problem: Problem, done: Sequence[Panel], note: str) -> Table:
     """What became of the disk in each panel, and what the other side says of it."""
     return Table.of(
         done,
@@ -64,8 +72,8 @@ def _table(problem: Problem, done: Sequence[Panel]) -> Table:
             "median difference in rad": lambda each: _of_seen(each, "median"),
             "largest": lambda each: _of_seen(each, "max"),
         },
-        name="map",
         title=problem.title,
+        note=note,
     )
 
 
@@ -76,35 +84,16 @@ def _of_seen(panel: Panel, what: str) -> float | None:
 
 
 def _announce(
-    options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep]
+    options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep], processes: int
 ) -> None:
     """Say about how many runs are coming, and how long they take where none has been made yet."""
-    each = expected_cases(options.cells, options.levels)
-    seconds = sum(each * look_ahead(sweep).seconds for sweep in wanted)
-    seconds += sum(sweep.design.size * look_ahead(sweep).seconds for sweep in pairs)
-    cases = each * len(wanted) + sum(sweep.design.size for sweep in pairs)
-    processes = workers(options)
+    runs = [(sweep, expected_cases(options.cells, options.levels)) for sweep in wanted]
+    runs += [(sweep, sweep.design.size) for sweep in pairs]
+    seconds = sum(count * look_ahead(sweep).seconds for sweep, count in runs)
     say(
-        f"tippedisk map: some {cases} cases, roughly {duration(seconds / processes)} on "
-        f"{processes} processes where none is in the folder yet"
+        f"tippedisk map: some {sum(count for _, count in runs)} cases, roughly "
+        f"{duration(seconds / processes)} on {processes} processes where none is in the folder yet"
     )
-
-
-def _run(
-    options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep], folder: Path
-) -> tuple[list[Panel], Uncertainty | None]:
-    """Run all panels and pairs, with a bar that counts."""
-    problem = PROBLEMS[options.name]
-    with chosen_pool(options) as pool, bar(options.name, unit="cases") as shown:
-        how: dict[str, Any] = {
-            "time_limit": options.time_limit,
-            "told": lambda new, _: shown.update(new),
-        }
-        done = []
-        for index, sweep in enumerate(wanted, 1):
-            path = folder / f"{options.name}{f'-{index}' if len(wanted) > 1 else ''}.db"
-            done.append(run_panel(problem, sweep, path, pool, levels=options.levels, **how))
-        return done, run_pairs(problem, pairs, folder, pool, **how) if pairs else None
 
 
 def _draw(options: argparse.Namespace, done: Sequence[Panel]) -> Path:

@@ -1,7 +1,7 @@
 """What the commands on nonlinear dynamics do."""
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from math import pi
 from typing import Any
@@ -61,15 +61,11 @@ def cycles(options: argparse.Namespace) -> Result:
     return find[chosen[0]](scenario) if chosen else _symmetric(scenario)
 
 
-def _drawn(draw: Callable[[Any], Any]) -> Callable[[], Any]:
-    """What makes a figure, given the module of figures, which is loaded when one is wanted."""
+def _figures() -> Any:
+    """The module of figures, which is loaded when one is wanted."""
+    from validation.nonlinear import figures
 
-    def figure() -> Any:
-        from validation.nonlinear import figures
-
-        return draw(figures)
-
-    return figure
+    return figures
 
 
 def _told(rows: list[Motion], family: Family, names: Sequence[str], **more: Any) -> Result:
@@ -94,10 +90,8 @@ def _told(rows: list[Motion], family: Family, names: Sequence[str], **more: Any)
             tables.event_table(found, family.motions),
         ],
         values={"motions": rows, "events": happened, "reason": family.reason, **more},
-        draw=_drawn(
-            lambda figures: figures.diagram(
-                figures.near(rows, family.begins), (*names, *_ALWAYS), marks=marks
-            )
+        draw=lambda: _figures().diagram(
+            _figures().near(rows, family.begins), (*names, *_ALWAYS), marks=marks
         ),
         notes=_ending(family),
     )
@@ -118,7 +112,7 @@ def _at(scenario: Scenario, spins: Sequence[float]) -> Result:
     return Result(
         tables=[tables.motion_table(rows)],
         values={"motions": rows, "events": [], "reason": None},
-        draw=_drawn(lambda figures: figures.portrait(named)),
+        draw=lambda: _figures().portrait(named),
     )
 
 
@@ -157,10 +151,9 @@ def _asymmetric(scenario: Scenario) -> Result:
 
 
 def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | None) -> Result:
-    axis = _axis(options)
     if (spins is None) == (options.amplitude is None) or (spins is not None and len(spins) > 1):
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
-    values, scenarios = _scenarios(scenario, axis)
+    axis, values, scenarios = _varied(options, scenario)
     held = {"amplitude": options.amplitude} if spins is None else {"spin": spins[0]}
     found = cycles_over(scenarios, **held)
     rows = [{axis.field: value, **row} for value, row in zip(values, _rows(found), strict=False)]
@@ -169,7 +162,7 @@ def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | 
     return Result(
         tables=[tables.motion_table(rows, first=over)],
         values={"motions": rows, "events": [], "reason": found.reason},
-        draw=_drawn(lambda figures: figures.diagram(rows, names, over=over, log=axis.log)),
+        draw=lambda: _figures().diagram(rows, names, over=over, log=axis.log),
         notes=_ending(found),
     )
 
@@ -185,15 +178,15 @@ def heteroclinic(options: argparse.Namespace) -> Result:
     found = heteroclinic_connection(scenario)
     slow = tables.prediction(scenario)
 
-    def draw(figures: Any) -> Any:
+    def draw() -> Any:
         spins = [found.spin + side for side in (-_SIDE, 0.0, _SIDE)]
         named = [(f"{spin:.6f} rad/s", fall(scenario, spin).states) for spin in spins]
-        return figures.portrait(named, saddles=(-pi / 2, 1.5 * pi))
+        return _figures().portrait(named, saddles=(-pi / 2, 1.5 * pi))
 
     return Result(
         tables=[tables.connection_table(found, slow)],
         values={**_of_connection(found), "prediction": None if slow is None else slow.spin},
-        draw=_drawn(draw),
+        draw=draw,
     )
 
 
@@ -202,8 +195,7 @@ def _of_connection(found: Connection) -> dict[str, float]:
 
 
 def _connections_over(options: argparse.Namespace, scenario: Scenario) -> Result:
-    axis = _axis(options)
-    values, scenarios = _scenarios(scenario, axis)
+    axis, values, scenarios = _varied(options, scenario)
     ends = [_ends(each) for each in counted(scenarios, axis.field)]
     rows = [{axis.field: value, **end} for value, end in zip(values, ends, strict=True)]
     table = Table.of(
@@ -215,7 +207,6 @@ def _connections_over(options: argparse.Namespace, scenario: Scenario) -> Result
             "first-order prediction in rad/s": lambda row: row["prediction"],
             "saddle index": lambda row: (row["connection"] or {}).get("saddle_index"),
         },
-        name="ends_over",
         title=f"Hopf point and heteroclinic connection over {axis.field}",
         note=" ".join(
             f"{axis.field} = {row[axis.field]:g}: {row['reason']}."
@@ -261,8 +252,13 @@ def _drawn_ends(table: Table, *, log: bool) -> Any:
 # --- Over a parameter ---------------------------------------------------------------------------
 
 
-def _axis(options: argparse.Namespace) -> Any:
-    """What --over goes through: a number of the scenario but for its start, with a count."""
+def _varied(
+    options: argparse.Namespace, scenario: Scenario
+) -> tuple[Any, list[float], list[Scenario]]:
+    """What --over goes through, its values, and the scenario with each of them.
+
+    That is a number of the scenario but for its start, with a count.
+    """
     from validation.sweeps.axes import axis_from_text
 
     try:
@@ -280,15 +276,9 @@ def _axis(options: argparse.Namespace) -> Any:
         raise ValueError(
             f"axis {field} must have at most {MOST_SCENARIOS} values here, got {axis.size}"
         )
-    return axis
-
-
-def _scenarios(scenario: Scenario, axis: Any) -> tuple[list[float], list[Scenario]]:
-    """Values of an axis, and the scenario with each of them."""
-    values = [axis.at(index) for index in range(axis.size)]
-    check_field(scenario, axis.field, {axis.field: values[0]})
-    made = [changed(scenario, {axis.field: value}) for value in values]
-    return [float(value) for value in values], made
+    values = [float(axis.at(index)) for index in range(axis.size)]
+    check_field(scenario, field, {field: values[0]})
+    return axis, values, [changed(scenario, {field: value}) for value in values]
 
 
 def _head(axis: Any) -> str:
@@ -313,7 +303,7 @@ def passage(options: argparse.Namespace) -> Result:
         tables=[passage_table(named)],
         values={"hopf": found.pair.spin, "frequency": found.pair.frequency}
         | {name: getattr(found, name) for name in own},
-        draw=_drawn(lambda figures: figures.passage_diagram(named)),
+        draw=lambda: _figures().passage_diagram(named),
     )
 
 

@@ -28,8 +28,6 @@ class Result:
         Writes the table of the file to a path; by default that is the first table.
     draw : callable, optional
         Makes the figure.
-    before, after : sequence of str
-        Lines that are printed with the tables.
     notes : sequence of str
         Lines that are printed in any case, beside a file that takes standard output.
     code : int
@@ -40,8 +38,6 @@ class Result:
     values: Any = None
     csv: Callable[[Path], object] | None = None
     draw: Callable[[], Any] | None = None
-    before: Sequence[str] = ()
-    after: Sequence[str] = ()
     notes: Sequence[str] = ()
     code: int = 0
 
@@ -55,10 +51,8 @@ class Result:
         if given.get("json"):
             print(json.dumps(self.tables[0].records() if self.values is None else self.values))
             return self.code
-        lines = [*self.notes]
-        if given.get("csv") is None:
-            lines = [*self.before, *map(_text, self.tables), *self.after, *lines]
-        for line in lines:
+        tables = self.tables if given.get("csv") is None else ()
+        for line in (*map(_text, tables), *self.notes):
             print(line)
         return self.code
 

@@ -49,7 +49,6 @@ def _story(motion: SpatialMotion) -> Table:
         ("estimated error", motion.error_estimate, "rad and parts of the energy"),
     ]
     return Table(
-        name="rest",
         title=f"The way to rest of {motion.scenario.name}, {motion.source}",
         columns=("what", "value", "unit"),
         rows=rows,

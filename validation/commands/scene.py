@@ -24,7 +24,6 @@ def scene(options: argparse.Namespace) -> Result:
             "user function": lambda item: ", ".join(item.user_functions) or None,
             "why": lambda item: item.why,
         },
-        name=f"scene-{scene.scenario.name}-{scene.built_as}",
         title=f"{scene.scenario.name}, formulation {scene.built_as}",
         note=f"{listed.coordinates} coordinates, {listed.equations} algebraic equations "
         f"({listed.constraints} constraints; an idle equation only says that an unused "

@@ -19,11 +19,11 @@ def show(options: argparse.Namespace) -> Result:
     runs = [(name_of(file), load_run(file)) for file in options.files]
     apart, alone = fields_table(runs), len(runs) == 1
     wanted = (options.csv, options.plot, options.json or None)
-    notes = () if any(each is not None for each in wanted) else _window(runs)
+    notes = [f"{name}: {run!r}" for name, run in runs] if options.csv is None else []
+    notes += [] if any(each is not None for each in wanted) else _window(runs)
     differences = difference_table(runs)
     return Result(
         tables=([apart] if apart.rows else []) + ([] if alone else [differences]),
-        after=[f"{name}: {run!r}" for name, run in runs],
         values={
             "runs": {name: repr(run) for name, run in runs},
             "fields": apart.records(),

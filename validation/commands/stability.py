@@ -46,7 +46,7 @@ def critical(options: argparse.Namespace) -> Result:
     ends = (float(spins[0]), float(spins[-1]))
     found = critical_speeds(scenario, ends, options.system, options.motion)
     closed = critical_speed(scenario, options.motion)
-    crossings = _critical_table(found)
+    crossings = _critical_table(found, _closed_form(closed))
 
     def picture() -> Any:
         helpers = spectra.helper_spins(*ends)
@@ -54,9 +54,7 @@ def critical(options: argparse.Namespace) -> Result:
         return _draw(branches, f"{options.motion} spinning, {scenario.name},", found)
 
     return Result(
-        before=[f"{scenario.name}: {options.motion} spinning is stable {found.where}.\n"],
         tables=[_stable_table(found), crossings],
-        after=[_closed_form(closed)],
         values={
             "stable": found.stable,
             "crossings": [asdict(each) for each in found.crossings],
@@ -77,9 +75,8 @@ def _stable_table(found: CriticalSpeeds) -> Table:
         sets.append(scenario.constraints)
     compared = (replace(scenario, constraints=each, start=Start()) for each in sets)
     return Table(
-        name=f"stable-{motion}",
-        title=f"Where {motion} spinning is stable, all eigenvalues of a model together, from "
-        f"{interval[0]:g} to {interval[1]:g} rad/s",
+        title=f"{scenario.name}: {motion} spinning is stable {found.where}. By model, all "
+        f"eigenvalues together, from {interval[0]:g} to {interval[1]:g} rad/s:",
         columns=("model", "stable spins in rad/s"),
         rows=[
             (each.name, critical_speeds(each, interval, motion=motion).where) for each in compared
@@ -87,7 +84,7 @@ def _stable_table(found: CriticalSpeeds) -> Table:
     )
 
 
-def _critical_table(found: CriticalSpeeds) -> Table:
+def _critical_table(found: CriticalSpeeds, note: str) -> Table:
     """Critical speeds; each row says what becomes of one eigenvalue or pair."""
     what = {"hopf": "pair", "static": "real eigenvalue"}
     side = {"above": "stable", "below": "unstable"}
@@ -97,7 +94,6 @@ def _critical_table(found: CriticalSpeeds) -> Table:
     }
     low, high = found.interval
     return Table(
-        name=f"critical-{found.system}-{found.motion}",
         title=f"Single eigenvalues of {found.scenario.name}, {found.system} system, "
         f"{found.motion}, from {low:g} to {high:g} rad/s",
         columns=("as the spin rises", "spin in rad/s", "frequency in rad/s"),
@@ -108,7 +104,7 @@ def _critical_table(found: CriticalSpeeds) -> Table:
             ),
             *((pairs[each.complex_side], each.spin, 0.0) for each in found.pair_changes),
         ],
-        note=found.reason or "",
+        note="\n".join(filter(None, (found.reason, note))),
     )
 
 
@@ -148,7 +144,6 @@ def _table(name: str, found: Branches) -> Table:
     size = found.values.shape[1]
     heads = [f"{part} {index + 1}" for index in range(size) for part in ("Re λ", "Im λ")]
     return Table(
-        name="eigenvalues",
         title=f"Eigenvalues of {name} in 1/s",
         columns=("spin in rad/s", *heads),
         rows=[

@@ -1,16 +1,15 @@
 """The subcommand `sweep`: many runs of a scenario, kept in one file."""
 
 import argparse
-import os
 import shutil
 import tomllib
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from analysis.data.checks import choice, positive, whole
+from analysis.data.checks import choice, positive
 from analysis.data.names import ArgumentError
 from analysis.data.outcomes import DONE
 from validation.commands.options import PATIENCE, chosen_end, run_options
@@ -19,7 +18,7 @@ from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import bar, duration, say
 from validation.sweeps.axes import Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
-from validation.sweeps.pools import Pool, check_executor, open_pool
+from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import Told, run_cases
 from validation.sweeps.store import Store, expected_size
@@ -30,7 +29,7 @@ _LAYOUT = ("layout", "number", "seed")
 
 def sweep(options: argparse.Namespace) -> Result:
     """Run what the store does not hold yet, and say what it holds then."""
-    out, processes = options.out, workers(options)
+    out = options.out
     time_limit = positive("time_limit", options.time_limit)
     wanted = Sweep(
         scenario=chosen_scenario(options, rest=options.rest),
@@ -44,18 +43,17 @@ def sweep(options: argparse.Namespace) -> Result:
         except ValueError as error:
             raise ArgumentError("plot", f"cannot be made: {error}") from None
     ahead = look_ahead(wanted)
-    with Store(out, wanted, accept_other_code=options.accept_other_code) as store:
-        left = wanted.design.size - store.count()
-        if left:
-            _announce(wanted, ahead, left, processes)
-        if left or options.retry:
-            with (
-                _interrupted(store, wanted),
-                chosen_pool(options) as pool,
-                _counter(wanted.design.size, store.count()) as told,
-            ):
-                how = {"time_limit": time_limit, "retry": options.retry, "told": told}
-                run_cases(wanted, store, pool, **how)
+    # The workers first: where there are none, no store is made.
+    with (
+        open_pool(options.executor, workers=options.workers, scheduler=options.scheduler) as pool,
+        Store(out, wanted, accept_other_code=options.accept_other_code) as store,
+        _interrupted(store, wanted),
+        _counter(wanted.design.size, store.count()) as told,
+    ):
+        if left := wanted.design.size - store.count():
+            _announce(wanted, ahead, left, pool.workers)
+        how = {"time_limit": time_limit, "retry": options.retry, "told": told}
+        run_cases(wanted, store, pool, **how)
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
     return Result(
@@ -71,21 +69,6 @@ def _pictures() -> Any:
     from validation.maps import sweeps
 
     return sweeps
-
-
-def workers(options: argparse.Namespace) -> int:
-    """Number of processes; `ValueError` if it is none."""
-    if options.workers is not None:
-        whole("workers", options.workers)
-    check_executor(options.executor)
-    if options.scheduler is not None and options.executor != "dask":
-        raise ArgumentError("scheduler", f"needs --executor dask, got {options.executor}")
-    return options.workers or os.cpu_count() or 1
-
-
-def chosen_pool(options: argparse.Namespace) -> AbstractContextManager[Pool]:
-    """Workers of the options."""
-    return open_pool(options.executor, workers=workers(options), scheduler=options.scheduler)
 
 
 def chosen_design(options: argparse.Namespace) -> Design:

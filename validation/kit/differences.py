@@ -53,7 +53,6 @@ def difference_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
             unit = first.units[quantity]
             rows.append([name, quantity, unit, float(apart[worst]), float(times[worst]), rms])
     return Table(
-        name="differences",
         title=f"Differences from {first_name}",
         columns=("run", "quantity", "unit", "largest", "at t in s", "root mean square"),
         rows=rows,
@@ -89,7 +88,6 @@ def fields_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
     if rows and len(sources) > 1:
         rows.insert(0, ["source", *(str(run.source) for _, run in runs)])
     return Table(
-        name="fields",
         title="What differs",
         columns=("field", *(name for name, _ in runs)),
         rows=rows,

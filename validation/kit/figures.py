@@ -89,7 +89,7 @@ def pi_label(value: float) -> str:
     return f"{sign}{'' if top == 1 else top}π{denominator}"
 
 
-def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> Any:
+def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any) -> None:
     """beta, gamma, spinning velocity and normal force of several labelled runs.
 
     With a spatial motion among them, which has no gamma where it lies flat, the height of the
@@ -98,9 +98,8 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> Any:
     Parameters
     ----------
     runs : sequence of (label, Trajectory or SpatialMotion)
-    axes : sequence of 4 Axes, optional
+    axes : sequence of 4 Axes
     """
-    axes = new_figure(4, height=8.5)[1] if axes is None else axes
     spatial = any(isinstance(run, SpatialMotion) for _, run in runs)
     for index, (label, run) in enumerate(runs):
         look = {
@@ -120,7 +119,6 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> Any:
         axes[2].set(ylabel="$\\dotα$ in rad/s")
     axes[3].set(ylabel="normal force in N", xlabel="time in s")
     legend_above(axes[0], columns=1 + (len(runs) > 1))
-    return axes
 
 
 def _compared(run: StoredRun, *, spatial: bool) -> tuple[Array, Array, Array, Array]:

@@ -17,8 +17,6 @@ class Table:
 
     Parameters
     ----------
-    name : str
-        Short name, used for its file.
     title : str
     columns : sequence of str
         Headings, with units.
@@ -26,33 +24,12 @@ class Table:
         Cells; a float is shown with few digits but stored with all of them.
     note : str
         What to read from it.
-
-    Raises
-    ------
-    ValueError
-        If a row has another number of cells than there are columns, or a cell is none: JSON
-        would not take one of NumPy's.
     """
 
-    name: str
     title: str
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     note: str = ""
-
-    def __post_init__(self) -> None:
-        for row in self.rows:
-            if len(row) != len(self.columns):
-                raise ValueError(
-                    f"rows must have {len(self.columns)} cells in table {self.name!r}, "
-                    f"got {len(row)}"
-                )
-            for cell in row:
-                if not isinstance(cell, str | float | int | None):
-                    raise ValueError(
-                        f"rows must hold text, numbers, truth values and None in table "
-                        f"{self.name!r}, got {cell!r}"
-                    )
 
     @classmethod
     def of(

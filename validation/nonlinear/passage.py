@@ -259,7 +259,6 @@ def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
         "rate of decay in rad/s²": "rate",
     }
     return Table(
-        name="passage",
         title="Passage through the critical speed",
         columns=("motion", *heads),
         rows=[(name, *(getattr(each, head) for head in heads.values())) for name, each in named],

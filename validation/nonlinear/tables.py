@@ -70,7 +70,6 @@ def motion_table(
     names = (*KINDS[kind].own, "spin", "period", "multiplier", "log_strong", "stable")
     heads = dict([first] if first else [])
     return Table(
-        name=kind,
         title=_TITLES[kind],
         columns=[*heads.values(), *(HEADS[name] for name in names)],
         rows=[[_cell(row, name) for name in (*heads, *names)] for row in rows],
@@ -93,7 +92,6 @@ def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Ta
     meaning = ", ".join(f"at {at:g} {_CHANGES[change]}" for change, at in ends.changes.items())
     none = "" if found else "There are none: stability does not change along the family. "
     return Table(
-        name="bifurcations",
         title="Bifurcations along the family",
         columns=("kind", HEADS[ends.own[0]], "spin in rad/s", "period in s"),
         rows=[(each, at.value, at.spin, at.period) for each, at in found],
@@ -121,7 +119,6 @@ def hopf_table(normal: HopfType, growth: Growth | None) -> Table:
         rows.append((f"{term}, fitted, in rad/s", growth.curvature, growth.curvature_error))
         rows.append(("power of the amplitude, fitted", growth.exponent, growth.exponent_error))
     return Table(
-        name="hopf",
         title=f"The Hopf bifurcation of inverted spinning is {normal.kind}",
         columns=("quantity", "value", "standard error"),
         rows=rows,
@@ -148,7 +145,6 @@ def connection_table(found: Connection, slow: SlowOrbit | None) -> Table:
             ("largest friction over weight on it", slow.friction),
         ]
     return Table(
-        name="heteroclinic",
         title=f"The heteroclinic connection, where the cycles end, at {found.spin:.9f} rad/s",
         columns=("quantity", "value"),
         rows=rows,

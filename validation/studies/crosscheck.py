@@ -139,7 +139,7 @@ def table(checks: Sequence[Check]) -> Table:
         for each in checks
         for agrees in [each.verdict if isinstance(each.verdict, bool) else "not defined"]
     ]
-    return Table(name="check", title=TITLE, columns=heads, rows=rows)
+    return Table(title=TITLE, columns=heads, rows=rows)
 
 
 class Case(NamedTuple):

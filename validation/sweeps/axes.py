@@ -104,8 +104,8 @@ class Axis:
         first, last = self.first, self.last
         assert first is not None
         assert last is not None
-        if part in (0.0, 1.0):
-            return last if part else first
+        if part == 1.0:
+            return last
         return float(first * (last / first) ** part) if self.log else first + part * (last - first)
 
 

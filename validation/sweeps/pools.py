@@ -1,12 +1,14 @@
 """Who computes: processes of this machine, a Dask cluster, MPI ranks, or any other executor."""
 
+import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from analysis.data.checks import choice
+from analysis.data.checks import choice, whole
+from analysis.data.names import ArgumentError
 from analysis.data.own import is_own, own_object
 from validation.kit.processes import Processes
 
@@ -53,13 +55,10 @@ def _lost() -> OSError:
     return OSError("the workers are lost; what is done is stored, and the same command goes on")
 
 
-def check_executor(name: str) -> str:
-    """Return the name of an executor; `ValueError` if it can be none. Imports nothing."""
-    return name if is_own(name) else choice("executor", name, (*KINDS, "module:function"))
-
-
 @contextmanager
-def open_pool(kind: str, *, workers: int, scheduler: str | None = None) -> Iterator[Pool]:
+def open_pool(
+    kind: str, *, workers: int | None = None, scheduler: str | None = None
+) -> Iterator[Pool]:
     """Workers for the time of a context; where it fails, the calls that are being made are lost.
 
     Parameters
@@ -67,9 +66,9 @@ def open_pool(kind: str, *, workers: int, scheduler: str | None = None) -> Itera
     kind : str
         "processes", "dask", "mpi", or `module:function` of one's own that returns a
         `concurrent.futures.Executor`.
-    workers : int
-        Number of processes; an MPI job, a Dask scheduler and an executor of one's own bring
-        theirs, the last one as many as is said here.
+    workers : int, optional
+        Number of processes, by default that of the cores; an MPI job, a Dask scheduler and an
+        executor of one's own bring theirs, the last one as many as is said here.
     scheduler : str, optional
         Address of a Dask scheduler; without one, a cluster of this machine is started.
 
@@ -78,9 +77,14 @@ def open_pool(kind: str, *, workers: int, scheduler: str | None = None) -> Itera
     OSError
         If the scheduler does not answer.
     ValueError
-        If what is needed is not installed or not started.
+        If there is no such executor, or what it needs is not installed or not started.
     """
-    if check_executor(kind) == "dask":
+    if not is_own(kind):
+        choice("executor", kind, (*KINDS, "module:function"))
+    if scheduler is not None and kind != "dask":
+        raise ArgumentError("scheduler", f"needs --executor dask, got {kind}")
+    workers = os.cpu_count() or 1 if workers is None else whole("workers", workers)
+    if kind == "dask":
         with _dask(workers, scheduler) as pool:
             yield pool
         return

@@ -125,7 +125,6 @@ def run_sweep(
     OSError, ValueError
         If the store cannot be written, or is another's; or as `look_ahead` says.
     """
-    workers = workers or os.cpu_count() or 1
     look_ahead(sweep)
     with Store(path, sweep) as store, open_pool("processes", workers=workers) as pool:
         run_cases(sweep, store, pool, time_limit=time_limit)

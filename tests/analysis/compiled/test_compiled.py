@@ -19,6 +19,7 @@ from analysis import (
     Ensemble,
     Form,
     FrictionLaw,
+    Level,
     Load,
     PenaltyContact,
     Scenario,
@@ -306,9 +307,15 @@ def test_time_limit_ends_a_compiled_run() -> None:
     assert len(told) == 1
 
 
-def test_estimates_cover_the_time_at_which_a_condition_ends_a_member() -> None:
-    members = [model(4, start=Start(spin=spin)) for spin in (36.0, 40.0, 44.0)]
-    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted"}
+@pytest.mark.parametrize(
+    ("level", "form"),
+    [(4, "reduced"), pytest.param(1, "index-1", marks=pytest.mark.slow)],
+)
+def test_estimates_cover_the_time_at_which_a_condition_ends_a_member(
+    level: Level, form: str
+) -> None:
+    members = [model(level, start=Start(spin=spin)) for spin in (36.0, 40.0, 44.0)]
+    how: dict[str, Any] = {"form": form, "stop_when": "inverted"}
     ends = [0.0, 1.0]
     outcomes = simulate_many(members, ends, **how, tolerance=1e-3)
     coarse, fine = (simulate_many(members, ends, **how, local_tolerance=x) for x in (1e-6, 1e-9))

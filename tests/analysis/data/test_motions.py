@@ -35,6 +35,7 @@ from analysis import (
     simulate_many,
     simulate_to_rest,
 )
+from analysis.data.dense import extremes
 from analysis.data.trajectory import SOURCES, Source
 from analysis.mechanics.recorded import accelerations
 from tests.bodies import ELLIPSE
@@ -271,6 +272,13 @@ def test_samples_too_far_apart_for_the_runs_own_tolerance_are_refused(fine: Traj
     with pytest.raises(ToleranceError, match=r"tolerance is 1.0e-06"):
         unknown.at(0.02)
     assert unknown.resampled([0.0, 0.005], tolerance=1.0).error_estimate is None
+
+
+def test_extremes_between_samples_are_those_of_a_parabola_and_half_as_much_again() -> None:
+    # Up by a quarter of a unit between samples of the same height, and down by as much.
+    rates = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    least, most = extremes(np.array([[0.0, 1.0]] * 2), np.full((2, 2), 3.0), rates)
+    np.testing.assert_allclose([least[:, 0], most[:, 0]], [[3.0, 2.625], [3.375, 3.0]])
 
 
 def test_samples_next_to_an_ending_do_not_amplify_rounding(fine: Trajectory) -> None:

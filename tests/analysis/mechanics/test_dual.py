@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.data.elementary import cos, sin, sqrt
+from analysis.data.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
 from analysis.mechanics.dual import derivatives, rate
 from tests.helpers import assert_close, jacobian
 
@@ -15,6 +15,7 @@ FORMULAS: dict[str, Callable[[Sequence[Any]], list[Any]]] = {
     "products": lambda x: [x[0] * x[1] * 2.0, 3.0 * x[1], x[0] * x[0] * x[0]],
     "quotients": lambda x: [x[0] / x[1], 1.0 / x[1], x[0] / 4.0],
     "functions": lambda x: [sin(x[0] * x[1]), cos(x[0]) / sqrt(x[1]), sqrt(x[0] * x[0] + 1.0)],
+    "further functions": lambda x: [exp(x[0]), tanh(x[0]), log(x[1]), asinh(x[1]), hypot(*x)],
 }
 
 

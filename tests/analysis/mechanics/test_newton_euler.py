@@ -26,6 +26,7 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.mechanics import paper
+from analysis.mechanics.constraints import velocities
 from analysis.mechanics.recorded import accelerations, solver
 from analysis.mechanics.recorded import jacobian as exact_jacobian
 from analysis.mechanics.states import paper_of, state_of
@@ -54,6 +55,22 @@ loads = pytest.mark.parametrize("load", LOADS)
 
 PRODUCTS = 0.25
 """Largest product of inertia of a random disk, whose moments are of order one."""
+
+
+@all_sets
+def test_residuals_of_the_velocities_are_slip_and_spin(constraints: ConstraintSet) -> None:
+    scenario, z, u = random_scenario(constraints, 5)
+    u = u + np.linspace(0.3, 0.8, 6)
+    found = velocities(constraints, scenario.disk, state_of(scenario.disk, z, u))
+    told = dict(zip(multiplier_names(constraints), found, strict=True))
+    slipping = slip(scenario.disk, lambda time: z + time * u)
+    known = {
+        "tangential_force": slipping[0],
+        "lateral_force": slipping[1],
+        "spin_torque": u[3],
+    }
+    for name in told.keys() & known.keys():
+        assert told[name] == pytest.approx(known[name], rel=1e-8)
 
 
 def friction_in_frame(scenario: Scenario, load: float, slip_x: float, slip_y: float) -> Array:

@@ -67,6 +67,15 @@ def test_only_a_bilateral_contact_acts_in_the_air(
     np.testing.assert_allclose(accelerations, [0, 0, lifting, 0, 0, 0], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.parametrize("load", LOADS)
+def test_a_disk_that_would_slip_keeps_its_energy_in_the_air(load: Load) -> None:
+    friction, start = SmoothCoulomb(load=load), Start(spin=30.0, height=5e-3)
+    scenario = Scenario(contact=CONTACT, friction=friction, start=start)
+    run = analysis.simulate(scenario, TIMES[:5], local_tolerance=1e-10)
+    total = np.sum(analysis.energies(scenario, run.coordinates, run.rates), axis=0)
+    np.testing.assert_allclose(total, total[0], rtol=1e-9)
+
+
 @pytest.mark.parametrize("ratio", [0.05, 0.5])
 def test_damping_ratio_is_that_of_the_upright_disk_on_its_spring(ratio: float) -> None:
     damped = PenaltyContact.damped(1e5, STEEL_DISK, ratio=ratio)

@@ -16,6 +16,7 @@ from analysis import (
     outcomes,
     simulate,
     simulate_many,
+    simulate_to_rest,
 )
 from analysis.compiled import code
 from analysis.data.outcomes import DONE, OUTCOMES, Row
@@ -119,6 +120,16 @@ def test_sliding_took_what_the_held_spin_brought() -> None:
     assert row["brought_by_spin_torque"] == pytest.approx(brought)
     lost = cast("float", row["energy_start"]) - cast("float", row["energy_end"])
     assert row["taken_sliding"] == pytest.approx(lost + brought, rel=1e-12)
+
+
+def test_budget_of_a_motion_to_rest_is_told_from_its_first_sample_to_its_last() -> None:
+    motion = simulate_to_rest(Scenario.rest(), 0.05, spacing=0.01, local_tolerance=1e-9)
+    (row,) = outcomes([motion]).rows()
+    totals = [row[name] for name in ("energy_start", "energy_end")]
+    assert totals == motion.energies.sum(axis=1)[[0, -1]].tolist()
+    taken = sum(cast("float", row[name]) for name in row if name.startswith("taken_"))
+    assert taken == pytest.approx(motion.dissipated[-1].sum())
+    assert taken > 0.0
 
 
 def test_errors_are_rows_that_say_why() -> None:

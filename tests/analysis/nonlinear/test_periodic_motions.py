@@ -114,6 +114,7 @@ def test_both_multipliers_are_those_of_the_variational_equations_over_half_a_per
     strong = -np.exp(cycle.log_strong / 2.0)
     found = multipliers_of_runs(cycle, float(cycle.states[0, 2]))
     assert found == pytest.approx([strong, cycle.larger], rel=1e-7)
+    assert cycle.stable == (max(map(abs, found)) < 1.0)
 
 
 def test_either_multiplier_may_tell_that_the_stability_changes(family: Family) -> None:

@@ -121,6 +121,11 @@ def test_a_collision_into_a_complex_pair_and_back_leaves_other_branches_alone() 
     np.testing.assert_allclose(found, true[:, np.argsort(-true[0].real)], atol=1e-7)
 
 
+def test_pairs_are_numbered_from_even_places_and_a_real_eigenvalue_gives_way() -> None:
+    matrix = np.array([[2.0, 0, 0, 0], [0, -1, 1, 0], [0, -1, -1, 0], [0, 0, 0, -3]])
+    np.testing.assert_allclose(follow(matrix[None]), [[2.0, -3.0, -1.0 + 1j, -1.0 - 1j]])
+
+
 @pytest.mark.parametrize("count", [100, 101])
 def test_an_eigenvalue_passes_through_a_zero_mode_that_stays(count: int) -> None:
     p = np.linspace(-1.0, 1.0, count)

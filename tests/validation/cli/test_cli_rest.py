@@ -26,14 +26,6 @@ def test_command_simulates_stores_and_draws(source: str, capsys: Capture) -> Non
     assert "not decided" not in shown
 
 
-def test_command_drops_the_disk_from_a_height(capsys: Capture) -> None:
-    printed(capsys, "rest --source in-house --height 5e-3 --end 0.1 --out drop.npz")
-    motion = load_run("drop.npz", SpatialMotion)
-    assert motion.positions[0, 2] - motion.scenario.disk.radius == pytest.approx(5e-3)
-    assert motion.normal_force[0] == 0.0
-    assert motion.energy_taken("damping")[-1] > 0.01
-
-
 @pytest.mark.parametrize(
     ("call", "said", "unsaid"),
     [

@@ -5,6 +5,7 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from analysis import (
@@ -27,6 +28,7 @@ from analysis.data.scenario_file import load_scenario
 from analysis.data.scenario_text import scenario_text
 from analysis.data.trajectory import SOURCES
 from tests.calls import Capture, printed, refusal, run
+from tests.helpers import not_none
 from tests.scenario_texts import with_key
 from tests.validation.cli.test_refusals import RING
 from validation.studies import crosscheck
@@ -124,6 +126,10 @@ def test_run_can_be_repeated_from_its_own_result(source: str, capsys: Capture) -
     assert run(words, problem, "--out first.npz") == 0
     assert run(words, "--scenario first.npz --out again.npz") == 0
     first, again = (load_run(name, Trajectory) for name in ("first.npz", "again.npz"))
+    assert again.source == first.source == source
+    np.testing.assert_allclose(first.times, np.linspace(0.0, 0.05, 6))
+    assert first.method["tolerance"] == 1e-6
+    assert 0.0 < not_none(first.error_estimate) <= 1e-6
     assert scenario_text(again.scenario) == scenario_text(first.scenario)
     assert (first.coordinates == again.coordinates).all()
     capsys.readouterr()

@@ -46,7 +46,7 @@ def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form
     capsys: Capture,
 ) -> None:
     shown = printed(capsys, "critical")
-    assert shown.startswith("Model 1: inverted spinning is stable nowhere.\n")
+    assert shown.startswith("Model 1: inverted spinning is stable nowhere. By model, ")
     assert re.search(r"^Model 3 +30\.9168 to 60$", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes unstable +26\.8736 ", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes stable +30\.1049 ", shown, re.MULTILINE)
@@ -55,16 +55,8 @@ def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form
     assert "no friction: undamped" in printed(capsys, "critical --system full --mu 0")
 
 
-@pytest.mark.parametrize(
-    ("command", "rising", "others"),
-    [
-        ("eigenvalues", "30.2 30.5 30.8", ("30.5 30.8:30.2", "30.5,30.2,30.8,30.5")),
-        ("critical", "20:40", ("40:20", "40,30,20")),
-    ],
-)
-def test_spins_are_taken_in_any_order(
-    command: str, rising: str, others: tuple[str, ...], capsys: Capture
-) -> None:
-    call = f"{command} --system reduced --json --spin "
-    expected = printed(capsys, call, rising)
-    assert all(printed(capsys, call, spins) == expected for spins in others)
+def test_spins_are_taken_in_any_order(capsys: Capture) -> None:
+    call = "eigenvalues --system reduced --json --spin "
+    expected = printed(capsys, call, "30.2 30.5 30.8")
+    for spins in ("30.5 30.8:30.2", "30.5,30.2,30.8,30.5"):
+        assert printed(capsys, call, spins) == expected

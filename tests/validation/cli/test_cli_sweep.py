@@ -57,10 +57,13 @@ def test_what_cannot_run_here_is_refused_before_anything_is_kept(
     assert not Path("a.db").exists()
 
 
+@pytest.mark.parametrize("call", [CALL, "map attitude --workers 1 --out maps"])
 @pytest.mark.parametrize(("executor", "module"), [("dask", "distributed"), ("mpi", "mpi4py")])
-def test_missing_extra_is_told_in_one_line(
-    executor: str, module: str, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+def test_missing_extra_is_told_in_one_line_and_nothing_is_made(
+    call: str, executor: str, module: str, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
-    said = refusal(capsys, CALL, f"--executor {executor}")
+    said = refusal(capsys, call, f"--executor {executor}")
     assert f"the executor {executor} needs the extra" in said
+    assert not Path("a.db").exists()
+    assert not Path("maps").exists()

@@ -20,6 +20,7 @@ from mbs_models import INTEGRATORS
 from tests.calls import Capture, printed, refusal, run
 from tests.helpers import mostly_slow
 from validation import report
+from validation.maps.problems import PROBLEMS
 from validation.parser import commands, runs
 from validation.parser.commands import COMMANDS
 from validation.parser.options import Command
@@ -71,6 +72,7 @@ def test_choices_are_those_of_the_packages() -> None:
     assert commands.MOTIONS == analysis.MOTIONS
     assert commands.INVERSION == DEFINITION
     assert commands.LAYOUTS == LAYOUTS
+    assert tuple(PROBLEMS) == commands.MAPS
     names = tuple(name.replace("_", "-") for name in (*report.DISK, *report.METHOD))
     assert names == commands.SECTIONS_OF_REPORT
     stored = [n for n in names if any(study.is_stored for study in report.find(n).STUDIES)]

@@ -50,3 +50,8 @@ def test_lines_tell_what_is_done_and_left_and_come_the_rarer_the_longer_it_takes
     assert [bool(match[2]) for match in found] == [number > 30 for number in done]
     assert list(progress.counted(range(40), "runs")) == list(range(40))
     assert re.match(r"runs: \d+ of 40, after ", capsys.readouterr().err)
+
+
+def test_times_are_told_in_the_unit_that_suits_them() -> None:
+    told = [progress.duration(seconds) for seconds in (0.1, 99.0, 101.0, 5990.0, 6010.0)]
+    assert told == ["1 s", "99 s", "1.7 min", "99.8 min", "1.7 h"]

@@ -62,7 +62,7 @@ REFUSED = {
     # Sizes that no memory holds.
     ENGINE + "--samples 1": "--samples: samples must be at least 2, got 1",
     ENGINE + "--samples 1000000000000": "--samples: samples asks for 1e+12 samples of 14",
-    "animate run.npz --out a.gif --fps 1e-300": "fps must be at least 0.01 for a GIF, got 1e-300",
+    "animate run.npz --out a.gif --fps 1e-300": "--fps: fps must lie from 0.01 to 50, got 1e-300",
     "animate run.npz --out a.gif --speed 1e-300": "--speed: speed must lie from 1e-06 to 1e+06",
     "heteroclinic --over mu=0:1:1000000": "must have at most 10000 values here, got 1000000",
     # Runs that would never end.

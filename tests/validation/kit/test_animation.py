@@ -262,6 +262,14 @@ def test_lines_of_a_solid_lie_on_its_surface_and_fill_its_outline(solid: Body) -
     assert 0.4 < np.mean(np.isnan(seen[:, 0])) < 0.6
 
 
+def test_what_lies_towards_the_eye_is_seen_in_one_place_and_across_it_in_its_size() -> None:
+    camera = drawing.Camera(np.array([0.1, -0.2, 0.3]), -1.25, radius=0.5)
+    along, across = camera.to_eye, np.linalg.svd(camera.to_eye[None])[2][1:]
+    seen = camera.project(camera.target + np.vstack((along, across)))
+    # A length of 1 m is two of the camera's radii.
+    np.testing.assert_allclose(seen @ seen.T, np.diag([0.0, 4.0, 4.0]), atol=1e-12)
+
+
 @pytest.mark.parametrize("body", [COMPOSED, ELLIPSE, TIPPE_TOP], ids=["disk", "ellipse", "solid"])
 def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
     scenario = Scenario(disk=body, start=Start(beta=1.3, gamma=0.5, spin=5.0))
@@ -348,10 +356,10 @@ def stored(tmp_path: Path) -> Path:
 BAD = [
     ("truncated.npz", "truncated.npz is not a readable motion"),
     ("run.npz --begin 0.5 --end 0.5", "--begin: begin must lie before 0.5, got 0.5"),
-    ("run.npz --end 3", "end must lie within the data, from 0 to 1.6 s, got 3"),
-    ("run.npz --fps 20", "--fps: fps needs --out FILE.gif"),
-    ("run.npz --out run.gif --fps 60", "fps must be at most 50"),
-    ("run.npz --out run.gif --width 20", "width must lie from 100 to 2000 pixels, got 20"),
+    ("run.npz --end 3", "--end: end must lie from 0 to 1.6, got 3"),
+    ("run.npz --fps 20", "--fps: fps needs a file that ends in .gif"),
+    ("run.npz --out run.gif --fps 60", "--fps: fps must lie from 0.01 to 50, got 60"),
+    ("run.npz --out run.gif --width 20", "--width: width must lie from 100 to 2000, got 20"),
     ("run.npz --out run.gif --speed 1e-3", "may have 2000 frames, not 32001: raise the speed"),
 ]
 

@@ -28,7 +28,6 @@ from validation.maps.uncertainty import (
     shifted_sweeps,
     uncertainty,
 )
-from validation.parser import commands as parser
 from validation.sweeps.results import Results
 
 REDUCED = Scenario(constraints=MODELS[4])
@@ -65,10 +64,6 @@ def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
 def test_shape_that_cannot_be_halved_is_refused() -> None:
     with pytest.raises(ValueError, match="shape must be cells"):
         refine((16, 17), 2, lambda _: [])
-
-
-def test_choices_of_the_command_are_the_maps() -> None:
-    assert tuple(PROBLEMS) == parser.MAPS
 
 
 @pytest.mark.parametrize(
@@ -161,16 +156,6 @@ def test_store_of_a_map_is_refined_where_outcomes_differ_and_kept(
     assert Results.load(path).columns["number"].size == 3 + 3 * 5
 
 
-def test_uncertainty_exponent_of_a_smooth_boundary_is_1() -> None:
-    starts = np.random.default_rng(1).random(20_000)
-    distances = np.array(DISTANCES)
-    differs = np.array([(starts < 0.5) != (starts + each < 0.5) for each in distances])
-    found = uncertainty(distances, differs)
-    assert found is not None
-    assert abs(found.exponent - 1.0) < 3.0 * found.error
-    assert found.error < 0.1
-
-
 def test_uncertainty_exponent_of_a_cantor_set_is_1_less_its_dimension() -> None:
     def measure(x: Array) -> Array:
         """Cantor's function, which rises on the set alone."""
@@ -188,7 +173,7 @@ def test_uncertainty_exponent_of_a_cantor_set_is_1_less_its_dimension() -> None:
     differs = np.array([measure(starts + each) > measure(starts) for each in distances])
     found = uncertainty(distances, differs)
     assert found is not None
-    assert found.exponent == pytest.approx(1.0 - log(2.0) / log(3.0), abs=0.03)
+    assert abs(found.exponent - (1.0 - log(2.0) / log(3.0))) < 3.0 * found.error < 0.03
 
 
 def test_pairs_are_the_same_starts_shifted() -> None:

@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 
 from tests.helpers import is_running, mostly_slow
-from tests.sweeps import sweep, swept
+from tests.sweeps import direct, sweep, swept
+from validation.sweeps.runner import run_cases
+from validation.sweeps.store import Store
 
 ROOT = Path(__file__).parents[3]
 
@@ -58,6 +60,20 @@ def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
     path.touch()
     found = swept(sweep("spin=30:40:3"), path, numbers=[2])
     assert found.columns["number"].tolist() == [2]
+
+
+def test_interrupt_ends_a_sweep_once_what_came_in_is_stored(tmp_path: Path) -> None:
+    wanted, path = sweep("spin=30:40:30"), tmp_path / "a.db"
+    done: list[int] = []
+
+    def told(new: int, _failed: int) -> None:
+        if not done:
+            signal.raise_signal(signal.SIGINT)
+        done.append(new)
+
+    with pytest.raises(KeyboardInterrupt), Store(path, wanted) as kept:
+        run_cases(wanted, kept, direct(), told=told)
+    assert [rows(path)] == done
 
 
 @pytest.mark.slow

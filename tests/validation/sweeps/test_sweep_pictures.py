@@ -14,6 +14,8 @@ from validation.sweeps.axes import Design, axis_from_text
 from validation.sweeps.results import Results
 from validation.sweeps.sweep import Sweep
 
+NINE = ("mu", "eps", "spin", "alpha", "beta", "gamma", "beta-rate", "gamma-rate", "inclination")
+
 
 def drawn(wanted: Sweep, folder: Path) -> tuple[Figure, Results]:
     results = swept(wanted, folder / "a.db")
@@ -85,6 +87,7 @@ def test_several_axes_are_drawn_in_pairs(
     [
         (("spin=30:40:2", "mu=0.1"), "several axes can be drawn if each has two values"),
         (("constraints=contact,contact+no-slip",), "axis constraints cannot be drawn"),
+        (tuple(f"{name}=0.1:0.2:2" for name in NINE), "at most 8 axes can be drawn, got 9"),
         (("spin=40,30",), "axis start.spin can be drawn if its values rise"),
     ],
 )

@@ -10,8 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
-from analysis.data.checks import Array, positive
-from analysis.data.limits import SLOWEST_FRAMES, WIDEST_PICTURE
+from analysis.data.checks import Array, within
+from analysis.data.limits import PLAYBACK_SPEEDS, SLOWEST_FRAMES, WIDEST_PICTURE
 from validation.kit.animation import picture
 from validation.kit.animation.keyframes import Keyframes
 from validation.kit.animation.picture import Camera
@@ -45,23 +45,21 @@ def frame_times(
     Raises
     ------
     ValueError
-        If a number is not positive, `fps` is out of range, or these are more than `MOST_FRAMES`.
+        If `speed` or `fps` is out of range, or these are more than `MOST_FRAMES`.
     """
-    if positive("fps", fps) > FASTEST:
-        raise ValueError(f"fps must be at most {FASTEST:g} for a GIF, got {fps:g}")
-    if fps < SLOWEST_FRAMES:
-        raise ValueError(f"fps must be at least {SLOWEST_FRAMES:g} for a GIF, got {fps:g}")
+    within("fps", fps, SLOWEST_FRAMES, FASTEST)
     begin, end = float(poses.times[0]), float(poses.times[-1])
     if speed is None:
         speed = 0.1 if end - begin <= 4.0 else 1.0
     shown = max(2, round(100.0 / fps))
-    count = int(np.floor((end - begin) / (positive("speed", speed) * shown / 100.0) + 1e-9)) + 1
+    step = within("speed", speed, *PLAYBACK_SPEEDS) * shown / 100.0
+    count = int(np.floor((end - begin) / step + 1e-9)) + 1
     if count > MOST_FRAMES:
         raise ValueError(
             f"a GIF may have {MOST_FRAMES} frames, not {count}: raise the speed, lower fps, or "
             "bring begin and end closer together"
         )
-    return begin + speed * shown / 100.0 * np.arange(count, dtype=float), shown
+    return begin + step * np.arange(count, dtype=float), shown
 
 
 def write(
@@ -89,8 +87,7 @@ def write(
     ValueError
         If an argument is out of range.
     """
-    if not 100 <= width <= WIDEST_PICTURE:
-        raise ValueError(f"width must lie from 100 to {WIDEST_PICTURE} pixels, got {width}")
+    within("width", width, 100, WIDEST_PICTURE)
     times, shown = frame_times(poses, speed=speed, fps=fps)
     picture = _Picture(poses, width)
     # One palette for all frames, from a few of them, keeps the colours from flickering.

@@ -8,8 +8,9 @@ from scipy.interpolate import CubicHermiteSpline
 from analysis import SpatialMotion, StoredRun, Trajectory
 from analysis.data import frames
 from analysis.data.body import Body
-from analysis.data.checks import Array
+from analysis.data.checks import Array, within
 from analysis.data.limits import MOST_KEYFRAMES
+from analysis.data.names import ArgumentError
 
 _TURN_BETWEEN = 0.25
 """Angle in rad the disk may turn between keyframes taken from co-rotating coordinates."""
@@ -97,14 +98,10 @@ class Keyframes:
             If the range is empty or reaches outside the data.
         """
         first, last = float(self.times[0]), float(self.times[-1])
-        begin, end = first if begin is None else begin, last if end is None else end
-        for name, value in (("begin", begin), ("end", end)):
-            if not first <= value <= last:
-                raise ValueError(
-                    f"{name} must lie within the data, from {first:g} to {last:g} s, got {value:g}"
-                )
+        begin = first if begin is None else within("begin", begin, first, last)
+        end = last if end is None else within("end", end, first, last)
         if begin >= end:
-            raise ValueError(f"begin must lie before end, got {begin:g} and {end:g}")
+            raise ArgumentError("begin", f"must lie before {end:g}, got {begin:g}")
         inside = self.times[(self.times > begin) & (self.times < end)]
         cut = self.at(np.concatenate(([begin], inside, [end])))
         marks = tuple((name, time) for name, time in self.marks if begin <= time <= end)
@@ -123,10 +120,28 @@ def keyframes(motion: StoredRun) -> Keyframes:
         If the disk of a spatial motion turns by about half a turn between samples, or a
         trajectory needs more than `MOST_KEYFRAMES`.
     """
-    return _from_spatial(motion) if isinstance(motion, SpatialMotion) else _from_angles(motion)
+    if isinstance(motion, SpatialMotion):
+        _check_turns(motion)
+        found, told = motion.phases, "on a unilateral contact"
+        starts = {each.name.replace("_", " "): getattr(found, each.name) for each in fields(found)}
+    else:
+        form = motion.method.get("formulation") or motion.method.get("form")
+        told = f"{motion.scenario.name}, {form}" if form else motion.scenario.name
+        starts = {"inversion": motion.inversion_time}
+        motion = _dense(motion)
+    positions, rotations, _, angular_velocities = motion.poses
+    contact, spins = motion.contact_points[:, :2], angular_velocities[:, 2]
+    return Keyframes(
+        times=motion.times,
+        table=np.column_stack((positions, _continuous(rotations), contact, spins)),
+        disk=motion.scenario.disk,
+        marks=tuple((name, time) for name, time in starts.items() if time is not None),
+        source=f"{motion.source}, {told}",
+    )
 
 
-def _from_angles(trajectory: Trajectory) -> Keyframes:
+def _dense(trajectory: Trajectory) -> Trajectory:
+    """Trajectory whose angles change little from sample to sample; its forces are left out."""
     turns = np.sum(np.abs(np.diff(trajectory.coordinates[:, 3:], axis=0)), axis=1)
     parts = max(1, int(np.ceil(np.max(turns) / _TURN_BETWEEN)))
     samples = trajectory.times
@@ -138,29 +153,12 @@ def _from_angles(trajectory: Trajectory) -> Keyframes:
     inner = samples[:-1, None] + np.diff(samples)[:, None] * np.arange(parts) / parts
     times = np.append(inner.ravel(), samples[-1])
     spline = CubicHermiteSpline(samples, trajectory.coordinates, trajectory.rates)
-    coordinates, rates = spline(times), spline(times, 1)
-    positions, rotations = frames.poses(coordinates)
-    disk, contact = trajectory.scenario.disk, trajectory.scenario.contact
-    half = 0.0 if contact is None else contact.half_thickness
-    formulation = trajectory.method.get("formulation") or trajectory.method.get("form")
-    inverted = trajectory.inversion_time
-    marks = () if inverted is None else (("inversion", inverted),)
-    return Keyframes(
-        times=times,
-        table=_table(
-            positions,
-            frames.quaternions(rotations),
-            disk.lowest_points(positions, rotations, half)[:, :2],
-            frames.twists(coordinates, rates)[1][:, 2],
-        ),
-        disk=disk,
-        marks=marks,
-        source=f"{trajectory.source}, {trajectory.scenario.name}"
-        + (f", {formulation}" if formulation else ""),
-    )
+    forces = np.zeros((times.size, trajectory.multipliers.shape[1]))
+    made = {"coordinates": spline(times), "rates": spline(times, 1), "multipliers": forces}
+    return replace(trajectory, times=times, **made)
 
 
-def _from_spatial(motion: SpatialMotion) -> Keyframes:
+def _check_turns(motion: SpatialMotion) -> None:
     speed = np.linalg.norm(motion.angular_velocities, axis=1)
     turns = np.diff(motion.times) * np.maximum(speed[1:], speed[:-1])
     if np.max(turns) > _LARGEST_TURN:
@@ -168,23 +166,12 @@ def _from_spatial(motion: SpatialMotion) -> Keyframes:
             f"the samples are too far apart to be animated: the disk turns by {np.max(turns):.2g} "
             f"rad between two of them at t = {motion.times[np.argmax(turns)]:g} s"
         )
-    found = motion.phases
-    starts = (
-        (field.name.replace("_", " "), getattr(found, field.name)) for field in fields(found)
-    )
-    return Keyframes(
-        times=motion.times,
-        table=_table(
-            motion.positions, motion.quaternions, motion.contact_points[:, :2], motion.spin
-        ),
-        disk=motion.scenario.disk,
-        marks=tuple((name, time) for name, time in starts if time is not None),
-        source=f"{motion.source}, on a unilateral contact",
-    )
 
 
-def _table(positions: Array, quaternions: Array, contact_points: Array, spins: Array) -> Array:
-    """Columns of `Keyframes.table`, each quaternion of the sign nearer to the one before."""
+def _continuous(rotations: Array) -> Array:
+    """Quaternions, each of the sign nearer to the one before, shape (n, 4)."""
+    quaternions = frames.quaternions(rotations)
     turned = np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0
     signs = np.cumprod(np.append(1.0, np.where(turned, -1.0, 1.0)))
-    return np.column_stack((positions, signs[:, None] * quaternions, contact_points, spins))
+    result: Array = signs[:, None] * quaternions
+    return result

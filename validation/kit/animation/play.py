@@ -5,7 +5,6 @@ the motion. The page needs no network and no other file.
 """
 
 import json
-from importlib.resources import files
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -140,19 +139,13 @@ def _disk(distance: float) -> dict[str, Any]:
 def page() -> str:
     """The page as HTML."""
     data = json.dumps(settings(), default=lambda outline: outline.round(5).tolist())
-    frame = player.frame(name="spun", title="The motion", is_heavy=True).replace(
-        "<figure ", "<figure data-alone ", 1
-    )
-    template = Environment(autoescape=True).from_string(_asset("play.html"))
+    frame = player.frame(name="spun", title="The motion", is_heavy=True)
+    template = Environment(autoescape=True).from_string(player.asset("play.html"))
     return template.render(
         sliders=SLIDERS,
         # Begins to play when the page is opened.
         player=frame.replace("<figure ", "<figure data-alone ", 1),
         data=data,
         equations=equations(),
-        script=_asset("play.js"),
+        script=player.asset("play.js"),
     )
-
-
-def _asset(name: str) -> str:
-    return files("validation.kit.animation").joinpath(name).read_text(encoding="utf-8")

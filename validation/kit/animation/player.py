@@ -20,7 +20,10 @@ import numpy as np
 from jinja2 import Environment
 
 from analysis import StoredRun
+from analysis.data.checks import within
 from analysis.data.files import whole_file
+from analysis.data.limits import PLAYBACK_SPEEDS
+from analysis.data.names import ArgumentError
 from validation.kit.animation.body import shape
 from validation.kit.animation.keyframes import COLUMNS, Keyframes, keyframes
 
@@ -115,11 +118,10 @@ class Animation:
             If its name ends otherwise, or an argument is out of range.
         """
         suffix = Path(path).suffix.lower()
-        if suffix not in {".html", ".gif"} or (how and suffix != ".gif"):
-            raise ValueError(
-                "path must end in .html or .gif, and fps and width are those of a GIF, got "
-                f"{path} and {how}"
-            )
+        if suffix not in {".html", ".gif"}:
+            raise ArgumentError("path", f"must end in .html or .gif, got {path}")
+        for name in how if suffix != ".gif" else ():
+            raise ArgumentError(name, f"needs a file that ends in .gif, got {path}")
         with whole_file(path) as stream:
             if suffix == ".html":
                 size = stream.write(self.page.encode())
@@ -154,8 +156,11 @@ def player(
     Raises
     ------
     ValueError
-        If the disk of a spatial motion turns by about half a turn between samples.
+        If the disk of a spatial motion turns by about half a turn between samples, or the speed
+        is out of range.
     """
+    if speed is not None:
+        within("speed", speed, *PLAYBACK_SPEEDS)
     poses = motion if isinstance(motion, Keyframes) else keyframes(motion)
     # Within a script element, only "</" could end it early.
     told = encode(poses) | _playback(poses, speed)
@@ -181,12 +186,12 @@ def frame(*, name: str, title: str, **about: Any) -> str:
     **about
         What else `player.html` names.
     """
-    template = Environment(autoescape=True).from_string(_asset("player.html"))
+    template = Environment(autoescape=True).from_string(asset("player.html"))
     return template.render(
         name=name,
         title=title,
-        style=_asset("player.css"),
-        script=_asset("player.js"),
+        style=asset("player.css"),
+        script=asset("player.js"),
         **about,
     )
 
@@ -231,5 +236,6 @@ def _base64(values: np.ndarray) -> str:
     return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """Text of a file beside this module."""
     return files("validation.kit.animation").joinpath(name).read_text(encoding="utf-8")
