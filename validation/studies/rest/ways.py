@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from analysis import CAUSES, SpatialMotion
 from analysis.data.checks import Array
@@ -114,8 +113,6 @@ def present(rows: Rows) -> Content:
         },
         figures={
             "story": figures.story(shown, runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING),
-            "path": figures.draw_path(shown),
-            "dependence": dependence(runs, shown),
         },
         animations={
             "animation": player(
@@ -230,10 +227,3 @@ def budget(table: pd.DataFrame) -> pd.DataFrame:
     }
     columns = ["energy", *used, "left", "unexplained", "rise", "force"]
     return table.loc[names, columns].rename(columns=headings).reset_index(names="run")
-
-
-def dependence(runs: Mapping[str, Row], shown: SpatialMotion) -> Figure:
-    """How far the tilt of variants departs from that of the in-house run."""
-    names = {"in the engine": ENGINE[SHOWN], **{name: name for name in VARIANTS}}
-    changes = {name: apart(runs[case], runs[INHOUSE[SHOWN]]) for name, case in names.items()}
-    return figures.draw_dependence(changes, made.EVERY * made.SPACING, shown.phases)
