@@ -1,8 +1,5 @@
-"""The price of carrying what a scene does not need, and of starting the programs."""
+"""The price of carrying what a scene does not need."""
 
-import subprocess
-import sys
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -37,7 +34,7 @@ COSTLIER: tuple[tuple[str, tuple[Level, Formulation], tuple[Level, Formulation]]
 )
 """Ways that cost more than another one to the same motion, or to the next simpler model."""
 
-DURATION, STEP, SPACING = 0.25, 5e-4, 5e-3
+DURATION, STEP, SPACING = 0.125, 5e-4, 5e-3
 """Of a run, of its steps and between its samples in s."""
 
 PAIRS = 11
@@ -146,34 +143,12 @@ PRICES = Study(
 )
 
 
-def programs() -> dict[str, str]:
-    """What is started, as code of a new process."""
-    return {
-        "Python alone": "",
-        "tippedisk --help": "from validation.cli import main\ntry: main(['--help'])\n"
-        "except SystemExit: pass",
-        "import analysis": "import analysis",
-        "import mbs_models": "import mbs_models",
-    }
-
-
-def start(code: str) -> list[Row]:
-    """Time of whole processes by the clock."""
-
-    def call() -> None:
-        subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
-
-    (seconds,) = in_turns(call, pairs=3, clock=time.perf_counter)
-    return [{"time": 1e3 * min(seconds)}]
-
-
-STARTS = Study(name="start-up", cases=programs, measure=start, timed=("time",))
-STUDIES = (PRICES, STARTS)
+STUDIES = (PRICES,)
 
 
 def present(rows: Rows) -> Content:
-    """Prices of parts, and times to start."""
-    table, started = rows["lean"], rows["start-up"]
+    """Prices of parts."""
+    table = rows["lean"]
     headings = {
         "part": "part carried",
         "scene": "scene",
@@ -195,11 +170,6 @@ def present(rows: Rows) -> Content:
             "dearest": table.loc[table["price"].idxmax()],
             "change": change,
         },
-        tables={
-            "prices": rounded[list(headings)].rename(columns=headings),
-            "start-up": started[["case", "time"]]
-            .round()
-            .set_axis(["process", "time in ms"], axis=1),
-        },
+        tables={"prices": rounded[list(headings)].rename(columns=headings)},
         checks=[at_most("lean: what parts that are not needed change of a motion", change, SAME)],
     )

@@ -142,7 +142,6 @@ def test_closed_form_has_the_orders_of_the_paper() -> None:
 def rolled(**last: Any) -> pd.DataFrame:
     """What pure rolling finds, the last case in the engine with these values."""
     found = {"gradient": 1.0, "highest": 0.9, "longest_up": 0.1, "outcome": "not inverted"}
-    found["direction"] = np.zeros(pure_rolling.TIMES.size)
     rows = [
         {"case": label, "source": source, "spin": case.spin, **found}
         | ({"gradient": None} if case.coefficient == inf else {})

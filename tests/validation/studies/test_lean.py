@@ -24,8 +24,7 @@ def prices(**change: Any) -> pd.DataFrame:
 
 
 def held(table: pd.DataFrame) -> list[bool]:
-    started = pd.DataFrame({"case": ["Python alone"], "time": [20.0]})
-    return [c.holds for c in lean.present({"lean": table, "start-up": started}).checks]
+    return [check.holds for check in lean.present({"lean": table}).checks]
 
 
 def test_price_is_measured_and_a_change_of_the_motion_is_seen(

@@ -61,7 +61,7 @@ def present(rows: Rows) -> Content:
             "random_starts": shares,
             "random_starts_engine": engine,
         },
-        figures={"pure_rolling": pure_rolling.draw(rolled), "attraction": starts.draw(shares)},
+        figures={"attraction": starts.draw(shares)},
         checks=[
             *contact_matrix.checks(rows["contact-matrix"]),
             *pure_rolling.checks(rolled),

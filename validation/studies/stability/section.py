@@ -28,7 +28,6 @@ STUDIES = (
     measured.NUMBERS,
     measured.VARIANTS,
     measured.REGION,
-    measured.SENSITIVITIES,
 )
 
 SPEED_LIMIT = 1e-6
@@ -39,7 +38,7 @@ HERE, ENGINE = "unrounded disk", "engine"
 
 def present(rows: Rows) -> Content:
     """Numbers, tables, figures, checks and verdicts."""
-    values, numbers, variants, region, sensitivities = (
+    values, numbers, variants, region = (
         rows[study.name].drop(columns="case") for study in STUDIES
     )
     found = numbers.set_index("quantity")
@@ -55,21 +54,17 @@ def present(rows: Rows) -> Content:
             "stable": _stable_at_paper(values),
             "corners": region[region.kind == "corner"],
             "inside": region[region.place == INSIDE].iloc[0],
-            "larger": sensitivities.set_index("parameter p").loc["size"],
             "models_apart": largest(of_models.difference),
             "sets_apart": largest(values.difference),
             "own": inverted.groupby("is constrained")[OWN],
             "limit": EIGENVALUE_LIMIT,
         },
         tables={
-            "numbers": numbers,
             "region": region.loc[region.kind != "curve"].drop(
                 columns=["kind", "spins", "gradients"]
             ),
             "sets": _sets(values),
-            "own": inverted.loc[:, "constraints":OWN],
             "variants": variants,
-            "sensitivities": sensitivities,
             "eigenvalues": values.drop(columns=["spins", "real", "imag"]),
         },
         figures={
