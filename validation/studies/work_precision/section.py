@@ -122,7 +122,6 @@ def _lesson(runs: pd.DataFrame, asked: pd.DataFrame) -> dict[str, Any]:
     best = tables.cheapest(held, ["problem"])
     own = tables.cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
     ladders = held[held["kind"] == "step"]
-    plain = runs[runs["kind"].isin(["step", "local tolerance"]) & (runs["error"] <= GOALS[0])]
     return {
         "spacing": SPACING,
         "end": float(TIMES[-1]),
@@ -130,7 +129,6 @@ def _lesson(runs: pd.DataFrame, asked: pd.DataFrame) -> dict[str, Any]:
         "names": NAMES,
         "topology": (best["seconds"] / free).dropna(),
         "won": {g: tables.ranked(best.loc[best["goal"] == g, "formulation"]) for g in GOALS},
-        "gains": {g: tables.extrapolation_gain(runs, g) for g in (1e-2, 1e-3, 1e-4, 1e-6)},
         "failing": {
             scheme: (int(group["failed"].sum()), len(group))
             for scheme, group in ladders.groupby("scheme")
@@ -140,10 +138,6 @@ def _lesson(runs: pd.DataFrame, asked: pd.DataFrame) -> dict[str, Any]:
             for setting, group in asked.groupby("setting", sort=False)
         },
         "stiff": _stiff(runs),
-        "drift": {
-            formulation: float(group["drift"].max())
-            for formulation, group in plain.groupby("formulation", sort=False)
-        },
         "own": tables.ranked(own["scheme"]),
     }
 

@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from itertools import pairwise, product
 from math import inf, log
-from statistics import geometric_mean, median
+from statistics import median
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from validation.page.section import power, sig
-from validation.studies.work_precision.measuring import CONSTRAINED, GOALS, IN_HOUSE, USEFUL
+from validation.studies.work_precision.measuring import GOALS, IN_HOUSE, USEFUL
 from validation.studies.work_precision.problems import SAFETY, TIMES, TITLES
 from validation.study import Row
 
@@ -179,26 +179,6 @@ def order_table(found: dict[tuple[str, str, str], float | str]) -> pd.DataFrame:
         row[TITLES[problem]] = order
     table = pd.DataFrame.from_dict(rows, orient="index", columns=list(TITLES.values()))
     return table.fillna("").rename_axis("method").reset_index()
-
-
-def extrapolation_gain(runs: pd.DataFrame, goal: float) -> tuple[float, int, int]:
-    """Mean work of plain runs of the trapezoidal rule over that of extrapolated ones.
-
-    Returns
-    -------
-    gain : float
-        Geometric mean; NaN without a case.
-    cases : int
-    alone : int
-        Cases in which only extrapolated ones get there.
-    """
-    held = runs[runs["formulation"].isin(CONSTRAINED) & (runs["scheme"] == "trapezoidal")]
-    good = held[(held["error"] <= goal) & (held["kind"] != "tolerance")]
-    work = good.groupby(["problem", "formulation", "kind"])["work"].min().unstack("kind")
-    work = work.reindex(columns=["step", "extrapolated"])
-    gains = (work["step"] / work["extrapolated"]).dropna()
-    alone = int((work["step"].isna() & work["extrapolated"].notna()).sum())
-    return (geometric_mean(gains) if len(gains) else float("nan")), len(gains), alone
 
 
 def ranked(names: "pd.Series[str]") -> dict[str, int]:
