@@ -8,7 +8,7 @@ motion from the scenario's own start, and the eigenvalues of both stationary spi
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil, floor, inf, log10, pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -249,7 +249,7 @@ def turn_over(source: Source) -> list[Row]:
         contact=PenaltyContact.rounded(TOP, stiffness=1e4),
         start=Start(beta=pi / 2, gamma=-pi / 2 + 0.1, spin=150.0),
     )
-    step = {"step": 1e-4} if source == "engine" else {}
+    step: dict[str, Any] = {"step": 1e-4} if source == "engine" else {}
     ending = run_to_rest(scenario, 2.4, source=source, stop_when="inverted", **step).ending
     return [{"turned": None if ending is None else ending.time}]
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis import CAUSES, SpatialMotion
+from analysis import CAUSES, RestCriterion, SpatialMotion
 from analysis.data.checks import Array
 from analysis.data.motion_quantities import filled
 from validation.kit.animation.player import player
@@ -169,6 +169,7 @@ def numbers(runs: Mapping[str, Row]) -> Row:
     return {
         "runs": made,
         "base": base,
+        "criterion": RestCriterion(),
         "apart": largest(apart(engine, base).tolist()),
         "change_before": np.max(change[times < base["inversion_lost"]]),
         "change": np.max(change),

@@ -6,7 +6,7 @@ import pandas as pd
 
 from validation.kit import located, references
 from validation.page.content import Content, Rows, Verdict
-from validation.studies.robustness import checks, conservation, ended, figures, outcomes, steps
+from validation.studies.robustness import checks, conservation, ended, outcomes, steps
 from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
 from validation.studies.robustness.outcomes import (
     CASES,
@@ -29,7 +29,6 @@ VERY_STIFF = 1e-4
 STEPS_APART = "step over predicted less 1"
 """Column."""
 
-_LARGEST = ["error", "drift", "energy"]
 _CHOSEN = ["case", "verdict", "cause", "error", "doubt", "estimate", "seconds"]
 _DRIFT = ["case", "position", "allowed", "at_end", "growth", "velocity", "energy"]
 _CONSERVED = ["case", "energy", "momentum", "spin", "allowed"]
@@ -41,7 +40,6 @@ def present(rows: Rows) -> Content:
     long = rows["robustness-conservation"].set_index("case", drop=False)
     penalty = rows["robustness-penalty"]
     counts, numbers, chosen = by_axis(table), case_numbers(table), rows["robustness-chosen"]
-    worst = table.groupby("axis")[_LARGEST].max().rename(columns=CASES.columns)
     wrong = table[~table["verdict"].isin(GOOD)]
     return Content(
         numbers={
@@ -59,7 +57,7 @@ def present(rows: Rows) -> Content:
             "penalty": penalty,
         },
         tables={
-            "outcomes": counts.join(worst).rename_axis("what is extreme").reset_index(),
+            "outcomes": counts.rename_axis("what is extreme").reset_index(),
             "causes": _causes(table),
             "cases": table.drop(columns="case").rename(columns=CASES.columns),
             "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
@@ -69,7 +67,6 @@ def present(rows: Rows) -> Content:
             "conserved": long.loc[list(FREE), _CONSERVED].rename(columns=CONSERVATION.columns),
             "penalty": penalty.drop(columns="case"),
         },
-        figures={"outcomes": figures.matrix(counts)},
         checks=list(checks.checks(rows)),
         verdicts=[_verdict(numbers)],
     )

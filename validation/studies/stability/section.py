@@ -63,7 +63,6 @@ def present(rows: Rows) -> Content:
             "region": region.loc[region.kind != "curve"].drop(
                 columns=["kind", "spins", "gradients"]
             ),
-            "sets": _sets(values),
             "variants": variants,
             "eigenvalues": values.drop(columns=["spins", "real", "imag"]),
         },
@@ -106,15 +105,6 @@ def _stable_at_paper(values: pd.DataFrame) -> str:
     """Where the full system is stable at the paper's friction, in words."""
     row = values[(values.constraints == "Model 1") & (values.motion == "inverted")].iloc[0]
     return str(row["stable spins in rad/s"])
-
-
-def _sets(values: pd.DataFrame) -> pd.DataFrame:
-    """Inverted spinning under each set of constraints, with the spin free or held alike."""
-    inverted = values[values.motion == "inverted"].groupby("but for the spin", sort=False)
-    shown = inverted[["eigenvalues", "stable spins in rad/s"]].first()
-    shown["scenes"] = inverted.size()
-    shown["engine against in-house"] = values.groupby("but for the spin").difference.max()
-    return shown.rename_axis("constraints, with the spin free or held").reset_index()
 
 
 def _checks(
