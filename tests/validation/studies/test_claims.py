@@ -165,15 +165,6 @@ def test_one_start_that_rolls_over_or_otherwise_would_do_against_pure_rolling(
     assert [check.holds for check in pure_rolling.checks(table)] == checks
 
 
-@pytest.mark.slow
-def test_disk_that_rolls_without_slip_swings_up_and_falls_back_on_both_sides() -> None:
-    engine, inhouse = pure_rolling.measure(pure_rolling.Case(inf, 40.0))
-    assert engine["highest"] == pytest.approx(inhouse["highest"], abs=1e-6)
-    assert inhouse["highest"] == pytest.approx(0.884, abs=0.001)
-    assert [each["outcome"] for each in (engine, inhouse)] == ["not inverted"] * 2
-    assert 0.05 < inhouse["longest_up"] < 0.2
-
-
 def test_friction_tends_to_pure_rolling() -> None:
     times = np.linspace(0.0, 0.5, 51)
     limit = Scenario(constraints=pure_rolling.ROLLING)

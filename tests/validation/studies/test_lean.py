@@ -48,9 +48,3 @@ def test_part_that_changes_the_motion_fails(wrong: float) -> None:
     assert held(prices()) == [True]
     assert held(prices(change=[wrong, None])) == [False]
     assert held(prices(part="another model")) == [False]
-
-
-def test_all_parts_and_costlier_ways_have_a_price() -> None:
-    made = lean.pairs()
-    assert len(made) == 12
-    assert sum(pair.same for pair in made.values()) == 8

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from validation import report
 from validation import study as kit
 from validation.kit.figures import new_figure
 from validation.nonlinear import figures
@@ -158,11 +157,3 @@ def test_stable_cycles_are_solid_and_unstable_ones_dashed() -> None:
     )
     np.testing.assert_equal(solid.get_ydata(), [0.0, 0.5, 1.2, np.nan, np.nan])
     np.testing.assert_equal(dashed.get_ydata(), [np.nan, np.nan, 1.2, 1.7, 1.9])
-
-
-@pytest.mark.slow
-def test_the_section_is_made_and_holds(tmp_path: Path) -> None:
-    pages = (("report.html", "Nonlinear", ("validation.studies.nonlinear",)),)
-    made = report.make(tmp_path, pages=pages)
-    assert made.holds, [check for check in made.checks if not check.holds]
-    assert "30.120962 rad/s" in made.page.read_text("utf-8")
