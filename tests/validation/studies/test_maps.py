@@ -1,7 +1,6 @@
 """The study of maps: its stored cells, what it makes of them, and that its checks can fail."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +12,8 @@ from analysis import Scenario
 from tests.stated import missing, rows_below, values
 from validation.maps.panel import Panel
 from validation.maps.problems import PROBLEMS, panels
-from validation.maps.refinement import expected_cases
 from validation.studies import maps
 from validation.study import load
-from validation.sweeps.sweep import look_ahead
 
 DOCS = Path(__file__).parents[3] / "docs"
 TABLE = (
@@ -113,17 +110,6 @@ def test_docs_state_what_the_maps_say(stored: pd.DataFrame) -> None:
     assert claims["found"].tolist()[4] in said
     far = [f"{part:.0f}" for part in models.iloc[:, -1]]
     assert f"{far[0]} and {far[1]} % of the starts, and Model 4 for {far[2]} %" in said
-
-
-def test_cases_of_a_map_and_their_time_are_told_ahead_to_within_a_factor_of_four(
-    stored: pd.DataFrame,
-) -> None:
-    for name, case in maps.whole().items():
-        told = expected_cases(maps.CELLS, case.levels)
-        cells = stored[stored["case"] == name]
-        alone = replace(case.sweep, plan=replace(case.sweep.plan, witnesses=0))
-        assert 0.25 < told / len(cells) < 4.0
-        assert 0.25 < look_ahead(alone).seconds / cells["seconds"].mean() < 4.0
 
 
 def toy(**outcomes: str) -> Panel:

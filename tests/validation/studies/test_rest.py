@@ -133,9 +133,3 @@ def test_centred_disks_keep_to_closed_forms_and_fail_where_they_do_not() -> None
     assert holds(closed_forms, table)
     for case in ("rolling", "upright, 5 % slower", "dry rolling"):
         assert not holds(closed_forms, planted(table, case, "value", lambda x: 0.01 * x))
-
-
-def test_a_random_start_comes_to_rest() -> None:
-    row = plain(starts.measure(starts.cases()["random, seed 1"]))[0]
-    assert row["rest"] is not None
-    assert row["force"] >= 0.0
