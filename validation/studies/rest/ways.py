@@ -95,21 +95,11 @@ def present(rows: Rows) -> Content:
     shown = SpatialMotion(
         scenario=made.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )
-    sliding = runs[INHOUSE[SLIDING]]
-    headings = {
-        "lean": "mean lean in rad",
-        "slip": "mean slip speed in m/s",
-        "mean_energy": "energy in J",
-        "loss": "loss in W",
-        "viscous_loss": "loss by μ λ_N s² / ε in W",
-    }
-    windows = {"time in s": [f"{begin:g} to {end:g}" for begin, end in made.WINDOWS]}
     return Content(
         numbers=numbers(runs),
         tables={
             "phases": phases(table, runs),
             "budget": budget(table),
-            "losses": pd.DataFrame(windows | {h: sliding[name] for name, h in headings.items()}),
         },
         figures={
             "story": figures.story(shown, runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING),

@@ -61,7 +61,7 @@ def present(rows: Rows) -> Content:
             "causes": _causes(table),
             "cases": table.drop(columns="case").rename(columns=CASES.columns),
             "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
-            "chosen": chosen[_CHOSEN].rename(columns={"case": "motion", **CASES.columns}),
+            "chosen": _hardest(chosen),
             "steps": limits.drop(columns="case"),
             "drift": long.loc[list(DRIFTING), _DRIFT].rename(columns=CONSERVATION.columns),
             "conserved": long.loc[list(FREE), _CONSERVED].rename(columns=CONSERVATION.columns),
@@ -82,6 +82,14 @@ def by_axis(table: pd.DataFrame) -> pd.DataFrame:
     # That none crashed has to be seen as well.
     shown = [each for each in VERDICTS if each in counts or each == "crashed"]
     return counts.reindex(index=table["axis"].unique(), columns=shown, fill_value=0)
+
+
+def _hardest(chosen: pd.DataFrame) -> pd.DataFrame:
+    """Motions as chosen, those without an accurate result first, then by their error."""
+    order = chosen.assign(right=chosen["verdict"].isin(GOOD)).sort_values(
+        ["right", "error"], ascending=[True, False], ignore_index=True
+    )
+    return order[_CHOSEN].rename(columns={"case": "motion", **CASES.columns})
 
 
 def _causes(table: pd.DataFrame) -> pd.DataFrame:

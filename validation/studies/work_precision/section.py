@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 
 from validation.page.content import Content, Rows, Verdict
-from validation.page.section import span
+from validation.page.section import power, span
 from validation.studies.work_precision import figures, tables
 from validation.studies.work_precision.measuring import CONSTRAINED, GOALS, curves, measure
 from validation.studies.work_precision.problems import PROBLEMS, SPACING, TIMES, measure_reference
@@ -84,11 +84,12 @@ def present(rows: Rows) -> Content:
     runs, floors = tables.prepared(rows[CURVES.name]), tables.floors(references)
     told = tables.orders(runs, floors)
     asked = tables.asked(runs)
-    numbers = _lesson(runs, asked)
+    numbers, fastest = _lesson(runs, asked), tables.ways(runs)
     return Content(
         numbers=numbers,
         tables={
-            "ways": tables.ways(runs),
+            "fastest": fastest[fastest["error at most"] == power(GOALS[1])],
+            "ways": fastest,
             "tolerances": tables.tolerances(runs),
             "references": references[["problem", "other", "setting", "difference"]]
             .assign(floor=references["problem"].map(floors))
