@@ -61,8 +61,8 @@ CURVES = Study(
         "model-1, contact-tree, RK67",
         "model-1, contact-tree, RK44",
         "model-1, index-1, DOP853",
-        "model-3, euler-tree, trapezoidal",
-        "stiff, contact-tree, RK67",
+        "model-3, floating, trapezoidal",
+        "stiff, contact-tree, DOPRI5",
     ),
     timed=("seconds",),
     columns={
