@@ -7,19 +7,34 @@ motion from the scenario's own start, and the eigenvalues of both stationary spi
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from math import ceil, floor, inf, log10
-from typing import NamedTuple
+from math import ceil, floor, inf, log10, pi
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 import mbs_models
-from analysis import LEVELS, LOADS, MODELS, MOTIONS, POSSIBLE_SETS, Scenario, SmoothCoulomb
+from analysis import (
+    LEVELS,
+    LOADS,
+    MODELS,
+    MOTIONS,
+    POSSIBLE_SETS,
+    Disk,
+    EllipticDisk,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Sphere,
+    Start,
+)
+from analysis.data.trajectory import SOURCES, Source
 from mbs_models import Formulation, Scene
 from validation import study
 from validation.kit.limits import holds, largest
 from validation.kit.progress import counted
 from validation.kit.tables import Table
 from validation.page.content import Content, Rows, Verdict
+from validation.run import run_to_rest
 from validation.studies.comparisons import (
     ANGLE_LIMIT,
     REST_LIMIT,
@@ -43,10 +58,40 @@ MOTION = "β and γ of the motion in rad"
 END = 1.0
 """End in s of the motions that are compared, past the inversion, if the scenario allows it."""
 
-MODELS_OF_PAPER, SETS = "the paper's models", "sets of constraints"
+MODELS_OF_PAPER, SETS, OTHERS = "the paper's models", "sets of constraints", "other bodies"
 
-STATES = {MODELS_OF_PAPER: 250, SETS: 50}
+STATES = {MODELS_OF_PAPER: 250, SETS: 50, OTHERS: 50}
 """Random states of each scene."""
+
+TOP = Sphere(
+    radius=0.02,
+    mass=0.02,
+    eccentricity=0.003,
+    inertia_x=3.0e-6,
+    inertia_y=2.98e-6,
+    inertia_z=2.98e-6,
+)
+"""A tippe top: a sphere with its centre of gravity off its middle."""
+
+COMPOSED = Disk.of_parts(
+    (0.045, 0.01, 7700.0),
+    holes=[(-0.02, 0.0, 0.012), (0.01, 0.02, 0.005)],
+    masses=[(0.0, 0.03, 0.02)],
+)
+"""A disk whose centre of gravity does not lie on a principal axis."""
+
+ELLIPSE = EllipticDisk(
+    radius=0.045,
+    other_radius=0.035,
+    mass=0.4,
+    eccentricity=0.003,
+    inertia_x=2.2e-4,
+    inertia_y=2.1e-4,
+    inertia_z=4.0e-4,
+)
+
+TURNED = 1e-7
+"""By how much in s the times may differ at which the tippe top has turned over."""
 
 
 class Check(NamedTuple):
@@ -151,11 +196,11 @@ class Case(NamedTuple):
     @property
     def end(self) -> float | None:
         """Time in s over which motions are compared."""
-        return END if self.kind == MODELS_OF_PAPER else None
+        return None if self.kind == SETS else END
 
 
 def cases() -> dict[str, Case]:
-    """The paper's models on either load, and every set of constraints that is possible."""
+    """The paper's models on either load, every possible set of constraints, and other bodies."""
     models = {
         f"Model {level}, load {load}": Scenario(
             constraints=MODELS[level], friction=SmoothCoulomb(load=load)
@@ -164,21 +209,27 @@ def cases() -> dict[str, Case]:
         for level in LEVELS
     }
     sets = {" + ".join(each): Scenario(constraints=each) for each in POSSIBLE_SETS}
+    bodies = {
+        "composed disk": Scenario(disk=COMPOSED),
+        "sphere": Scenario(disk=TOP),
+        "ellipse": Scenario(disk=ELLIPSE, contact=PenaltyContact.damped(1e5, ELLIPSE)),
+    }
     return {
         label: Case(scenario, kind)
-        for kind, scenarios in ((MODELS_OF_PAPER, models), (SETS, sets))
+        for kind, scenarios in ((MODELS_OF_PAPER, models), (SETS, sets), (OTHERS, bodies))
         for label, scenario in scenarios.items()
     }
 
 
 def measure(case: Case) -> list[Row]:
-    """All comparisons of a case."""
+    """All comparisons of a case; other bodies than the paper's disk have no spectra."""
     return [
         {"kind": case.kind, **check._asdict()}
         for formulation in mbs_models.formulations(case.scenario)
         for check in check_formulation(
             case.scenario, formulation, states=STATES[case.kind], end=case.end
         )
+        if case.kind != OTHERS or not check.quantity.startswith("eigenvalues")
     ]
 
 
@@ -188,12 +239,30 @@ STUDY = Study(
     measure=measure,
     keys=("formulation", "quantity"),
 )
-STUDIES = (STUDY,)
+
+
+def turn_over(source: Source) -> list[Row]:
+    """When the tippe top, spun about its axis with the centre of gravity low, has turned over."""
+    scenario = Scenario(
+        disk=TOP,
+        friction=SmoothCoulomb(smoothing=0.01, load="contact"),
+        contact=PenaltyContact.rounded(TOP, stiffness=1e4),
+        start=Start(beta=pi / 2, gamma=-pi / 2 + 0.1, spin=150.0),
+    )
+    step: dict[str, Any] = {"step": 1e-4} if source == "engine" else {}
+    ending = run_to_rest(scenario, 2.4, source=source, stop_when="inverted", **step).ending
+    return [{"turned": None if ending is None else ending.time}]
+
+
+TIPPE_TOP = Study(
+    name="tippe-top", cases=lambda: {source: source for source in SOURCES}, measure=turn_over
+)
+STUDIES = (STUDY, TIPPE_TOP)
 
 
 def present(rows: Rows) -> Content:
     """Every comparison with its limit, the paper's models and the sets of constraints apart."""
-    found = rows["crosscheck"]
+    found, turned = rows["crosscheck"], rows["tippe-top"]["turned"]
     worst = found.groupby(["kind", "quantity"], sort=False).agg(
         scenes=("case", "size"),
         states=("counted", "min"),
@@ -203,7 +272,8 @@ def present(rows: Rows) -> Content:
     scenes = Counter[str]()
     for case in cases().values():
         scenes[case.kind] += len(mbs_models.formulations(case.scenario))
-    checks = list(_checks(worst, scenes))
+    apart = float(turned.max() - turned.min()) if turned.notna().all() else inf
+    checks = [*_checks(worst, scenes), at_most("tippe top: turned over, in s", apart, TURNED)]
     of_models = worst.loc[MODELS_OF_PAPER, "difference"]
     most = {
         name: _rounded_up(largest(of_models[of_models.index.str.contains(name)]))
@@ -219,6 +289,8 @@ def present(rows: Rows) -> Content:
             "eigenvalues": eigenvalues,
             "scenes": scenes[MODELS_OF_PAPER],
             "spins": SPINS,
+            "turned": turned,
+            "turned_apart": apart,
         },
         tables={
             "agreement": worst.reset_index().set_axis(heads, axis=1),

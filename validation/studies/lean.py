@@ -1,8 +1,5 @@
-"""The price of carrying what a scene does not need, and of starting the programs."""
+"""The price of carrying what a scene does not need."""
 
-import subprocess
-import sys
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -15,7 +12,7 @@ from analysis import MODELS, Level, Scenario, SmoothCoulomb
 from analysis.data.checks import Array
 from mbs_models import Formulation, Scene
 from mbs_models.ballast import BALLAST, Ballast, six_axes
-from mbs_models.integrators import IntegratorName, find_integrator
+from mbs_models.integrators import find_integrator
 from mbs_models.model import Model
 from mbs_models.runs import run
 from mbs_models.scene import build
@@ -29,15 +26,7 @@ TITLE = "Lean scenes"
 TREE: Formulation = "euler-tree"
 FREE: Formulation = "floating"
 
-COSTLIER: tuple[tuple[str, tuple[Level, Formulation], tuple[Level, Formulation]], ...] = (
-    ("contact as a constraint, not by topology", (1, TREE), (1, "contact-tree")),
-    ("Euler parameters, not a rotation vector", (2, FREE), (2, "floating-lie")),
-    ("constraint of the spin (Model 4 against 3)", (4, TREE), (3, TREE)),
-    ("carrier and constraint of the spin (Model 4 against 3)", (4, FREE), (3, FREE)),
-)
-"""Ways that cost more than another one to the same motion, or to the next simpler model."""
-
-DURATION, STEP, SPACING = 0.25, 5e-4, 5e-3
+DURATION, STEP, SPACING = 0.125, 5e-4, 5e-3
 """Of a run, of its steps and between its samples in s."""
 
 PAIRS = 11
@@ -46,17 +35,16 @@ SAME = 1e-9
 
 
 class Pair(NamedTuple):
-    """A scene with and without something; `same` if the motion is that of the same scene."""
+    """A scene with and without something that it does not need."""
 
     part: str
     scene: str
     carried: Callable[[], Model]
     left_out: Callable[[], Model]
-    same: bool
 
 
 def pairs() -> dict[str, Pair]:
-    """Idle parts added to scenes, and ways of `COSTLIER`, by their names."""
+    """Idle parts added to scenes, by their names."""
     bare = [scene(1, "contact-tree"), scene(2, TREE), scene(2, FREE)]
     smooth = SmoothCoulomb(coefficient=0.0)
     bare = [replace(each, scenario=replace(each.scenario, friction=smooth)) for each in bare]
@@ -66,11 +54,6 @@ def pairs() -> dict[str, Pair]:
     idle += [(part, free) for part in others]
     made = [_idle(part, BALLAST[part], each) for part, each in idle]
     made.append(_idle("six joint axes where three do", six_axes, tree))
-    for part, one, other in COSTLIER:
-        name = " and ".join(dict.fromkeys((one[1], other[1])))
-        name += f", Model {one[0]}" if one[0] == other[0] else ""
-        carried, left_out = (partial(build, scene(*each)) for each in (one, other))
-        made.append(Pair(part, name, carried, left_out, same=False))
     return {f"{pair.part}: {pair.scene}": pair for pair in made}
 
 
@@ -82,7 +65,7 @@ def scene(level: Level, formulation: Formulation) -> Scene:
 def _idle(part: str, ballast: Ballast, scene: Scene) -> Pair:
     friction = "with" if scene.scenario.rubs else "without"
     name = f"{scene.built_as}, {scene.scenario.name}, {friction} friction"
-    return Pair(part, name, partial(_with, scene, ballast), partial(build, scene), same=True)
+    return Pair(part, name, partial(_with, scene, ballast), partial(build, scene))
 
 
 def _with(scene: Scene, ballast: Ballast) -> Model:
@@ -93,7 +76,6 @@ def _with(scene: Scene, ballast: Ballast) -> Model:
 
 def price(pair: Pair) -> list[Row]:
     """Times of the engine's runs with and without a part, in turns, and what the part changes."""
-    integrator: IntegratorName | None = None if pair.same else "TrapezoidalIndex2"
     spent = 0.0
     ends: dict[Callable[[], Model], Array] = {}
 
@@ -103,7 +85,7 @@ def price(pair: Pair) -> list[Row]:
         constrained = model.has_constraints(model.scenario)
         samples = run(
             model,
-            find_integrator(model.name, integrator, constrained=constrained),
+            find_integrator(model.name, None, constrained=constrained),
             spacing=SPACING,
             intervals=round(DURATION / SPACING),
             substeps=round(SPACING / STEP),
@@ -115,7 +97,7 @@ def price(pair: Pair) -> list[Row]:
     calls = (partial(timed, make) for make in both)
     carried, left_out = in_turns(*calls, pairs=PAIRS, clock=lambda: spent)
     middle, low, high = interval([a / b for a, b in zip(carried, left_out, strict=True)])
-    change = np.max(np.abs(ends[both[0]] - ends[both[1]])) if pair.same else None
+    change = np.max(np.abs(ends[both[0]] - ends[both[1]]))
     return [
         {
             "part": pair.part,
@@ -146,34 +128,12 @@ PRICES = Study(
 )
 
 
-def programs() -> dict[str, str]:
-    """What is started, as code of a new process."""
-    return {
-        "Python alone": "",
-        "tippedisk --help": "from validation.cli import main\ntry: main(['--help'])\n"
-        "except SystemExit: pass",
-        "import analysis": "import analysis",
-        "import mbs_models": "import mbs_models",
-    }
-
-
-def start(code: str) -> list[Row]:
-    """Time of whole processes by the clock."""
-
-    def call() -> None:
-        subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
-
-    (seconds,) = in_turns(call, pairs=3, clock=time.perf_counter)
-    return [{"time": 1e3 * min(seconds)}]
-
-
-STARTS = Study(name="start-up", cases=programs, measure=start, timed=("time",))
-STUDIES = (PRICES, STARTS)
+STUDIES = (PRICES,)
 
 
 def present(rows: Rows) -> Content:
-    """Prices of parts, and times to start."""
-    table, started = rows["lean"], rows["start-up"]
+    """Prices of parts."""
+    table = rows["lean"]
     headings = {
         "part": "part carried",
         "scene": "scene",
@@ -184,8 +144,7 @@ def present(rows: Rows) -> Content:
         "most": "to",
     }
     rounded = table.round(dict.fromkeys(("price", "least", "most"), 1))
-    same = table[table["part"].isin([*BALLAST, "six joint axes where three do"])]
-    change = largest(same["change"])
+    change = largest(table["change"])
     idle = (table["least"] <= 0.0) & (table["most"] > 0.0)
     return Content(
         numbers={
@@ -195,11 +154,6 @@ def present(rows: Rows) -> Content:
             "dearest": table.loc[table["price"].idxmax()],
             "change": change,
         },
-        tables={
-            "prices": rounded[list(headings)].rename(columns=headings),
-            "start-up": started[["case", "time"]]
-            .round()
-            .set_axis(["process", "time in ms"], axis=1),
-        },
+        tables={"prices": rounded[list(headings)].rename(columns=headings)},
         checks=[at_most("lean: what parts that are not needed change of a motion", change, SAME)],
     )

@@ -22,6 +22,7 @@ from validation.maps.uncertainty import (
     uncertainty,
 )
 from validation.page.content import Content, Rows, Verdict
+from validation.studies.claims.grades import grade
 from validation.study import Check, Row, Study, at_most, relative
 from validation.sweeps.case import run_case
 from validation.sweeps.sweep import Sweep
@@ -221,7 +222,7 @@ def present(rows: Rows) -> Content:
 def _verdict(near: float, far: float) -> Verdict:
     return Verdict(
         statement="The reduced system tells which starts turn the disk upside down.",
-        answer=_grade(yes=far >= 95.0, partly=near >= 95.0),
+        answer=grade(yes=far >= 95.0, partly=near >= 95.0),
         numbers=f"Of the starts within {NEAR:g} rad of upright for {near:.0f} %, within "
         f"{BANDS[-1]:g} rad for {far:.0f} %, as Model 1 in the engine does.",
         criterion=f"yes: 95 % within {BANDS[-1]:g} rad; partly: within {NEAR:g} rad.",
@@ -302,7 +303,7 @@ def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
             "the least spin at the start that inverts is the second critical speed",
             f"0 to {ABOVE:g} rad/s above it, {where}; partly: nowhere below",
             f"{low:.1f} to {high:.1f} rad/s more",
-            _grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
+            grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
         )
     for band, part in zip((NEAR, BANDS[-1]), _reduction(found), strict=True):
         near = f"within {band:g} rad of upright"
@@ -311,7 +312,7 @@ def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
             f"the reduced system tells which starts of Model 1 invert, {near}",
             "it tells so for at least 95 % of them; partly: 80 %",
             f"{part:.0f} %",
-            _grade(yes=part >= 95.0, partly=part >= 80.0),
+            grade(yes=part >= 95.0, partly=part >= 80.0),
         )
     fine = _fineness(table)
     is_fractal = fine is not None and fine.exponent + 2.0 * fine.error < 1.0
@@ -329,12 +330,8 @@ def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
         "engine and in-house equations tell the same",
         "all cases that both have run end alike; partly: 95 %",
         f"{alike} of {number}",
-        _grade(yes=0 < alike == number, partly=0 < 0.95 * number <= alike),
+        grade(yes=0 < alike == number, partly=0 < 0.95 * number <= alike),
     )
-
-
-def _grade(*, yes: bool, partly: bool) -> str:
-    return "yes" if yes else "partly" if partly else "no"
 
 
 def _reduction(found: Mapping[str, Panel]) -> tuple[float, float]:

@@ -1,19 +1,17 @@
 """What is modelled: the formulations and all parameters; the rest is in the text."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
 import pandas as pd
 
-from analysis import LEVELS, MODELS, RestCriterion, Scenario
+from analysis import LEVELS, MODELS, Scenario
 from analysis.data.disk import STEEL_RING
 from analysis.data.quantities import QUANTITIES, RING, SIX
 from analysis.models.forms import FORMS
 from mbs_models import FORMULATIONS, Scene, formulations
 from validation.kit.differences import flat
 from validation.page.content import Content, Rows
-from validation.studies.rest.runs import CASES, Case
 from validation.study import Row, Study, equal
 
 TITLE = "What is modelled"
@@ -50,13 +48,6 @@ UNITS = {"m": (1e3, "mm"), "kg m²": (1e6, "10⁻⁶ kg m²")}
 MOTION = [key for key in SYMBOLS if not key.startswith("disk.")]
 """Quantities of table, friction and start that are not zero or follow from others."""
 
-ON_THE_WAY = [
-    key
-    for key, each in QUANTITIES.items()
-    if each.table in ("contact", "dissipation") and each.unit is not None
-]
-"""Those of contact and losses on the way to rest."""
-
 
 def present(rows: Rows) -> Content:
     """The tables; nothing is measured."""
@@ -66,19 +57,12 @@ def present(rows: Rows) -> Content:
     known = flat(held.values()) | at_first
     known |= {f"disk.{name}": value for name, value in STEEL_RING.items()}
     known |= {f"disk.{name}": getattr(held.disk, name) for name in SIX}
-    rest = [
-        parameters(ON_THE_WAY, flat(Case(losses).scenario.values())).assign(of=losses)
-        for losses in CASES
-    ]
-    criterion = pd.DataFrame(asdict(RestCriterion()).items(), columns=["parameter", "value"])
-    rest.append(criterion.assign(of="at rest within", unit=["J", "m", "s"]))
     built = ways()
     return Content(
         numbers={"ways": built},
         tables={
             "disk": parameters([f"disk.{name}" for name in (*RING, *SIX[1:])], known),
             "motion": parameters(MOTION, known),
-            "rest": pd.concat(rest).drop(columns="symbol"),
         },
         checks=[
             equal("modelled: formulations that build a model",

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis import LEVELS, Level, Load, Scenario, SmoothCoulomb, Trajectory, simulate
+from analysis import LEVELS, Load, Scenario, SmoothCoulomb, Trajectory, simulate
 from analysis.data.trajectory import SOURCES
 from tests.helpers import random_trajectory
 from validation.studies import inversion
@@ -103,14 +103,8 @@ def test_both_sides_lose_their_solution_where_the_matrix_is_singular() -> None:
 
 
 def test_no_attitude_needs_less_friction_to_be_singular() -> None:
-    run = random_trajectory(1)
-    coordinates = run.coordinates.copy()
-    rng = np.random.default_rng(0)
-    coordinates[:, 4:] = rng.uniform((0.05, -np.pi), (np.pi - 0.05, np.pi), (5, 2))
-    run = replace(run, coordinates=coordinates, scenario=Scenario())
-    worst = contact_matrix.along(run, any_slip=True)
-    assert np.min(worst) >= contact_matrix.bound()[0]
-    assert np.all(contact_matrix.along(run, any_slip=False) >= worst)
+    angles = np.random.default_rng(0).uniform((0.05, -np.pi), (np.pi - 0.05, np.pi), (5, 2))
+    assert min(map(contact_matrix.singular_from, angles)) >= contact_matrix.bound()[0]
 
 
 @pytest.mark.parametrize(
@@ -142,7 +136,6 @@ def test_closed_form_has_the_orders_of_the_paper() -> None:
 def rolled(**last: Any) -> pd.DataFrame:
     """What pure rolling finds, the last case in the engine with these values."""
     found = {"gradient": 1.0, "highest": 0.9, "longest_up": 0.1, "outcome": "not inverted"}
-    found["direction"] = np.zeros(pure_rolling.TIMES.size)
     rows = [
         {"case": label, "source": source, "spin": case.spin, **found}
         | ({"gradient": None} if case.coefficient == inf else {})
@@ -172,15 +165,6 @@ def test_one_start_that_rolls_over_or_otherwise_would_do_against_pure_rolling(
     assert [check.holds for check in pure_rolling.checks(table)] == checks
 
 
-@pytest.mark.slow
-def test_disk_that_rolls_without_slip_swings_up_and_falls_back_on_both_sides() -> None:
-    engine, inhouse = pure_rolling.measure(pure_rolling.Case(inf, 40.0))
-    assert engine["highest"] == pytest.approx(inhouse["highest"], abs=1e-6)
-    assert inhouse["highest"] == pytest.approx(0.884, abs=0.001)
-    assert [each["outcome"] for each in (engine, inhouse)] == ["not inverted"] * 2
-    assert 0.05 < inhouse["longest_up"] < 0.2
-
-
 def test_friction_tends_to_pure_rolling() -> None:
     times = np.linspace(0.0, 0.5, 51)
     limit = Scenario(constraints=pure_rolling.ROLLING)
@@ -207,15 +191,9 @@ def test_random_starts_are_the_same_every_time_and_differ_by_number() -> None:
     assert np.max(np.abs(np.array(angles) - np.pi / 2)) <= 0.2
 
 
-@pytest.mark.parametrize(
-    ("level", "tilt", "spin", "expected"),
-    [(1, "any tilt", 100.0, "contact would pull"), (4, "near upright", 25.0, "flat")],
-)
-def test_what_becomes_of_a_start_is_told_apart(
-    level: Level, tilt: starts.Tilt, spin: float, expected: str
-) -> None:
-    (row,) = starts.measure(Starts(level, tilt, spin, number=1))
-    assert row["outcomes"] == [expected]
+def test_a_start_that_falls_flat_is_told_so() -> None:
+    (row,) = starts.measure(Starts(4, "near upright", 25.0, number=1))
+    assert row["outcomes"] == ["flat"]
 
 
 def blocks(inverted: int = 100, **flat: Any) -> pd.DataFrame:
@@ -301,7 +279,7 @@ def rows() -> dict[str, pd.DataFrame]:
     stored = load(RANDOM_STARTS)
     first = stored["outcomes"].map(lambda outcomes: outcomes[: starts.AGAIN])
     again = stored.assign(outcomes=first)[stored["case"].isin(starts.IN_ENGINE.cases())]
-    names = "bound engine in_house beta gamma of_motion worst_early worst slip_early slip"
+    names = "bound engine in_house beta gamma"
     return {
         "inversion": pd.DataFrame(figures),
         "long-runs": pd.DataFrame([{"case": f"Model {level}", **long} for level in LEVELS]),

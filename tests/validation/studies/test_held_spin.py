@@ -91,15 +91,6 @@ def test_amplitude_is_the_largest_deviation_of_gamma(
     assert -np.min(swing) == pytest.approx(cycle.amplitude, abs=1e-6)
 
 
-@pytest.mark.slow
-def test_large_cycles_of_model_2_are_stable_on_either_side_of_a_loss_of_symmetry() -> None:
-    amplitudes = (0.1, 0.2, 0.4, 0.7, 1.0, 1.3, 1.6, 1.9, 2.2, 2.5, 2.7, 2.74, 2.8)
-    found = {cycle.amplitude: cycle for cycle in family(HELD_NAMES[1], amplitudes)}
-    assert [found[each].stable for each in (2.5, 2.7, 2.74, 2.8)] == [True, True, False, True]
-    assert found[2.7].spin == pytest.approx(31.5574, abs=1e-3)
-    assert found[2.7].half_multiplier == pytest.approx(-0.995, abs=1e-3)
-
-
 def test_shooting_from_far_off_is_refused() -> None:
     with pytest.raises(NoHeldCycleError, match="no cycle of Model 4 found near"):
         find(PAPER, np.array((20.0, 0.1, 0.5, 3.0)), source="in-house")

@@ -1,7 +1,6 @@
 """The study of the inversion: what it shows of its runs, and what fails it."""
 
 from collections.abc import Callable
-from math import nan
 from typing import Any
 
 import numpy as np
@@ -74,16 +73,6 @@ def test_a_disk_that_does_not_turn_over_fails_and_is_said_so(table: pd.DataFrame
     low = changed(table, "coordinates", lambda x: [[*row[:5], -1.5] for row in x])
     assert shown(low).verdicts[0].answer == "partly"
     assert any("inversions apart" in each for each in failing(low))
-
-
-def test_a_missing_run_or_a_number_that_is_none_makes_no_section(table: pd.DataFrame) -> None:
-    for broken in (
-        table.iloc[:-1],
-        changed(table, "rates", lambda x: [[nan] * 6, *x[1:]]),
-        changed(table, "error_estimate", lambda _: nan),
-    ):
-        with pytest.raises((KeyError, ValueError)):
-            shown(broken)
 
 
 def test_a_case_is_run_by_both_sides() -> None:

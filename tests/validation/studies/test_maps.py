@@ -1,7 +1,6 @@
 """The study of maps: its stored cells, what it makes of them, and that its checks can fail."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,10 +10,8 @@ import pytest
 from analysis import Scenario
 from validation.maps.panel import Panel
 from validation.maps.problems import PROBLEMS, panels
-from validation.maps.refinement import expected_cases
 from validation.studies import maps
 from validation.study import load
-from validation.sweeps.sweep import look_ahead
 
 
 @pytest.fixture(scope="module")
@@ -73,15 +70,6 @@ def test_check_fails_where_a_wrong_value_is_planted(name: str, stored: pd.DataFr
     assert name in failing(wrong)
 
 
-def test_cases_of_a_map_and_their_time_are_told_ahead_to_within_a_factor_of_four(
-    stored: pd.DataFrame,
-) -> None:
-    for name, case in maps.whole().items():
-        told = expected_cases(maps.CELLS, case.levels)
-        cells = stored[stored["case"] == name]
-        alone = replace(case.sweep, plan=replace(case.sweep.plan, witnesses=0))
-        assert 0.25 < told / len(cells) < 4.0
-        assert 0.25 < look_ahead(alone).seconds / cells["seconds"].mean() < 4.0
 
 
 def toy(**outcomes: str) -> Panel:

@@ -23,9 +23,3 @@ def test_only_the_contact_tree_leaves_no_constraint_and_builds_model_1_alone() -
     built = {way: told for way, told in modelled.ways().items() if told["side"] == "engine"}
     assert built.pop("contact-tree") == {"side": "engine", "models": [1], "tied": []}
     assert all(told["tied"] for told in built.values())
-
-
-def test_a_formulation_that_builds_nothing_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert all(check.holds for check in CONTENT.checks)
-    monkeypatch.setattr(modelled, "formulations", lambda _: ("floating",))
-    assert not all(check.holds for check in modelled.present({}).checks)

@@ -8,9 +8,9 @@ import pytest
 from analysis import Scenario
 from tests.calls import run as call
 from tests.helpers import not_none
-from validation.nonlinear.passage import Passage, SlowPair, follow, measure
+from validation.nonlinear.passage import SlowPair, follow, measure
 from validation.run import run
-from validation.studies.nonlinear.delay import SMALL, delay_law, slowed
+from validation.studies.nonlinear.delay import delay_law
 
 
 @pytest.fixture(scope="module")
@@ -42,30 +42,6 @@ def test_the_power_of_a_delay_is_recognised(power: float) -> None:
 def test_a_law_of_too_few_delays_is_refused(rates: list[float]) -> None:
     with pytest.raises(ValueError, match="rates must be 3 or more"):
         delay_law(rates, [1.0] * len(rates))
-
-
-@pytest.fixture(scope="module")
-def quick() -> Passage:
-    return slowed(16e-5, "in-house")
-
-
-@pytest.mark.slow
-def test_a_quickly_slowed_disk_is_lost_far_below_the_critical_speed(quick: Passage) -> None:
-    assert quick.crossing == pytest.approx(0.0, abs=0.01)
-    assert quick.lost == pytest.approx(3.788, abs=0.01)
-    assert quick.lowest_spin < quick.hopf - 8.0
-    # What the fast oscillation leaves in the slow deviation is small beside it.
-    assert quick.deviations[0] == pytest.approx(SMALL, rel=0.2)
-    grown = np.abs(np.log(quick.deviations / quick.linear))
-    assert np.all(grown[quick.deviations < 0.3] < 0.3)
-
-
-@pytest.mark.slow
-def test_both_sides_lose_the_inversion_at_the_same_time_and_spin(quick: Passage) -> None:
-    engine = slowed(16e-5, "engine")
-    assert engine.lost == pytest.approx(not_none(quick.lost), abs=2.5e-3)
-    # It is still falling when the disk is lost, at 2.5 rad/s².
-    assert engine.lowest_spin == pytest.approx(quick.lowest_spin, abs=5e-3)
 
 
 @pytest.mark.slow

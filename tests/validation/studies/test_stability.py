@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import inf, nan
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -14,7 +13,6 @@ from analysis import POSSIBLE_SETS, ConstraintSet, Scenario
 from analysis.data.constraint_set import set_name
 from analysis.stability import spectra
 from analysis.stability.critical import Crossing, critical_speeds
-from validation import report
 from validation import study as kit
 from validation.page.content import Content
 from validation.studies.stability import figures, measured
@@ -142,12 +140,3 @@ def test_the_verdict_on_the_stable_region_comes_from_the_points_that_were_asked(
     assert f"stable region: growth beyond edge 3, {side}" in failing(other)
     fewer = present({**rows, "stable-region": region.drop(index=at - 1)})
     assert "stable region: points" in failing(fewer)
-
-
-@pytest.mark.slow
-def test_the_section_is_made_and_holds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.undo()
-    pages = (("report.html", "Stability", ("validation.studies.stability",)),)
-    made = report.make(tmp_path, pages=pages)
-    assert made.holds, [check for check in made.checks if not check.holds]
-    assert "27.1 and 30.2" in made.page.read_text("utf-8")

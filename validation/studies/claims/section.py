@@ -1,10 +1,7 @@
 """What the paper says of the motion: statements with criteria, measured numbers and verdicts."""
 
-import json
 from collections import Counter
 from collections.abc import Iterator
-
-import pandas as pd
 
 from validation.page.content import Content, Rows, Verdict
 from validation.studies import inversion
@@ -51,17 +48,13 @@ def present(rows: Rows) -> Content:
             "shares": shares.groupby(["starts", "model"])["inverted in %"].max(),
         },
         tables={
-            "verdicts": pd.DataFrame(
-                {"statement": name, "verdict": each["verdict"], "measured": _numbers(each)}
-                for name, each in judged.items()
-            ),
             "least_spins": least.drop(columns=["engine", "engine above"]),
             "pure_rolling": pure_rolling.both_sides(rolled),
             "orders": rows["closed-form-orders"].drop(columns="case"),
             "random_starts": shares,
             "random_starts_engine": engine,
         },
-        figures={"pure_rolling": pure_rolling.draw(rolled), "attraction": starts.draw(shares)},
+        figures={"attraction": starts.draw(shares)},
         checks=[
             *contact_matrix.checks(rows["contact-matrix"]),
             *pure_rolling.checks(rolled),
@@ -69,11 +62,6 @@ def present(rows: Rows) -> Content:
         ],
         verdicts=list(verdicts(judged, counted)),
     )
-
-
-def _numbers(judged: Judged) -> str:
-    found = {n: each for n, each in judged.items() if isinstance(each, int | float | list)}
-    return json.dumps(found)
 
 
 def verdicts(judged: dict[str, Judged], counted: Counter[str]) -> Iterator[Verdict]:

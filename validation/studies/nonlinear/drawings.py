@@ -1,41 +1,14 @@
-"""Figures of the study alone: bifurcation diagram, plane of spin and smoothing, law of delay."""
+"""The bifurcation diagram of the study."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.data.checks import Array
 from analysis.stability.printed import CriticalSpeed
 from validation.kit import figures
 from validation.nonlinear.figures import ENGINE, GREY, SPIN, STABLE, UNSTABLE, lines
 from validation.nonlinear.tables import Motion
-
-
-def plane(hopf: float, curves: Mapping[float, Any]) -> Figure:
-    """Hopf and heteroclinic curves in the plane of spin and smoothing.
-
-    Parameters
-    ----------
-    hopf : float
-        Spin of the Hopf point in rad/s, the same for all friction.
-    curves : mapping
-        From the friction coefficient to smoothing speeds in m/s, rising, spins of the connection
-        in rad/s, and the spin for vanishing smoothing.
-    """
-    figure, axes = figures.new_figure()
-    highest = max(max(smoothing) for smoothing, _, _ in curves.values())
-    axes.plot((hopf, hopf), (0.0, highest), color="black", label="Hopf")
-    for index, (mu, (smoothing, spins, limit)) in enumerate(curves.items(), 1):
-        look = {"color": figures.COLOURS[index % 4], "linestyle": figures.STYLES[index % 4]}
-        axes.plot(spins, smoothing, marker=".", label=f"heteroclinic, μ = {mu:g}", **look)
-        axes.plot(limit, 0.0, "D", color=look["color"])
-    axes.plot([], [], "D", color=GREY, label="predicted for ε → 0")
-    axes.set(xlabel=SPIN, ylabel="smoothing speed ε in m/s")
-    axes.set_ylim(bottom=-0.002)
-    figures.legend_above(axes, columns=2)
-    return figure
 
 
 def bifurcation_diagram(
@@ -76,26 +49,4 @@ def bifurcation_diagram(
     axes.set(xlabel=SPIN, ylabel="amplitude max |γ − π/2| in rad", xlim=(low, high))
     figures.angle_axis(axes)
     figures.legend_above(axes, columns=3)
-    return figure
-
-
-def delay_diagram(rates: Array, delays: Array) -> Figure:
-    """Delay of the loss of inversion over the rate of decay, with the law's root.
-
-    Parameters
-    ----------
-    rates, delays : ndarray, shape (n,)
-        In rad/s² and rad/s.
-    """
-    figure, axes = figures.new_figure()
-    axes.loglog(rates, delays, label="measured", **ENGINE)
-    root = np.sqrt(rates) * np.exp(np.mean(np.log(delays / np.sqrt(rates))))
-    axes.loglog(rates, root, color=figures.COLOURS[1], label="root of the rate")
-    axes.set(xlabel="rate of decay in rad/s², logarithmic")
-    axes.set(ylabel="Hopf point less lowest spin in rad/s, logarithmic")
-    # Both go over a decade at most, in which powers of ten say little.
-    axes.set_xticks(rates, [f"{each:.2g}" for each in rates])
-    axes.set_yticks(delays, [f"{each:.2g}" for each in delays])
-    axes.minorticks_off()
-    figures.legend_above(axes)
     return figure

@@ -10,7 +10,7 @@ from analysis.stability.printed import CriticalSpeed, critical_speed
 from validation.kit.limits import largest
 from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, Verdict
-from validation.studies.nonlinear import delay, drawings, measured, portraits
+from validation.studies.nonlinear import delay, drawings, measured
 from validation.studies.nonlinear.measured import (
     DISSIPATED,
     HELD_NAMES,
@@ -26,16 +26,14 @@ STUDIES = (
     measured.FAMILIES,
     measured.ENGINE,
     measured.CONNECTIONS,
-    measured.STATIONARY,
     measured.PASSAGES,
-    portraits.STUDY,
 )
 
 SAME_CYCLE = {"spin": 1e-6, "amplitude": 1e-6, "period": 1e-6, "multiplier": 1e-5}
 """How far cycles of engine and in-house may be apart, in rad/s, rad, s and 1."""
 
 SAME = 1e-6
-"""How far spins in rad/s and growth rates in 1/s may be apart that are found in two ways."""
+"""How far spins in rad/s may be apart that are found in two ways."""
 
 SAME_PASSAGE = 3e-3
 """How far passages of engine and in-house may be apart, in s and rad/s."""
@@ -49,9 +47,7 @@ SOON = 1.0
 
 def present(rows: Rows) -> Content:
     """Numbers, tables, figures, checks and verdicts."""
-    families, engine, connections, stationary, passages, curves = (
-        rows[study.name] for study in STUDIES
-    )
+    families, engine, connections, passages = (rows[study.name] for study in STUDIES)
     cycles, rotations = (_motions(families, name) for name in (SWINGING, ROTATING))
     fits = families[families.kind != "motion"].set_index("kind").T
     hopf, (connection, *_) = critical_speed(PAPER), _motions(connections, measured.OF_PAPER)
@@ -59,8 +55,7 @@ def present(rows: Rows) -> Content:
     on_model_4 = [case for case in measured.repeated() if case.startswith("Model 4")]
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
-    delays = slowed.hopf - slowed.lowest_spin
-    law = delay.delay_law(slowed.rate, delays)
+    law = delay.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
     held = families[families.case.isin(HELD_NAMES)]
     return Content(
         numbers={
@@ -82,7 +77,6 @@ def present(rows: Rows) -> Content:
             "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
             "passages": passage.passage_table([(p.case, p) for p in passages.itertuples()]),
-            "stationary": stationary[["case", "motion", "beta", "gamma", "growth"]],
         },
         figures={
             "bifurcations": drawings.bifurcation_diagram(
@@ -98,21 +92,13 @@ def present(rows: Rows) -> Content:
                 first=_born(hopf),
                 marks={"heteroclinic": connection["spin"]},
             ),
-            "portraits": portraits.draw(curves),
-            "plane": _plane(hopf.spin, connections),
-            "rotations": figures.diagram(
-                figures.near(rotations, connection["spin"]),
-                ("largest_tilt", "tilt"),
-                marks={"heteroclinic": connection["spin"]},
-            ),
             "passages": figures.passage_diagram(
                 [(p.case, p) for p in followed[followed.source == "in-house"].itertuples()]
             ),
-            "delays": drawings.delay_diagram(slowed.rate, delays),
         },
         checks=[
             *_cycle_checks(fits, apart),
-            *_other_checks(connections, stationary, passages),
+            *_other_checks(connections, passages),
             at_most("passage: power of the rate of decay", abs(law.exponent - 0.5), ROOT),
         ],
         verdicts=[
@@ -170,15 +156,6 @@ def _connection_table(found: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _plane(hopf: float, connections: pd.DataFrame) -> Any:
-    of_steel = connections[(connections.disk == "steel") & connections.spin.notna()]
-    curves = {
-        mu: (found.smoothing, found.spin, found.predicted.iloc[0])
-        for mu, found in of_steel.groupby("coefficient")
-    }
-    return drawings.plane(hopf, curves)
-
-
 # --- Checks and verdicts ------------------------------------------------------------------------
 
 
@@ -196,16 +173,10 @@ def _cycle_checks(fits: pd.DataFrame, apart: pd.DataFrame) -> Iterator[Check]:
         yield at_most(f"cycles: {name}, fit over theory less 1", abs(ratio - 1.0), FIT)
 
 
-def _other_checks(
-    connections: pd.DataFrame, stationary: pd.DataFrame, passages: pd.DataFrame
-) -> Iterator[Check]:
+def _other_checks(connections: pd.DataFrame, passages: pd.DataFrame) -> Iterator[Check]:
     number = len(measured.disks_and_friction())
     yield equal("connections: found", int(connections.spin.notna().sum()), number)
     yield at_most("connections: bracket", largest(connections.bracket), SAME)
-    upright = stationary[stationary.motion != "tilted"]
-    yield equal("stationary motions: upright", len(upright), 2 * len(measured.searches()))
-    off = largest((upright.growth - upright.of_spectra).abs())
-    yield at_most("stationary motions: growth, spectra", off, SAME)
     lost, number = int(passages.lost.notna().sum()), len(measured.passages())
     yield equal("passages: lost", lost, number)
     named = passages.set_index("case")

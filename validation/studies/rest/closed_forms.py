@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from analysis import CENTRED_DISK as DISK
 from analysis import Dissipation, PenaltyContact, Scenario, SmoothCoulomb, SpatialMotion, Start
@@ -24,7 +23,6 @@ from analysis.rest.stationary_rolling import (
 )
 from mbs_models import Scene
 from mbs_models.rest_run import largest_step
-from validation.kit.figures import COLOURS, new_figure
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows
 from validation.run import run_to_rest
@@ -133,12 +131,11 @@ def _last_moments(case: str) -> list[Row]:
     part = slice(int(np.argmax(leaning < FIT[0])), int(np.argmax(leaning < FIT[1])))
     law = fit_power_law(times[part], leaning[part])
     turn = fit_power_law(times[part], precession(motion)[part], law.end)
-    names = ("exponent", "scale", "end", "error", "decades")
-    curve = {name: getattr(law, name) for name in names} | {"times": times, "leaning": leaning}
+    fit = {"error": law.error, "decades": law.decades}
     told = {"exponent of β": (float(tilting), law.exponent),
             "exponent of Ω": (float(turning), turn.exponent),
             "flat after s": (flat, law.end)}  # fmt: skip
-    return [{"quantity": q, "exact": e, "value": v} | curve for q, (e, v) in told.items()]
+    return [{"quantity": q, "exact": e, "value": v} | fit for q, (e, v) in told.items()]
 
 
 STUDY = Study(
@@ -146,7 +143,7 @@ STUDY = Study(
     cases=cases,
     measure=measure,
     keys=("source", "quantity"),
-    columns={"exact": "by a closed form", "leaning": "in rad over time"},
+    columns={"exact": "by a closed form"},
 )
 STUDIES = (STUDY,)
 
@@ -172,7 +169,6 @@ def present(rows: Rows) -> Content:
             "laws": laws,
         },
         tables={"closed": found.rename(columns={"difference": "largest relative difference"})},
-        figures={"final": draw(laws)},
         checks=list(checks(found, leans)),
     )
 
@@ -192,20 +188,3 @@ def checks(found: pd.DataFrame, leans: pd.DataFrame) -> Iterator[Check]:
         right = all(value < LEAN if stays else value > LEAN for value in values)
         limit = f"{'below' if stays else 'above'} {LEAN:g}"
         yield Check(f"rest, {row['case']}: lean in rad", str(values), limit, "fresh", right)
-
-
-def draw(laws: pd.DataFrame) -> Figure:
-    """Inclination over the time to go, with the fitted laws."""
-    figure, axes = new_figure()
-    for index, (name, law) in enumerate(laws.iterrows()):
-        to_go, colour = law["end"] - np.array(law["times"]), COLOURS[index]
-        before = to_go > 0.0
-        axes.loglog(to_go[before], np.array(law["leaning"])[before], color=colour, label=name)
-        fitted = law["scale"] * to_go[before] ** law["exponent"]
-        words = f"fitted power {law['exponent']:.3f}, theory {law['exact']:.3f}"
-        axes.loglog(to_go[before], fitted, color=colour, linestyle=":", label=words)
-    axes.axhspan(*FIT[::-1], color="#dddddd", zorder=0)
-    axes.set(xlabel="time to go in s (log)", ylabel="β in rad (log)")
-    axes.set(xlim=(1e-3, None), ylim=(1e-3, None))
-    axes.legend(loc="lower right")
-    return figure

@@ -12,18 +12,15 @@ With an energy of 3/2 m g r sin(beta),
 Friction that drags the centre of gravity along makes k smaller, but keeps the law.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from math import sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from analysis import MODELS, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
-from validation.kit.figures import MARKED, new_figure
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows
 from validation.run import run_to_rest
@@ -149,7 +146,6 @@ def present(rows: Rows) -> Content:
     return Content(
         numbers={"creep_law": table.iloc[0].tolist()},
         tables={"creep": table},
-        figures={"creep": draw(runs, laws)},
         checks=[
             *(at_most(f"rest, creep at {case}: deviation from the law", law.error, DEVIATION,
                       "stored") for case, law in laws.items()),
@@ -159,17 +155,3 @@ def present(rows: Rows) -> Content:
             at_most("rest, creep: its first 10 s in rad", same, 1e-6, "stored"),
         ],
     )  # fmt: skip
-
-
-def draw(runs: pd.DataFrame, laws: Mapping[str, Law]) -> Figure:
-    """1 / beta² over time with the fitted lines."""
-    figure, axes = new_figure()
-    for (case, law), look in zip(laws.items(), MARKED, strict=False):
-        times, tilts = runs.loc[case, ["times", "tilts"]]
-        label = f"ε/μ = {1.0 / scenario_of(SMOOTHINGS[case]).friction.gradient:.3g} m/s"
-        axes.plot(times, tilts**-2, **look | {"linestyle": ""}, label=label)
-        axes.plot(times, law.offset + law.rate * times, linestyle=":", color=look["color"])
-    axes.axvspan(*TIMES[:2], color="#dddddd", zorder=0)
-    axes.set(xlabel="time in s", ylabel="1/β² in 1/rad²")
-    axes.legend(loc="upper left")
-    return figure

@@ -1,16 +1,13 @@
 """Figures of the way to rest."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.interpolate import CubicSpline
 
 from analysis import CAUSES, Phases, SpatialMotion
-from analysis.data.checks import Array
 from validation.kit import figures
 
 CAUSE_NAMES = {
@@ -27,9 +24,6 @@ _SHADES = (
 )  # fmt: skip
 """Okabe and Ito's palette: kinetic, potential, then the causes."""
 
-
-WINDOW = 0.2
-"""Time in s within which the largest change is drawn."""
 
 _DOT = 20
 """Every so many samples of the engine's tilt are drawn."""
@@ -74,65 +68,6 @@ def draw_story(motion: SpatialMotion, axes: Any = None) -> Figure:
     _mark_phases(motion.phases, axes, times[-1])
     figure: Figure = axes[0].figure
     return figure
-
-
-def draw_path(motion: SpatialMotion) -> Figure:
-    """Draw the path of the contact point upside down, falling and rolling, and near rest."""
-    phases = motion.phases
-    fall = phases.inversion_lost or motion.times[-1] / 3
-    late = 0.5 * (fall + (phases.flat or motion.times[-1]))
-    ends = (0.0, fall, late, motion.times[-1])
-    path = CubicSpline(motion.times, 1e3 * motion.contact_points[:, :2])
-    figure, axes = figures.new_figure(1, columns=3, width=10.5, height=3.8)
-    for panel, (begin, end) in zip(axes, pairwise(ends), strict=True):
-        x, y = path(np.arange(begin, end, 1e-3)).T
-        panel.plot(x, y, color=figures.COLOURS[1], linewidth=0.3)
-        panel.plot(x[0], y[0], "o", color=figures.COLOURS[0], markersize=5)
-        panel.plot(x[-1], y[-1], "s", color=figures.COLOURS[2], markersize=5)
-        panel.set(title=f"{begin:.1f} s to {end:.1f} s", xlabel="x in mm", box_aspect=1)
-        panel.set_aspect("equal", adjustable="datalim")
-    axes[0].set(ylabel="y in mm")
-    return figure
-
-
-def draw_dependence(changes: Mapping[str, Array], spacing: float, phases: Phases) -> Figure:
-    """How far the tilt departs from that of a run over time, by what has been changed.
-
-    Parameters
-    ----------
-    changes : mapping
-        Differences in rad.
-    spacing : float
-        Of their samples in s.
-    phases : Phases
-        Of the run.
-    """
-    figure, axes = figures.new_figure(height=4.8)
-    end = spacing * max(map(len, changes.values()))
-    for index, (name, change) in enumerate(changes.items()):
-        axes.semilogy(
-            spacing * np.arange(len(change)),
-            _largest_around(change, 1 + round(WINDOW / spacing)),
-            label=name,
-            color=_SHADES[(2, 0, 3, 7, 6)[index]],
-            linestyle=("-", "--", "-", "-", "-.")[index],
-        )
-    _mark_phases(phases, [axes], end)
-    axes.set(
-        xlabel="time in s",
-        ylabel="change of β in rad (log)",
-        xlim=(0.0, end),
-        ylim=(1e-9, 10.0),
-    )
-    figures.legend_above(axes, columns=2)
-    return figure
-
-
-def _largest_around(values: Array, width: int) -> Array:
-    """Largest of so many values around each."""
-    padded = np.pad(values, width // 2, mode="edge")
-    result: Array = np.lib.stride_tricks.sliding_window_view(padded, width).max(axis=1)
-    return result
 
 
 def _mark_phases(phases: Phases, panels: Sequence[Any], end: float) -> None:

@@ -1,13 +1,13 @@
-"""The way to rest: losses, phases, creep, contact, closed forms and other starts."""
+"""The way to rest: losses, phases, creep, closed forms and other starts."""
 
 from functools import reduce
 
 from validation.page.content import Content, Rows
-from validation.studies.rest import closed_forms, contact, creep, starts, ways
+from validation.studies.rest import closed_forms, creep, starts, ways
 
 TITLE = "To rest"
 
-_PARTS = (ways, creep, contact, closed_forms, starts)
+_PARTS = (ways, creep, closed_forms, starts)
 STUDIES = tuple(study for part in _PARTS for study in part.STUDIES)
 
 

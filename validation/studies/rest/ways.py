@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
-from analysis import CAUSES, SpatialMotion
+from analysis import CAUSES, RestCriterion, SpatialMotion
 from analysis.data.checks import Array
 from analysis.data.motion_quantities import filled
 from validation.kit.animation.player import player
@@ -96,26 +95,14 @@ def present(rows: Rows) -> Content:
     shown = SpatialMotion(
         scenario=made.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )
-    sliding = runs[INHOUSE[SLIDING]]
-    headings = {
-        "lean": "mean lean in rad",
-        "slip": "mean slip speed in m/s",
-        "mean_energy": "energy in J",
-        "loss": "loss in W",
-        "viscous_loss": "loss by μ λ_N s² / ε in W",
-    }
-    windows = {"time in s": [f"{begin:g} to {end:g}" for begin, end in made.WINDOWS]}
     return Content(
         numbers=numbers(runs),
         tables={
             "phases": phases(table, runs),
             "budget": budget(table),
-            "losses": pd.DataFrame(windows | {h: sliding[name] for name, h in headings.items()}),
         },
         figures={
             "story": figures.story(shown, runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING),
-            "path": figures.draw_path(shown),
-            "dependence": dependence(runs, shown),
         },
         animations={
             "animation": player(
@@ -172,6 +159,7 @@ def numbers(runs: Mapping[str, Row]) -> Row:
     return {
         "runs": made,
         "base": base,
+        "criterion": RestCriterion(),
         "apart": largest(apart(engine, base).tolist()),
         "change_before": np.max(change[times < base["inversion_lost"]]),
         "change": np.max(change),
@@ -230,10 +218,3 @@ def budget(table: pd.DataFrame) -> pd.DataFrame:
     }
     columns = ["energy", *used, "left", "unexplained", "rise", "force"]
     return table.loc[names, columns].rename(columns=headings).reset_index(names="run")
-
-
-def dependence(runs: Mapping[str, Row], shown: SpatialMotion) -> Figure:
-    """How far the tilt of variants departs from that of the in-house run."""
-    names = {"in the engine": ENGINE[SHOWN], **{name: name for name in VARIANTS}}
-    changes = {name: apart(runs[case], runs[INHOUSE[SHOWN]]) for name, case in names.items()}
-    return figures.draw_dependence(changes, made.EVERY * made.SPACING, shown.phases)

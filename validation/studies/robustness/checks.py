@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
-from math import inf, log10, nan
+from math import log10, nan
 
 import pandas as pd
 
@@ -19,15 +19,11 @@ from validation.studies.robustness.outcomes import (
     ways,
 )
 from validation.studies.robustness.penalty import STIFFNESSES
-from validation.studies.robustness.refusals import REQUESTS
-from validation.studies.robustness.steps import EXPLICIT, STEPS, WAYS
+from validation.studies.robustness.steps import EXPLICIT, STEPS
 from validation.study import Check, Row, Study, at_most
 
 NEAR = 0.03
 """Largest relative difference of a stable step from the predicted one."""
-
-SPREAD = 10.0
-"""Most times by which the accurate steps of an implicit way differ over all stiffnesses."""
 
 ENERGY = 1e-4
 """Largest residual of the energy balance over weight times radius."""
@@ -54,9 +50,6 @@ def checks(rows: Rows) -> Iterator[Check]:
     yield from _steps(rows["robustness-steps"])
     yield from _conservation(rows["robustness-conservation"])
     yield from _penalty(rows["robustness-penalty"])
-    refused = rows["robustness-refusals"].set_index("case")["at_once"]
-    number = sum(not refused[name] for name in REQUESTS)
-    yield at_most("refusals: not at once", number, 0)
 
 
 def broken(table: pd.DataFrame) -> int:
@@ -83,7 +76,7 @@ def _cases(study: Study, table: pd.DataFrame) -> Iterator[Check]:
 
 
 def _steps(limits: pd.DataFrame) -> Iterator[Check]:
-    stable = limits[limits["kind"] == "stable"].set_index(["case", "integrator"])
+    stable = limits.set_index(["case", "integrator"])
     for integrator in EXPLICIT:
         found = stable.reindex([(name, integrator) for name in STEPS.cases()])
         hidden = found["predicted"].isna()
@@ -91,15 +84,6 @@ def _steps(limits: pd.DataFrame) -> Iterator[Check]:
         yield at_most(f"steps: {integrator}, places without a stable step", int(hidden.sum()), 1)
         apart = (found["step"] / found["predicted"] - 1.0)[~hidden].abs()
         yield at_most(f"steps: {integrator}, stable over predicted", largest(apart), NEAR)
-    accurate = limits[(limits["kind"] == "accurate") & (limits["over"] == "stiffness")]
-    places = [name for name, (over, _) in STEPS.cases().items() if over == "stiffness"]
-    for formulation, integrator in WAYS["stiffness"]:
-        if integrator not in EXPLICIT:
-            own = (accurate["formulation"] == formulation) & (accurate["integrator"] == integrator)
-            found = accurate[own].set_index("case").reindex(places)["step"]
-            spread = inf if found.isna().any() else found.max() / found.min()
-            name = f"steps: {formulation}, {integrator}, accurate ones over all stiffnesses"
-            yield at_most(name, spread, SPREAD)
 
 
 def _conservation(table: pd.DataFrame) -> Iterator[Check]:

@@ -6,7 +6,7 @@ import pandas as pd
 
 from validation.kit import located, references
 from validation.page.content import Content, Rows, Verdict
-from validation.studies.robustness import checks, conservation, ended, figures, outcomes, steps
+from validation.studies.robustness import checks, conservation, ended, outcomes, steps
 from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
 from validation.studies.robustness.outcomes import (
     CASES,
@@ -18,16 +18,17 @@ from validation.studies.robustness.outcomes import (
 )
 from validation.studies.robustness.penalty import PENALTY
 from validation.studies.robustness.problems import TOLERANCE
-from validation.studies.robustness.refusals import REFUSALS
 from validation.studies.robustness.steps import STEPS
 
 TITLE = "Hard cases"
-STUDIES = (CASES, CHOSEN, STEPS, CONSERVATION, PENALTY, REFUSALS)
+STUDIES = (CASES, CHOSEN, STEPS, CONSERVATION, PENALTY)
 
 VERY_STIFF = 1e-4
 """Finest speed of friction in m/s from which on most runs take too many steps."""
 
-_LARGEST = ["error", "drift", "energy"]
+STEPS_APART = "step over predicted less 1"
+"""Column."""
+
 _CHOSEN = ["case", "verdict", "cause", "error", "doubt", "estimate", "seconds"]
 _DRIFT = ["case", "position", "allowed", "at_end", "growth", "velocity", "energy"]
 _CONSERVED = ["case", "energy", "momentum", "spin", "allowed"]
@@ -35,11 +36,10 @@ _CONSERVED = ["case", "energy", "momentum", "spin", "allowed"]
 
 def present(rows: Rows) -> Content:
     """What there is to show, from the tables of `STUDIES`."""
-    table, limits = rows["robustness"], rows["robustness-steps"]
+    table, limits = rows["robustness"], _compared(rows["robustness-steps"])
     long = rows["robustness-conservation"].set_index("case", drop=False)
-    penalty, refusals = rows["robustness-penalty"], rows["robustness-refusals"]
+    penalty = rows["robustness-penalty"]
     counts, numbers, chosen = by_axis(table), case_numbers(table), rows["robustness-chosen"]
-    worst = table.groupby("axis")[_LARGEST].max().rename(columns=CASES.columns)
     wrong = table[~table["verdict"].isin(GOOD)]
     return Content(
         numbers={
@@ -48,28 +48,25 @@ def present(rows: Rows) -> Content:
             "left": int((~chosen["verdict"].isin(GOOD)).sum()),
             "chosen_broken": checks.broken(chosen),
             "sampled_chosen": len(CHOSEN.sample),
-            **_step_numbers(limits),
+            "apart": float(limits[STEPS_APART].abs().max()),
+            "places": limits.groupby("over")["value"].agg(["min", "max"]).to_dict("index"),
             **{each.__name__.rpartition(".")[2]: each for each in _SETTINGS},
             "growing": long[long.index.str.startswith("acceleration level")],
             "held": long.loc[[name for name, each in DRIFTING.items() if each.held]],
             "minimal": long[long.index.str.startswith("minimal coordinates")],
             "penalty": penalty,
-            "requests": len(refusals),
-            "refused": int(refusals["at_once"].sum()),
         },
         tables={
-            "outcomes": counts.join(worst).rename_axis("what is extreme").reset_index(),
+            "outcomes": counts.rename_axis("what is extreme").reset_index(),
             "causes": _causes(table),
             "cases": table.drop(columns="case").rename(columns=CASES.columns),
             "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
-            "chosen": chosen[_CHOSEN].rename(columns={"case": "motion", **CASES.columns}),
+            "chosen": _hardest(chosen),
             "steps": limits.drop(columns="case"),
             "drift": long.loc[list(DRIFTING), _DRIFT].rename(columns=CONSERVATION.columns),
             "conserved": long.loc[list(FREE), _CONSERVED].rename(columns=CONSERVATION.columns),
             "penalty": penalty.drop(columns="case"),
-            "refusals": refusals.drop(columns="seconds"),
         },
-        figures={"outcomes": figures.matrix(counts), "steps": figures.steps(limits)},
         checks=list(checks.checks(rows)),
         verdicts=[_verdict(numbers)],
     )
@@ -85,6 +82,14 @@ def by_axis(table: pd.DataFrame) -> pd.DataFrame:
     # That none crashed has to be seen as well.
     shown = [each for each in VERDICTS if each in counts or each == "crashed"]
     return counts.reindex(index=table["axis"].unique(), columns=shown, fill_value=0)
+
+
+def _hardest(chosen: pd.DataFrame) -> pd.DataFrame:
+    """Motions as chosen, those without an accurate result first, then by their error."""
+    order = chosen.assign(right=chosen["verdict"].isin(GOOD)).sort_values(
+        ["right", "error"], ascending=[True, False], ignore_index=True
+    )
+    return order[_CHOSEN].rename(columns={"case": "motion", **CASES.columns})
 
 
 def _causes(table: pd.DataFrame) -> pd.DataFrame:
@@ -124,17 +129,10 @@ def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def _step_numbers(limits: pd.DataFrame) -> dict[str, Any]:
-    """Stable steps over predicted ones, and accurate ones over the stiffness."""
-    stable = limits[limits["kind"] == "stable"].dropna(subset="predicted")
-    accurate = limits[(limits["kind"] == "accurate") & (limits["over"] == "stiffness")]
-    explicit = accurate["integrator"].isin(steps.EXPLICIT)
-    return {
-        "apart": float((stable["step"] / stable["predicted"] - 1.0).abs().max()),
-        "places": stable.groupby("over")["value"].agg(["min", "max"]).to_dict("index"),
-        "explicit": accurate[explicit]["step"],
-        "implicit": accurate[~explicit]["step"],
-    }
+def _compared(limits: pd.DataFrame) -> pd.DataFrame:
+    """Stable steps beside predicted ones, where there are some."""
+    found = limits.dropna(subset="predicted")
+    return found.assign(**{STEPS_APART: found["step"] / found["predicted"] - 1.0})
 
 
 def _verdict(numbers: dict[str, Any]) -> Verdict:

@@ -1,17 +1,16 @@
-"""The largest step that works, over the smoothing of the friction and the contact's stiffness."""
+"""The largest stable step over the smoothing of the friction and the contact's stiffness."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from math import pi, sqrt
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 import mbs_models
 from analysis import (
     STEEL_DISK,
-    Method,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -23,9 +22,6 @@ from analysis.data.checks import Array
 from analysis.stability.printed import full_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
-from validation.kit.limits import holds
-from validation.kit.references import STIFF, deviation
-from validation.kit.ways import Way
 from validation.study import Row, Study, relative
 
 Axis = Literal["smoothing", "stiffness"]
@@ -40,38 +36,10 @@ EXPLICIT: tuple[IntegratorName, ...] = ("RK44", "RK67")
 
 TREES: dict[Axis, Formulation] = {"smoothing": "contact-tree", "stiffness": "euler-tree"}
 
-WAYS: dict[Axis, tuple[tuple[Formulation, IntegratorName], ...]] = {
-    "smoothing": (
-        ("contact-tree", "RK44"),
-        ("contact-tree", "TrapezoidalIndex2"),
-        ("euler-tree", "TrapezoidalIndex2"),
-        ("floating", "GeneralizedAlpha"),
-    ),
-    "stiffness": (
-        ("euler-tree", "RK44"),
-        ("euler-tree", "TrapezoidalIndex2"),
-        ("floating-lie", "TrapezoidalIndex2"),
-        ("floating", "GeneralizedAlpha"),
-    ),
-}
-"""Ways of which accuracy is tested."""
-
 SPIN = 40.0
 """Spinning speed in rad/s of the inverted spinning about which stability is tested."""
 
 DAMPING_RATIO = 0.5
-
-ACCURACY = 1e-3
-"""Error in rad from Table 3 over `END` at which a step counts as accurate."""
-
-END = 0.4
-"""In s."""
-
-LADDER: tuple[float, ...] = tuple(10.0 ** (-1.0 - k / 4.0) for k in range(11))
-"""Steps tried for accuracy in s, from 1e-1 to 3e-4."""
-
-STIFFEST = 1e-4
-"""Smoothing in m/s below which a run at each step of the ladder takes long: none is made."""
 
 _STEPS = 480
 """Steps over which a motion must not grow."""
@@ -87,19 +55,33 @@ _LATE = slice(-8, None)
 
 
 def measure(place: Place) -> list[Row]:
-    """Largest stable steps of explicit integrators, and largest accurate ones, at a place."""
+    """Largest stable steps of explicit integrators at a place by bisection, and their prediction.
+
+    They are those with which a small disturbance of inverted spinning does not grow.
+
+    With much smoothing the inverted spinning itself is unstable about as fast as the step could
+    make it; then there is no limit to be seen, and none is given.
+    """
     axis, value = place
     ideal, scenario = _scenarios(axis, value)
-    rows = list(_stable(axis, ideal, scenario))
-    if axis == "stiffness" or value >= STIFFEST:
-        method: Method = "Radau" if ideal.friction.finest_speed < STIFF else "DOP853"
-        times = np.linspace(0.0, END, 5)
-        truth = Way("in-house", "index-1", method).run(ideal, times, local_tolerance=1e-8)
-        for formulation, integrator in WAYS[axis]:
-            step = largest_accurate(Scene(scenario, formulation), integrator, truth)
-            rows.append(("accurate", formulation, integrator, step, None))
-    names = ("over", "value", "kind", "formulation", "integrator", "step", "predicted")
-    return [dict(zip(names, (axis, value, *row), strict=True)) for row in rows]
+    values = np.linalg.eigvals(full_matrices(ideal, [SPIN], drift=True)[0])
+    # Those of which the decay is friction's; the slow ones need no small step.
+    decays = [complex(each) for each in values[np.argsort(values.real)[:2]]]
+    start, growth = _slipping(ideal) if axis == "smoothing" else _bouncing(scenario)
+    if scenario.contact is not None:
+        rate = sqrt(scenario.contact.stiffness / scenario.disk.mass)
+        decays.append(rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2)))
+    scene = Scene(replace(scenario, start=start), TREES[axis])
+    rows = []
+    for integrator in EXPLICIT:
+        predicted = min(largest_step(integrator, each) for each in decays)
+        limits: tuple[float | None, float | None] = (None, None)
+        if np.exp(np.max(values.real) * _STEPS * predicted) <= 0.5 * _GROWTH:
+            works = partial(_is_stable, scene, integrator, growth)
+            limits = bisected(works, predicted), predicted
+        row: Row = {"over": axis, "value": value, "integrator": integrator}
+        rows.append(row | dict(zip(("step", "predicted"), limits, strict=True)))
+    return rows
 
 
 def _scenarios(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
@@ -112,34 +94,8 @@ def _scenarios(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
     return ideal, replace(ideal, contact=contact)
 
 
-# --- Stable: a small disturbance of inverted spinning does not grow ------------------------------
-
-
 Growth = Callable[[Trajectory], Array]
 """From a run to a disturbance over its start, shape (n,)."""
-
-
-def _stable(axis: Axis, ideal: Scenario, scenario: Scenario) -> Iterator[tuple[Any, ...]]:
-    """Largest stable steps by bisection, and their prediction.
-
-    With much smoothing the inverted spinning itself is unstable about as fast as the step could
-    make it; then there is no limit to be seen, and none is given.
-    """
-    values = np.linalg.eigvals(full_matrices(ideal, [SPIN], drift=True)[0])
-    # Those of which the decay is friction's; the slow ones need no small step.
-    decays = [complex(value) for value in values[np.argsort(values.real)[:2]]]
-    start, growth = _slipping(ideal) if axis == "smoothing" else _bouncing(scenario)
-    if scenario.contact is not None:
-        rate = sqrt(scenario.contact.stiffness / scenario.disk.mass)
-        decays.append(rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2)))
-    scene = Scene(replace(scenario, start=start), TREES[axis])
-    for integrator in EXPLICIT:
-        predicted = min(largest_step(integrator, value) for value in decays)
-        limits: tuple[float | None, float | None] = (None, None)
-        if np.exp(np.max(values.real) * _STEPS * predicted) <= 0.5 * _GROWTH:
-            works = partial(_is_stable, scene, integrator, growth)
-            limits = bisected(works, predicted), predicted
-        yield "stable", TREES[axis], integrator, *limits
 
 
 def _is_stable(scene: Scene, integrator: IntegratorName, growth: Growth, step: float) -> bool:
@@ -207,21 +163,6 @@ def bisected(works: Callable[[float], bool], guess: float) -> float | None:
     return low
 
 
-# --- Accurate: the error from Table 3 stays small ------------------------------------------------
-
-
-def largest_accurate(scene: Scene, integrator: IntegratorName, truth: Trajectory) -> float | None:
-    """Largest step of `LADDER` in s with which a run stays close to another; None without one."""
-    for step in LADDER:
-        try:
-            run = mbs_models.simulate(scene, truth.times, step=step, integrator=integrator)
-        except ArithmeticError:
-            continue
-        if run.ending is None and holds(deviation(run, truth), ACCURACY):
-            return step
-    return None
-
-
 def _cases() -> Mapping[str, Place]:
     smoothings: dict[str, Place] = {f"smoothing {e:g} m/s": ("smoothing", e) for e in SMOOTHINGS}
     return smoothings | {f"stiffness {e:g} N/m": ("stiffness", e) for e in STIFFNESSES}
@@ -231,8 +172,8 @@ STEPS = Study(
     name="robustness-steps",
     cases=_cases,
     measure=measure,
-    keys=("kind", "formulation", "integrator"),
+    keys=("integrator",),
     sample=("stiffness 10000 N/m", "smoothing 1 m/s", "smoothing 0.01 m/s"),
     confirm={"step": relative("step", 0.01), "predicted": relative("predicted", 1e-4)},
-    columns={"step": "largest in s; none if no step tried works", "predicted": "in s"},
+    columns={"step": "largest in s", "predicted": "in s"},
 )

@@ -25,7 +25,6 @@ from analysis.stability.corners import corners
 from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import hopf_curves
 from analysis.stability.printed import closed_form, critical_speed
-from analysis.stability.sensitivities import closed_form_sensitivities, full_sensitivities
 from mbs_models import Formulation
 from validation.kit.limits import largest
 from validation.studies.stability.eigenvalue_check import (
@@ -142,9 +141,7 @@ def printed_numbers(_: Any) -> list[Row]:
     rows = []
     for name, printed in IN_PAPER.items():
         found = {side: values.get(name) for side, values in sides.items()}
-        right = [disk for disk in disks if rounds_to(found[disk], printed.split()[0])]
-        digits = ", ".join(right) or "neither"
-        rows.append({"quantity": name, "paper": printed, **found, "printed digits from": digits})
+        rows.append({"quantity": name, "paper": printed, **found})
     return rows
 
 
@@ -215,23 +212,6 @@ def try_variants(_: Any) -> list[Row]:
 
 VARIANTS = Study(name="hopf-variants", cases=paper, measure=try_variants, keys=("variant",))
 
-
-def sensitivities(scenario: Scenario) -> list[Row]:
-    """Derivatives d ln(spin) / d ln(p), of the closed form and of the full system's crossings."""
-    full = [e for e in full_sensitivities(scenario, INTERVAL) if e.crossing.kind == "hopf"]
-    return [
-        {
-            "parameter p": name,
-            "closed form": value,
-            **{f"full system, {e.crossing.spin:.3f} rad/s": e.values[name] for e in full},
-        }
-        for name, value in closed_form_sensitivities(scenario).items()
-    ]
-
-
-SENSITIVITIES = Study(
-    name="sensitivities", cases=paper, measure=sensitivities, keys=("parameter p",)
-)
 
 # --- The stable region --------------------------------------------------------------------------
 

@@ -28,7 +28,6 @@ STUDIES = (
     measured.NUMBERS,
     measured.VARIANTS,
     measured.REGION,
-    measured.SENSITIVITIES,
 )
 
 SPEED_LIMIT = 1e-6
@@ -39,7 +38,7 @@ HERE, ENGINE = "unrounded disk", "engine"
 
 def present(rows: Rows) -> Content:
     """Numbers, tables, figures, checks and verdicts."""
-    values, numbers, variants, region, sensitivities = (
+    values, numbers, variants, region = (
         rows[study.name].drop(columns="case") for study in STUDIES
     )
     found = numbers.set_index("quantity")
@@ -55,21 +54,16 @@ def present(rows: Rows) -> Content:
             "stable": _stable_at_paper(values),
             "corners": region[region.kind == "corner"],
             "inside": region[region.place == INSIDE].iloc[0],
-            "larger": sensitivities.set_index("parameter p").loc["size"],
             "models_apart": largest(of_models.difference),
             "sets_apart": largest(values.difference),
             "own": inverted.groupby("is constrained")[OWN],
             "limit": EIGENVALUE_LIMIT,
         },
         tables={
-            "numbers": numbers,
             "region": region.loc[region.kind != "curve"].drop(
                 columns=["kind", "spins", "gradients"]
             ),
-            "sets": _sets(values),
-            "own": inverted.loc[:, "constraints":OWN],
             "variants": variants,
-            "sensitivities": sensitivities,
             "eigenvalues": values.drop(columns=["spins", "real", "imag"]),
         },
         figures={
@@ -111,15 +105,6 @@ def _stable_at_paper(values: pd.DataFrame) -> str:
     """Where the full system is stable at the paper's friction, in words."""
     row = values[(values.constraints == "Model 1") & (values.motion == "inverted")].iloc[0]
     return str(row["stable spins in rad/s"])
-
-
-def _sets(values: pd.DataFrame) -> pd.DataFrame:
-    """Inverted spinning under each set of constraints, with the spin free or held alike."""
-    inverted = values[values.motion == "inverted"].groupby("but for the spin", sort=False)
-    shown = inverted[["eigenvalues", "stable spins in rad/s"]].first()
-    shown["scenes"] = inverted.size()
-    shown["engine against in-house"] = values.groupby("but for the spin").difference.max()
-    return shown.rename_axis("constraints, with the spin free or held").reset_index()
 
 
 def _checks(

@@ -7,8 +7,7 @@ that every machine makes the same runs.
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
-from math import inf, nan
+from math import inf
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -16,10 +15,9 @@ import numpy as np
 import mbs_models
 from analysis import Trajectory
 from analysis.data.trajectory import Source
-from mbs_models import Integrator, Newton
+from mbs_models import Integrator
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import ACCELERATED
-from validation.kit.timing import in_turns
 from validation.kit.ways import Way, forms
 from validation.studies.work_precision.problems import (
     PROBLEMS,
@@ -47,11 +45,9 @@ CONSTRAINED = ("euler-tree", "floating", "floating-lie")
 
 IN_HOUSE = ("index-1", "reduced")
 
-_TRAPEZOIDAL = Integrator(name="TrapezoidalIndex2")
 INTEGRATORS = {
     **{name: Integrator(name=name) for name in ("RK67", "RK44", "DOPRI5")},
-    "trapezoidal": _TRAPEZOIDAL,
-    "trapezoidal, full Newton": replace(_TRAPEZOIDAL, newton=Newton(modified=False)),
+    "trapezoidal": Integrator(name="TrapezoidalIndex2"),
     **{
         f"generalized-α {radius:g}": Integrator(name="GeneralizedAlpha", spectral_radius=radius)
         for radius in (1.0, 0.9, 0.6)
@@ -287,94 +283,3 @@ def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory |
         return {**row, **nothing, "failure": " ".join(str(error).split())}, None
     work = run.counts.get("right_hand_sides") or run.counts.get("newton_iterations", 0)
     return {**row, "seconds": seconds, "work": work, "steps": run.counts.get("steps", 0)}, run
-
-
-# --- Prices: what an option costs, from pairs of runs in turns ---------------------------------
-
-PAIRS = 11
-_PRICE_STEP = SPACING / 8
-EXTRAPOLATED = "extrapolated for a single run, to 1e-3"
-
-
-_Side = tuple[Curve, Sequence[float]]
-"""A curve and the steps that it is run with."""
-
-
-class Price(NamedTuple):
-    """One curve compared with another."""
-
-    what: str
-    one: Curve
-    other: Curve
-
-
-def prices() -> dict[str, Price]:
-    """All comparisons."""
-    found = []
-    for problem, formulation in product(VARIED, CONSTRAINED):
-        plain = Curve(problem, formulation, "trapezoidal")
-        full = plain._replace(scheme="trapezoidal, full Newton")
-        damped = plain._replace(scheme="generalized-α 0.9")
-        found.append(Price("full for modified Newton", full, plain))
-        found.append(Price("generalized-α 0.9 for the trapezoidal rule", damped, plain))
-        found.append(Price(EXTRAPOLATED, plain, plain))
-        if formulation != "floating":
-            usual = plain._replace(formulation="floating")
-            found.append(Price("instead of floating with Euler parameters", plain, usual))
-        if problem == "model-1":
-            knowing = plain._replace(problem="contact-load")
-            found.append(Price("friction that knows the contact force", knowing, plain))
-    return {f"{p.what}, {p.one.formulation}, {p.one.problem}": p for p in found}
-
-
-def measure_price(price: Price) -> list[Row]:
-    """Ratios of the times of both sides, of their work and of their errors."""
-    one: _Side = (price.one, (_PRICE_STEP,))
-    other: _Side = (price.other, (_PRICE_STEP,))
-    if price.what == EXTRAPOLATED:
-        one, other = _to_goal(price.one, GOALS[0])
-    (work, error), (plain_work, plain_error) = _outcome(*one), _outcome(*other)
-    times = in_turns(lambda: _runs(*one), lambda: _runs(*other), pairs=PAIRS)
-    return [
-        {
-            "what": price.what,
-            "problem": price.one.problem,
-            "formulation": price.one.formulation,
-            "pair": pair,
-            "ratio": seconds / plain_seconds,
-            "work": work / plain_work,
-            "error": error / plain_error,
-        }
-        for pair, (seconds, plain_seconds) in enumerate(zip(*times, strict=True))
-    ]
-
-
-def _runs(curve: Curve, steps: Sequence[float]) -> None:
-    for step in steps:
-        curve.run(step)
-
-
-def _outcome(curve: Curve, steps: Sequence[float]) -> tuple[int, float]:
-    """Work of the runs with these steps, and the error of what is extrapolated from them."""
-    chain, error = Extrapolation(curve), nan
-    for step in steps:
-        row, run = _attempt(curve, step, "step")
-        if run is None:
-            raise ArithmeticError(row["failure"])
-        error = errors(chain.add(run, row) or run, reference(curve.problem))["error"]
-    return chain.total()["work"], error
-
-
-def _to_goal(curve: Curve, goal: float) -> tuple[_Side, _Side]:
-    """Coarsest steps whose extrapolation meets a goal, and coarsest step that does so alone."""
-    chain = Extrapolation(curve)
-    joined: Sequence[float] = ()
-    for step in curve.ladder():
-        row, run = _attempt(curve, step, "step")
-        better = chain.add(run, row)
-        met = better is not None and errors(better, reference(curve.problem))["error"] <= goal
-        if not joined and met:
-            joined = tuple(part["setting"] for part in chain.rows)
-        if run is not None and row["error"] <= goal:
-            return (curve, joined or (step,)), (curve, (step,))
-    raise ArithmeticError(f"{', '.join(curve)} does not meet {goal:g} on its ladder")

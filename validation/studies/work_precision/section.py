@@ -11,16 +11,9 @@ from typing import Any
 import pandas as pd
 
 from validation.page.content import Content, Rows, Verdict
-from validation.page.section import span
+from validation.page.section import power, span
 from validation.studies.work_precision import figures, tables
-from validation.studies.work_precision.measuring import (
-    CONSTRAINED,
-    GOALS,
-    curves,
-    measure,
-    measure_price,
-    prices,
-)
+from validation.studies.work_precision.measuring import CONSTRAINED, GOALS, curves, measure
 from validation.studies.work_precision.problems import PROBLEMS, SPACING, TIMES, measure_reference
 from validation.studies.work_precision.tables import NAMES
 from validation.study import Check, Row, Study, at_most, load, relative
@@ -68,8 +61,8 @@ CURVES = Study(
         "model-1, contact-tree, RK67",
         "model-1, contact-tree, RK44",
         "model-1, index-1, DOP853",
-        "model-3, euler-tree, trapezoidal",
-        "stiff, contact-tree, RK67",
+        "model-3, floating, trapezoidal",
+        "stiff, contact-tree, DOPRI5",
     ),
     timed=("seconds",),
     columns={
@@ -82,16 +75,7 @@ CURVES = Study(
         "end": "why the ladder has no finer rungs",
     },
 )
-PRICES = Study(
-    name="work-precision-prices",
-    cases=prices,
-    measure=measure_price,
-    keys=("pair",),
-    confirm={"work": relative("work", 0.01), "error": relative("error", 0.05)},
-    sample=("full for modified Newton, floating-lie, model-1",),
-    timed=("ratio",),
-)
-STUDIES = (REFERENCES, CURVES, PRICES)
+STUDIES = (REFERENCES, CURVES)
 
 
 def present(rows: Rows) -> Content:
@@ -99,28 +83,21 @@ def present(rows: Rows) -> Content:
     references = rows[REFERENCES.name].assign(problem=lambda table: table["case"])
     runs, floors = tables.prepared(rows[CURVES.name]), tables.floors(references)
     told = tables.orders(runs, floors)
-    paid = tables.price_table(rows[PRICES.name])
     asked = tables.asked(runs)
-    numbers = _lesson(runs, paid, asked)
+    numbers, fastest = _lesson(runs, asked), tables.ways(runs)
     return Content(
         numbers=numbers,
         tables={
-            "ways": tables.ways(runs),
-            "formulations": tables.formulation_ways(runs),
+            "fastest": fastest[fastest["error at most"] == power(GOALS[1])],
+            "ways": fastest,
             "tolerances": tables.tolerances(runs),
-            "prices": paid,
             "references": references[["problem", "other", "setting", "difference"]]
             .assign(floor=references["problem"].map(floors))
             .rename(columns=REFERENCES.columns),
             "orders": tables.order_table(told),
-            "failures": tables.failures(runs),
-            "every-way": tables.every_way(runs),
             "runs": rows[CURVES.name],
         },
-        figures={
-            "fronts": figures.fronts(runs, floors),
-            "orders": figures.orders(runs, floors),
-        },
+        figures={"fronts": figures.fronts(runs, floors)},
         checks=_checks(asked, floors),
         verdicts=[_verdict(numbers["topology"])],
     )
@@ -139,14 +116,13 @@ def _checks(asked: pd.DataFrame, floors: dict[str, float]) -> list[Check]:
     return found
 
 
-def _lesson(runs: pd.DataFrame, paid: pd.DataFrame, asked: pd.DataFrame) -> dict[str, Any]:
+def _lesson(runs: pd.DataFrame, asked: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the text beside the tables."""
     held = runs[runs["formulation"].isin(CONSTRAINED)]
     free = tables.cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
     best = tables.cheapest(held, ["problem"])
     own = tables.cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
     ladders = held[held["kind"] == "step"]
-    plain = runs[runs["kind"].isin(["step", "local tolerance"]) & (runs["error"] <= GOALS[0])]
     return {
         "spacing": SPACING,
         "end": float(TIMES[-1]),
@@ -154,24 +130,15 @@ def _lesson(runs: pd.DataFrame, paid: pd.DataFrame, asked: pd.DataFrame) -> dict
         "names": NAMES,
         "topology": (best["seconds"] / free).dropna(),
         "won": {g: tables.ranked(best.loc[best["goal"] == g, "formulation"]) for g in GOALS},
-        "gains": {g: tables.extrapolation_gain(runs, g) for g in (1e-2, 1e-3, 1e-4, 1e-6)},
         "failing": {
             scheme: (int(group["failed"].sum()), len(group))
             for scheme, group in ladders.groupby("scheme")
-        },
-        "paid": {
-            what: (group["time, median ratio"], int((group["so"] == "within scatter").sum()))
-            for what, group in paid.groupby("what")
         },
         "careful": {
             setting: (1.0 / group["over"].median(), group["excess"].median())
             for setting, group in asked.groupby("setting", sort=False)
         },
         "stiff": _stiff(runs),
-        "drift": {
-            formulation: float(group["drift"].max())
-            for formulation, group in plain.groupby("formulation", sort=False)
-        },
         "own": tables.ranked(own["scheme"]),
     }
 

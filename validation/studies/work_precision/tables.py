@@ -1,17 +1,16 @@
 """What the runs say: cheapest ways, orders, prices, failures."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise, product
 from math import inf, log
-from statistics import geometric_mean, median
+from statistics import median
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from validation.kit.timing import interval
 from validation.page.section import power, sig
-from validation.studies.work_precision.measuring import CONSTRAINED, GOALS, IN_HOUSE, USEFUL
+from validation.studies.work_precision.measuring import GOALS, IN_HOUSE, USEFUL
 from validation.studies.work_precision.problems import SAFETY, TIMES, TITLES
 from validation.study import Row
 
@@ -27,14 +26,6 @@ NAMES = {
 CURVE = ["problem", "formulation", "scheme"]
 
 _SIDES = {"engine": "in the engine", "in-house": "in-house"}
-
-_ENDS = {
-    "goal": "met the finest goal",
-    "rounding": "two finer rungs brought no gain",
-    "failure": "two finer rungs failed",
-    "finest": "there is no finer tolerance",
-    "work": "stopped at the limit of work",
-}
 
 _LEAST_RATIO = 1.4
 """Of steps or evaluations between two rungs from which an order can be told."""
@@ -91,61 +82,22 @@ def shortfall(runs: pd.DataFrame) -> str:
 
 
 def ways(runs: pd.DataFrame) -> pd.DataFrame:
-    """Fastest way to each goal, in the engine and in-house."""
-
-    def told(side: str, run: pd.Series) -> Row:
-        return {
-            _SIDES[side]: f"{run['formulation']}, {run['way']}",
-            f"evaluations, {side}": int(run["work"]),
-            f"time in ms, {side}": float(sig(run["milliseconds"], 3)),
-        }
-
-    return _fastest(runs, "side", _SIDES, told)
-
-
-def formulation_ways(runs: pd.DataFrame) -> pd.DataFrame:
-    """Fastest way of each formulation of the engine to each goal."""
-
-    def told(formulation: str, run: pd.Series) -> Row:
-        return {NAMES[formulation]: f"{run['way']}: {sig(run['milliseconds'], 3)} ms"}
-
-    return _fastest(runs[runs["side"] == "engine"], "formulation", NAMES, told)
-
-
-def _fastest(
-    runs: pd.DataFrame,
-    column: str,
-    heads: Mapping[str, str],
-    told: Callable[[str, pd.Series], Row],
-) -> pd.DataFrame:
-    """What is told of the fastest run of each group to each goal, or why there is none."""
-    best = cheapest(runs, ["problem", column])
-    groups = dict(tuple(runs.groupby(["problem", column])))
+    """Fastest way to each goal, in the engine and in-house, or why there is none."""
+    best = cheapest(runs, ["problem", "side"])
+    groups = dict(tuple(runs.groupby(["problem", "side"])))
     rows = []
     for problem, goal in product(TITLES, GOALS):
         row: Row = {"problem": TITLES[problem], "error at most": power(goal)}
-        for name in dict.fromkeys(runs[column]):
-            if (problem, name, goal) in best.index:
-                row |= told(name, best.loc[(problem, name, goal)])
-            elif (problem, name) in groups:
-                row[heads[name]] = shortfall(groups[problem, name])
+        for side, head in _SIDES.items():
+            if (problem, side, goal) in best.index:
+                run = best.loc[(problem, side, goal)]
+                row[head] = f"{run['formulation']}, {run['way']}"
+                row[f"evaluations, {side}"] = int(run["work"])
+                row[f"time in ms, {side}"] = float(sig(run["milliseconds"], 3))
+            else:
+                row[head] = shortfall(groups[problem, side])
         rows.append(row)
     return pd.DataFrame(rows)
-
-
-def every_way(runs: pd.DataFrame) -> pd.DataFrame:
-    """What each method takes to each goal, with a step, extrapolated and to a tolerance."""
-    by = [*CURVE, "kind"]
-    table = runs.groupby(by, sort=False).agg(smallest_error=("error", "min"), end=("end", "first"))
-    for goal in GOALS:
-        own = (runs["kind"] != "tolerance") | (runs["setting"] == goal)
-        good = runs[(runs["error"] <= goal) & own]
-        best = good.loc[good.groupby(by)["work"].idxmin()].set_index(by)
-        table[f"evaluations to {power(goal)}"] = best["work"]
-        table[f"time in ms to {power(goal)}"] = best["milliseconds"]
-    table["end"] = table["end"].map(_ENDS)
-    heads = {"smallest_error": "smallest error", "end": "why the ladder ended"}
-    return table.rename(columns=heads).reset_index()
 
 
 def asked(runs: pd.DataFrame) -> pd.DataFrame:
@@ -227,62 +179,6 @@ def order_table(found: dict[tuple[str, str, str], float | str]) -> pd.DataFrame:
         row[TITLES[problem]] = order
     table = pd.DataFrame.from_dict(rows, orient="index", columns=list(TITLES.values()))
     return table.fillna("").rename_axis("method").reset_index()
-
-
-def failures(runs: pd.DataFrame) -> pd.DataFrame:
-    """Failed runs of each method on each problem, with the reason of the finest."""
-    failed = runs[runs["failed"]].assign(problem=runs["problem"].map(TITLES))
-    groups = failed.groupby(["problem", "formulation", "way"], sort=False)
-    finest = failed.loc[groups["setting"].idxmin()].set_index(["problem", "formulation", "way"])
-    table = pd.DataFrame(
-        {
-            "runs": groups.size(),
-            "finest step or tolerance": finest["setting"],
-            "reason of that one": finest["failure"],
-        }
-    )
-    return table.reset_index()
-
-
-def price_table(pairs: pd.DataFrame) -> pd.DataFrame:
-    """Median ratio of each comparison, with its interval."""
-    rows = []
-    for (what, formulation, problem), group in pairs.groupby(["what", "formulation", "problem"]):
-        middle, low, high = interval(group["ratio"].tolist())
-        rows.append(
-            {
-                "what": what,
-                "formulation": formulation,
-                "problem": TITLES[problem],
-                "time, median ratio": middle,
-                "from": low,
-                "to": high,
-                "so": "more" if low > 1.0 else "less" if high < 1.0 else "within scatter",
-                "evaluations, ratio": group["work"].iloc[0],
-                "error, ratio": group["error"].iloc[0],
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-def extrapolation_gain(runs: pd.DataFrame, goal: float) -> tuple[float, int, int]:
-    """Mean work of plain runs of the trapezoidal rule over that of extrapolated ones.
-
-    Returns
-    -------
-    gain : float
-        Geometric mean; NaN without a case.
-    cases : int
-    alone : int
-        Cases in which only extrapolated ones get there.
-    """
-    held = runs[runs["formulation"].isin(CONSTRAINED) & (runs["scheme"] == "trapezoidal")]
-    good = held[(held["error"] <= goal) & (held["kind"] != "tolerance")]
-    work = good.groupby(["problem", "formulation", "kind"])["work"].min().unstack("kind")
-    work = work.reindex(columns=["step", "extrapolated"])
-    gains = (work["step"] / work["extrapolated"]).dropna()
-    alone = int((work["step"].isna() & work["extrapolated"].notna()).sum())
-    return (geometric_mean(gains) if len(gains) else float("nan")), len(gains), alone
 
 
 def ranked(names: "pd.Series[str]") -> dict[str, int]:
