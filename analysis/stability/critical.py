@@ -27,6 +27,9 @@ from analysis.stability.spectra import (
 
 Side = Literal["below", "above"]
 
+_BESIDE = 1e-3
+"""How far from a crossing its eigenvalue is told, in parts of the way to the middle of a step."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossing:
@@ -197,13 +200,19 @@ class Spectra:
         alone = (count[1:-1] > count[:-2]) & (count[1:-1] > count[2:])
         kept = np.concatenate(((True,), ~alone, (True,)))
         self._spins, self._values = spins[kept].tolist(), values[kept]
+        self._still = int(np.min(count))
 
     def _eigenvalues(self, spins: Array) -> ComplexArray:
         return np.linalg.eigvals(self._matrices(spins)).astype(complex)
 
     def _moving(self, values: ComplexArray) -> ComplexArray:
-        """By falling real part, without those that are zero at every spin."""
+        """Without those that are zero at every spin."""
         order = np.argsort(np.abs(values), axis=-1)[..., self._neutral :]
+        return np.take_along_axis(values, order, axis=-1)
+
+    def _damped(self, values: ComplexArray) -> ComplexArray:
+        """By falling real part, without as many as lie on the axis at every spin."""
+        order = np.argsort(np.abs(values.real), axis=-1)[..., self._still :]
         return falling(np.take_along_axis(values, order, axis=-1))
 
     def _at(self, spin: float) -> ComplexArray:
@@ -222,16 +231,17 @@ class Spectra:
 
     def crossings(self) -> tuple[Crossing, ...]:
         """Crossings of the imaginary axis, by rising spin."""
-        signs = self._signs(self._values)
+        values = self._damped(self._values)
+        signs = self._signs(values)
         # Of a pair the upper one: at both ends of a step, and at the crossing.
-        upper = np.maximum(self._values[:-1].imag, self._values[1:].imag) >= 0.0
+        upper = np.maximum(values[:-1].imag, values[1:].imag) >= 0.0
         changes = np.argwhere((signs[:-1] * signs[1:] < 0.0) & upper).tolist()
-        found = (self._crossing(step, place) for step, place in changes)
+        found = (self._crossing(step, place, signs[step, place]) for step, place in changes)
         kept = (each for each in found if each.frequency >= 0.0)
         return tuple(sorted(kept, key=lambda each: each.spin))
 
-    def _crossing(self, step: int, place: int) -> Crossing:
-        """That of the eigenvalue at a place in the order of falling real parts."""
+    def _crossing(self, step: int, place: int, before: float) -> Crossing:
+        """That at a place in the order of falling real parts, of this sign before it."""
         ends = self._spins[step : step + 2]
 
         def product(spin: float) -> float:
@@ -239,9 +249,14 @@ class Spectra:
             values = self._eigenvalues(np.array([spin]))[0]
             return float(np.poly(values)[values.size - self._neutral].real)
 
-        side: Side = "above" if self._values[step, place].real > 0.0 else "below"
-        spin = _root(lambda spin: float(self._at(spin)[place].real), *ends)
-        frequency = float(self._at(spin)[place].imag)
+        def value(spin: float) -> complex:
+            return complex(self._damped(self._at(spin))[place])
+
+        side: Side = "above" if before > 0.0 else "below"
+        spin = _root(lambda spin: value(spin).real, *ends)
+        # Told beside the axis, where it is none of those that stay there.
+        beside, values = value(spin + _BESIDE * (sum(ends) / 2.0 - spin)), self._at(spin)
+        frequency = float(values[np.argmin(np.abs(values - beside))].imag)
         if abs(frequency) > ZERO * self._largest:
             return Crossing(spin=spin, frequency=frequency, kind="hopf", stable_side=side)
         spin = _root(product, *ends)
@@ -251,13 +266,16 @@ class Spectra:
         """Collisions of two real eigenvalues, by rising spin."""
         # A double value that round-off splits into a pair is none.
         pairs = self._values.imag > ZERO * self._largest / 2.0
-        found = []
+        found: list[PairChange] = []
         for step in np.flatnonzero(np.diff(np.sum(pairs, axis=1))).tolist():
             inside = int(np.sum(pairs[step + 1]) > np.sum(pairs[step]))
             others = self._values[step + 1 - inside]
-            for upper in self._values[step + inside][pairs[step + inside]].tolist():
-                if not others[np.argmin(np.abs(others - upper))].imag:
-                    found.append(self._pair_change(step, upper.real, ("below", "above")[inside]))
+            side: Side = "above" if inside else "below"
+            found.extend(
+                self._pair_change(step, upper.real, side)
+                for upper in self._values[step + inside][pairs[step + inside]].tolist()
+                if not others[np.argmin(np.abs(others - upper))].imag
+            )
         return tuple(sorted(found, key=lambda each: each.spin))
 
     def _pair_change(self, step: int, centre: float, side: Side) -> PairChange:

@@ -18,6 +18,7 @@ from analysis import (
 from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.stability.chart import stability_chart
+from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import hopf_curves
 from analysis.stability.linearisation import spinning
 from analysis.stability.printed import (
@@ -112,6 +113,7 @@ CALLS: dict[str, tuple[str, Any]] = {
     "hopf curves": ("full", lambda s, _, **more: hopf_curves(s, **more)),
     "sensitivities": ("full", lambda s, _, **more: full_sensitivities(s, **more)),
     "critical speed": ("closed", lambda s, _, **more: critical_speed(s, **more)),
+    "critical speeds": ("any", lambda s, _, **more: critical_speeds(s, **more)),
     "linearisation": ("any", lambda s, _, **more: spinning(s, **more)),
 }
 """What takes a scenario, spins and a motion, by names, with the system it is about."""
