@@ -17,9 +17,8 @@ from analysis import (
 )
 from analysis.data.body import Body
 from analysis.stability.chart import stability_chart, with_gradient
-from analysis.stability.corners import corners
 from analysis.stability.critical import critical_speeds
-from analysis.stability.hopf_curves import ExtendedSystem, HopfCurve, hopf_curves
+from analysis.stability.hopf_curves import HopfCurve, HopfPoints, corners, hopf_curves
 from analysis.stability.linearisation import spin_scale
 from analysis.stability.printed import critical_speed, full_matrices, static_gradient
 from analysis.stability.sensitivities import (
@@ -117,9 +116,9 @@ def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable(
     assert 0.88 < gradients[rows].min() < gradients[rows].max() < 1.852
 
 
-def test_jacobian_of_the_extended_system_is_exact() -> None:
+def test_jacobian_at_hopf_points_is_exact() -> None:
     scale = spin_scale(PAPER)
-    system = ExtendedSystem(PAPER, "inverted", np.array([26.9 / scale, log(3.0), 22.6 / scale]))
+    system = HopfPoints(PAPER, "inverted")
     place = np.array([26.5 / scale, log(2.9), 22.3 / scale])
     _, jacobian = system.residual(place)
     for column, axis in enumerate(np.eye(3)):
