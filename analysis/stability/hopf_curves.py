@@ -29,7 +29,6 @@ from analysis.stability.printed import full_matrices
 _SEEDS = 9
 """Lines of constant gradient, equally spaced in its logarithm, on which curves are looked for."""
 
-_FIRST_STEP, _LARGEST_STEP = 0.02, 0.1
 _LEAST_FREQUENCY = 1e-3
 """Frequency in rad/s at which a curve counts as having met a double zero eigenvalue."""
 
@@ -90,10 +89,13 @@ class Corner:
 class HopfPoints:
     """What is zero at Hopf points, of x = (Omega / s, ln delta, omega / s) with s² = g / r."""
 
-    def __init__(self, scenario: Scenario, motion: Motion) -> None:
+    def __init__(self, scenario: Scenario, motion: Motion, bounds: Iterable[Bound] = ()) -> None:
         self.scenario, self.motion = scenario, motion
         self.scale = spin_scale(scenario)
-        self.curve = Curve(self.residual)
+        self.curve = Curve(self.residual, self._where, bounds, _longest_step)
+
+    def _where(self, x: Array) -> str:
+        return f"at spin {x[0] * self.scale:g} rad/s, gradient {np.exp(x[1]):g} s/m"
 
     def matrices(self, x: Array) -> tuple[Array, Array, Array]:
         """State matrix A / s, its derivatives by Omega / s and by ln delta.
@@ -160,14 +162,17 @@ def hopf_curves(
     """
     require_spinning(scenario, "the full system", 1)
     choice("motion", motion, MOTIONS)
-    bounds, scale = _bounds(scenario, spins, gradients), spin_scale(scenario)
+    system, scale = (
+        HopfPoints(scenario, motion, _bounds(scenario, spins, gradients)),
+        spin_scale(scenario),
+    )
     curves: list[tuple[Array, tuple[str, str]]] = []
     for gradient in np.geomspace(*gradients, _SEEDS + 2)[1:-1].tolist():
         found = critical_speeds(with_gradient(scenario, gradient), spins, "full", motion)
         for each in found.hopf:
             seed = np.array((each.spin / scale, log(gradient), each.frequency / scale))
             if not any(_passes(points, seed) for points, _ in curves):
-                curves.append(_trace(HopfPoints(scenario, motion), seed, bounds))
+                curves.append(_trace(system, seed))
     curves.sort(key=lambda curve: float(curve[0][:, 2].max()))
     return tuple(
         HopfCurve(
@@ -201,6 +206,10 @@ def _bounds(
     ]
 
 
+def _longest_step(point: Array) -> float:
+    return 0.1 + 0.02 * float(np.linalg.norm(point))
+
+
 def _passes(points: Array, seed: Array) -> bool:
     """Whether a curve goes through a point, told from its chords."""
     starts, chords = points[:-1], np.diff(points, axis=0)
@@ -209,43 +218,19 @@ def _passes(points: Array, seed: Array) -> bool:
     return bool(np.min(np.linalg.norm(nearest - seed, axis=1)) < _SAME)
 
 
-def _trace(system: HopfPoints, seed: Array, bounds: list[Bound]) -> tuple[Array, tuple[str, str]]:
+def _trace(system: HopfPoints, seed: Array) -> tuple[Array, tuple[str, str]]:
     """Points of the curve through a Hopf point, lower gradient first, and the kinds of ends."""
     found = system.curve.correct(seed, np.eye(3)[2])
     if found is None:
         raise ArithmeticError(f"no Hopf point near spin {seed[0] * system.scale:g} rad/s")
-    start = found[0]
-    along = np.cross(*system.residual(start)[1])
-    halves = [_half(system, start, way * along, bounds) for way in (-1.0, 1.0)]
-    if halves[0][0][-1][1] > halves[1][0][-1][1]:
-        halves.reverse()
-    (one, one_end), (other, other_end) = halves
-    return np.array([*one[::-1], start, *other]), (one_end, other_end)
-
-
-def _half(
-    system: HopfPoints, start: Array, along: Array, bounds: list[Bound]
-) -> tuple[list[Array], str]:
-    """Points beyond a start to one end of the curve, and the kind of the end."""
-    points: list[Array] = []
     try:
-        for point, end in system.curve.points(
-            start,
-            along,
-            step=_FIRST_STEP,
-            largest=lambda point: _LARGEST_STEP * (1.0 + 0.2 * float(np.linalg.norm(point))),
-            bounds=bounds,
-        ):
-            points.append(point)
-            if end is not None:
-                return points, end
+        points, (one, other) = system.curve.through(found[0], axis=1)
     except ArithmeticError as error:
-        last = points[-1] if points else start
-        raise ArithmeticError(
-            f"the Hopf curve {error} at spin {last[0] * system.scale:g} rad/s, "
-            f"gradient {np.exp(last[1]):g} s/m after {len(points) + 1} points"
-        ) from error
-    raise AssertionError("a curve ends at a bound")
+        raise ArithmeticError(f"the Hopf curve {error}") from error
+    ends = str(one), str(other)
+    if points[0][1] > points[-1][1]:
+        return np.array(points[::-1]), ends[::-1]
+    return np.array(points), ends
 
 
 def corners(scenario: Scenario, curves: Iterable[HopfCurve]) -> tuple[Corner, ...]:
