@@ -8,9 +8,7 @@ one for either sense of turning: on one side of its spin they join to the swingi
 other side each becomes a rotating motion of its own (a gluing bifurcation).
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +23,7 @@ from analysis.nonlinear.collocation import (
     require_collocation,
     solve,
 )
+from analysis.nonlinear.following import Family, events, followed, reach
 from analysis.nonlinear.heteroclinic import (
     Connection,
     NoConnectionError,
@@ -33,7 +32,6 @@ from analysis.nonlinear.heteroclinic import (
     last_amplitude,
 )
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
-from analysis.stability.continuation import followed, gathered, sign_changes
 from analysis.stability.printed import critical_speed
 
 AMPLITUDES: Array = np.concatenate(
@@ -63,48 +61,6 @@ _BESIDE = (0.02, 0.005, 0.001)
 to the Hopf point."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Family:
-    """Periodic motions of one kind, each reached from its neighbour.
-
-    Parameters
-    ----------
-    motions : tuple of PeriodicMotion
-        All of them converged: by rising amplitude or tilt, or one for each of a sequence of
-        scenarios.
-    begins : float
-        Spin in rad/s where it begins: of the Hopf point, the heteroclinic connection, or the
-        symmetric cycle at which cycles without symmetry branch off.
-    reason : str or None
-        Why it ends early, if it does; it names the last good one.
-    born : Event or None
-        That symmetric cycle.
-    """
-
-    motions: tuple[PeriodicMotion, ...]
-    begins: float
-    reason: str | None = None
-    born: Event | None = None
-
-
-def gathered_family(
-    begins: float,
-    *ways: Iterable[PeriodicMotion],
-    progress: Progress | None,
-    wanted: int,
-    born: Event | None = None,
-) -> Family:
-    """All that the ways lead to; `NoCycleError` if there is none."""
-    found, reason = gathered(*ways, progress=progress, wanted=wanted)
-    if not found:
-        raise NoCycleError(reason)
-    return Family(motions=found, begins=begins, reason=reason, born=born)
-
-
-def _solved(value: float, start: PeriodicMotion) -> PeriodicMotion:
-    return solve(start.scenario, value, start)
-
-
 def _rising(name: str, values: npt.ArrayLike, low: float, high: float, allowed: str) -> Array:
     """Return values that rise strictly from `low` to `high`, both excluded."""
     wanted = real_array(name, values)
@@ -112,25 +68,6 @@ def _rising(name: str, values: npt.ArrayLike, low: float, high: float, allowed: 
     if not proper or wanted[-1] >= high:
         raise ValueError(f"{name} must rise strictly {allowed}, got {values!r}")
     return wanted
-
-
-def events(family: Family) -> tuple[Event, ...]:
-    """Where a family is born and its stability changes, between neighbours.
-
-    Symmetric cycles fold, or lose their symmetry ("symmetry-breaking"), which is where those
-    without symmetry are born; the others fold, or their period doubles ("period-doubling").
-
-    Raises
-    ------
-    NoCycleError
-        If an iteration between two neighbours fails.
-    """
-    tests = {
-        name: partial(PeriodicMotion.characteristic, multiplier=value)
-        for name, value in family.motions[0].ends.changes.items()
-    }
-    found = (Event(*each) for each in sign_changes(_solved, family.motions, tests))
-    return (*found,) if family.born is None else (family.born, *found)
 
 
 # --- Symmetric cycles ---------------------------------------------------------------------------
@@ -163,9 +100,9 @@ def cycle_family(
     """
     require_collocation(scenario)
     wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
-    found = _from_hopf_point(scenario, wanted)
-    begins = critical_speed(scenario).spin
-    return gathered_family(begins, found, progress=progress, wanted=np.size(wanted))
+    wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
+    found = followed(reach, hopf_cycle(scenario), wanted.tolist())
+    return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=wanted.size)
 
 
 def _amplitudes(scenario: Scenario) -> Array:
@@ -179,12 +116,6 @@ def _amplitudes(scenario: Scenario) -> Array:
         return np.array(AMPLITUDES)
     near = last - np.geomspace(0.1 + beyond, _SAME_END, 16)
     return np.concatenate((AMPLITUDES[near[0] - 0.05 > AMPLITUDES], near))
-
-
-def _from_hopf_point(scenario: Scenario, amplitudes: npt.ArrayLike) -> Iterator[PeriodicMotion]:
-    """Cycles one by one; `NoCycleError` names the last good one."""
-    wanted = _rising("amplitudes", amplitudes, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
-    return followed(_solved, hopf_cycle(scenario), wanted.tolist())
 
 
 def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
@@ -207,7 +138,7 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     spin = number("spin", spin)
     before = hopf_cycle(scenario)
     spins = [before.spin]
-    for cycle in _from_hopf_point(scenario, _amplitudes(scenario)):
+    for cycle in followed(reach, before, np.asarray(_amplitudes(scenario)).tolist()):
         part = (spin - before.spin) / (cycle.spin - before.spin)
         if 0.0 < part <= 1.0:
             # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
@@ -262,14 +193,10 @@ def asymmetric_family(
         # The mode is the same on the other side, where the cycle is mirrored.
         states=states + np.concatenate((mode, mode[1:])),
     )
-    first = _solved(start.value, start)
-    return gathered_family(
-        born.spin,
-        followed(_solved, first, wanted.tolist()),
-        progress=progress,
-        wanted=wanted.size,
-        born=breaking,
-    )
+    first = solve(born.scenario, start.value, start)
+    found = followed(reach, first, wanted.tolist())
+    family = Family.of(born.spin, found, progress=progress, wanted=wanted.size)
+    return replace(family, born=breaking)
 
 
 def first_asymmetric_family(family: Family, *, progress: Progress | None = None) -> Family:
@@ -329,13 +256,8 @@ def rotating_family(
     connection = heteroclinic_connection(scenario)
     first = _first_rotating(scenario, connection)
     split = int(np.searchsorted(wanted, first.value))
-    ways = (wanted[:split][::-1], wanted[split:])
-    found = gathered_family(
-        connection.spin,
-        *(followed(_solved, first, way.tolist()) for way in ways),
-        progress=progress,
-        wanted=wanted.size,
-    )
+    ways = (followed(reach, first, way.tolist()) for way in (wanted[:split][::-1], wanted[split:]))
+    found = Family.of(connection.spin, *ways, progress=progress, wanted=wanted.size)
     return replace(found, motions=tuple(sorted(found.motions, key=lambda each: each.value)))
 
 
@@ -370,4 +292,4 @@ def _beside(scenario: Scenario, spin: float) -> PeriodicMotion:
         times=times,
         states=way.states[turn],
     )
-    return _solved(tilt, start)
+    return solve(scenario, tilt, start)

@@ -9,10 +9,10 @@ import numpy as np
 from analysis.data.checks import number
 from analysis.data.scenario import Scenario
 from analysis.nonlinear.collocation import NoCycleError, require_collocation, solve
-from analysis.nonlinear.families import Family, cycle_at, cycle_family, gathered_family
+from analysis.nonlinear.families import cycle_at, cycle_family
 from analysis.nonlinear.flow import open_amplitude
+from analysis.nonlinear.following import Family, followed
 from analysis.nonlinear.motions import PeriodicMotion
-from analysis.stability.continuation import followed
 from analysis.stability.printed import critical_speed
 
 
@@ -74,6 +74,5 @@ def cycles_over(
             raise NoCycleError(str(error)) from error
 
     begin = first(scenarios[0])
-    found = chain([begin], followed(further, begin, scenarios[1:], halvings=0))
-    begins = critical_speed(scenarios[0]).spin
-    return gathered_family(begins, found, progress=None, wanted=len(scenarios))
+    found = chain([begin], followed(further, begin, scenarios[1:]))
+    return Family.of(critical_speed(scenarios[0]).spin, found)

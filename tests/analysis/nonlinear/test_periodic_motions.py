@@ -12,7 +12,7 @@ from analysis import CENTRED_DISK, Disk, Scenario, SmoothCoulomb, Start, TanhCou
 from analysis.data.checks import Array
 from analysis.data.disk import STEEL_RING
 from analysis.mechanics import reduced
-from analysis.nonlinear import families, flow
+from analysis.nonlinear import families, flow, following
 from analysis.nonlinear.collocation import NoCycleError, hopf_cycle, solve
 from analysis.nonlinear.families import (
     Family,
@@ -210,7 +210,7 @@ def test_a_family_that_fails_names_the_last_good_cycle(
             return family.motions[0]
         raise NoCycleError(f"no periodic motion found at {amplitude:g} rad from {start.value}")
 
-    monkeypatch.setattr(families, "solve", fails)
+    monkeypatch.setattr(following, "solve", fails)
     found = cycle_family(PAPER, (0.15, 0.3))
     assert found.motions == family.motions[:1]
     assert found.reason is not None
