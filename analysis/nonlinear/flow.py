@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.data.checks import Array, number
+from analysis.data.checks import Array, in_range
 from analysis.data.elementary import cos, sin
 from analysis.data.scenario import Scenario
 from analysis.mechanics.dual import Dual, dual
@@ -54,10 +54,8 @@ def require_steepness(scenario: Scenario, steepest: float) -> None:
 
 def open_amplitude(value: float) -> float:
     """Return an amplitude in rad; `ValueError` unless it lies between 0 and pi, both excluded."""
-    result = number("amplitude", value)
-    if not 0.0 < result < np.pi:
-        raise ValueError(f"amplitude must lie between 0 and {np.pi:.6g} rad, got {result:g}")
-    return result
+    why = "between the Hopf point and the connection"
+    return in_range("amplitude", value, 0.0, np.pi, is_above=True, is_below=True, why=why)
 
 
 def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:

@@ -114,14 +114,14 @@ class CriticalSpeeds:
         return ", ".join(f"{low:.6g} to {high:.6g}" for low, high in self.stable) or "nowhere"
 
 
-def spin_interval(interval: tuple[float, float]) -> tuple[float, float]:
+def spin_interval(interval: tuple[float, float], name: str = "interval") -> tuple[float, float]:
     """Return lowest and highest spin in rad/s; `ValueError` if they are no interval."""
     ends = list(interval) if isinstance(interval, Iterable) else []
     if len(ends) != 2:
-        raise ValueError(f"interval must be lowest and highest spin, got {interval!r}")
-    low, high = (number("interval", end) for end in ends)
+        raise ValueError(f"{name} must be lowest and highest spin, got {interval!r}")
+    low, high = (number(name, end) for end in ends)
     if not 0.0 <= low < high:
-        raise ValueError(f"interval must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
+        raise ValueError(f"{name} must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
     return low, high
 
 

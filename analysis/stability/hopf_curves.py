@@ -17,12 +17,12 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis.data.checks import Array, choice, number, positive
+from analysis.data.checks import Array, choice, positive
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.chart import with_gradient
 from analysis.stability.continuation import Bound, Curve
-from analysis.stability.critical import critical_speeds
+from analysis.stability.critical import critical_speeds, spin_interval
 from analysis.stability.linearisation import ComplexArray, falling, require_spinning, spin_scale
 from analysis.stability.printed import full_matrices
 
@@ -190,10 +190,8 @@ def _bounds(
     scenario: Scenario, spins: tuple[float, float], gradients: tuple[float, float]
 ) -> list[Bound]:
     """Where curves of (Omega / s, ln delta, omega / s) end."""
-    low, high = (number("spins", end) for end in spins)
+    low, high = spin_interval(spins, "spins")
     least, most = (positive("gradients", end) for end in gradients)
-    if not 0.0 <= low < high:
-        raise ValueError(f"spins must have 0 <= lowest < highest, got {low:g} to {high:g}")
     if not least < most:
         raise ValueError(f"gradients must have lowest < highest, got {least:g} to {most:g}")
     scale = spin_scale(scenario)

@@ -8,6 +8,7 @@ larger one gets the positive imaginary part, here and on the way back.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
@@ -101,14 +102,15 @@ def matrices_over_spin(
     """
     system = chosen_system(scenario, system)
     choice("motion", motion, MOTIONS)
-    if system == "full":
-        full_matrices(scenario, 0.0, motion)
-        return lambda spins: full_matrices(scenario, spins, motion, drift=drift)
-    if system == "reduced":
-        reduced_matrices(scenario, 0.0, motion)
-        return lambda spins: reduced_matrices(scenario, spins, motion)
-    numeric = spinning(scenario, motion)
-    return lambda spins: numeric.matrices(spins, drift=drift)
+    if system == "numeric":
+        return partial(spinning(scenario, motion).matrices, drift=drift)
+    closed = {
+        "full": partial(full_matrices, scenario, motion=motion, drift=drift),
+        "reduced": partial(reduced_matrices, scenario, motion=motion),
+    }
+    # Another scenario is refused at once.
+    closed[system](np.zeros(1))
+    return closed[system]
 
 
 def eigenvalues(

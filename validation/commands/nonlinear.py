@@ -22,7 +22,6 @@ from analysis.nonlinear.heteroclinic import (
     heteroclinic_connection,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.nonlinear.over import cycles_over
 from analysis.stability.printed import critical_speed
 from validation.commands.options import chosen_end, parse_spins, run_options
 from validation.commands.output import Result
@@ -162,7 +161,7 @@ def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | 
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
     values, scenarios = _scenarios(scenario, axis)
     held = {"amplitude": options.amplitude} if spins is None else {"spin": spins[0]}
-    found = cycles_over(scenarios, **held)
+    found = families.cycles_over(scenarios, **held)
     rows = [{axis.field: value, **row} for value, row in zip(values, _rows(found), strict=False)]
     over = (axis.field, _head(axis))
     names = ("spin" if spins is None else "amplitude", "multiplier")

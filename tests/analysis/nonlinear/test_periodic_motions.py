@@ -20,12 +20,12 @@ from analysis.nonlinear.families import (
     asymmetric_family,
     cycle_at,
     cycle_family,
+    cycles_over,
     events,
     rotating_family,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
-from analysis.nonlinear.over import cycles_over
 from tests.helpers import jacobian, model, reduced_run
 from validation.run import run
 
@@ -350,7 +350,9 @@ REFUSED: dict[str, Callable[[], object]] = {
     ),
     "spins and amplitudes must be 5 or more": lambda: fitted_growth([30.0], [1.0], 31.0),
     "amplitude or spin must be given": lambda: cycles_over([PAPER], spin=30.0, amplitude=1.0),
-    r"amplitude must lie between 0 and 3\.14159": lambda: cycles_over([PAPER], amplitude=4.0),
+    r"amplitude must lie in the open interval \(0, pi\)": lambda: cycles_over(
+        [PAPER], amplitude=4.0
+    ),
     "scenarios must be 1 or more": lambda: cycles_over([], spin=30.0),
 }
 

@@ -154,11 +154,9 @@ def test_bad_spins_are_refused(name: str) -> None:
 
 REFUSED: dict[str, Callable[[], object]] = {
     "gradients must be one-dimensional": lambda: stability_chart(FULL, [1.0], []),
-    "gradients must be finite and not negative, got -1": lambda: stability_chart(
-        FULL, [1.0], [-1.0]
-    ),
-    "got nan": lambda: stability_chart(FULL, [1.0], [np.nan]),
-    "spins must have 0 <= lowest < highest, got 5 to 1": lambda: hopf_curves(
+    "gradients must not be negative, got -1": lambda: stability_chart(FULL, [1.0], [-1.0]),
+    "gradients must be finite numbers, got nan": lambda: stability_chart(FULL, [1.0], [np.nan]),
+    "spins must have 0 <= lowest < highest spin, got 5 to 1": lambda: hopf_curves(
         FULL, spins=(5.0, 1.0)
     ),
     "gradients must be positive": lambda: hopf_curves(FULL, gradients=(0.0, 1.0)),
