@@ -113,7 +113,7 @@ def solve(
         if motion.flaw is None:
             return motion
         why = motion.flaw
-    raise NoCycleError(f"no {ends.noun} of {value:.9g} rad found: {why}")
+    raise NoCycleError(f"no {start.kind} motion of {value:.9g} rad found: {why}")
 
 
 def _collocated(

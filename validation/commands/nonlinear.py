@@ -14,7 +14,7 @@ from analysis.data.limits import MOST_SCENARIOS
 from analysis.data.names import ArgumentError
 from analysis.data.written import is_text, unit
 from analysis.nonlinear import families
-from analysis.nonlinear.families import Family
+from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.heteroclinic import (
     Connection,
     NoConnectionError,
@@ -84,7 +84,7 @@ def _told(rows: list[Motion], family: Family, names: Sequence[str], **more: Any)
     **more
         What JSON is told besides.
     """
-    found = families.events(family)
+    found = events(family)
     happened = [{"kind": kind, **motion.told()} for kind, motion in found]
     marks = {"begins": family.begins}
     return Result(
