@@ -24,7 +24,7 @@ from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.constraint_set import set_name
 from analysis.stability.chart import with_gradient
-from analysis.stability.critical import critical_speeds
+from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.printed import critical_speed, static_gradient
 from analysis.stability.spectra import System, matrices_over_spin
 from tests.helpers import not_none
@@ -90,6 +90,20 @@ def test_static_crossings_lie_on_the_closed_static_curve_even_beside_a_collision
     )
     assert (crossing.frequency, crossing.stable_side) == (0.0, side)
     assert static_gradient(scenario, crossing.spin)[0] == pytest.approx(gradient, rel=1e-8)
+
+
+def test_a_pair_born_just_before_it_crosses_is_one_crossing() -> None:
+    """Eigenvalues Omega - 1 +- i sqrt((Omega - 0.98) / 1000)."""
+
+    def matrices(spins: Array) -> Array:
+        matrix = np.tile(np.array(((0.0, 1.0), (0.0, 0.0))), (spins.size, 1, 1))
+        matrix[:, 0, 0] = matrix[:, 1, 1] = spins - 1.0
+        matrix[:, 1, 0] = -(spins - 0.98) / 1000.0
+        return matrix
+
+    (crossing,) = Spectra(matrices, np.arange(0.97, 1.2, 0.05)).crossings()
+    assert (crossing.kind, crossing.stable_side) == ("hopf", "below")
+    assert (crossing.spin, crossing.frequency) == pytest.approx((1.0, np.sqrt(2e-5)))
 
 
 def pair_sums(matrix: Array) -> Array:
