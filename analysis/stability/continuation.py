@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from analysis.data.checks import Array
 
@@ -24,10 +25,15 @@ _STRAIGHT = 0.99
 """Cosine of the angle between neighbouring tangents of a curve, at least."""
 
 
-def nearest_change(
-    function: Callable[[float], float], centre: float, part: float, widest: float
-) -> tuple[float, float] | None:
-    """Interval next to a centre in which a function changes sign, if there is one.
+def nearest_root(
+    function: Callable[[float], float],
+    centre: float,
+    *,
+    part: float,
+    widest: float,
+    accuracy: float,
+) -> float | None:
+    """Root of a function next to a centre; None if it does not change its sign in the range.
 
     Parameters
     ----------
@@ -35,13 +41,14 @@ def nearest_change(
     centre : float
     part, widest : float
         Steps and range to both sides, in parts of the centre.
+    accuracy : float
     """
     middle = function(centre)
     for count in range(1, round(widest / part) + 1):
         for way in (-part, part):
             outer, inner = (centre * (1.0 + way * each) for each in (count, count - 1))
             if function(outer) * middle <= 0.0:
-                return min(inner, outer), max(inner, outer)
+                return float(brentq(function, inner, outer, xtol=accuracy, rtol=1e-14))
     return None
 
 
