@@ -21,10 +21,10 @@ from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
 from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import (
+    STEEPEST,
     NoCycleError,
     breaking_mode,
     hopf_cycle,
-    require_collocation,
     solve,
 )
 from analysis.nonlinear.following import Family, events, followed, reach
@@ -102,7 +102,7 @@ def cycle_family(
     NoCycleError
         If not even the first cycle is found.
     """
-    require_collocation(scenario)
+    flow.require_cycles(scenario, STEEPEST)
     wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
     found = followed(reach, hopf_cycle(scenario), wanted.tolist())
@@ -138,7 +138,7 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     NoCycleError
         If the iteration fails.
     """
-    require_collocation(scenario)
+    flow.require_cycles(scenario, STEEPEST)
     spin = number("spin", spin)
     before = hopf_cycle(scenario)
     spins = [before.spin]
@@ -196,7 +196,7 @@ def cycles_over(
     if (amplitude is None) == (spin is None):
         raise ValueError(f"amplitude or spin must be given, got {amplitude} and {spin}")
     for scenario in scenarios:
-        require_collocation(scenario)
+        flow.require_cycles(scenario, STEEPEST)
     amplitude = None if amplitude is None else flow.open_amplitude(amplitude)
     spin = None if spin is None else number("spin", spin)
 
@@ -318,7 +318,7 @@ def rotating_family(
     """
     chosen = TILTS if tilts is None else tilts
     wanted = _rising("tilts", chosen, 0.0, np.pi / 2, "between 0 and pi/2")
-    require_collocation(scenario)
+    flow.require_cycles(scenario, STEEPEST)
     connection = heteroclinic_connection(scenario)
     first = _first_rotating(scenario, connection)
     split = int(np.searchsorted(wanted, first.value))

@@ -141,8 +141,7 @@ def fall(scenario: Scenario, spin: float) -> Fall:
     NoConnectionError
         If noninverted spinning is no saddle, or the run fails.
     """
-    flow.require_cycles(scenario)
-    flow.require_steepness(scenario, _STEEPEST)
+    flow.require_cycles(scenario, _STEEPEST)
     spin = positive("spin", spin)
     values, growing = saddle(scenario, spin)
 

@@ -1,5 +1,6 @@
 """Periodic motions of the reduced system: two methods, their multipliers, where they begin."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -195,7 +196,7 @@ def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
     found = cycles_over([PAPER, nearer], spin=30.91)
     assert len(found.motions) == 1
     assert found.reason is not None
-    assert found.reason.startswith("spin must lie between")
+    assert re.match(r"spin must lie between 30\.85.* and 30\.89.*, got 30\.91;", found.reason)
     assert found.reason.endswith(" at a spin of 30.91 rad/s")
 
 
@@ -360,9 +361,3 @@ REFUSED: dict[str, Callable[[], object]] = {
 def test_what_there_is_not_is_refused(message: str) -> None:
     with pytest.raises(ValueError, match=message):
         REFUSED[message]()
-
-
-def test_a_spin_without_cycle_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(families, "AMPLITUDES", np.array((0.3, 0.6)))
-    with pytest.raises(ValueError, match=r"between 30\.83.* and 30\.91.*, got 31"):
-        cycle_at(PAPER, 31.0)
