@@ -18,8 +18,8 @@ _CONVERGED, _FURTHEST = 1e-8, 1.0
 """Last step of Newton's method, whose error is about its square; and one that leads elsewhere."""
 
 _GROWTH = 1.5
-_FIRST, _SMALLEST = 0.2, 1e-6
-"""First step in parts of the longest one, and one at which a curve counts as lost."""
+_SMALLEST = 1e-6
+"""Step at which a curve counts as lost."""
 
 _STRAIGHT = 0.99
 """Cosine of the angle between neighbouring tangents of a curve, at least."""
@@ -150,7 +150,7 @@ class Curve:
         self, point: Array, tangent: Array, most: int, is_over: Callable[[Array], bool]
     ) -> tuple[list[Array], str | None]:
         """Points beyond one, and the bound that the last one lies on."""
-        step, made = _FIRST * self._longest(point), list[Array]()
+        step, made = self._longest(point), list[Array]()
         while step > _SMALLEST:
             guess, row = point + step * tangent, tangent
             bound = next((each for each in self._bounds if each.is_crossed(guess)), None)

@@ -7,6 +7,7 @@ the crossing. Two changes within one step of that grid (0.05 rad/s) that cancel 
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import Literal
 
@@ -292,6 +293,7 @@ class Spectra:
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
     """Root between two spins; an end if round-off hides the change of sign there."""
+    function = cache(function)
     at_low, at_high = function(low), function(high)
     if at_low * at_high >= 0.0:
         return low if abs(at_low) < abs(at_high) else high

@@ -239,8 +239,9 @@ class Linearisation:
         neutral = [3] if "constant-spin" in held else [3, 9]
         if not drift and has_drift(held):
             neutral += [0, 1]
-        others, count = np.setdiff1d(np.arange(12), neutral), normals.shape[1]
+        others = np.array([each for each in range(12) if each not in neutral])
         best = qr(self._powers[0][12:, others], mode="r", pivoting=True)[1]
+        count = normals.shape[1]
         solved, free = others[best[:count]], others[np.sort(best[count:])]
         bases = np.zeros((len(normals), 12, free.size))
         bases[:, free] = np.eye(free.size)

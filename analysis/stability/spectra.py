@@ -219,22 +219,24 @@ def follow(matrices: Array, start: int = 0) -> ComplexArray:
 
 def _onward(first: ComplexArray, values: ComplexArray) -> list[ComplexArray]:
     """Those of equal steps one after the other, each in the order of the first."""
-    found = [first, first]
-    for each in values:
-        found.append(_next(found[-1], 2.0 * found[-1] - found[-2], each))
-    return found[1:]
+    last, found = first[None], [first[None]]
+    for step in range(len(values)):
+        expected = 2.0 * found[-1] - last
+        last = found[-1]
+        found.append(_next(last, expected, values[step : step + 1]))
+    return [each[0] for each in found]
 
 
 def _next(last: ComplexArray, expected: ComplexArray, values: ComplexArray) -> ComplexArray:
-    """Values in the order of those they are expected to be, no two the same, shape (..., k)."""
-    change = values[..., None, :] - last[..., None]
-    cost = np.abs(values[..., None, :] - expected[..., None])
-    cost += _TIE_BREAK * np.abs(change.real + change.imag)
-    order = np.argmin(cost, axis=-1)
-    for place in np.ndindex(order.shape[:-1]):
-        if len(set(order[place].tolist())) < order.shape[-1]:
-            order[place] = linear_sum_assignment(cost[place])[1]
-    return np.take_along_axis(values, order, axis=-1)
+    """Values in the order of those they are expected to be, no two the same, shape (n, k)."""
+    cost = np.abs(values[:, None] - expected[:, :, None])
+    order = np.argmin(cost, axis=2)
+    for step, places in enumerate(order.tolist()):
+        if len(set(places)) < len(places):
+            change = values[step] - last[step][:, None]
+            convention = _TIE_BREAK * np.abs(change.real + change.imag)
+            order[step] = linear_sum_assignment(cost[step] + convention)[1]
+    return np.take_along_axis(values, order, axis=1)
 
 
 def _numbering(values: ComplexArray) -> list[int]:
