@@ -317,11 +317,9 @@ def stationary_branch(
         is_upright = max(abs(point[2] - np.pi / 2), sideways) < _SAME
         return is_upright or bool(np.cos(point[3]) * np.cos(start.gamma) < 0.0)
 
-    curve = Curve(_equations(at), where, bounds, lambda _: _STEP)
-    try:
-        points, _ = curve.through(point, axis=4, most=most, is_over=is_over)
-    except ArithmeticError as error:
-        raise ArithmeticError(f"the branch of stationary motions {error}") from error
+    name = "the branch of stationary motions"
+    curve = Curve(_equations(at), name, where, bounds, lambda _: _STEP)
+    points, _ = curve.through(point, axis=4, most=most, is_over=is_over)
     return tuple(
         StationaryMotion.at(*at(each), each[:4], unit * float(each[4])) for each in points
     )

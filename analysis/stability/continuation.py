@@ -73,6 +73,7 @@ class Curve:
     ----------
     equations : callable
         From a point, shape (n,), to residuals, shape (m,), and their Jacobian, shape (m, n).
+    name : str
     where : callable
         What to say of the last good point where the curve is lost.
     bounds : iterable of Bound
@@ -84,11 +85,12 @@ class Curve:
     def __init__(
         self,
         equations: Callable[[Array], tuple[Array, Array]],
+        name: str,
         where: Callable[[Array], str],
         bounds: Iterable[Bound] = (),
         longest: Callable[[Array], float] = lambda _: 1.0,
     ) -> None:
-        self._equations, self._where = equations, where
+        self._equations, self._name, self._where = equations, name, where
         self._bounds, self._longest = tuple(bounds), longest
 
     def correct(self, guess: Array, row: Array) -> tuple[Array, Array, int] | None:
@@ -164,15 +166,17 @@ class Curve:
             if is_over(found[0]):
                 return made, None
             if len(made) == most:
-                lost = f"has more than {most} points one way, and goes on"
-                raise ArithmeticError(f"{lost} {self._where(point)}")
+                raise self._lost(f"has more than {most} points one way, and goes on", point)
             made.append(found[0])
             if bound is not None:
                 return made, bound.name
             point, tangent = found[0], np.copysign(1.0, found[1] @ tangent) * found[1]
             if found[2] <= _NEWTON // 2:
                 step = min(_GROWTH * step, self._longest(point))
-        raise ArithmeticError(f"fails, however short the step, {self._where(point)}")
+        raise self._lost("fails, however short the step,", point)
+
+    def _lost(self, why: str, last: Array) -> ArithmeticError:
+        return ArithmeticError(f"{self._name} {why} {self._where(last)}")
 
     @staticmethod
     def _is_near(

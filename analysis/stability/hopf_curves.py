@@ -92,7 +92,7 @@ class HopfPoints:
     def __init__(self, scenario: Scenario, motion: Motion, bounds: Iterable[Bound] = ()) -> None:
         self.scenario, self.motion = scenario, motion
         self.scale = spin_scale(scenario)
-        self.curve = Curve(self.residual, self._where, bounds, _longest_step)
+        self.curve = Curve(self.residual, "the Hopf curve", self._where, bounds, _longest_step)
 
     def _where(self, x: Array) -> str:
         return f"at spin {x[0] * self.scale:g} rad/s, gradient {np.exp(x[1]):g} s/m"
@@ -221,10 +221,7 @@ def _trace(system: HopfPoints, seed: Array) -> tuple[Array, tuple[str, str]]:
     found = system.curve.correct(seed, np.eye(3)[2])
     if found is None:
         raise ArithmeticError(f"no Hopf point near spin {seed[0] * system.scale:g} rad/s")
-    try:
-        points, (one, other) = system.curve.through(found[0], axis=1)
-    except ArithmeticError as error:
-        raise ArithmeticError(f"the Hopf curve {error}") from error
+    points, (one, other) = system.curve.through(found[0], axis=1)
     ends = str(one), str(other)
     if points[0][1] > points[-1][1]:
         return np.array(points[::-1]), ends[::-1]
