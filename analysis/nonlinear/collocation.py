@@ -5,6 +5,7 @@ special; or the spin is given.
 """
 
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ _MOST_NODES = 40_000
 _FIRST_NODES = 41
 _RESTART_NODES = 400
 
-_STEEPEST = 1e4
+STEEPEST = 1e4
 """Gradient of friction in s/m beyond which these nodes are too few."""
 
 _BOUNDARY = 1e-11
@@ -39,12 +40,6 @@ _FURTHEST = 2.0
 
 class NoCycleError(ArithmeticError):
     """The iteration for a periodic motion has not converged."""
-
-
-def require_collocation(scenario: Scenario) -> None:
-    """Raise `ValueError` unless a scenario can have cycles and they can be collocated."""
-    flow.require_cycles(scenario)
-    flow.require_steepness(scenario, _STEEPEST)
 
 
 def hopf_cycle(scenario: Scenario) -> PeriodicMotion:
@@ -113,7 +108,7 @@ def solve(
         if motion.flaw is None:
             return motion
         why = motion.flaw
-    raise NoCycleError(f"no {ends.noun} of {value:.9g} rad found: {why}")
+    raise NoCycleError(f"no {start.kind} motion of {value:.9g} rad found: {why}")
 
 
 def _collocated(
@@ -222,13 +217,9 @@ def multipliers(found: Variations, ends: Ends) -> tuple[float, float]:
     Over half a period a deviation is carried on and mirrored, so that the whole monodromy matrix
     is a square.
     """
-    product, log_size = np.eye(2), 0.0
-    for transfer in found.transfers:
-        product = transfer @ product
-        size = np.max(np.abs(product))
-        product, log_size = product / size, log_size + np.log(size)
+    product = reduce(lambda done, transfer: transfer @ done, found.transfers, np.eye(2))
     values = eigvals(-product if ends.mirrored else product).real
-    larger = float(values[np.argmax(np.abs(values))] * np.exp(log_size))
+    larger = float(values[np.argmax(np.abs(values))])
     return larger, found.log_determinant - float(np.log(abs(larger)))
 
 

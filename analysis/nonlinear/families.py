@@ -8,9 +8,10 @@ one for either sense of turning: on one side of its spin they join to the swingi
 other side each becomes a rotating motion of its own (a gluing bifurcation).
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -18,13 +19,15 @@ import numpy.typing as npt
 from analysis.data.checks import Array, number, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
+from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import (
+    STEEPEST,
     NoCycleError,
     breaking_mode,
     hopf_cycle,
-    require_collocation,
     solve,
 )
+from analysis.nonlinear.following import Family, events, followed, reach
 from analysis.nonlinear.heteroclinic import (
     Connection,
     NoConnectionError,
@@ -33,7 +36,6 @@ from analysis.nonlinear.heteroclinic import (
     last_amplitude,
 )
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
-from analysis.stability.continuation import followed, gathered, sign_changes
 from analysis.stability.printed import critical_speed
 
 AMPLITUDES: Array = np.concatenate(
@@ -63,48 +65,6 @@ _BESIDE = (0.02, 0.005, 0.001)
 to the Hopf point."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Family:
-    """Periodic motions of one kind, each reached from its neighbour.
-
-    Parameters
-    ----------
-    motions : tuple of PeriodicMotion
-        All of them converged: by rising amplitude or tilt, or one for each of a sequence of
-        scenarios.
-    begins : float
-        Spin in rad/s where it begins: of the Hopf point, the heteroclinic connection, or the
-        symmetric cycle at which cycles without symmetry branch off.
-    reason : str or None
-        Why it ends early, if it does; it names the last good one.
-    born : Event or None
-        That symmetric cycle.
-    """
-
-    motions: tuple[PeriodicMotion, ...]
-    begins: float
-    reason: str | None = None
-    born: Event | None = None
-
-
-def gathered_family(
-    begins: float,
-    *ways: Iterable[PeriodicMotion],
-    progress: Progress | None,
-    wanted: int,
-    born: Event | None = None,
-) -> Family:
-    """All that the ways lead to; `NoCycleError` if there is none."""
-    found, reason = gathered(*ways, progress=progress, wanted=wanted)
-    if not found:
-        raise NoCycleError(reason)
-    return Family(motions=found, begins=begins, reason=reason, born=born)
-
-
-def _solved(value: float, start: PeriodicMotion) -> PeriodicMotion:
-    return solve(start.scenario, value, start)
-
-
 def _rising(name: str, values: npt.ArrayLike, low: float, high: float, allowed: str) -> Array:
     """Return values that rise strictly from `low` to `high`, both excluded."""
     wanted = real_array(name, values)
@@ -112,25 +72,6 @@ def _rising(name: str, values: npt.ArrayLike, low: float, high: float, allowed: 
     if not proper or wanted[-1] >= high:
         raise ValueError(f"{name} must rise strictly {allowed}, got {values!r}")
     return wanted
-
-
-def events(family: Family) -> tuple[Event, ...]:
-    """Where a family is born and its stability changes, between neighbours.
-
-    Symmetric cycles fold, or lose their symmetry ("symmetry-breaking"), which is where those
-    without symmetry are born; the others fold, or their period doubles ("period-doubling").
-
-    Raises
-    ------
-    NoCycleError
-        If an iteration between two neighbours fails.
-    """
-    tests = {
-        name: partial(PeriodicMotion.characteristic, multiplier=value)
-        for name, value in family.motions[0].ends.changes.items()
-    }
-    found = (Event(*each) for each in sign_changes(_solved, family.motions, tests))
-    return (*found,) if family.born is None else (family.born, *found)
 
 
 # --- Symmetric cycles ---------------------------------------------------------------------------
@@ -161,11 +102,11 @@ def cycle_family(
     NoCycleError
         If not even the first cycle is found.
     """
-    require_collocation(scenario)
+    flow.require_cycles(scenario, STEEPEST)
     wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
-    found = _from_hopf_point(scenario, wanted)
-    begins = critical_speed(scenario).spin
-    return gathered_family(begins, found, progress=progress, wanted=np.size(wanted))
+    wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
+    found = followed(reach, hopf_cycle(scenario), wanted.tolist())
+    return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=wanted.size)
 
 
 def _amplitudes(scenario: Scenario) -> Array:
@@ -179,12 +120,6 @@ def _amplitudes(scenario: Scenario) -> Array:
         return np.array(AMPLITUDES)
     near = last - np.geomspace(0.1 + beyond, _SAME_END, 16)
     return np.concatenate((AMPLITUDES[near[0] - 0.05 > AMPLITUDES], near))
-
-
-def _from_hopf_point(scenario: Scenario, amplitudes: npt.ArrayLike) -> Iterator[PeriodicMotion]:
-    """Cycles one by one; `NoCycleError` names the last good one."""
-    wanted = _rising("amplitudes", amplitudes, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
-    return followed(_solved, hopf_cycle(scenario), wanted.tolist())
 
 
 def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
@@ -203,11 +138,11 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     NoCycleError
         If the iteration fails.
     """
-    require_collocation(scenario)
+    flow.require_cycles(scenario, STEEPEST)
     spin = number("spin", spin)
     before = hopf_cycle(scenario)
     spins = [before.spin]
-    for cycle in _from_hopf_point(scenario, _amplitudes(scenario)):
+    for cycle in followed(reach, before, np.asarray(_amplitudes(scenario)).tolist()):
         part = (spin - before.spin) / (cycle.spin - before.spin)
         if 0.0 < part <= 1.0:
             # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
@@ -219,6 +154,68 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
         f"spin must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
         f"cycles, got {spin:.9g}"
     )
+
+
+def cycles_over(
+    scenarios: Sequence[Scenario], *, amplitude: float | None = None, spin: float | None = None
+) -> Family:
+    """Follow a symmetric cycle through scenarios, at a given amplitude or a given spin.
+
+    Every cycle starts from that of the scenario before; where that fails, from the Hopf point of
+    its own.
+
+    Parameters
+    ----------
+    scenarios : sequence of Scenario
+        Of Model 4 with friction that knows the weight, and an eccentricity; each near the one
+        before.
+    amplitude : float, optional
+        Of gamma about pi/2 in rad, between 0 and pi.
+    spin : float, optional
+        In rad/s; either this or the amplitude.
+
+    Raises
+    ------
+    ValueError
+        If there are no scenarios, one has no cycles at all, not one of the two is given, or the
+        first scenario has no cycle there.
+    NoCycleError
+        If the first cycle is not found.
+
+    Examples
+    --------
+    >>> from analysis import MODELS, Scenario, SmoothCoulomb
+    >>> laws = [SmoothCoulomb(coefficient=mu) for mu in (0.2, 0.4)]
+    >>> scenarios = [Scenario(constraints=MODELS[4], friction=law) for law in laws]
+    >>> found = cycles_over(scenarios, amplitude=1.0)
+    >>> [round(cycle.spin, 3) for cycle in found.motions]
+    [30.696, 30.7]
+    """
+    if not scenarios:
+        raise ValueError("scenarios must be 1 or more, got 0")
+    if (amplitude is None) == (spin is None):
+        raise ValueError(f"amplitude or spin must be given, got {amplitude} and {spin}")
+    for scenario in scenarios:
+        flow.require_cycles(scenario, STEEPEST)
+    amplitude = None if amplitude is None else flow.open_amplitude(amplitude)
+    spin = None if spin is None else number("spin", spin)
+
+    def first(scenario: Scenario) -> PeriodicMotion:
+        if spin is not None:
+            return cycle_at(scenario, spin)
+        return cycle_family(scenario, np.array([amplitude])).motions[-1]
+
+    def further(scenario: Scenario, last: PeriodicMotion) -> PeriodicMotion:
+        with suppress(NoCycleError):
+            return solve(scenario, amplitude or last.value, last, spin=spin)
+        try:
+            return first(scenario)
+        except ValueError as error:
+            raise NoCycleError(str(error)) from error
+
+    begin = first(scenarios[0])
+    found = chain([begin], followed(further, begin, scenarios[1:]))
+    return Family.of(critical_speed(scenarios[0]).spin, found)
 
 
 # --- Cycles without symmetry --------------------------------------------------------------------
@@ -262,14 +259,10 @@ def asymmetric_family(
         # The mode is the same on the other side, where the cycle is mirrored.
         states=states + np.concatenate((mode, mode[1:])),
     )
-    first = _solved(start.value, start)
-    return gathered_family(
-        born.spin,
-        followed(_solved, first, wanted.tolist()),
-        progress=progress,
-        wanted=wanted.size,
-        born=breaking,
-    )
+    first = solve(born.scenario, start.value, start)
+    found = followed(reach, first, wanted.tolist())
+    family = Family.of(born.spin, found, progress=progress, wanted=wanted.size)
+    return replace(family, born=breaking)
 
 
 def first_asymmetric_family(family: Family, *, progress: Progress | None = None) -> Family:
@@ -325,17 +318,12 @@ def rotating_family(
     """
     chosen = TILTS if tilts is None else tilts
     wanted = _rising("tilts", chosen, 0.0, np.pi / 2, "between 0 and pi/2")
-    require_collocation(scenario)
+    flow.require_cycles(scenario, STEEPEST)
     connection = heteroclinic_connection(scenario)
     first = _first_rotating(scenario, connection)
     split = int(np.searchsorted(wanted, first.value))
-    ways = (wanted[:split][::-1], wanted[split:])
-    found = gathered_family(
-        connection.spin,
-        *(followed(_solved, first, way.tolist()) for way in ways),
-        progress=progress,
-        wanted=wanted.size,
-    )
+    ways = (followed(reach, first, way.tolist()) for way in (wanted[:split][::-1], wanted[split:]))
+    found = Family.of(connection.spin, *ways, progress=progress, wanted=wanted.size)
     return replace(found, motions=tuple(sorted(found.motions, key=lambda each: each.value)))
 
 
@@ -370,4 +358,4 @@ def _beside(scenario: Scenario, spin: float) -> PeriodicMotion:
         times=times,
         states=way.states[turn],
     )
-    return _solved(tilt, start)
+    return solve(scenario, tilt, start)

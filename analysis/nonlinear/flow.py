@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.data.checks import Array, number
+from analysis.data.checks import Array, in_range
 from analysis.data.elementary import cos, sin
 from analysis.data.scenario import Scenario
 from analysis.mechanics.dual import Dual, dual
@@ -20,11 +20,11 @@ from analysis.mechanics.vectors import Numbers
 from analysis.stability.linearisation import require_spinning
 
 
-def require_cycles(scenario: Scenario) -> None:
+def require_cycles(scenario: Scenario, steepest: float = np.inf) -> None:
     """Raise `ValueError` unless the reduced system of a scenario can have periodic motions.
 
     They are born where inverted spinning loses its stability, which takes friction and an
-    eccentricity.
+    eccentricity; friction must not be steeper, in s/m, than what a method can follow.
     """
     require_spinning(scenario, "the reduced system", 4)
     if not scenario.friction.is_simple:
@@ -41,10 +41,6 @@ def require_cycles(scenario: Scenario) -> None:
         )
     if scenario.disk.eccentricity == 0.0:
         raise ValueError("eccentricity must be positive for periodic motions, got 0")
-
-
-def require_steepness(scenario: Scenario, steepest: float) -> None:
-    """Raise `ValueError` if friction is steeper, in s/m, than what a method can follow."""
     if scenario.friction.gradient > steepest:
         raise ValueError(
             f"friction must have a gradient of at most {steepest:g} s/m to be followed here, got "
@@ -54,10 +50,8 @@ def require_steepness(scenario: Scenario, steepest: float) -> None:
 
 def open_amplitude(value: float) -> float:
     """Return an amplitude in rad; `ValueError` unless it lies between 0 and pi, both excluded."""
-    result = number("amplitude", value)
-    if not 0.0 < result < np.pi:
-        raise ValueError(f"amplitude must lie between 0 and {np.pi:.6g} rad, got {result:g}")
-    return result
+    why = "between the Hopf point and the connection"
+    return in_range("amplitude", value, 0.0, np.pi, is_above=True, is_below=True, why=why)
 
 
 def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:

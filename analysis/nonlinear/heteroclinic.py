@@ -14,14 +14,13 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from analysis.data.checks import Array, number, positive
 from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
-from analysis.stability.continuation import nearest_change
+from analysis.stability.continuation import nearest_root
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import critical_speed, reduced_matrices
 
@@ -142,8 +141,7 @@ def fall(scenario: Scenario, spin: float) -> Fall:
     NoConnectionError
         If noninverted spinning is no saddle, or the run fails.
     """
-    flow.require_cycles(scenario)
-    flow.require_steepness(scenario, _STEEPEST)
+    flow.require_cycles(scenario, _STEEPEST)
     spin = positive("spin", spin)
     values, growing = saddle(scenario, spin)
 
@@ -216,18 +214,17 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
         return tried[spin]
 
     centre = critical_speed(scenario).spin
-    around = nearest_change(miss, centre, _STEP, _WIDEST)
-    if around is None:
+    found = nearest_root(miss, centre, part=_STEP, widest=_WIDEST, accuracy=_ACCURACY)
+    if found is None:
         side = "turns back" if tried[centre] < 0.0 else "goes over"
         raise NoConnectionError(
             f"no heteroclinic connection between {centre * (1 - _WIDEST):.6g} and "
             f"{centre * (1 + _WIDEST):.6g} rad/s: the motion from noninverted spinning {side} at "
             "all spins tried"
         )
-    found = float(brentq(miss, *around, xtol=_ACCURACY, rtol=1e-14))
     growing, slow, strong = saddle(scenario, found)[0].tolist()
     # The nearest ones that are surely on either side.
-    low, high = (tried[end] for end in around)
+    low, high = tried[min(tried)], tried[max(tried)]
     return Connection(
         spin=found,
         below=max((s for s, v in tried.items() if s <= found and v * low > 0.0), default=found),

@@ -17,6 +17,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import eig
 
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
@@ -77,10 +78,10 @@ def hopf_type(scenario: Scenario) -> HopfType:
     flow.require_cycles(scenario)
     hopf = critical_speed(scenario)
     less, A, more = reduced_matrices(scenario, hopf.spin + np.array((-1.0, 0.0, 1.0)))
-    q = _eigenvector(A, hopf.frequency)
-    q = q / q[1]
-    p = _eigenvector(A.T, -hopf.frequency)
-    p = p / np.conj(np.vdot(p, q))
+    values, left, right = eig(A, left=True)
+    critical = np.argmin(np.abs(values - 1j * hopf.frequency))
+    q = right[:, critical] / right[1, critical]
+    p = left[:, critical] / np.conj(np.vdot(left[:, critical], q))
     C = _third_derivative(scenario, hopf.spin, (q, q, q.conj()))
     disk = scenario.disk
     turning = disk.eccentricity * hopf.spin * q[1]
@@ -93,12 +94,6 @@ def hopf_type(scenario: Scenario) -> HopfType:
         real_part_slope=float(np.vdot(p, (more - less) / 2.0 @ q).real),
         slip=float(abs(slip / turning)),
     )
-
-
-def _eigenvector(A: Array, frequency: float) -> ComplexArray:
-    values, vectors = np.linalg.eig(A.astype(complex))
-    result: ComplexArray = vectors[:, np.argmin(np.abs(values - 1j * frequency))]
-    return result
 
 
 def _third_derivative(

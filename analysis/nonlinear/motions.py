@@ -41,15 +41,13 @@ class Ends:
 
     Parameters
     ----------
-    noun : str
-        What to call a motion, up to what it is followed in.
     own : tuple of 2 str
         Names of what is told of motions of this kind alone; the first is followed.
+    changes : mapping
+        What happens along a family where the larger multiplier over the stretch passes a value.
     held, follows : {0, 1}
         Whether the deviation of beta or of gamma from inverted spinning is the same for a whole
         family where its motions begin, and which one is followed.
-    changes : mapping
-        What happens along a family where the larger multiplier over the stretch passes a value.
     at : float
         The one that is held in rad.
     mirrored : bool
@@ -58,11 +56,10 @@ class Ends:
         What gamma gains over the stretch in rad.
     """
 
-    noun: str
     own: tuple[str, str]
-    held: int
-    follows: int
     changes: Mapping[str, float]
+    held: int = 0
+    follows: int = 1
     at: float = 0.0
     mirrored: bool = False
     turn: float = 0.0
@@ -82,29 +79,19 @@ _DOUBLING = {"fold": 1.0, "period-doubling": -1.0}
 KINDS: Mapping[Kind, Ends] = MappingProxyType(
     {
         "symmetric": Ends(
-            noun="periodic motion with an amplitude",
             own=("amplitude", "half_multiplier"),
-            held=0,
-            follows=1,
-            mirrored=True,
             # There are no others: the multipliers over half a period are real.
             changes={"fold": 1.0, "symmetry-breaking": -1.0},
+            mirrored=True,
         ),
-        "asymmetric": Ends(
-            noun="cycle without symmetry with an amplitude",
-            own=("amplitude", "lowest"),
-            held=0,
-            follows=1,
-            changes=_DOUBLING,
-        ),
+        "asymmetric": Ends(own=("amplitude", "lowest"), changes=_DOUBLING),
         "rotating": Ends(
-            noun="rotating motion with a tilt",
             own=("tilt", "largest_tilt"),
-            held=1,
-            at=-np.pi,
-            follows=0,
-            turn=2.0 * np.pi,
             changes=_DOUBLING,
+            held=1,
+            follows=0,
+            at=-np.pi,
+            turn=2.0 * np.pi,
         ),
     }
 )

@@ -14,17 +14,13 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from analysis.data.checks import Array, positive, real_array
 from analysis.data.scenario import Scenario
 from analysis.mechanics.reduced import acceleration_from, right_hand_side
 from analysis.nonlinear import flow
-from analysis.stability.continuation import nearest_change
+from analysis.stability.continuation import nearest_root
 from analysis.stability.printed import critical_speed, reduced_matrices
-
-Order = Literal[0, 1]
-_ORDERS: tuple[Order, Order] = (0, 1)
 
 _NODES = 200
 """Points of the quadratures; they change spins by less than 1e-12 beyond 80."""
@@ -104,7 +100,7 @@ def _slip(scenario: Scenario, needed: float) -> float:
     )
 
 
-def slow_rates(scenario: Scenario, spin: float, x: Array, order: Order = 1) -> Array:
+def slow_rates(scenario: Scenario, spin: float, x: Array, order: Literal[0, 1] = 1) -> Array:
     """Rates of beta and gamma in rad/s on the slow manifold.
 
     Parameters
@@ -200,13 +196,13 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     def gain(spin: float) -> float:
         return float(steps @ (slip_on(scenario, spin, beta, gamma) * rho / height))
 
-    around = nearest_change(gain, critical_speed(scenario).spin, _STEP, _WIDEST)
-    if around is None:
+    centre = critical_speed(scenario).spin
+    spin = nearest_root(gain, centre, part=_STEP, widest=_WIDEST, accuracy=1e-12)
+    if spin is None:
         raise NoManifoldError(
             f"no spin within half the critical one keeps the orbit of {amplitude:.6g} rad on the "
             "slow manifold"
         )
-    spin = float(brentq(gain, *around, xtol=1e-12, rtol=1e-14))
     needed = needed_friction(scenario, spin, beta, gamma)
     period = 2.0 / spin * float(steps @ (1.0 / cos_beta)) if amplitude < np.pi else np.inf
     return SlowOrbit(
@@ -289,6 +285,6 @@ def _distance(scenario: Scenario, spin: float) -> tuple[float, float]:
         raise NoManifoldError(f"the motion at {spin:.9g} rad/s fails: {run.message}")
     surface, corrected = (
         float(np.max(np.abs(run.y[2] - slow_rates(scenario, spin, run.y[:2], order)[0])))
-        for order in _ORDERS
+        for order in (0, 1)
     )
     return surface, corrected

@@ -193,9 +193,9 @@ def _turned(place: Array) -> Array:
 def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     """A root as x / r, y / r, beta, gamma; None if the iteration ends elsewhere."""
     found = least_squares(
-        lambda place: _residual(scenario, spin, spin, place),
+        lambda place: _residual(scenario, spin, place),
         begin,
-        jac=lambda place: _slopes(scenario, spin, spin, place),
+        jac=lambda place: _slopes(scenario, spin, place),
         bounds=((-3.0, -3.0, _FLAT, -10.0), (3.0, 3.0, np.pi - _FLAT, 10.0)),
         xtol=1e-15,
         ftol=1e-15,
@@ -206,9 +206,7 @@ def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     return _turned(found.x)
 
 
-def _balance(
-    scenario: Scenario, about: float, spin: float, place: Numbers, solve: Solver
-) -> list[Any]:
+def _balance(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> list[Any]:
     """What is zero in a stationary motion, without units, for numbers of any kind.
 
     All but the vertical acceleration, which the contact holds; what else is held, too.
@@ -216,8 +214,8 @@ def _balance(
     Parameters
     ----------
     scenario : Scenario
-    about, spin : float
-        In rad/s; a spin about which the spins are, and that of the motion.
+    spin : float
+        In rad/s.
     place : sequence of 4 numbers
         x / r, y / r, beta and gamma.
     solve : callable
@@ -225,7 +223,7 @@ def _balance(
     """
     x, y, beta, gamma = place
     disk, held = scenario.disk, scenario.constraints
-    r, unit = disk.radius, about**2 + spin_scale(scenario) ** 2
+    r, unit = disk.radius, spin**2 + spin_scale(scenario) ** 2
     coordinates = r * x, r * y, r * sin(beta), 0.0, beta, gamma
     state = state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
     ahead, across, _, *turning = solve(*state)[6:12]
@@ -235,21 +233,21 @@ def _balance(
     return [
         *(each / (r * unit) for each in (ahead, across)),
         *(each / unit for each in turning),
-        *(each / (about * r) for each in slips),
+        *(each / (spin * r) for each in slips),
         *(each / r for each in away),
     ]
 
 
-def _residual(scenario: Scenario, about: float, spin: float, place: Array) -> Array:
+def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
     """What is zero in a stationary motion, shape (k,)."""
     solve = recorded.solver(scenario)
-    return np.array(_balance(scenario, about, spin, place.tolist(), solve))
+    return np.array(_balance(scenario, spin, place.tolist(), solve))
 
 
-def _slopes(scenario: Scenario, about: float, spin: float, place: Array) -> Array:
+def _slopes(scenario: Scenario, spin: float, place: Array) -> Array:
     """Its Jacobian by the place, shape (k, 4)."""
     solve = recorded.dual_solver(scenario)
-    return derivatives(lambda moving: _balance(scenario, about, spin, moving, solve), place)
+    return derivatives(lambda moving: _balance(scenario, spin, moving, solve), place)
 
 
 def stationary_branch(
@@ -308,52 +306,37 @@ def stationary_branch(
     r = scenario.disk.radius
     point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / unit))
     bounds = [Bound("value", 4, end / unit, end == interval[1]) for end in interval]
-    curve, along = _curve(at, start.spin), np.eye(5)[4]
-    ways = [_followed(curve, point, w * along, bounds, most=most, unit=unit) for w in (-1.0, 1.0)]
+
+    def where(point: Array) -> str:
+        value, beta, gamma = unit * point[4], point[2], point[3]
+        return f"beyond {value:.9g} with beta {beta:.6g} and gamma {gamma:.6g} rad"
+
+    def is_over(point: Array) -> bool:
+        """Whether the branch meets upright spinning, or has gone past it."""
+        sideways = abs(abs(point[3]) - np.pi / 2)
+        is_upright = max(abs(point[2] - np.pi / 2), sideways) < _SAME
+        return is_upright or bool(np.cos(point[3]) * np.cos(start.gamma) < 0.0)
+
+    name = "the branch of stationary motions"
+    curve = Curve(_equations(at), name, where, bounds, lambda _: _STEP)
+    points, _ = curve.through(point, axis=4, most=most, is_over=is_over)
     return tuple(
-        StationaryMotion.at(*at(each), each[:4], unit * float(each[4]))
-        for each in (*reversed(ways[0]), point, *ways[1])
+        StationaryMotion.at(*at(each), each[:4], unit * float(each[4])) for each in points
     )
 
 
-def _curve(at: Callable[[Array], tuple[Scenario, float]], about: float) -> Curve:
-    """Stationary motions near a spin in rad/s, given what tells scenario and spin of a point."""
+def _equations(
+    at: Callable[[Array], tuple[Scenario, float]],
+) -> Callable[[Array], tuple[Array, Array]]:
+    """What is zero in stationary motions, given what tells scenario and spin of a point."""
     step = _PARAMETER_STEP * np.eye(5)[4]
 
     def equations(point: Array) -> tuple[Array, Array]:
-        (here, spin), place = at(point), point[:4]
-        ahead, behind = (
-            _residual(other, about, turning, place)
-            for other, turning in (at(point + step), at(point - step))
-        )
+        place = point[:4]
+        ahead, behind = (_residual(*at(each), place) for each in (point + step, point - step))
         by_value = (ahead - behind) / (2.0 * _PARAMETER_STEP)
-        slopes = _slopes(here, about, spin, place)
-        return _residual(here, about, spin, place), np.column_stack((slopes, by_value))
+        return _residual(*at(point), place), np.column_stack(
+            (_slopes(*at(point), place), by_value)
+        )
 
-    return Curve(equations)
-
-
-def _followed(
-    curve: Curve, start: Array, along: Array, bounds: list[Bound], *, most: int, unit: float
-) -> list[Array]:
-    """Points one way from a start, up to where the branch is left or meets upright spinning."""
-    found: list[Array] = []
-    points = curve.points(
-        start, along, step=_STEP, largest=lambda _: _STEP, bounds=bounds, most=most
-    )
-    try:
-        for point, _ in points:
-            if _is_upright(point) or np.cos(point[3]) * np.cos(start[3]) < 0.0:
-                break
-            found.append(point)
-    except ArithmeticError as error:
-        last = found[-1] if found else start
-        raise ArithmeticError(
-            f"the branch of stationary motions {error} beyond {unit * last[4]:.9g} with beta "
-            f"{last[2]:.6g} and gamma {last[3]:.6g} rad"
-        ) from error
-    return found
-
-
-def _is_upright(place: Array) -> bool:
-    return bool(abs(place[2] - np.pi / 2) < _SAME and abs(abs(place[3]) - np.pi / 2) < _SAME)
+    return equations

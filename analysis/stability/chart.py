@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, float_array
+from analysis.data.checks import not_negative
 from analysis.data.friction import ViscousFriction
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.linearisation import ROUND_OFF, spin_array
+from analysis.stability.linearisation import ROUND_OFF, finite_row, spin_array
 from analysis.stability.printed import full_matrices
 
 
@@ -52,7 +52,8 @@ def stability_chart(
         unknown or the scenario another one.
     """
     spins = spin_array(spins)
-    gradients = _gradient_array(gradients)
+    gradients = finite_row("gradients", gradients)
+    not_negative("gradients", float(np.min(gradients)))
     unstable = np.empty((gradients.size, spins.size), dtype=int)
     for row, gradient in enumerate(gradients.tolist()):
         matrices = full_matrices(scenario, spins, motion, gradient=gradient)
@@ -60,15 +61,3 @@ def stability_chart(
         floor = ROUND_OFF * np.max(np.abs(values), axis=1, keepdims=True)
         unstable[row] = np.sum(values.real > floor, axis=1)
     return unstable
-
-
-def _gradient_array(gradients: npt.ArrayLike) -> Array:
-    result = np.atleast_1d(float_array("gradients", gradients))
-    if result.ndim != 1 or result.size == 0:
-        raise ValueError(
-            f"gradients must be one-dimensional with at least 1 entry, got shape {result.shape}"
-        )
-    bad = result[~(np.isfinite(result) & (result >= 0.0))]
-    if bad.size:
-        raise ValueError(f"gradients must be finite and not negative, got {bad[0]:g}")
-    return result

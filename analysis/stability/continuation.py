@@ -1,22 +1,15 @@
-"""Continuation: what is found for one value of a parameter leads to what there is for the next.
+"""Continuation by pseudo-arclength: along the tangent of a curve, through folds of every unknown.
 
-Natural: the parameter is given, and where a step is too long it is halved. By pseudo-arclength:
-the step goes along the tangent of a curve, through folds of every parameter. Both say why they
-end.
+Periodic motions, whose unknowns are functions, are followed in `analysis.nonlinear.families`.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from itertools import pairwise
-from typing import Any, NamedTuple, Protocol, TypeVar
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from analysis.data.checks import Array
-from analysis.data.watch import Progress
-
-_HALVINGS = 5
-"""How often a step in the parameter that fails is halved before the family ends there."""
 
 _NEWTON = 8
 """Iterations at most to a point of a curve, and half as many for steps to grow."""
@@ -25,98 +18,22 @@ _CONVERGED, _FURTHEST = 1e-8, 1.0
 """Last step of Newton's method, whose error is about its square; and one that leads elsewhere."""
 
 _GROWTH = 1.5
-_SMALLEST = 1e-5
-"""Step over the first one below which a curve counts as lost."""
+_SMALLEST = 1e-6
+"""Step at which a curve counts as lost."""
 
 _STRAIGHT = 0.99
 """Cosine of the angle between neighbouring tangents of a curve, at least."""
 
 
-class Solution(Protocol):
-    """What is followed in a parameter."""
-
-    @property
-    def value(self) -> float:
-        """Of the parameter."""
-
-    @property
-    def spin(self) -> float:
-        """In rad/s."""
-
-
-S = TypeVar("S", bound=Solution)
-K = TypeVar("K")
-
-Solve = Callable[[Any, S], S]
-"""From a value and a solution near it to the solution there; `ArithmeticError` if it fails."""
-
-
-def reach(solve: Solve[S], start: S, value: float, halvings: int = _HALVINGS) -> S:
-    """Solution at a value, on the way over others if it is too far from `start`.
-
-    Raises
-    ------
-    ArithmeticError
-        That of the first solution for which halving does not help.
-    """
-    try:
-        return solve(value, start)
-    except ArithmeticError:
-        if not halvings:
-            raise
-    between = reach(solve, start, (start.value + value) / 2.0, halvings - 1)
-    return reach(solve, between, value, halvings - 1)
-
-
-def followed(
-    solve: Solve[S], start: S, values: Iterable[Any], halvings: int = _HALVINGS
-) -> Iterator[S]:
-    """Solutions at values of the parameter, each reached from the one before.
-
-    Without halvings the values may be anything, such as scenarios.
-
-    Raises
-    ------
-    ArithmeticError
-        If one is not found; the message names the last good one.
-    """
-    last = start
-    for value in values:
-        try:
-            found = reach(solve, last, value, halvings)
-        except ArithmeticError as error:
-            raise type(error)(
-                f"{error}; the last good one has {last.value:.9g} rad at a spin of "
-                f"{last.spin:.9g} rad/s"
-            ) from error
-        yield found
-        last = found
-
-
-def gathered(
-    *ways: Iterable[S], progress: Progress | None, wanted: int
-) -> tuple[tuple[S, ...], str | None]:
-    """All solutions, one way after the other, and why one of them ends, if it is too early.
-
-    After each of them `progress` is called with how many there are and how many are wanted.
-    """
-    found: list[S] = []
-    reason = None
-    for way in ways:
-        try:
-            for each in way:
-                found.append(each)
-                if progress is not None:
-                    progress(float(len(found)), float(wanted))
-        except ArithmeticError as error:
-            reason = str(error)
-    return tuple(found), reason
-
-
-def nearest_change(
-    function: Callable[[float], float], centre: float, part: float, widest: float
-) -> tuple[float, float] | None:
-    """Interval next to a centre in which a function changes sign, if there is one.
+def nearest_root(
+    function: Callable[[float], float],
+    centre: float,
+    *,
+    part: float,
+    widest: float,
+    accuracy: float,
+) -> float | None:
+    """Root of a function next to a centre; None if it does not change its sign in the range.
 
     Parameters
     ----------
@@ -124,42 +41,15 @@ def nearest_change(
     centre : float
     part, widest : float
         Steps and range to both sides, in parts of the centre.
+    accuracy : float
     """
     middle = function(centre)
     for count in range(1, round(widest / part) + 1):
         for way in (-part, part):
             outer, inner = (centre * (1.0 + way * each) for each in (count, count - 1))
             if function(outer) * middle <= 0.0:
-                return min(inner, outer), max(inner, outer)
+                return float(brentq(function, inner, outer, xtol=accuracy, rtol=1e-14))
     return None
-
-
-def sign_changes(
-    solve: Solve[S], solutions: Iterable[S], tests: Mapping[K, Callable[[S], float]]
-) -> Iterator[tuple[K, S]]:
-    """Solutions between neighbouring ones at which a test is zero, with its name.
-
-    Raises
-    ------
-    ArithmeticError
-        If an iteration between two of them fails.
-    """
-    for first, last in pairwise(solutions):
-        for name, test in tests.items():
-            if test(first) * test(last) < 0.0:
-                yield name, _zero(solve, first, last, test)
-
-
-def _zero(solve: Solve[S], first: S, last: S, test: Callable[[S], float]) -> S:
-    found = {first.value: first, last.value: last}
-
-    def at(value: float) -> float:
-        if value not in found:
-            found[value] = reach(solve, first, value)
-        return test(found[value])
-
-    brentq(at, first.value, last.value, xtol=1e-9)
-    return min(found.values(), key=lambda each: abs(test(each)))
 
 
 class Bound(NamedTuple):
@@ -170,6 +60,11 @@ class Bound(NamedTuple):
     value: float
     upper: bool
 
+    def is_crossed(self, point: Array) -> bool:
+        """Whether a point lies beyond it."""
+        beyond = float(point[self.axis]) - self.value
+        return beyond > 0.0 if self.upper else beyond < 0.0
+
 
 class Curve:
     """A curve of solutions of equations, of one more unknown than the rank of these.
@@ -178,10 +73,25 @@ class Curve:
     ----------
     equations : callable
         From a point, shape (n,), to residuals, shape (m,), and their Jacobian, shape (m, n).
+    name : str
+    where : callable
+        What to say of the last good point where the curve is lost.
+    bounds : iterable of Bound
+        Where the curve is left.
+    longest : callable
+        Longest step from a point.
     """
 
-    def __init__(self, equations: Callable[[Array], tuple[Array, Array]]) -> None:
-        self._equations = equations
+    def __init__(
+        self,
+        equations: Callable[[Array], tuple[Array, Array]],
+        name: str,
+        where: Callable[[Array], str],
+        bounds: Iterable[Bound] = (),
+        longest: Callable[[Array], float] = lambda _: 1.0,
+    ) -> None:
+        self._equations, self._name, self._where = equations, name, where
+        self._bounds, self._longest = tuple(bounds), longest
 
     def correct(self, guess: Array, row: Array) -> tuple[Array, Array, int] | None:
         """Point of the curve in the plane through a guess with this normal.
@@ -206,61 +116,67 @@ class Curve:
                 return point, np.linalg.svd(jacobian)[2][-1], iteration
         return None
 
-    def points(
+    def through(
         self,
         start: Array,
-        along: Array,
-        *,
-        step: float,
-        largest: Callable[[Array], float],
-        bounds: Iterable[Bound],
+        axis: int,
         most: int = 2000,
-    ) -> Iterator[tuple[Array, str | None]]:
-        """Points from a start on, and with the last one the name of the bound it lies on.
+        is_over: Callable[[Array], bool] = lambda _: False,
+    ) -> tuple[list[Array], list[str | None]]:
+        """Points of the curve both ways from one of them, and the names of the bounds at its ends.
 
         Parameters
         ----------
         start : ndarray, shape (n,)
             A point of the curve.
-        along : ndarray, shape (n,)
-            To which side to go.
-        step : float
-            Length of the first step.
-        largest : callable
-            That of the longest one at a point.
-        bounds : iterable of Bound
-            Where the curve is left.
+        axis : int
+            A coordinate that falls from it on the first of the ways, and rises on the other.
         most : int
-            Points to find at most.
+            Points to find at most, each way.
+        is_over : callable
+            Whether the curve ends before a point, without a bound.
 
         Raises
         ------
         ArithmeticError
             If no further point is found, however short the step, or more than `most` are.
         """
-        point, smallest, made = start, step * _SMALLEST, 0
         tangent = np.linalg.svd(self._equations(start)[1])[2][-1]
-        tangent = np.copysign(1.0, tangent @ along) * tangent
-        while step > smallest:
+        tangent = np.copysign(1.0, tangent[axis]) * tangent
+        (before, first), (after, last) = (
+            self._way(start, way * tangent, most, is_over) for way in (-1.0, 1.0)
+        )
+        return [*reversed(before), start, *after], [first, last]
+
+    def _way(
+        self, point: Array, tangent: Array, most: int, is_over: Callable[[Array], bool]
+    ) -> tuple[list[Array], str | None]:
+        """Points beyond one, and the bound that the last one lies on."""
+        step, made = self._longest(point), list[Array]()
+        while step > _SMALLEST:
             guess, row = point + step * tangent, tangent
-            bound = _crossed(bounds, guess)
+            bound = next((each for each in self._bounds if each.is_crossed(guess)), None)
             if bound is not None:
                 part = (bound.value - point[bound.axis]) / (guess - point)[bound.axis]
-                guess, row = point + part * (guess - point), np.eye(start.size)[bound.axis]
+                guess, row = point + part * (guess - point), np.eye(point.size)[bound.axis]
             found = self.correct(guess, row)
             if found is None or not self._is_near(point + step * tangent, step, tangent, found):
                 step /= 2.0
                 continue
-            if made == most:
-                raise ArithmeticError(f"has more than {most} points one way, and goes on")
-            made += 1
-            yield found[0], None if bound is None else bound.name
+            if is_over(found[0]):
+                return made, None
+            if len(made) == most:
+                raise self._lost(f"has more than {most} points one way, and goes on", point)
+            made.append(found[0])
             if bound is not None:
-                return
+                return made, bound.name
             point, tangent = found[0], np.copysign(1.0, found[1] @ tangent) * found[1]
             if found[2] <= _NEWTON // 2:
-                step = min(_GROWTH * step, largest(point))
-        raise ArithmeticError("fails, however short the step,")
+                step = min(_GROWTH * step, self._longest(point))
+        raise self._lost("fails, however short the step,", point)
+
+    def _lost(self, why: str, last: Array) -> ArithmeticError:
+        return ArithmeticError(f"{self._name} {why} {self._where(last)}")
 
     @staticmethod
     def _is_near(
@@ -269,10 +185,3 @@ class Curve:
         """Whether a point lies near where it was looked for, the curve in the same direction."""
         off = float(np.linalg.norm(found[0] - guess))
         return off < step and abs(float(found[1] @ tangent)) > _STRAIGHT
-
-
-def _crossed(bounds: Iterable[Bound], point: Array) -> Bound | None:
-    for bound in bounds:
-        if (point[bound.axis] > bound.value) if bound.upper else (point[bound.axis] < bound.value):
-            return bound
-    return None

@@ -1,22 +1,23 @@
 """Critical spins: where an eigenvalue crosses the imaginary axis, where a pair is born or dies.
 
-They are bracketed on a grid of spins, between whose neighbours each eigenvalue goes to the nearest
-one, and refined by root finding on the eigenvalues themselves. Two crossings within one step of
-that grid (0.05 rad/s) that cancel out are missed.
+The real parts of the eigenvalues by falling size are continuous functions of the spin, whichever
+eigenvalue they belong to: where one changes its sign on a grid of spins, root finding on it tells
+the crossing. Two changes within one step of that grid (0.05 rad/s) that cancel out are missed.
 """
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq, linear_sum_assignment
+from scipy.optimize import brentq
 
 from analysis.data.checks import Array, number
 from analysis.data.scenario import Scenario
 from analysis.data.start import Motion
-from analysis.stability.linearisation import ROUND_OFF, ZERO, ComplexArray, spin_scale
+from analysis.stability.linearisation import ROUND_OFF, ZERO, ComplexArray, falling, spin_scale
 from analysis.stability.spectra import (
     Matrices,
     System,
@@ -26,6 +27,9 @@ from analysis.stability.spectra import (
 )
 
 Side = Literal["below", "above"]
+
+_BESIDE = 1e-3
+"""How far from a crossing its eigenvalue is told, in parts of the way to the middle of a step."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,14 +115,14 @@ class CriticalSpeeds:
         return ", ".join(f"{low:.6g} to {high:.6g}" for low, high in self.stable) or "nowhere"
 
 
-def spin_interval(interval: tuple[float, float]) -> tuple[float, float]:
+def spin_interval(interval: tuple[float, float], name: str = "interval") -> tuple[float, float]:
     """Return lowest and highest spin in rad/s; `ValueError` if they are no interval."""
     ends = list(interval) if isinstance(interval, Iterable) else []
     if len(ends) != 2:
-        raise ValueError(f"interval must be lowest and highest spin, got {interval!r}")
-    low, high = (number("interval", end) for end in ends)
+        raise ValueError(f"{name} must be lowest and highest spin, got {interval!r}")
+    low, high = (number(name, end) for end in ends)
     if not 0.0 <= low < high:
-        raise ValueError(f"interval must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
+        raise ValueError(f"{name} must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
     return low, high
 
 
@@ -172,7 +176,7 @@ def critical_speeds(
 
 
 class Spectra:
-    """Eigenvalues on a grid of spins, each with the nearest one at the next spin.
+    """Eigenvalues on a grid of spins.
 
     Parameters
     ----------
@@ -185,18 +189,35 @@ class Spectra:
     """
 
     def __init__(self, matrices: Matrices, spins: Array, zero: float = 0.0) -> None:
-        self._matrices = matrices
-        values = np.linalg.eigvals(matrices(spins)).astype(complex)
+        self._matrices, self._neutral = matrices, 0
+        values = self._eigenvalues(spins)
         values[np.abs(values) < zero] = 0.0
         self._largest = float(np.max(np.abs(values)))
         none = np.abs(values) < ZERO * self._largest
         self._neutral = int(np.min(np.sum(none, axis=1)))
+        values = self._moving(values)
         # One that lies on the axis at a single spin crosses between the spins beside it.
         count = np.sum(self._signs(values) == 0.0, axis=1)
         alone = (count[1:-1] > count[:-2]) & (count[1:-1] > count[2:])
         kept = np.concatenate(((True,), ~alone, (True,)))
         self._spins, self._values = spins[kept].tolist(), values[kept]
-        self._after = _nearest(self._values)
+        self._still = int(np.min(count))
+
+    def _eigenvalues(self, spins: Array) -> ComplexArray:
+        return np.linalg.eigvals(self._matrices(spins)).astype(complex)
+
+    def _moving(self, values: ComplexArray) -> ComplexArray:
+        """Without those that are zero at every spin."""
+        order = np.argsort(np.abs(values), axis=-1)[..., self._neutral :]
+        return np.take_along_axis(values, order, axis=-1)
+
+    def _damped(self, values: ComplexArray) -> ComplexArray:
+        """By falling real part, without as many as lie on the axis at every spin."""
+        order = np.argsort(np.abs(values.real), axis=-1)[..., self._still :]
+        return falling(np.take_along_axis(values, order, axis=-1))
+
+    def _at(self, spin: float) -> ComplexArray:
+        return self._moving(self._eigenvalues(np.array([spin]))[0])
 
     def _signs(self, values: ComplexArray) -> Array:
         """Signs of the real parts, 0 where rounding hides them."""
@@ -204,100 +225,76 @@ class Spectra:
         result: Array = np.sign(values.real) * clear
         return result
 
-    def _at(self, spin: float) -> ComplexArray:
-        return np.linalg.eigvals(self._matrices(np.array([spin]))[0]).astype(complex)
-
     def decay(self, spin: float) -> bool:
         """Whether every eigenvalue has a negative real part."""
-        values = self._at(spin)
+        values = self._eigenvalues(np.array([spin]))[0]
         return bool(np.max(values.real) + ROUND_OFF * np.max(np.abs(values)) < 0.0)
 
     def crossings(self) -> tuple[Crossing, ...]:
         """Crossings of the imaginary axis, by rising spin."""
-        before, after = self._values[:-1], self._after
-        found = []
-        for step, place in np.argwhere(self._signs(before) * self._signs(after) < 0.0).tolist():
-            ends = self._spins[step], self._spins[step + 1]
-            around = complex(before[step, place]), complex(after[step, place])
-            frequencies = [each.imag for each in around]
-            if min(frequencies) > ZERO * self._largest or not any(frequencies):
-                found.append(self._crossing(ends, around))
-        return tuple(sorted(found, key=lambda each: each.spin))
+        values = self._damped(self._values)
+        signs = self._signs(values)
+        # Of a pair the upper one: at both ends of a step, and at the crossing.
+        upper = np.maximum(values[:-1].imag, values[1:].imag) >= 0.0
+        changes = np.argwhere((signs[:-1] * signs[1:] < 0.0) & upper).tolist()
+        found = (self._crossing(step, place, signs[step, place]) for step, place in changes)
+        kept = (each for each in found if each.frequency >= 0.0)
+        return tuple(sorted(kept, key=lambda each: each.spin))
 
-    def _crossing(self, ends: tuple[float, float], around: tuple[complex, complex]) -> Crossing:
-        """The crossing of the eigenvalue that is `around` at the ends of a step."""
-
-        def eigenvalue(spin: float) -> complex:
-            values = self._at(spin)
-            return complex(values[np.argmin(np.abs(values - _between(ends, around, spin)))])
+    def _crossing(self, step: int, place: int, before: float) -> Crossing:
+        """That at a place in the order of falling real parts, of this sign before it."""
+        ends = self._spins[step : step + 2]
 
         def product(spin: float) -> float:
             # The lowest coefficient of the characteristic polynomial that does not vanish.
-            values = self._at(spin)
+            values = self._eigenvalues(np.array([spin]))[0]
             return float(np.poly(values)[values.size - self._neutral].real)
 
-        side: Side = "above" if around[1].real < 0.0 else "below"
-        if not around[0].imag:
-            spin = _root(product, *ends)
-            return Crossing(spin=spin, frequency=0.0, kind="static", stable_side=side)
-        spin = _root(lambda spin: eigenvalue(spin).real, *ends)
-        frequency = eigenvalue(spin).imag
-        return Crossing(spin=spin, frequency=frequency, kind="hopf", stable_side=side)
+        def value(spin: float) -> complex:
+            return complex(self._damped(self._at(spin))[place])
+
+        side: Side = "above" if before > 0.0 else "below"
+        spin = _root(lambda spin: value(spin).real, *ends)
+        # Told beside the axis, where it is none of those that stay there.
+        beside, values = value(spin + _BESIDE * (sum(ends) / 2.0 - spin)), self._at(spin)
+        frequency = float(values[np.argmin(np.abs(values - beside))].imag)
+        if abs(frequency) > ZERO * self._largest:
+            return Crossing(spin=spin, frequency=frequency, kind="hopf", stable_side=side)
+        spin = _root(product, *ends)
+        return Crossing(spin=spin, frequency=0.0, kind="static", stable_side=side)
 
     def pair_changes(self) -> tuple[PairChange, ...]:
         """Collisions of two real eigenvalues, by rising spin."""
-        before, after = self._values[:-1], self._after
-        # Of a pair the upper one, and what is real on the other side.
-        changes = (before.imag > 0.0) & (after.imag == 0.0) | (
-            (before.imag == 0.0) & (after.imag > 0.0)
-        )
-        found = []
-        for step, place in np.argwhere(changes).tolist():
-            sides = before[step], after[step]
-            inside = int(sides[1][place].imag > 0.0)
-            partner = int(np.argmin(np.abs(sides[inside] - np.conj(sides[inside][place]))))
-            pairs = np.array(sides)[:, [place, partner]]
-            # A double zero that round-off splits into a pair is none.
-            if np.max(np.abs(pairs[:, 0] - pairs[:, 1])) > ZERO * self._largest:
-                ends = self._spins[step], self._spins[step + 1]
-                low, high = pairs.mean(axis=1).real.tolist()
-                found.append(self._pair_change(ends, (low, high), ("below", "above")[inside]))
+        # A double value that round-off splits into a pair is none.
+        pairs = self._values.imag > ZERO * self._largest / 2.0
+        found: list[PairChange] = []
+        for step in np.flatnonzero(np.diff(np.sum(pairs, axis=1))).tolist():
+            inside = int(np.sum(pairs[step + 1]) > np.sum(pairs[step]))
+            others = self._values[step + 1 - inside]
+            side: Side = "above" if inside else "below"
+            found.extend(
+                self._pair_change(step, upper.real, side)
+                for upper in self._values[step + inside][pairs[step + inside]].tolist()
+                if not others[np.argmin(np.abs(others - upper))].imag
+            )
         return tuple(sorted(found, key=lambda each: each.spin))
 
-    def _pair_change(
-        self, ends: tuple[float, float], centres: tuple[float, float], side: Side
-    ) -> PairChange:
+    def _pair_change(self, step: int, centre: float, side: Side) -> PairChange:
         """A collision; the squared difference of the two eigenvalues passes zero smoothly."""
 
         def pair(spin: float) -> ComplexArray:
             values = self._at(spin)
-            moving = values[np.argsort(np.abs(values))[self._neutral :]]
-            nearest = np.argsort(np.abs(moving - _between(ends, centres, spin)))[:2]
-            return moving[nearest]
+            return values[np.argsort(np.abs(values - centre))[:2]]
 
+        ends = self._spins[step : step + 2]
         spin = _root(lambda spin: float((np.diff(pair(spin))[0] ** 2).real), *ends)
         return PairChange(spin=spin, value=float(pair(spin).mean().real), complex_side=side)
 
 
-def _nearest(values: ComplexArray) -> ComplexArray:
-    """Next value of each, shape (n - 1, k): the nearest one, and no two the same."""
-    # Roots of distances, so that one stays where it is rather than two of them move.
-    cost = np.sqrt(np.abs(values[:-1, :, None] - values[1:, None, :]))
-    order = np.argmin(cost, axis=2)
-    taken_twice = np.any(np.diff(np.sort(order, axis=1), axis=1) == 0, axis=1)
-    for step in np.flatnonzero(taken_twice).tolist():
-        order[step] = linear_sum_assignment(cost[step])[1]
-    return np.take_along_axis(values[1:], order, axis=1)
-
-
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
     """Root between two spins; an end if round-off hides the change of sign there."""
+    function = cache(function)
     at_low, at_high = function(low), function(high)
     if at_low * at_high >= 0.0:
         return low if abs(at_low) < abs(at_high) else high
     return float(brentq(function, low, high, xtol=1e-13, rtol=1e-14, maxiter=200))
-
-
-def _between(ends: tuple[float, float], values: tuple[complex, complex], spin: float) -> complex:
-    part = (spin - ends[0]) / (ends[1] - ends[0])
-    return (1.0 - part) * values[0] + part * values[1]

@@ -99,16 +99,22 @@ def spin_array(spins: npt.ArrayLike) -> Array:
         If it holds no real numbers, is empty, has more than one dimension, is not finite or
         exceeds `FASTEST_TURN`.
     """
-    result = np.atleast_1d(float_array("spins", spins))
+    result = finite_row("spins", spins, " in rad/s")
+    fastest = float(result[np.argmax(np.abs(result))])
+    within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
+    return result
+
+
+def finite_row(name: str, values: npt.ArrayLike, unit: str = "") -> Array:
+    """Return finite numbers as an array, shape (n,), n >= 1; `ValueError` otherwise."""
+    result = np.atleast_1d(float_array(name, values))
     if result.ndim != 1 or result.size == 0:
         raise ValueError(
-            f"spins must be one-dimensional with at least 1 entry, got shape {result.shape}"
+            f"{name} must be one-dimensional with at least 1 entry, got shape {result.shape}"
         )
     if not np.all(np.isfinite(result)):
         worst = result[~np.isfinite(result)][0]
-        raise ValueError(f"spins must be finite numbers in rad/s, got {worst}")
-    fastest = float(result[np.argmax(np.abs(result))])
-    within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
+        raise ValueError(f"{name} must be finite numbers{unit}, got {worst}")
     return result
 
 
@@ -233,8 +239,9 @@ class Linearisation:
         neutral = [3] if "constant-spin" in held else [3, 9]
         if not drift and has_drift(held):
             neutral += [0, 1]
-        others, count = np.setdiff1d(np.arange(12), neutral), normals.shape[1]
+        others = np.array([each for each in range(12) if each not in neutral])
         best = qr(self._powers[0][12:, others], mode="r", pivoting=True)[1]
+        count = normals.shape[1]
         solved, free = others[best[:count]], others[np.sort(best[count:])]
         bases = np.zeros((len(normals), 12, free.size))
         bases[:, free] = np.eye(free.size)

@@ -1,16 +1,14 @@
 """Eigenvalues of stacks of state matrices, and their branches over the spin.
 
-Branches are followed by continuity of eigenvalue and eigenvector, not by sorting. Between two
-neighbouring matrices every eigenvalue is matched to one of the next matrix so that the sum of
-the relative distances of the eigenvalues and of the angles between the eigenvectors is smallest.
-Where a second match is not much worse, the step is halved; where that does not help, because
-eigenvalues meet, the direction in which they moved decides. Where two real eigenvalues collide
-and leave as a complex pair, which of them becomes which is a convention: the larger one gets the
-positive imaginary part, here and on the way back.
+Branches are followed by continuity, not by sorting: in equal steps every eigenvalue goes on as it
+has come, and takes the next one that is nearest to where it is expected. Where two real
+eigenvalues collide and leave as a complex pair, which of them becomes which is a convention: the
+larger one gets the positive imaginary part, here and on the way back.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
@@ -21,12 +19,10 @@ from analysis.data.checks import Array, choice
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.linearisation import (
-    ZERO,
     ComplexArray,
     falling,
     has_drift,
     spin_array,
-    spin_scale,
     spinning,
 )
 from analysis.stability.printed import full_matrices, reduced_matrices
@@ -44,14 +40,8 @@ _LARGEST_STEP = 0.05
 _MOST_STEPS = 20_000
 """Beyond some 1000 rad/s the steps grow, so that the work does not."""
 
-_BISECTIONS = 8
-"""How often a step is halved at most in which the matching is not clear."""
-
-_CLEAR = 0.3
-"""A match is clear if it costs at most this part of the eigenvalue's next best match."""
-
 _TIE_BREAK = 1e-6
-"""Weight of the convention for colliding eigenvalues against distance and angle."""
+"""Weight of the convention for colliding eigenvalues against distance."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -112,14 +102,15 @@ def matrices_over_spin(
     """
     system = chosen_system(scenario, system)
     choice("motion", motion, MOTIONS)
-    if system == "full":
-        full_matrices(scenario, 0.0, motion)
-        return lambda spins: full_matrices(scenario, spins, motion, drift=drift)
-    if system == "reduced":
-        reduced_matrices(scenario, 0.0, motion)
-        return lambda spins: reduced_matrices(scenario, spins, motion)
-    numeric = spinning(scenario, motion)
-    return lambda spins: numeric.matrices(spins, drift=drift)
+    if system == "numeric":
+        return partial(spinning(scenario, motion).matrices, drift=drift)
+    closed = {
+        "full": partial(full_matrices, scenario, motion=motion, drift=drift),
+        "reduced": partial(reduced_matrices, scenario, motion=motion),
+    }
+    # Another scenario is refused at once.
+    closed[system](np.zeros(1))
+    return closed[system]
 
 
 def eigenvalues(
@@ -189,13 +180,15 @@ def branches(
         raise ValueError(
             f"spins must increase strictly, got {wanted[worst]:g} before {wanted[worst + 1]:g}"
         )
-    low, high = min(0.0, wanted[0]), max(0.0, wanted[-1])
-    every = np.union1d(np.append(helper_spins(low, high), 0.0), wanted)
+    below, above = helper_spins(min(0.0, wanted[0]), 0.0), helper_spins(0.0, max(0.0, wanted[-1]))
     matrices = matrices_over_spin(scenario, system, motion)
-    every, values, vectors = _refine(matrices, every, ZERO * spin_scale(scenario))
-    start = int(np.searchsorted(every, 0.0))
-    order = _chain(_matches(every, values, vectors), _numbering(values[start]), start)
-    values = np.take_along_axis(values, order, axis=1)[np.searchsorted(every, wanted)]
+    spins = np.append(below[:-1], above)
+    helpers = follow(matrices(spins), below.size - 1)
+    right = np.clip(np.searchsorted(spins, wanted), 1, spins.size - 1)
+    part = ((wanted - spins[right - 1]) / (spins[right] - spins[right - 1]))[:, None]
+    before, after = helpers[right - 1], helpers[right]
+    expected = before + part * (after - before)
+    values = _next(before, expected, np.linalg.eigvals(matrices(wanted)).astype(complex))
     if has_drift(scenario.constraints):
         values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
     return Branches(spins=wanted, values=values)
@@ -218,15 +211,32 @@ def follow(matrices: Array, start: int = 0) -> ComplexArray:
         Index of the matrix whose eigenvalues number the branches, by falling real part; a
         complex pair has neighbouring numbers, the positive imaginary part first.
     """
-    values, vectors = _eigen(matrices)
-    at = np.arange(len(values), dtype=float)
-    order = _chain(_matches(at, values, vectors), _numbering(values[start]), start)
+    values = np.linalg.eigvals(matrices).astype(complex)
+    first = values[start][_numbering(values[start])]
+    before, after = (_onward(first, way) for way in (values[:start][::-1], values[start + 1 :]))
+    return np.array([*before[:0:-1], *after])
+
+
+def _onward(first: ComplexArray, values: ComplexArray) -> list[ComplexArray]:
+    """Those of equal steps one after the other, each in the order of the first."""
+    last, found = first[None], [first[None]]
+    for step in range(len(values)):
+        expected = 2.0 * found[-1] - last
+        last = found[-1]
+        found.append(_next(last, expected, values[step : step + 1]))
+    return [each[0] for each in found]
+
+
+def _next(last: ComplexArray, expected: ComplexArray, values: ComplexArray) -> ComplexArray:
+    """Values in the order of those they are expected to be, no two the same, shape (n, k)."""
+    cost = np.abs(values[:, None] - expected[:, :, None])
+    order = np.argmin(cost, axis=2)
+    for step, places in enumerate(order.tolist()):
+        if len(set(places)) < len(places):
+            change = values[step] - last[step][:, None]
+            convention = _TIE_BREAK * np.abs(change.real + change.imag)
+            order[step] = linear_sum_assignment(cost[step] + convention)[1]
     return np.take_along_axis(values, order, axis=1)
-
-
-def _eigen(matrices: Array) -> tuple[ComplexArray, ComplexArray]:
-    values, vectors = np.linalg.eig(matrices)
-    return values.astype(complex), vectors.astype(complex)
 
 
 def _numbering(values: ComplexArray) -> list[int]:
@@ -243,89 +253,3 @@ def _numbering(values: ComplexArray) -> list[int]:
                 order.remove(real)
                 order.insert(place, real)
     return order
-
-
-def _refine(
-    matrices: Matrices, spins: Array, zero: float
-) -> tuple[Array, ComplexArray, ComplexArray]:
-    """Spins, eigenvalues and eigenvectors, with steps halved where the matching is not clear.
-
-    Eigenvalues below `zero`, as a round disk has several, need not be told apart.
-    """
-    values, vectors = _eigen(matrices(spins))
-    for _ in range(_BISECTIONS):
-        clear = _is_clear(_costs(values, vectors))
-        none = np.abs(values) < zero
-        count = np.sum(none, axis=1)
-        clear |= none[:-1] & (count[:-1] == count[1:])[:, None]
-        doubtful = np.nonzero(~np.all(clear, axis=1))[0]
-        middle = (spins[doubtful] + spins[doubtful + 1]) / 2
-        if middle.size == 0:
-            break
-        more_values, more_vectors = _eigen(matrices(middle))
-        order = np.argsort(np.concatenate((spins, middle)))
-        spins = np.concatenate((spins, middle))[order]
-        values = np.concatenate((values, more_values))[order]
-        vectors = np.concatenate((vectors, more_vectors))[order]
-    return spins, values, vectors
-
-
-def _is_clear(cost: Array) -> npt.NDArray[np.bool_]:
-    """Whether an eigenvalue has no second match nearly as good as the best, shape (n - 1, k)."""
-    best, second = np.moveaxis(np.partition(cost, 1, axis=2)[:, :, :2], 2, 0)
-    result: npt.NDArray[np.bool_] = best <= _CLEAR * second
-    return result
-
-
-def _matches(at: Array, values: ComplexArray, vectors: ComplexArray) -> npt.NDArray[np.intp]:
-    """Position in the next matrix of every eigenvalue, shape (n - 1, k)."""
-    cost = _costs(values, vectors)
-    result: npt.NDArray[np.intp] = np.argmin(cost, axis=2)
-    # Row by row the best choice: where that takes no eigenvalue twice, it is the best assignment.
-    taken_twice = np.any(np.diff(np.sort(result, axis=1), axis=1) == 0, axis=1)
-    for index in np.nonzero(taken_twice | ~np.all(_is_clear(cost), axis=1))[0].tolist():
-        expected = values[index]
-        if index > 0:
-            origin = values[index - 1, np.argsort(result[index - 1])]
-            stretch = (at[index + 1] - at[index]) / (at[index] - at[index - 1])
-            expected = expected + stretch * (expected - origin)
-        step = slice(index, index + 2)
-        careful = _careful_cost(expected, values[step], vectors[step])
-        result[index] = linear_sum_assignment(careful)[1]
-    return result
-
-
-def _careful_cost(expected: ComplexArray, values: ComplexArray, vectors: ComplexArray) -> Array:
-    """Cost of the matches of one step, shape (k, k), from extrapolated eigenvalues.
-
-    Where eigenvalues meet, eigenvectors may be no guide and distances tie; the direction in which
-    an eigenvalue moved decides first.
-    """
-    distance = np.abs(expected[:, None] - values[None, 1])
-    # Differences below rounding are none, and their quotients would overflow.
-    rounding = np.finfo(float).eps * np.max(np.abs(values)) + np.finfo(float).tiny
-    next_best = np.maximum(np.partition(distance, 1, axis=1)[:, 1:2], rounding)
-    careful: Array = 3.0 * distance / next_best + _costs(values, vectors)[0]
-    return careful
-
-
-def _chain(steps: npt.NDArray[np.intp], first: list[int], start: int) -> npt.NDArray[np.intp]:
-    """Positions of the branches in every matrix, shape (n, k), from those in matrix `start`."""
-    after, before = [first], [first]
-    for step in steps[start:].tolist():
-        after.append([step[index] for index in after[-1]])
-    for step in np.argsort(steps[:start], axis=1)[::-1].tolist():
-        before.append([step[index] for index in before[-1]])
-    return np.array(before[:0:-1] + after, dtype=np.intp)
-
-
-def _costs(values: ComplexArray, vectors: ComplexArray) -> Array:
-    """Cost of matching eigenvalue i of a matrix to j of the next, shape (n - 1, k, k)."""
-    before, after = values[:-1, :, None], values[1:, None, :]
-    size = np.abs(before) + np.abs(after)
-    size += 1e-3 * np.max(size, axis=(1, 2), keepdims=True) + np.finfo(float).tiny
-    change = after - before
-    convention = np.square(change.real + change.imag) / size
-    overlap = np.abs(np.swapaxes(vectors[:-1].conj(), 1, 2) @ vectors[1:])
-    cost: Array = (np.abs(change) + _TIE_BREAK * convention) / size + 1.0 - overlap
-    return cost

@@ -14,7 +14,7 @@ from analysis.data.limits import MOST_SCENARIOS
 from analysis.data.names import ArgumentError
 from analysis.data.written import is_text, unit
 from analysis.nonlinear import families
-from analysis.nonlinear.families import Family
+from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.heteroclinic import (
     Connection,
     NoConnectionError,
@@ -22,7 +22,6 @@ from analysis.nonlinear.heteroclinic import (
     heteroclinic_connection,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.nonlinear.over import cycles_over
 from analysis.stability.printed import critical_speed
 from validation.commands.options import chosen_end, parse_spins, run_options
 from validation.commands.output import Result
@@ -81,7 +80,7 @@ def _told(rows: list[Motion], family: Family, names: Sequence[str], **more: Any)
     **more
         What JSON is told besides.
     """
-    found = families.events(family)
+    found = events(family)
     happened = [{"kind": kind, **motion.told()} for kind, motion in found]
     marks = {"begins": family.begins}
     return Result(
@@ -155,7 +154,7 @@ def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | 
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
     axis, values, scenarios = _varied(options, scenario)
     held = {"amplitude": options.amplitude} if spins is None else {"spin": spins[0]}
-    found = cycles_over(scenarios, **held)
+    found = families.cycles_over(scenarios, **held)
     rows = [{axis.field: value, **row} for value, row in zip(values, _rows(found), strict=False)]
     over = (axis.field, _head(axis))
     names = ("spin" if spins is None else "amplitude", "multiplier")

@@ -1,30 +1,31 @@
 """Periodic motions of the reduced system: two methods, their multipliers, where they begin."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
-from analysis import CENTRED_DISK, Disk, Scenario, SmoothCoulomb, Start, TanhCoulomb
+from analysis import CENTRED_DISK, Disk, FrictionLaw, Scenario, SmoothCoulomb, Start, TanhCoulomb
 from analysis.data.checks import Array
 from analysis.data.disk import STEEL_RING
 from analysis.mechanics import reduced
 from analysis.nonlinear import families, flow
 from analysis.nonlinear.collocation import NoCycleError, hopf_cycle, solve
 from analysis.nonlinear.families import (
-    Family,
     asymmetric_family,
     cycle_at,
     cycle_family,
-    events,
+    cycles_over,
     rotating_family,
 )
+from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
-from analysis.nonlinear.over import cycles_over
 from tests.helpers import jacobian, model, reduced_run
 from validation.run import run
 
@@ -38,7 +39,7 @@ WEAKEST = model(4, friction=SmoothCoulomb(coefficient=0.02, smoothing=0.4))
 
 @pytest.fixture(scope="module")
 def family() -> Family:
-    return cycle_family(PAPER, (0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 2.0, 2.9))
+    return cycle_family(PAPER, (0.15, 1.0, 2.0))
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +97,7 @@ def multipliers_of_runs(cycle: PeriodicMotion, rate: float) -> list[float]:
     ("name", "place"),
     [
         ("family", 0),
-        *(pytest.param(*each, marks=pytest.mark.slow) for each in (("family", 6), ("weak", 5))),
+        *(pytest.param(*each, marks=pytest.mark.slow) for each in (("family", 2), ("weak", 5))),
     ],
 )
 def test_collocation_and_shooting_agree(
@@ -129,7 +130,7 @@ def test_either_multiplier_may_tell_that_the_stability_changes(family: Family) -
 
 
 def test_a_cycle_closes_and_is_its_own_mirror_image(family: Family) -> None:
-    for cycle in family.motions[::5]:
+    for cycle in family.motions[:2]:
         begin, (times, states) = cycle.states[0], cycle.whole
         end = reduced_run(PAPER, cycle.spin, begin, cycle.period)
         np.testing.assert_allclose(end, begin, rtol=0.0, atol=1e-8)
@@ -139,14 +140,11 @@ def test_a_cycle_closes_and_is_its_own_mirror_image(family: Family) -> None:
 
 
 @pytest.mark.parametrize("law", [SmoothCoulomb(), TanhCoulomb()], ids=["kink", "smooth"])
-def test_growth_of_the_cycles_is_that_of_the_normal_form(
-    law: SmoothCoulomb | TanhCoulomb, family: Family
-) -> None:
+def test_growth_of_the_cycles_is_that_of_the_normal_form(law: FrictionLaw) -> None:
     scenario = replace(PAPER, friction=law)
-    normal = hopf_type(scenario)
-    found = family if law == PAPER.friction else cycle_family(scenario, np.arange(0.15, 1.0, 0.15))
-    small = [cycle for cycle in found.motions if cycle.value < 1.05]
-    growth = fitted_growth([each.spin for each in small], [e.value for e in small], normal.spin)
+    normal, amplitudes = hopf_type(scenario), np.arange(0.15, 1.0, 0.15)
+    small = cycle_family(scenario, amplitudes).motions
+    growth = fitted_growth([each.spin for each in small], amplitudes, normal.spin)
     assert normal.kind == "supercritical"
     assert normal.slip < 1e-12
     assert abs(growth.curvature - normal.curvature) < 5.0 * growth.curvature_error + 1e-6
@@ -199,31 +197,14 @@ def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
     found = cycles_over([PAPER, nearer], spin=30.91)
     assert len(found.motions) == 1
     assert found.reason is not None
-    assert found.reason.startswith("spin must lie between")
+    assert re.match(r"spin must lie between 30\.85.* and 30\.89.*, got 30\.91;", found.reason)
     assert found.reason.endswith(" at a spin of 30.91 rad/s")
-
-
-def test_a_family_that_fails_names_the_last_good_cycle(
-    family: Family, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fails(_: Scenario, amplitude: float, start: PeriodicMotion) -> PeriodicMotion:
-        if amplitude == 0.15:
-            return family.motions[0]
-        raise NoCycleError(f"no periodic motion found at {amplitude:g} rad from {start.value}")
-
-    monkeypatch.setattr(families, "solve", fails)
-    found = cycle_family(PAPER, (0.15, 0.3))
-    assert found.motions == family.motions[:1]
-    assert found.reason is not None
-    assert "the last good one has 0.15 rad at a spin of 30.91" in found.reason
-    with pytest.raises(NoCycleError, match="rad from 1e-06"):
-        cycle_family(PAPER, (0.14,))
 
 
 @pytest.mark.slow
 def test_a_collocation_from_far_off_fails_instead_of_finding_something(family: Family) -> None:
-    cycle = family.motions[5]
-    with pytest.raises(NoCycleError, match="no periodic motion with an amplitude of 1 rad found"):
+    cycle = family.motions[1]
+    with pytest.raises(NoCycleError, match="no symmetric motion of 1 rad found"):
         solve(PAPER, 1.0, replace(cycle, spin=-10.0, times=3.0 * cycle.times))
 
 
@@ -347,25 +328,22 @@ def test_rotating_motions_are_found_beside_a_saddle_focus_too() -> None:
 
 _BORN = Event("fold", hopf_cycle(PAPER))
 
+
+def with_law(**changes: Any) -> Scenario:
+    return replace(PAPER, friction=SmoothCoulomb(**changes))
+
+
 REFUSED: dict[str, Callable[[], object]] = {
     "Model 4": lambda: cycle_family(model(1)),
     "is that of Model 4": lambda: rotating_family(model(1)),
     "eccentricity": lambda: cycle_family(replace(PAPER, disk=CENTRED_DISK)),
-    "friction must have a positive": lambda: cycle_family(
-        replace(PAPER, friction=SmoothCoulomb(coefficient=0.0))
-    ),
-    "load must be 'weight'": lambda: cycle_family(
-        replace(PAPER, friction=SmoothCoulomb(load="contact"))
-    ),
-    "gradient of at most 10000 s/m": lambda: cycle_family(
-        replace(PAPER, friction=SmoothCoulomb(smoothing=1e-5))
-    ),
-    r"amplitudes must rise strictly between 0 and 3 pi/2, got \(\)": lambda: cycle_family(
-        PAPER, ()
-    ),
-    r"between 0 and 3 pi/2, got \(0.0,": lambda: cycle_family(PAPER, (0.0, 1.0)),
-    r"between 0 and 3 pi/2, got \(1.0, 0.5\)": lambda: cycle_family(PAPER, (1.0, 0.5)),
-    r"between 0 and 3 pi/2, got \(1.0, 4.8\)": lambda: cycle_family(PAPER, (1.0, 4.8)),
+    "friction must have a positive": lambda: cycle_family(with_law(coefficient=0.0)),
+    "load must be 'weight'": lambda: cycle_family(with_law(load="contact")),
+    "gradient of at most 10000 s/m": lambda: cycle_family(with_law(smoothing=1e-5)),
+    r"3 pi/2, got \(\)": lambda: cycle_family(PAPER, ()),
+    r"3 pi/2, got \(0.0,": lambda: cycle_family(PAPER, (0.0, 1.0)),
+    r"3 pi/2, got \(1.0, 0.5\)": lambda: cycle_family(PAPER, (1.0, 0.5)),
+    r"3 pi/2, got \(1.0, 4.8\)": lambda: cycle_family(PAPER, (1.0, 4.8)),
     "tilts must rise strictly between 0 and pi/2": lambda: rotating_family(PAPER, (0.1, 1.6)),
     "must be symmetry-breaking, got 'fold'": lambda: asymmetric_family(_BORN, (2.0,)),
     "must rise strictly beyond 1e-06, got": lambda: asymmetric_family(
@@ -373,7 +351,9 @@ REFUSED: dict[str, Callable[[], object]] = {
     ),
     "spins and amplitudes must be 5 or more": lambda: fitted_growth([30.0], [1.0], 31.0),
     "amplitude or spin must be given": lambda: cycles_over([PAPER], spin=30.0, amplitude=1.0),
-    r"amplitude must lie between 0 and 3\.14159": lambda: cycles_over([PAPER], amplitude=4.0),
+    r"amplitude must lie in the open interval \(0, pi\)": lambda: cycles_over(
+        [PAPER], amplitude=4.0
+    ),
     "scenarios must be 1 or more": lambda: cycles_over([], spin=30.0),
 }
 
@@ -382,9 +362,3 @@ REFUSED: dict[str, Callable[[], object]] = {
 def test_what_there_is_not_is_refused(message: str) -> None:
     with pytest.raises(ValueError, match=message):
         REFUSED[message]()
-
-
-def test_a_spin_without_cycle_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(families, "AMPLITUDES", np.array((0.3, 0.6)))
-    with pytest.raises(ValueError, match=r"between 30\.83.* and 30\.91.*, got 31"):
-        cycle_at(PAPER, 31.0)

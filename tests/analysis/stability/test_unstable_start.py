@@ -54,7 +54,6 @@ def test_message_ends_where_the_last_pair_begins_to_decay(constraints: Constrain
     "start",
     [
         Start(),
-        replace(SPINNING, beta=1.2, gamma_rate=0.0),
         replace(SPINNING, beta=pi / 2 + 1e-9),
         replace(SPINNING, gamma=pi / 2 + 1e-9),
         replace(SPINNING, beta_rate=1e-9),

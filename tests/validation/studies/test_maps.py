@@ -70,8 +70,6 @@ def test_check_fails_where_a_wrong_value_is_planted(name: str, stored: pd.DataFr
     assert name in failing(wrong)
 
 
-
-
 def toy(**outcomes: str) -> Panel:
     """The grid of a map of 3 by 3 cases, in which some end otherwise."""
     (sweep,) = panels(PROBLEMS["attitude"], Scenario(), cells=2, levels=0, end=1.0, witnesses=0)

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from analysis import DISKS, MODELS, Dissipation, Scenario, SmoothCoulomb
-from analysis.nonlinear.families import Family, cycle_at, cycle_family, events, rotating_family
+from analysis.nonlinear.families import cycle_at, cycle_family, rotating_family
+from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
     heteroclinic_connection,

@@ -21,9 +21,8 @@ from analysis import (
 )
 from analysis.data.body import Body
 from analysis.stability import spectra
-from analysis.stability.corners import corners
 from analysis.stability.critical import critical_speeds
-from analysis.stability.hopf_curves import hopf_curves
+from analysis.stability.hopf_curves import corners, hopf_curves
 from analysis.stability.printed import closed_form, critical_speed
 from mbs_models import Formulation
 from validation.kit.limits import largest

@@ -1,0 +1,140 @@
+"""Periodic motions followed from one value to the next, and what happens on the way."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TypeVar
+
+from scipy.optimize import brentq
+
+from analysis.data.watch import Progress
+from analysis.nonlinear.collocation import NoCycleError, solve
+from analysis.nonlinear.motions import Event, PeriodicMotion
+
+_HALVINGS = 5
+"""How often a step that fails is halved before a family ends there."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Family:
+    """Periodic motions of one kind, each reached from its neighbour.
+
+    Parameters
+    ----------
+    motions : tuple of PeriodicMotion
+        All of them converged: by rising amplitude or tilt, or one for each of a sequence of
+        scenarios.
+    begins : float
+        Spin in rad/s where it begins: of the Hopf point, the heteroclinic connection, or the
+        symmetric cycle at which cycles without symmetry branch off.
+    reason : str or None
+        Why it ends early, if it does; it names the last good one.
+    born : Event or None
+        That symmetric cycle.
+    """
+
+    motions: tuple[PeriodicMotion, ...]
+    begins: float
+    reason: str | None = None
+    born: Event | None = None
+
+    @classmethod
+    def of(
+        cls,
+        begins: float,
+        *ways: Iterable[PeriodicMotion],
+        progress: Progress | None = None,
+        wanted: int = 0,
+    ) -> "Family":
+        """All motions of each way up to the first not found; `NoCycleError` if there is none.
+
+        After each `progress` is called with how many there are and how many are wanted.
+        """
+        found: list[PeriodicMotion] = []
+        reason = None
+        for way in ways:
+            try:
+                for each in way:
+                    found.append(each)
+                    if progress is not None:
+                        progress(float(len(found)), float(wanted))
+            except NoCycleError as error:
+                reason = str(error)
+        if not found:
+            raise NoCycleError(reason)
+        return cls(motions=tuple(found), begins=begins, reason=reason)
+
+
+def reach(value: float, start: PeriodicMotion, halvings: int = _HALVINGS) -> PeriodicMotion:
+    """Motion of a value, on the way over others if it is too far from `start`.
+
+    Raises
+    ------
+    NoCycleError
+        That of the first motion for which halving does not help.
+    """
+    try:
+        return solve(start.scenario, value, start)
+    except NoCycleError:
+        if not halvings:
+            raise
+    between = reach((start.value + value) / 2.0, start, halvings - 1)
+    return reach(value, between, halvings - 1)
+
+
+def followed(
+    find: Callable[[T, PeriodicMotion], PeriodicMotion], start: PeriodicMotion, over: Iterable[T]
+) -> Iterator[PeriodicMotion]:
+    """Motions, each found from the one before, such as by `reach`.
+
+    Raises
+    ------
+    NoCycleError
+        If one is not found; the message names the last good one.
+    """
+    last = start
+    for each in over:
+        try:
+            last = find(each, last)
+        except NoCycleError as error:
+            raise NoCycleError(
+                f"{error}; the last good one has {last.value:.9g} rad at a spin of "
+                f"{last.spin:.9g} rad/s"
+            ) from error
+        yield last
+
+
+def events(family: Family) -> tuple[Event, ...]:
+    """Where a family is born and its stability changes, between neighbours.
+
+    Symmetric cycles fold, or lose their symmetry ("symmetry-breaking"), which is where those
+    without symmetry are born; the others fold, or their period doubles ("period-doubling").
+
+    Raises
+    ------
+    NoCycleError
+        If an iteration between two neighbours fails.
+    """
+    changes = family.motions[0].ends.changes.items()
+    found = (
+        Event(name, _between(first, last, multiplier))
+        for first, last in pairwise(family.motions)
+        for name, multiplier in changes
+        if first.characteristic(multiplier) * last.characteristic(multiplier) < 0.0
+    )
+    return (*found,) if family.born is None else (family.born, *found)
+
+
+def _between(first: PeriodicMotion, last: PeriodicMotion, multiplier: float) -> PeriodicMotion:
+    """Motion between two neighbours that has a multiplier."""
+    found = {first.value: first, last.value: last}
+
+    def at(value: float) -> float:
+        if value not in found:
+            found[value] = reach(value, first)
+        return found[value].characteristic(multiplier)
+
+    brentq(at, first.value, last.value, xtol=1e-9)
+    return min(found.values(), key=lambda each: abs(each.characteristic(multiplier)))
