@@ -16,10 +16,10 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.checks import Array
-from analysis.data.constraint_set import MULTIPLIERS
 from analysis.data.dissipation import CAUSES
 from analysis.data.frames import Poses
 from analysis.data.members import Rows
+from analysis.data.quantities import HELD
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 
@@ -37,7 +37,7 @@ FILLED: Mapping[str, Columns] = {
     "times": {"time": "s"},
     "coordinates": _LENGTHS,
     "rates": {f"{name}_rate": f"{unit}/s" for name, unit in _LENGTHS.items()},
-    "multipliers": {name: "N m" if name == "spin_torque" else "N" for name in MULTIPLIERS},
+    "multipliers": {name: held.unit for held in HELD.values() for name in held.demands},
     "positions": _named("position", "xyz", "m"),
     "quaternions": _named("quaternion", "wxyz", ""),
     "velocities": _named("velocity", "xyz", "m/s"),

@@ -88,7 +88,7 @@ def _constraints(scenario: Scenario) -> str:
     return (
         "# What holds the disk: a model of the paper, each of which adds a constraint\n"
         f"# ({model}), or in place of it\n"
-        f'# "contact" and some, not all, of {others}.\n'
+        f'# "contact" and some, not all, of\n# {others}.\n'
         f"{'# ' if level is None else ''}model = {level or 1}\n"
         f"{'' if level is None else '# '}constraints = {names}\n"
     )

@@ -134,8 +134,8 @@ def _friction(trajectory: Trajectory) -> tuple[Array, Array]:
 def power(trajectory: Trajectory) -> Array:
     """Power of friction and of prescribed rates at every sample in W, shape (n,).
 
-    All other constraints do no work. Friction takes energy; the torque that keeps the spin
-    constant may bring some.
+    All other constraints do no work. Friction takes energy; a torque that keeps a rate constant
+    may bring some.
 
     Examples
     --------
