@@ -17,8 +17,8 @@ from analysis.data.checks import Array
 from analysis.data.ensemble import Ensemble
 from analysis.data.files import AnyArray
 from analysis.data.members import Rows, in_columns
+from analysis.data.samples import Samples, blocks
 from analysis.data.scenario import Scenario
-from analysis.data.trajectories import Samples
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Watch
 from analysis.mechanics import reduced
@@ -32,13 +32,10 @@ from analysis.solve.to_tolerance import Agreed, agree, estimated_errors
 
 Scenarios = Ensemble | Sequence[Scenario]
 
-_BLOCK = 2**14
-"""Samples of motions that are worked out at once: they take some 5 MB."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledPart:
-    """Members that are alike in structure and were run together; see `Part`.
+    """Members that are alike in structure and were run together.
 
     Parameters
     ----------
@@ -138,12 +135,11 @@ class CompiledPart:
 
     def outcomes(self) -> Iterator[Trajectory | Exception]:
         """Motion of each of them, or why it has none, worked out in blocks."""
-        size = max(1, _BLOCK // self.times.size)
-        for first in range(0, len(self.rows), size):
-            samples = self.samples(slice(first, first + size))
+        for some in blocks(len(self.rows), self.times.size):
+            samples = self.samples(some)
             for place in range(len(samples.times)):
                 try:
-                    yield self._trajectory(first + place, samples, place)
+                    yield self._trajectory(some.start + place, samples, place)
                 except (ArithmeticError, ValueError) as error:
                     yield error
 

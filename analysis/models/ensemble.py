@@ -19,12 +19,12 @@ from analysis.data.ensemble import Ensemble
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
-from analysis.data.trajectories import Listed, Part, Trajectories, joined
 from analysis.data.trajectory import Trajectory
 from analysis.data.workers import Pool
 from analysis.models.forms import Form
 from analysis.models.request import Request
 from analysis.models.simulation import run_member
+from analysis.models.trajectories import Trajectories
 from analysis.solve.stepping import Method
 
 T = TypeVar("T")
@@ -34,6 +34,9 @@ Outcome = Trajectory | Exception
 
 Chunk = tuple[Scenarios, Sequence[float]]
 """Some members and their tolerances."""
+
+Motions = tuple[list[CompiledPart], dict[int, Outcome], float]
+"""Members that were run together, outcomes of all others, and the processor time of each in s."""
 
 LARGEST_CHUNK = 32
 """Members that a worker gets at once; some ten seconds of them, and handing over costs 1 ms."""
@@ -145,11 +148,8 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
             for outcome in ([each] * len(wanted) if isinstance(each, Exception) else each)
         ]
     motions = _called(partial(_motions, request), chunks, executor, workers, tell)
-    pieces = []
-    for each, (part, wanted) in zip(motions, chunks, strict=True):
-        assert isinstance(part, Ensemble)
-        pieces.append(_whole(each, part, wanted, request))
-    return joined(members, pieces)
+    sizes = (len(wanted) for _, wanted in chunks)
+    return _joined(members, request.times, zip(motions, sizes, strict=True))
 
 
 def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
@@ -260,34 +260,27 @@ def _outcomes(
     return [outcomes[member] for member in range(len(tolerances))]
 
 
-def _motions(
-    request: Request, ensemble: Scenarios, tolerances: Sequence[float]
-) -> tuple[list[Part], dict[int, Exception], float]:
-    """Motions of members of an ensemble, their failures, and the processor time of each in s."""
+def _motions(request: Request, ensemble: Scenarios, tolerances: Sequence[float]) -> Motions:
+    """The same as they come, and the processor time of each in s."""
     begin = process_time()
-    compiled, outcomes = _run(request, ensemble, tolerances)
-    parts: list[Part] = [*compiled]
-    motions = {row: each for row, each in outcomes.items() if isinstance(each, Trajectory)}
-    failures = {row: each for row, each in outcomes.items() if isinstance(each, Exception)}
-    if motions:
-        listed = list(motions.values())
-        parts.append(Listed(np.array(list(motions)), listed, request.times.size))
-    return parts, failures, (process_time() - begin) / len(tolerances)
+    return *_run(request, ensemble, tolerances), (process_time() - begin) / len(tolerances)
 
 
-def _whole(
-    found: tuple[list[Part], dict[int, Exception], float] | Exception,
+def _joined(
     ensemble: Ensemble,
-    tolerances: Sequence[float],
-    request: Request,
+    times: Array,
+    pieces: Iterable[tuple[Motions | Exception, int]],
 ) -> Trajectories:
-    """What `_motions` has found, or the error of a worker that has died for each member."""
-    lost = {row: found for row in range(len(tolerances)) if isinstance(found, Exception)}
-    parts, failures, seconds = ([], lost, np.nan) if isinstance(found, Exception) else found
-    return Trajectories(
-        ensemble=ensemble,
-        times=request.times,
-        parts=parts,
-        failures=failures,
-        seconds=np.full(len(tolerances), seconds),
-    )
+    """Motions of an ensemble from those of so many members each, or from a worker's error."""
+    parts: list[CompiledPart] = []
+    alone: dict[int, Outcome] = {}
+    seconds, first = np.full(len(ensemble), np.nan), 0
+    for found, count in pieces:
+        if isinstance(found, Exception):
+            alone |= dict.fromkeys(range(first, first + count), found)
+        else:
+            some, others, seconds[first : first + count] = found
+            parts += [part.moved(first) for part in some]
+            alone |= {first + member: outcome for member, outcome in others.items()}
+        first += count
+    return Trajectories(ensemble=ensemble, times=times, parts=parts, alone=alone, seconds=seconds)

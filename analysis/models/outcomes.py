@@ -13,12 +13,13 @@ from analysis.data.dissipation import CAUSES
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.inversion import STAYING, inversions
 from analysis.data.outcomes import DONE, OutcomeTable, failed, failure
+from analysis.data.samples import Samples, blocks
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.state import COORDINATES
-from analysis.data.trajectories import Samples, Trajectories, blocks
 from analysis.data.trajectory import Trajectory
 from analysis.models.balance import energies
+from analysis.models.trajectories import Trajectories
 
 
 def outcomes(
@@ -52,8 +53,7 @@ def outcomes(
         table = OutcomeTable.empty(motions.ensemble.fields, len(motions))
         table.columns["seconds"][:] = motions.seconds
         for part in motions.parts:
-            if isinstance(part, CompiledPart):
-                _put_part(table, part)
+            _put_part(table, part)
         # What is not finite is an error of that member.
         forces = table.columns["force_least"] + table.columns["force_largest"]
         missing = np.flatnonzero(~np.isfinite(forces)).tolist()
