@@ -5,6 +5,7 @@ from collections import defaultdict
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from analysis.data.watch import Watch
 from analysis.mechanics import reduced
 from analysis.mechanics.states import paper_arrays, state_of
 from analysis.models.forms import check_form, default_form, pose, start_values
-from analysis.models.request import Accuracy, Request, trajectory
+from analysis.models.request import Request, trajectory
 from analysis.solve.effort import longest_step
 from analysis.solve.runs import Runs
 from analysis.solve.stepping import pulls_at_start
@@ -44,7 +45,6 @@ class CompiledPart:
         Of these members alone; or a list of them.
     request : Request
     group : Group
-    tolerances : ndarray, shape (k,)
     agreed : Agreed
     watch : Watch, optional
         Of a single member.
@@ -56,7 +56,6 @@ class CompiledPart:
     ensemble: Any
     request: Request
     group: Group
-    tolerances: Array
     agreed: Agreed
     watch: Watch | None
     seconds: float | None
@@ -72,7 +71,6 @@ class CompiledPart:
             rows=self.rows[rows],
             ensemble=_part(self.ensemble, rows),
             group=self.group.part(rows),
-            tolerances=self.tolerances[rows],
             agreed=self.agreed.part(rows),
         )
 
@@ -151,14 +149,14 @@ class CompiledPart:
             # The first sample is the start itself, without the rounding on the way to it and back.
             start = scenario.initial_state
             coordinates[0], rates[0] = start.coordinates, start.rates
-        numbers = (self.tolerances, self.agreed.local_tolerances, self.agreed.estimates)
         return trajectory(
             scenario,
             self.request,
             run,
             (coordinates, rates, forces),
             method="taylor",
-            accuracy=Accuracy(*(float(each[row]) for each in numbers)),
+            local_tolerance=float(self.agreed.local_tolerances[row]),
+            estimate=float(self.agreed.estimates[row]),
             watch=self.watch,
             seconds=self.seconds,
         )
@@ -177,7 +175,7 @@ class CompiledPart:
 
 
 def simulate_compiled(
-    scenarios: Scenarios, tolerances: Sequence[float], request: Request
+    scenarios: Scenarios, request: Request
 ) -> tuple[list[CompiledPart], dict[int, Exception]]:
     """Motions of scenarios, those alike in structure together.
 
@@ -185,8 +183,6 @@ def simulate_compiled(
     ----------
     scenarios : Ensemble or sequence of Scenario
         The m members.
-    tolerances : sequence of m floats
-        See `Request.tolerance`.
     request : Request
 
     Returns
@@ -195,26 +191,17 @@ def simulate_compiled(
     dict
         From members to the errors that ended them; they are those of `simulate`.
     """
-    wanted, failures = np.asarray(tolerances), dict[int, Exception]()
-    rungs = {each: request.local_tolerances(each, "taylor") for each in set(tolerances)}
-    groups: defaultdict[tuple[Code, tuple[float, ...]], list[tuple[Rows, Array]]]
-    groups = defaultdict(list)
-    for rows, found in _in_arrays(scenarios, wanted, partial(_columns, request)):
+    failures: dict[int, Exception] = {}
+    groups: defaultdict[Code, list[tuple[Rows, Array]]] = defaultdict(list)
+    for rows, found in _in_arrays(scenarios, partial(_columns, request)):
         if isinstance(found, Exception):
             failures |= dict.fromkeys(rows.tolist(), found)
             continue
         code, columns = found
-        array = in_columns(columns, rows.size)
-        asked = [rungs[tolerances[row]] for row in rows.tolist()]
-        kinds = set(asked)
-        for kind in kinds:
-            some = slice(None) if len(kinds) == 1 else np.array([each == kind for each in asked])
-            groups[code, kind].append((rows[some], array[some]))
+        groups[code].append((rows, in_columns(columns, rows.size)))
     parts = []
-    for (code, kind), pieces in groups.items():
-        rows, array = pieces[0]
-        if len(pieces) > 1:
-            rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
+    for code, pieces in groups.items():
+        rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
         group = _group(code, array)
         refused = {} if code.allow_pulling else _refused(group, scenarios, rows)
         if refused:
@@ -222,7 +209,7 @@ def simulate_compiled(
             group, failures = group.part(left), failures | _by_member(refused, rows)
             rows = rows[left]
         if rows.size:
-            part = _run((rows, _part(scenarios, rows)), group, kind, wanted[rows], request)
+            part = _run((rows, _part(scenarios, rows)), group, request)
             failed = part.agreed.failures
             failures |= _by_member(failed, rows)
             if len(failed) < rows.size:
@@ -248,13 +235,13 @@ Columns = tuple[Code, Sequence[float]]
 
 
 def _in_arrays(
-    scenarios: Scenarios, tolerances: Array, columns: Callable[[float, Scenario], Columns]
+    scenarios: Scenarios, columns: Callable[[Scenario], Columns]
 ) -> Iterator[tuple[Rows, Columns | Exception]]:
     """Members and their numbers, those of an ensemble together, or the error of a single one."""
     one_by_one = np.arange(len(scenarios))
     if isinstance(scenarios, Ensemble):
         doubtful = []
-        for rows, found in scenarios.alike(partial(columns, float(tolerances.min()))):
+        for rows, found in scenarios.alike(columns):
             if isinstance(found, Exception):
                 doubtful += rows.tolist()
             else:
@@ -262,17 +249,17 @@ def _in_arrays(
         one_by_one = np.array(doubtful, dtype=int)
     for row in one_by_one.tolist():
         try:
-            yield np.array([row]), columns(float(tolerances[row]), scenarios[row])
+            yield np.array([row]), columns(scenarios[row])
         except (ArithmeticError, ValueError) as error:
             yield np.array([row]), error
 
 
-def _columns(request: Request, tolerance: float, scenario: Scenario) -> Columns:
+def _columns(request: Request, scenario: Scenario) -> Columns:
     """Code of a scenario, or of `Members`, and its numbers: see `_group`."""
     form = request.form or default_form(scenario)
     code = code_for(scenario, form, request.conditions, allow_pulling=request.allow_pulling)
     check_form(scenario, form)
-    effort = request.effort(scenario, tolerance, "taylor")
+    effort = request.effort(scenario, "taylor")
     start, numbers = start_values(scenario, "index-1"), systems.parameters(scenario)
     return code, (*start, *numbers, longest_step(scenario), effort.most)
 
@@ -298,13 +285,7 @@ def _refused(group: Group, scenarios: Scenarios, rows: Rows) -> dict[int, Except
     return found
 
 
-def _run(
-    members: tuple[Rows, Scenarios],
-    group: Group,
-    local_tolerances: Sequence[float],
-    tolerances: Array,
-    request: Request,
-) -> CompiledPart:
+def _run(members: tuple[Rows, Scenarios], group: Group, request: Request) -> CompiledPart:
     """Run a group; its single member as a call that is watched."""
     watch = request.watch(float(group.most[0])) if len(group) == 1 else None
     seconds: float | None = None
@@ -321,5 +302,6 @@ def _run(
             fine, coarse, group.attitudes, lambda runs: group.attitude_rates(some, runs.last)
         )
 
-    agreed = agree(run, estimated, tolerances, local_tolerances, "taylor")
-    return CompiledPart(*members, request, group, tolerances, agreed, watch, seconds)
+    rungs, tolerance = request.local_tolerances("taylor"), request.tolerance or inf
+    agreed = agree(run, estimated, len(group), tolerance, rungs, method="taylor")
+    return CompiledPart(*members, request, group, agreed, watch, seconds)
