@@ -167,11 +167,7 @@ class CompiledPart:
             return paper_arrays(group.disk, states)
         spin = group.numbers[:, None, SPIN]
         alpha = group.states[:, None, 3] + spin * (times - self.times[0])
-        found = np.empty((*times.shape, 12))
-        coordinates, rates = reduced.expanded(group.disk, spin, alpha, states.transpose(2, 0, 1))
-        for column, value in enumerate(coordinates + rates):
-            found[:, :, column] = value
-        return found[:, :, :6], found[:, :, 6:]
+        return reduced.expand(group.disk, spin, alpha, states)
 
 
 def simulate_compiled(

@@ -137,12 +137,11 @@ class FrictionLaw(Described):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Regularised(FrictionLaw):
-    """Coulomb friction of one coefficient, smoothed over a slip speed."""
+class _Smoothed(FrictionLaw):
+    """Friction that sets in over a slip speed."""
 
     TABLE = "friction"
 
-    coefficient: float = default("friction.coefficient")
     smoothing: float = default("friction.smoothing")
 
     def __post_init__(self) -> None:
@@ -152,6 +151,13 @@ class _Regularised(FrictionLaw):
     def finest_speed(self) -> float:
         """Slip speed in m/s over which the law bends."""
         return self.smoothing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Regularised(_Smoothed):
+    """Coulomb friction of one coefficient, smoothed over a slip speed."""
+
+    coefficient: float = default("friction.coefficient")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,7 +189,7 @@ class SmoothCoulomb(_Regularised):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stribeck(FrictionLaw):
+class Stribeck(_Smoothed):
     """Smooth Coulomb friction whose coefficient falls from a static to a kinetic value.
 
     The coefficient at a slip speed v is
@@ -207,19 +213,16 @@ class Stribeck(FrictionLaw):
         If a value is out of range.
     """
 
-    TABLE = "friction"
-
     static: float = default("friction.static")
     kinetic: float = default("friction.kinetic")
     stribeck_speed: float = default("friction.stribeck_speed")
-    smoothing: float = default("friction.smoothing")
 
     def __post_init__(self) -> None:
         if self.kinetic > self.static:
             raise ArgumentError(
                 "kinetic", f"must not exceed static = {self.static:g}, got {self.kinetic:g}"
             )
-        check_steepness(self, self.smoothing)
+        _Smoothed.__post_init__(self)
 
     def per_speed(self, speed: float) -> float:
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
@@ -318,7 +321,7 @@ class ViscousFriction(FrictionLaw):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AnisotropicCoulomb(FrictionLaw):
+class AnisotropicCoulomb(_Smoothed):
     """Smooth Coulomb friction with two coefficients, along the edge of the disk and across it.
 
     With M = diag(along, across) the force is -load * M² slip / (|M slip| + max(M) * smoothing).
@@ -341,26 +344,16 @@ class AnisotropicCoulomb(FrictionLaw):
         If a value is out of range.
     """
 
-    TABLE = "friction"
     IS_ISOTROPIC = False
 
     along: float = default("friction.along")
     across: float = default("friction.across")
-    smoothing: float = default("friction.smoothing")
-
-    def __post_init__(self) -> None:
-        check_steepness(self, self.smoothing)
 
     def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
         """Force in N; see `FrictionLaw`."""
         x, y = self.along * along, self.across * across
         factor = -load / (hypot(x, y) + max(self.along, self.across) * self.smoothing)
         return factor * self.along * x, factor * self.across * y
-
-    @property
-    def finest_speed(self) -> float:
-        """Slip speed in m/s over which the law bends."""
-        return self.smoothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

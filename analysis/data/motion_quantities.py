@@ -18,7 +18,6 @@ from analysis.data import frames
 from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from analysis.data.frames import Poses
-from analysis.data.members import Rows
 from analysis.data.quantities import HELD
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
@@ -105,10 +104,6 @@ class Quantities(ABC):
         axis, angular = self.poses.rotations[..., 0], self.poses.angular_velocities
         result: Array = angular[..., 0] * axis[..., 1] - angular[..., 1] * axis[..., 0]
         return result
-
-    def direction_rates(self, some: Rows) -> Array:
-        """Rate of `cog_direction` of some of many motions in 1/s, shape (k, n)."""
-        return np.atleast_2d(self.cog_direction_rate)[some]
 
     @quantity()
     def face(self) -> Array:

@@ -1,12 +1,11 @@
 """Samples of many motions at once, as arrays."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from analysis.data.checks import Array
-from analysis.data.members import Rows
 from analysis.data.motion_quantities import InCoordinates
 from analysis.data.trajectory import Trajectory
 
@@ -36,11 +35,6 @@ class Samples(InCoordinates):
         rows = np.minimum(np.arange(count), motion.times.size - 1)[None]
         arrays = (motion.times, motion.coordinates, motion.rates, motion.multipliers)
         return cls(*(each[rows] for each in arrays))
-
-    def direction_rates(self, some: Rows) -> Array:
-        """Rate of `cog_direction` of some of the motions in 1/s, shape (j, n)."""
-        kept = replace(self, coordinates=self.coordinates[some], rates=self.rates[some])
-        return kept.cog_direction_rate
 
 
 def blocks(rows: int, samples: int) -> Iterator[slice]:

@@ -127,10 +127,10 @@ def _level_or_leaning(scenario: Scenario) -> Scenario:
 
 def _sampled(motion: SpatialMotion | Samples, eccentricities: Array) -> Mapping[str, Array]:
     """What samples of k motions tell by themselves, each shape (k,)."""
-    names = ("times", "cog_direction", "face", "spin", "normal_force")
+    names = ("times", "cog_direction", "cog_direction_rate", "face", "spin", "normal_force")
     each = (np.atleast_2d(getattr(motion, name)) for name in names)
-    times, directions, face, spin, force = each
-    judged = inversions(times, directions, motion.direction_rates, eccentricities)
+    times, directions, rates, face, spin, force = each
+    judged = inversions(times, directions, rates, eccentricities)
     after = np.full(len(times), np.nan)
     for row in np.flatnonzero(np.isfinite(judged.times)).tolist():
         after[row] = np.interp(judged.times[row] + STAYING, times[row], spin[row])

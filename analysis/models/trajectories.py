@@ -146,7 +146,7 @@ class Trajectories(InCoordinates):
         for rows, samples in self._blocks():
             eccentricities = self._eccentricity[rows, 0]
             found = inversions(
-                samples.times, samples.cog_direction, samples.direction_rates, eccentricities
+                samples.times, samples.cog_direction, samples.cog_direction_rate, eccentricities
             )
             outcomes[rows], numbers[:, rows] = found.outcomes, found.numbers
         return Inversions(outcomes, *numbers)
