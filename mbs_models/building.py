@@ -6,7 +6,8 @@ from typing import Any, ClassVar, Literal, get_args
 import exudyn as exu
 import exudyn.itemInterface as items
 
-from analysis.data.quantities import HELD, Constraint
+from analysis.data.constraint_set import prescribed
+from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 
@@ -147,7 +148,7 @@ class Building(ABC):
     @property
     def held_rates(self) -> list[str]:
         """Coordinates whose rates stay those of the start."""
-        return [HELD[name].rate for name in self.scenario.constraints if HELD[name].rate]
+        return [*prescribed(self.scenario.constraints).values()]
 
     def _hold_rate(self, name: str, node: int, place: int = 0) -> None:
         """Keep the rate of this coordinate, that of `node` at `place`, as at the start."""

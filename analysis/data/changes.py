@@ -101,7 +101,7 @@ def _disk(disk: Body, values: Numbers) -> Body:
         return Disk.ring(**values)
     if "body" in values:
         shared = {each.name: getattr(disk, each.name) for each in fields(Body)}
-        return BODIES.made(shared | values)
+        return BODIES.made(**(shared | values))
     if name is not None:
         disk = DISKS[choice("name", name, DISKS)]
     _check_disk(disk, values)
@@ -151,7 +151,7 @@ def _friction(law: FrictionLaw, values: Numbers) -> FrictionLaw:
     told = law_values(law)
     if values.get("law", told["law"]) != told["law"]:
         told = {"load": law.load}
-    return LAWS.made(told | values)
+    return LAWS.made(**(told | values))
 
 
 def _contact(disk: Body, values: Numbers) -> PenaltyContact:

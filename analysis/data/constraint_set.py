@@ -97,9 +97,9 @@ The studies go through all of them; sets that also hold the rate of the tilt are
 """
 
 
-def prescribed(constraints: ConstraintSet) -> tuple[str, ...]:
-    """Names of those constraint forces of a set that do work, of `PRESCRIBED`."""
-    return tuple(name for name in multiplier_names(constraints) if name in PRESCRIBED)
+def prescribed(constraints: ConstraintSet) -> dict[str, str]:
+    """Constraint forces of a set that do work, and the coordinates whose rates they keep."""
+    return {name: PRESCRIBED[name] for name in multiplier_names(constraints) if name in PRESCRIBED}
 
 
 def model_of(constraints: ConstraintSet) -> Level | None:

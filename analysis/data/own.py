@@ -103,7 +103,7 @@ class Kinds(Named[str, type[T]]):
         names = {each: name for name, each in self.items()}
         return names.get(kind, f"{kind.__module__}:{kind.__qualname__}")
 
-    def made(self, values: Mapping[str, Any]) -> T:
+    def made(self, **given: Any) -> T:
         """Object of a class, which may be of one's own, from its name and its fields.
 
         A module that is named is imported, which runs it, but within `foreign_names`.
@@ -113,7 +113,6 @@ class Kinds(Named[str, type[T]]):
         ArgumentError
             If the class is unknown, or a field missing, not one of its own, or out of range.
         """
-        given = dict(values)
         name = given.pop(self._key, next(iter(self)))
         kind = self.find(name)
         known: list[str] = [field.name for field in fields(kind)]  # type: ignore[arg-type]

@@ -325,7 +325,7 @@ def _form(table: str, values: Mapping[str, Any]) -> tuple[Callable[..., Any], Na
         return _disk_form(values)
     if table == "friction":
         law = LAWS.find(values.get("law", default("friction.law")))
-        return _law, ("law", *(each.name for each in fields(law))), ()
+        return LAWS.made, ("law", *(each.name for each in fields(law))), ()
     kind: Any = KINDS.get(table, Start)
     if table == "start" and ("coordinates" in values or "rates" in values):
         kind = State
@@ -341,20 +341,12 @@ def _disk_form(values: Mapping[str, Any]) -> tuple[Callable[..., Any], Names, Na
     if values.get("body", "disk") != "disk":
         of_body = fields(BODIES.find(values["body"]))
         needed = tuple(each.name for each in of_body if each.default is MISSING)
-        return _body, ("body", *(each.name for each in of_body)), needed
+        return BODIES.made, ("body", *(each.name for each in of_body)), needed
     if "holes" in values or "masses" in values:
         return _composed, (*PLATE, "holes", "masses"), PLATE
     if any(name in values for name in RING[1:]):
         return Disk.ring, RING, RING
-    return _body, ("body", *SIX, *PRODUCTS), SIX
-
-
-def _law(**values: Any) -> FrictionLaw:
-    return LAWS.made(values)
-
-
-def _body(**values: Any) -> Body:
-    return BODIES.made(values)
+    return BODIES.made, ("body", *SIX, *PRODUCTS), SIX
 
 
 def _composed(*, holes: Any = (), masses: Any = (), **plate: Any) -> Disk:

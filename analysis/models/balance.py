@@ -147,8 +147,8 @@ def power(trajectory: Trajectory) -> Array:
     scenario = trajectory.scenario
     slip, force = _friction(trajectory)
     result: Array = np.sum(force * slip, axis=1)
-    for name in prescribed(scenario.constraints):
-        result += trajectory.multiplier(name) * trajectory.rate(PRESCRIBED[name])
+    for name, coordinate in prescribed(scenario.constraints).items():
+        result += trajectory.multiplier(name) * trajectory.rate(coordinate)
     return result
 
 

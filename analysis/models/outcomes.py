@@ -8,7 +8,7 @@ from scipy.integrate import simpson
 
 from analysis.compiled.ensemble import CompiledPart
 from analysis.data.checks import Array
-from analysis.data.constraint_set import PRESCRIBED, ConstraintSet, multiplier_names, prescribed
+from analysis.data.constraint_set import ConstraintSet, multiplier_names, prescribed
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.inversion import STAYING, inversions
@@ -154,8 +154,8 @@ def _brought(constraints: ConstraintSet, samples: Samples) -> dict[str, Array]:
     names, found = multiplier_names(constraints), {}
     # Behind the end of a motion its last sample is repeated.
     counts = 1 + np.count_nonzero(np.diff(samples.times), axis=1)
-    for name in prescribed(constraints):
-        rate = samples.rates[..., COORDINATES.index(PRESCRIBED[name])]
+    for name, coordinate in prescribed(constraints).items():
+        rate = samples.rates[..., COORDINATES.index(coordinate)]
         power = samples.multipliers[..., names.index(name)] * rate
         work = found[f"brought_by_{name}"] = np.empty(len(counts))
         for count in np.unique(counts):

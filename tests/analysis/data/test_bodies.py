@@ -191,14 +191,14 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "larger smaller axis": (lambda: replace(ELLIPSE, other_radius=0.05), "other_radius must not"),
     "unknown body": (
-        lambda: bodies.BODIES.made({"body": "cube"}),
+        lambda: bodies.BODIES.made(body="cube"),
         "body must be one of disk, sphere",
     ),
     "no body": (
-        lambda: bodies.BODIES.made({"body": "math:pi"}),
+        lambda: bodies.BODIES.made(body="math:pi"),
         "must be a class derived from Body",
     ),
-    "body without numbers": (lambda: bodies.BODIES.made({"body": "sphere"}), "cannot be made"),
+    "body without numbers": (lambda: bodies.BODIES.made(body="sphere"), "cannot be made"),
     "surface above": (
         lambda: Scenario(disk=_Flat(**NUMBERS)),
         r"depth of lowest_point\(.*\) must not be negative",

@@ -213,12 +213,12 @@ def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -
     run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
     run.save(tmp_path / "run.npz")
     assert load_run(tmp_path / "run.npz", Trajectory).scenario.friction == law
-    assert LAWS.made(law_values(law)) == law
+    assert LAWS.made(**law_values(law)) == law
 
 
 def test_file_runs_no_module_that_it_names() -> None:
     with foreign_names(), pytest.raises(ValueError, match="'this:Law' must be imported first"):
-        LAWS.made({"law": "this:Law"})
+        LAWS.made(law="this:Law")
     assert "this" not in sys.modules
 
 
