@@ -106,7 +106,7 @@ class AccelerationProblem:
             lambda state: sin(state[self._tilt]),
             self._normal_force if self.model.may_pull else None,
             longest,
-            lambda states: states[:, self._angles],
+            lambda states: states[..., self._angles],
             {reason: self._of_state(each) for reason, each in self._conditions.items()},
             self._slip_of_one_direction(),
             float(np.clip(BENDING * scenario.friction.finest_speed, *DIFFERENCES)),

@@ -198,11 +198,6 @@ def run_to(
     """
     reasons = (*endings(problem), TIME_LIMIT)
 
-    def attitudes(states: Array) -> Array:
-        return problem.attitudes(states.reshape(-1, states.shape[-1])).reshape(
-            *states.shape[:-1], -1
-        )
-
     def rates(runs: Runs) -> Array:
         change = problem.right_hand_side(float(runs.ends[0]), runs.last[0])
         moved = runs.last + _MOMENT * np.asarray(change)
@@ -214,7 +209,7 @@ def run_to(
         return runs, {}
 
     def estimated(fine: Runs, coarse: Runs, _: Rows) -> Array:
-        return estimated_errors(fine, coarse, attitudes, rates)
+        return estimated_errors(fine, coarse, problem.attitudes, rates)
 
     found = agree(alone, estimated, 1, tolerance, local_tolerances, method=method)
     for failure in found.failures.values():
