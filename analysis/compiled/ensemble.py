@@ -2,7 +2,7 @@
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -15,7 +15,7 @@ from analysis.compiled.code import Code, code_for
 from analysis.compiled.runs import Group, integrate
 from analysis.compiled.systems import SIGN, SPIN
 from analysis.data.checks import Array
-from analysis.data.ensemble import Ensemble
+from analysis.data.ensemble import Ensemble, one_by_one
 from analysis.data.files import AnyArray
 from analysis.data.members import Rows, in_columns
 from analysis.data.samples import Samples, blocks
@@ -189,12 +189,18 @@ def simulate_compiled(
     """
     failures: dict[int, Exception] = {}
     groups: defaultdict[Code, list[tuple[Rows, Array]]] = defaultdict(list)
-    for rows, found in _in_arrays(scenarios, partial(_columns, request)):
+    columns = partial(_columns, request)
+    every = (
+        scenarios.alike(columns)
+        if isinstance(scenarios, Ensemble)
+        else one_by_one(columns, scenarios, np.arange(len(scenarios)))
+    )
+    for rows, found in every:
         if isinstance(found, Exception):
-            failures |= dict.fromkeys(rows.tolist(), found)
+            failures[int(rows[0])] = found
             continue
-        code, columns = found
-        groups[code].append((rows, in_columns(columns, rows.size)))
+        code, numbers = found
+        groups[code].append((rows, in_columns(numbers, rows.size)))
     parts = []
     for code, pieces in groups.items():
         rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
@@ -228,26 +234,6 @@ def _part(scenarios: Scenarios, rows: Rows) -> Scenarios:
 
 
 Columns = tuple[Code, Sequence[float]]
-
-
-def _in_arrays(
-    scenarios: Scenarios, columns: Callable[[Scenario], Columns]
-) -> Iterator[tuple[Rows, Columns | Exception]]:
-    """Members and their numbers, those of an ensemble together, or the error of a single one."""
-    one_by_one = np.arange(len(scenarios))
-    if isinstance(scenarios, Ensemble):
-        doubtful = []
-        for rows, found in scenarios.alike(columns):
-            if isinstance(found, Exception):
-                doubtful += rows.tolist()
-            else:
-                yield rows, found
-        one_by_one = np.array(doubtful, dtype=int)
-    for row in one_by_one.tolist():
-        try:
-            yield np.array([row]), columns(scenarios[row])
-        except (ArithmeticError, ValueError) as error:
-            yield np.array([row]), error
 
 
 def _columns(request: Request, scenario: Scenario) -> Columns:
