@@ -47,7 +47,6 @@ from analysis.data.start import MOTIONS, Motion, Start
 from analysis.data.state import COORDINATES, FlatError, State
 from analysis.data.stored_runs import StoredRun, load_run
 from analysis.data.table import GRAVITY, Table
-from analysis.data.trajectories import Trajectories
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress
 from analysis.models.balance import (
@@ -61,6 +60,7 @@ from analysis.models.ensemble import Outcome, simulate_many
 from analysis.models.forms import FORMS, Form
 from analysis.models.outcomes import outcomes
 from analysis.models.simulation import simulate
+from analysis.models.trajectories import Trajectories
 from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 from analysis.solve.stepping import METHODS, Method
 

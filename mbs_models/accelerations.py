@@ -77,9 +77,9 @@ class AccelerationProblem:
         self._start = scenario.initial_state.vector.tolist()
         names: tuple[str, ...] = _NAMES
         if scenario.contact is None:
-            names = ("alpha", *independent_coordinates(scenario.constraints))
-            if "constant-spin" not in scenario.constraints:
-                names += ("alpha_rate",)
+            free = ("alpha", *independent_coordinates(scenario.constraints), "alpha_rate")
+            kept = [f"{name}_rate" for name in self.model.held_rates]
+            names = tuple(name for name in free if name not in kept)
         self.names = names
         # Where they stand among the six coordinates and the six rates.
         self._free = [_NAMES.index(name) for name in names]
@@ -106,7 +106,7 @@ class AccelerationProblem:
             lambda state: sin(state[self._tilt]),
             self._normal_force if self.model.may_pull else None,
             longest,
-            lambda states: states[:, self._angles],
+            lambda states: states[..., self._angles],
             {reason: self._of_state(each) for reason, each in self._conditions.items()},
             self._slip_of_one_direction(),
             float(np.clip(BENDING * scenario.friction.finest_speed, *DIFFERENCES)),

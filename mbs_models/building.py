@@ -6,8 +6,10 @@ from typing import Any, ClassVar, Literal, get_args
 import exudyn as exu
 import exudyn.itemInterface as items
 
+from analysis.data.constraint_set import prescribed
 from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
+from analysis.data.state import COORDINATES
 
 Kind = Literal["node", "object", "marker", "load", "sensor"]
 
@@ -60,7 +62,7 @@ class Building(ABC):
         self._contact: list[int] = []
         self.reasons: dict[tuple[Kind, int], str] = {}
         self._cog: int | None = None
-        self._spin: int | None = None
+        self._rates: list[int] = []
         self._build()
         self._sensors = self._add_sensors()
         # What is added later needs this anew, which forgets initial accelerations.
@@ -143,22 +145,29 @@ class Building(ABC):
             "holds the centre of gravity above the origin",
         )
 
-    def _add_constant_spin(self, node: int) -> None:
-        """Hold the rate of the first coordinate of `node` at the start's spin."""
-        ground = self._add(items.NodePointGround(), "what the spin is measured from")
+    @property
+    def held_rates(self) -> list[str]:
+        """Coordinates whose rates stay those of the start."""
+        return [*prescribed(self.scenario.constraints).values()]
+
+    def _hold_rate(self, name: str, node: int, place: int = 0) -> None:
+        """Keep the rate of this coordinate, that of `node` at `place`, as at the start."""
+        ground = self._add(items.NodePointGround(), f"what {name} is measured from")
         fixed = self._add(
             items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0), "the ground's coordinate"
         )
         turning = self._add(
-            items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0), "the spin's coordinate"
+            items.MarkerNodeCoordinate(nodeNumber=node, coordinate=place), f"the coordinate {name}"
         )
-        self._spin = self._add(
-            items.ObjectConnectorCoordinate(
-                markerNumbers=[fixed, turning],
-                offset=self.start.rates[3],
-                velocityLevel=True,
-            ),
-            "holds the spin constant; its torque is an output",
+        self._rates.append(
+            self._add(
+                items.ObjectConnectorCoordinate(
+                    markerNumbers=[fixed, turning],
+                    offset=self.start.rates[COORDINATES.index(name)],
+                    velocityLevel=True,
+                ),
+                f"holds the rate of {name} constant; its torque is an output",
+            )
         )
 
 

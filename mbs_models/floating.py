@@ -55,6 +55,8 @@ class Floating(Model):
             scenario.disk.is_round_disk or isinstance(scenario.disk, Sphere)
         ):
             return "holds round disks and spheres alone on the ideal contact"
+        if "held-tilt-rate" in scenario.constraints:
+            return "has no coordinate beta whose rate a joint could hold"
         return ""
 
     def __init__(self, scenario: Scenario) -> None:
@@ -231,7 +233,7 @@ class Floating(Model):
             ),
             "the carrier's side of its joint",
         )
-        self._add_constant_spin(node)
+        self._hold_rate("alpha", node)
         self._add(
             items.ObjectJointGeneric(
                 markerNumbers=[across, centre], constrainedAxes=[0, 0, 0, 1, 0, 0]

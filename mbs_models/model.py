@@ -103,8 +103,7 @@ class Model(Building):
             columns += list(turn_about_vertical(-coordinates[:, 3], force).T[:2])
         # The joint's forward and lateral axes point against e_x and e_y of the R-frame.
         columns += [contact[:, axis] for axis in self._slip_axes().values()]
-        if self._spin is not None:
-            columns.append(-algebraic[:, self._equations(self._spin)[0]])
+        columns += [-algebraic[:, self._equations(joint)[0]] for joint in self._rates]
         return np.column_stack(columns)
 
     def record(self) -> Array:

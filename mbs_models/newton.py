@@ -8,6 +8,7 @@ import exudyn as exu
 import numpy as np
 
 from analysis.data.checks import positive, switch
+from analysis.data.state import COORDINATES
 from mbs_models.model import Model
 
 MOST_ITERATIONS = 100
@@ -77,8 +78,7 @@ def force_rounding(model: Model) -> float:
     largest += model.own_equations
     if model.has_constraints(scenario):
         largest.append(rim_speed)
-        if "constant-spin" in scenario.constraints:
-            largest.append(abs(rates[0]))
+        largest += [abs(model.start.rates[COORDINATES.index(name)]) for name in model.held_rates]
     lost = friction.slope(scenario.weight) * rim_speed
     if contact is not None:
         lost += contact.stiffness * disk.radius

@@ -12,6 +12,7 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import MODELS
 from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
+from analysis.data.state import COORDINATES
 from mbs_models.building import table_forces
 from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_force, friction_load
 from mbs_models.loads import euler_tree_contact
@@ -132,8 +133,8 @@ class EulerTree(_Tree):
                 self.scenario.disk.eccentricity, "the disk's centre of gravity"
             )
             self._add_fixed_cog(origin, cog)
-        if "constant-spin" in self.scenario.constraints:
-            self._add_constant_spin(self._node)
+        for name in self.held_rates:
+            self._hold_rate(name, self._node, self._order.index(COORDINATES.index(name)))
 
     def _disk_marker(self, offset: float, why: str) -> int:
         return self._add(

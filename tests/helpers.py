@@ -172,6 +172,14 @@ def random_scenario(
 
 all_sets = pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
 
+TILTED: tuple[ConstraintSet, ...] = (
+    ("contact", "held-tilt-rate"),
+    ("contact", "fixed-cog", "constant-spin", "held-tilt-rate"),
+)
+"""Two of the sets that hold the rate of the tilt, too."""
+
+more_sets = pytest.mark.parametrize("constraints", [*POSSIBLE_SETS, *TILTED], ids="+".join)
+
 
 def reduced_run(scenario: Scenario, spin: float, begin: Array, end: float) -> Array:
     """State of the reduced system at a time in s, shape (3,)."""

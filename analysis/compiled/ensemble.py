@@ -2,9 +2,10 @@
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -14,17 +15,17 @@ from analysis.compiled.code import Code, code_for
 from analysis.compiled.runs import Group, integrate
 from analysis.compiled.systems import SIGN, SPIN
 from analysis.data.checks import Array
-from analysis.data.ensemble import Ensemble
+from analysis.data.ensemble import Ensemble, one_by_one
 from analysis.data.files import AnyArray
 from analysis.data.members import Rows, in_columns
+from analysis.data.samples import Samples, blocks
 from analysis.data.scenario import Scenario
-from analysis.data.trajectories import Samples
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Watch
 from analysis.mechanics import reduced
 from analysis.mechanics.states import paper_arrays, state_of
 from analysis.models.forms import check_form, default_form, pose, start_values
-from analysis.models.request import Accuracy, Request, trajectory
+from analysis.models.request import Request, trajectory
 from analysis.solve.effort import longest_step
 from analysis.solve.runs import Runs
 from analysis.solve.stepping import pulls_at_start
@@ -32,13 +33,10 @@ from analysis.solve.to_tolerance import Agreed, agree, estimated_errors
 
 Scenarios = Ensemble | Sequence[Scenario]
 
-_BLOCK = 2**14
-"""Samples of motions that are worked out at once: they take some 5 MB."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledPart:
-    """Members that are alike in structure and were run together; see `Part`.
+    """Members that are alike in structure and were run together.
 
     Parameters
     ----------
@@ -47,7 +45,6 @@ class CompiledPart:
         Of these members alone; or a list of them.
     request : Request
     group : Group
-    tolerances : ndarray, shape (k,)
     agreed : Agreed
     watch : Watch, optional
         Of a single member.
@@ -59,7 +56,6 @@ class CompiledPart:
     ensemble: Any
     request: Request
     group: Group
-    tolerances: Array
     agreed: Agreed
     watch: Watch | None
     seconds: float | None
@@ -75,7 +71,6 @@ class CompiledPart:
             rows=self.rows[rows],
             ensemble=_part(self.ensemble, rows),
             group=self.group.part(rows),
-            tolerances=self.tolerances[rows],
             agreed=self.agreed.part(rows),
         )
 
@@ -138,12 +133,11 @@ class CompiledPart:
 
     def outcomes(self) -> Iterator[Trajectory | Exception]:
         """Motion of each of them, or why it has none, worked out in blocks."""
-        size = max(1, _BLOCK // self.times.size)
-        for first in range(0, len(self.rows), size):
-            samples = self.samples(slice(first, first + size))
+        for some in blocks(len(self.rows), self.times.size):
+            samples = self.samples(some)
             for place in range(len(samples.times)):
                 try:
-                    yield self._trajectory(first + place, samples, place)
+                    yield self._trajectory(some.start + place, samples, place)
                 except (ArithmeticError, ValueError) as error:
                     yield error
 
@@ -155,14 +149,14 @@ class CompiledPart:
             # The first sample is the start itself, without the rounding on the way to it and back.
             start = scenario.initial_state
             coordinates[0], rates[0] = start.coordinates, start.rates
-        numbers = (self.tolerances, self.agreed.local_tolerances, self.agreed.estimates)
         return trajectory(
             scenario,
             self.request,
             run,
             (coordinates, rates, forces),
             method="taylor",
-            accuracy=Accuracy(*(float(each[row]) for each in numbers)),
+            local_tolerance=float(self.agreed.local_tolerances[row]),
+            estimate=float(self.agreed.estimates[row]),
             watch=self.watch,
             seconds=self.seconds,
         )
@@ -173,15 +167,11 @@ class CompiledPart:
             return paper_arrays(group.disk, states)
         spin = group.numbers[:, None, SPIN]
         alpha = group.states[:, None, 3] + spin * (times - self.times[0])
-        found = np.empty((*times.shape, 12))
-        coordinates, rates = reduced.expanded(group.disk, spin, alpha, states.transpose(2, 0, 1))
-        for column, value in enumerate(coordinates + rates):
-            found[:, :, column] = value
-        return found[:, :, :6], found[:, :, 6:]
+        return reduced.expand(group.disk, spin, alpha, states)
 
 
 def simulate_compiled(
-    scenarios: Scenarios, tolerances: Sequence[float], request: Request
+    scenarios: Scenarios, request: Request
 ) -> tuple[list[CompiledPart], dict[int, Exception]]:
     """Motions of scenarios, those alike in structure together.
 
@@ -189,8 +179,6 @@ def simulate_compiled(
     ----------
     scenarios : Ensemble or sequence of Scenario
         The m members.
-    tolerances : sequence of m floats
-        See `Request.tolerance`.
     request : Request
 
     Returns
@@ -199,26 +187,23 @@ def simulate_compiled(
     dict
         From members to the errors that ended them; they are those of `simulate`.
     """
-    wanted, failures = np.asarray(tolerances), dict[int, Exception]()
-    rungs = {each: request.local_tolerances(each, "taylor") for each in set(tolerances)}
-    groups: defaultdict[tuple[Code, tuple[float, ...]], list[tuple[Rows, Array]]]
-    groups = defaultdict(list)
-    for rows, found in _in_arrays(scenarios, wanted, partial(_columns, request)):
+    failures: dict[int, Exception] = {}
+    groups: defaultdict[Code, list[tuple[Rows, Array]]] = defaultdict(list)
+    columns = partial(_columns, request)
+    every = (
+        scenarios.alike(columns)
+        if isinstance(scenarios, Ensemble)
+        else one_by_one(columns, scenarios, np.arange(len(scenarios)))
+    )
+    for rows, found in every:
         if isinstance(found, Exception):
-            failures |= dict.fromkeys(rows.tolist(), found)
+            failures[int(rows[0])] = found
             continue
-        code, columns = found
-        array = in_columns(columns, rows.size)
-        asked = [rungs[tolerances[row]] for row in rows.tolist()]
-        kinds = set(asked)
-        for kind in kinds:
-            some = slice(None) if len(kinds) == 1 else np.array([each == kind for each in asked])
-            groups[code, kind].append((rows[some], array[some]))
+        code, numbers = found
+        groups[code].append((rows, in_columns(numbers, rows.size)))
     parts = []
-    for (code, kind), pieces in groups.items():
-        rows, array = pieces[0]
-        if len(pieces) > 1:
-            rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
+    for code, pieces in groups.items():
+        rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
         group = _group(code, array)
         refused = {} if code.allow_pulling else _refused(group, scenarios, rows)
         if refused:
@@ -226,7 +211,7 @@ def simulate_compiled(
             group, failures = group.part(left), failures | _by_member(refused, rows)
             rows = rows[left]
         if rows.size:
-            part = _run((rows, _part(scenarios, rows)), group, kind, wanted[rows], request)
+            part = _run((rows, _part(scenarios, rows)), group, request)
             failed = part.agreed.failures
             failures |= _by_member(failed, rows)
             if len(failed) < rows.size:
@@ -251,32 +236,12 @@ def _part(scenarios: Scenarios, rows: Rows) -> Scenarios:
 Columns = tuple[Code, Sequence[float]]
 
 
-def _in_arrays(
-    scenarios: Scenarios, tolerances: Array, columns: Callable[[float, Scenario], Columns]
-) -> Iterator[tuple[Rows, Columns | Exception]]:
-    """Members and their numbers, those of an ensemble together, or the error of a single one."""
-    one_by_one = np.arange(len(scenarios))
-    if isinstance(scenarios, Ensemble):
-        doubtful = []
-        for rows, found in scenarios.alike(partial(columns, float(tolerances.min()))):
-            if isinstance(found, Exception):
-                doubtful += rows.tolist()
-            else:
-                yield rows, found
-        one_by_one = np.array(doubtful, dtype=int)
-    for row in one_by_one.tolist():
-        try:
-            yield np.array([row]), columns(float(tolerances[row]), scenarios[row])
-        except (ArithmeticError, ValueError) as error:
-            yield np.array([row]), error
-
-
-def _columns(request: Request, tolerance: float, scenario: Scenario) -> Columns:
+def _columns(request: Request, scenario: Scenario) -> Columns:
     """Code of a scenario, or of `Members`, and its numbers: see `_group`."""
     form = request.form or default_form(scenario)
     code = code_for(scenario, form, request.conditions, allow_pulling=request.allow_pulling)
     check_form(scenario, form)
-    effort = request.effort(scenario, tolerance, "taylor")
+    effort = request.effort(scenario, "taylor")
     start, numbers = start_values(scenario, "index-1"), systems.parameters(scenario)
     return code, (*start, *numbers, longest_step(scenario), effort.most)
 
@@ -302,13 +267,7 @@ def _refused(group: Group, scenarios: Scenarios, rows: Rows) -> dict[int, Except
     return found
 
 
-def _run(
-    members: tuple[Rows, Scenarios],
-    group: Group,
-    local_tolerances: Sequence[float],
-    tolerances: Array,
-    request: Request,
-) -> CompiledPart:
+def _run(members: tuple[Rows, Scenarios], group: Group, request: Request) -> CompiledPart:
     """Run a group; its single member as a call that is watched."""
     watch = request.watch(float(group.most[0])) if len(group) == 1 else None
     seconds: float | None = None
@@ -325,5 +284,6 @@ def _run(
             fine, coarse, group.attitudes, lambda runs: group.attitude_rates(some, runs.last)
         )
 
-    agreed = agree(run, estimated, tolerances, local_tolerances, "taylor")
-    return CompiledPart(*members, request, group, tolerances, agreed, watch, seconds)
+    rungs, tolerance = request.local_tolerances("taylor"), request.tolerance or inf
+    agreed = agree(run, estimated, len(group), tolerance, rungs, method="taylor")
+    return CompiledPart(*members, request, group, agreed, watch, seconds)

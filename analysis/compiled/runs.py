@@ -10,7 +10,6 @@ import numpy as np
 
 from analysis.compiled.code import Code
 from analysis.compiled.library import heyoka
-from analysis.compiled.stack import FasterPlace
 from analysis.compiled.systems import ALIVE, REASON, SINGULAR, SPIN, WHEN
 from analysis.data.checks import Array
 from analysis.data.endings import TIME_LIMIT
@@ -120,7 +119,6 @@ def integrate(
     longest = (part * group.longest[lanes]).tolist()
     grid = np.ascontiguousarray(np.broadcast_to(times[:, None], (times.size, width)))
     found, failed = Runs.empty(members.size, times, len(starts), code.reasons), list[int]()
-    place = FasterPlace()
     with code.integrator(local_tolerance, width) as (solver, edges):
         for first in range(0, members.size, width):
             some = slice(first, first + width)
@@ -134,7 +132,7 @@ def integrate(
             call = partial(solver.propagate_grid, grid, max_delta_t=longest[some])
             if watch is None:
                 most = int(group.most[lanes[some]].max())
-                _, samples = place.call(partial(call, max_steps=most))
+                _, samples = call(max_steps=most)
             else:
                 callback = _interruption(watch, float(times[-1]))
                 _, samples = call(max_steps=watch.steps_left, callback=callback)

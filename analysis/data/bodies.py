@@ -1,6 +1,5 @@
 """Bodies other than the round disk, and bodies by name."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
@@ -8,8 +7,8 @@ from analysis.data.body import PRODUCTS, Body, Triple
 from analysis.data.checks import number, within
 from analysis.data.disk import Disk
 from analysis.data.elementary import cos, sin, sqrt
-from analysis.data.names import ArgumentError, Named
-from analysis.data.own import made, own_class
+from analysis.data.names import ArgumentError
+from analysis.data.own import Kinds
 from analysis.data.quantities import QUANTITIES, default
 
 
@@ -94,40 +93,23 @@ class EllipticDisk(Body):
         return c * x - s * y, c * y + s * x, -(square * z) / height
 
 
-BODIES: dict[str, type[Body]] = Named(
+BODIES = Kinds[Body](
     "BODIES",
+    "body",
+    "body",
+    Body,
     dict(zip(QUANTITIES["disk.body"].choices, (Disk, Sphere, EllipticDisk), strict=True)),
 )
 """Bodies by name; others are `module:class`."""
 
 
-def body_class(name: Any) -> type[Body]:
-    """Class of a body by its name; see `body_from`."""
-    return own_class("body", name, BODIES, Body, "body")
-
-
 def body_values(body: Body) -> dict[str, Any]:
-    """Name and values of a body, to be stored; `body_from` makes it again."""
+    """Name and values of a body, to be stored; `BODIES.made` makes it again."""
     if isinstance(body, Disk) and body.parts is not None:
         return body.parts.values()
     values = {each.name: getattr(body, each.name) for each in fields(body)}
     told = {name: value for name, value in values.items() if value or name not in PRODUCTS}
-    names = {kind: name for name, kind in BODIES.items()}
-    name = names.get(type(body), f"{type(body).__module__}:{type(body).__qualname__}")
-    return told if type(body) is Disk else {"body": name} | told
-
-
-def body_from(values: Mapping[str, Any]) -> Body:
-    """Body from its name, `body`, one of `BODIES` or `module:class`, and its values.
-
-    Raises
-    ------
-    ValueError
-        If the body is unknown, or a value is missing, not one of its own, or out of range.
-    """
-    told = dict(values)
-    name = told.pop("body", default("disk.body"))
-    return made("body", name, body_class(name), told, "body")
+    return told if type(body) is Disk else {"body": BODIES.name_of(type(body))} | told
 
 
 _DIRECTIONS = ((0.0, 0.0, 1.0), (0.6, 0.0, -0.8), (0.0, -1.0, 0.0), (-0.48, 0.6, 0.64))
@@ -138,13 +120,9 @@ def check_surface(body: Body) -> None:
     """Raise if what a body says is no lowest point: one of one's own may say anything."""
     if type(body) in BODIES.values():
         return
-    name = body_values(body)["body"]
     deepest = body.radius * (1.0 + 1e-9)
-    try:
+    with BODIES.answering(body):
         for up in _DIRECTIONS[body.has_edge :]:
             point = [number(f"lowest_point({up})", each) for each in body.lowest_point(up)]
             depth = -sum(each * along for each, along in zip(point, up, strict=True))
             within(f"depth of lowest_point({up})", depth, 0.0, deepest)
-    except (Exception, SystemExit) as error:
-        said = str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
-        raise ArgumentError("body", said, f"body {name!r}:") from error

@@ -4,13 +4,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
-from analysis.data.bodies import body_from
+from analysis.data.bodies import BODIES
 from analysis.data.body import PRODUCTS, Body
 from analysis.data.checks import choice
 from analysis.data.constraint_set import MODELS
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import DISKS, STEEL_DISK, STEEL_RING, Disk
-from analysis.data.friction import FrictionLaw, law_class, law_from, law_values
+from analysis.data.friction import LAWS, FrictionLaw, law_values
 from analysis.data.names import ArgumentError
 from analysis.data.quantities import RING, SIX
 from analysis.data.scenario import Scenario
@@ -45,7 +45,7 @@ def check_field(scenario: Scenario, key: str, others: Mapping[str, Any]) -> None
         _check_disk(scenario.disk, [name, *varied])
     if table == "friction" and name != "law":
         law = others.get("friction.law")
-        kind = type(scenario.friction) if law is None else law_class(law)
+        kind = type(scenario.friction) if law is None else LAWS.find(law)
         choice(key, name, [each.name for each in fields(kind)])
     if key == "constraints" and "model" in others:
         raise ArgumentError(key, "do not go together with model")
@@ -101,7 +101,7 @@ def _disk(disk: Body, values: Numbers) -> Body:
         return Disk.ring(**values)
     if "body" in values:
         shared = {each.name: getattr(disk, each.name) for each in fields(Body)}
-        return body_from(shared | values)
+        return BODIES.made(**(shared | values))
     if name is not None:
         disk = DISKS[choice("name", name, DISKS)]
     _check_disk(disk, values)
@@ -151,7 +151,7 @@ def _friction(law: FrictionLaw, values: Numbers) -> FrictionLaw:
     told = law_values(law)
     if values.get("law", told["law"]) != told["law"]:
         told = {"load": law.load}
-    return law_from(told | values)
+    return LAWS.made(**(told | values))
 
 
 def _contact(disk: Body, values: Numbers) -> PenaltyContact:

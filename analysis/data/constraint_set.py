@@ -5,7 +5,11 @@ from itertools import combinations
 
 from analysis.data.checks import choice
 from analysis.data.names import ArgumentError, Named
-from analysis.data.quantities import CONSTRAINTS, Constraint, Level
+from analysis.data.quantities import CONSTRAINTS, HELD, Constraint, Level
+
+_VELOCITIES = 6
+
+_STUDIED = tuple(name for name in CONSTRAINTS[1:] if HELD[name].rate != "beta")
 
 ConstraintSet = tuple[Constraint, ...]
 """Distinct constraints in the order of `CONSTRAINTS`, as `constraint_set` makes them."""
@@ -21,18 +25,13 @@ MODELS: dict[Level, ConstraintSet] = Named(
 )
 """The paper's models, Table 2."""
 
-_FORCES: dict[Constraint, tuple[str, ...]] = {
-    "contact": ("normal_force",),
-    "fixed-cog": ("cog_force_x", "cog_force_y"),
-    "no-slip-along": ("tangential_force",),
-    "no-slip-across": ("lateral_force",),
-    "constant-spin": ("spin_torque",),
-}
+DEMANDS = {name: says for held in HELD.values() for name, says in held.demands.items()}
+"""What each constraint force keeps, by its name; see `Held`."""
 
-MULTIPLIERS = tuple(name for names in _FORCES.values() for name in names)
+MULTIPLIERS = tuple(DEMANDS)
 """Constraint forces in order, all in R-frame axes."""
 
-PRESCRIBED: dict[str, str] = {"spin_torque": "alpha"}
+PRESCRIBED = {name: held.rate for held in HELD.values() for name in held.demands if held.rate}
 """Constraint forces that do work, and the coordinate whose rate each keeps as it is. All others
 hold velocities at zero."""
 
@@ -64,21 +63,15 @@ def constraint_set(constraints: Iterable[Constraint]) -> ConstraintSet:
             "must hold 'contact': without it the disk falls freely and has no contact point to "
             f"slip or to rub, got {', '.join(given) or 'none'}",
         )
-    if len(given) == len(CONSTRAINTS):
+    ordered = tuple(each for each in CONSTRAINTS if each in given)
+    count = len(multiplier_names(ordered))
+    if count >= _VELOCITIES:
         raise ArgumentError(
             "constraints",
-            "must leave the disk a freedom: all of them are six conditions on its six velocities, "
-            "so that forces no longer matter; leave one out",
+            f"must leave the disk a freedom: these are {count} conditions on its {_VELOCITIES} "
+            "velocities, so that forces no longer matter; leave one out",
         )
-    return tuple(each for each in CONSTRAINTS if each in given)
-
-
-POSSIBLE_SETS: tuple[ConstraintSet, ...] = tuple(
-    constraint_set(("contact", *others))
-    for count in range(len(CONSTRAINTS) - 1)
-    for others in combinations(CONSTRAINTS[1:], count)
-)
-"""All sets that leave the disk on the table and a freedom of motion, smaller ones first."""
+    return ordered
 
 
 def multiplier_names(constraints: ConstraintSet) -> tuple[str, ...]:
@@ -90,12 +83,23 @@ def multiplier_names(constraints: ConstraintSet) -> tuple[str, ...]:
     >>> multiplier_names(MODELS[3])
     ('normal_force', 'cog_force_x', 'cog_force_y', 'tangential_force')
     """
-    return tuple(name for each in constraints for name in _FORCES[each])
+    return tuple(name for each in constraints for name in HELD[each].demands)
 
 
-def prescribed(constraints: ConstraintSet) -> tuple[str, ...]:
-    """Names of those constraint forces of a set that do work, of `PRESCRIBED`."""
-    return tuple(name for name in multiplier_names(constraints) if name in PRESCRIBED)
+POSSIBLE_SETS: tuple[ConstraintSet, ...] = tuple(
+    constraint_set(("contact", *others))
+    for count in range(len(_STUDIED))
+    for others in combinations(_STUDIED, count)
+)
+"""Sets of the first five constraints that leave a freedom of motion, smaller ones first.
+
+The studies go through all of them; sets that also hold the rate of the tilt are possible beside.
+"""
+
+
+def prescribed(constraints: ConstraintSet) -> dict[str, str]:
+    """Constraint forces of a set that do work, and the coordinates whose rates they keep."""
+    return {name: PRESCRIBED[name] for name in multiplier_names(constraints) if name in PRESCRIBED}
 
 
 def model_of(constraints: ConstraintSet) -> Level | None:

@@ -14,7 +14,7 @@ from analysis.data.checks import number as finite
 from analysis.data.described import checked
 from analysis.data.elementary import cos, hypot, sin, sqrt
 from analysis.data.names import ArgumentError, Named, check_names
-from analysis.data.quantities import PLATE, QUANTITIES, RING, default
+from analysis.data.quantities import QUANTITIES, RING, default
 
 CENTRED = 1e-12
 """Part of the radius below which a centre of gravity lies in the middle, but for rounding."""
@@ -306,11 +306,11 @@ def _checked(
     masses: Iterable[Iterable[float]],
 ) -> Parts:
     """Parts of a disk, or `ArgumentError`."""
-    sizes = zip(PLATE, _three("plate", plate), strict=True)
+    sizes = _part("plate", plate)._asdict().items()
     parts = Parts(
         Plate(*(checked(QUANTITIES[f"disk.{name}"], value) for name, value in sizes)),
-        tuple(Hole(*_three("holes", each)) for each in holes),
-        tuple(PointMass(*_three("masses", each)) for each in masses),
+        tuple(_part("holes", each) for each in holes),
+        tuple(_part("masses", each) for each in masses),
     )
     reach = parts.plate.radius
     for number, hole in enumerate(parts.holes):
@@ -329,16 +329,13 @@ def _checked(
     return parts
 
 
-def _three(name: str, values: Any) -> list[float]:
-    """Three numbers, or `ArgumentError`."""
+def _part(name: str, values: Any) -> Any:
+    """A plate, a hole or a mass of three numbers, or `ArgumentError`."""
+    kind: Any = {"plate": Plate, "holes": Hole, "masses": PointMass}[name]
     given = list(values) if isinstance(values, Iterable) and not isinstance(values, str) else []
     if len(given) != 3:
-        what = ", ".join(PLATE if name == "plate" else _FORMS[name]._fields)
-        raise ArgumentError(name, f"must hold {what}, got {values!r}")
-    return [finite(name, each) for each in given]
-
-
-_FORMS: dict[str, Any] = {"holes": Hole, "masses": PointMass}
+        raise ArgumentError(name, f"must hold {', '.join(kind._fields)}, got {values!r}")
+    return kind(*(finite(name, each) for each in given))
 
 
 def _mass_properties(parts: Parts) -> tuple[Any, tuple[Any, Any], tuple[Any, Any, Any, Any]]:

@@ -1,7 +1,7 @@
 """Many scenarios that differ in some fields, told by arrays."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -80,12 +80,11 @@ class Ensemble:
 
     def _refused(self) -> Iterator[tuple[int, Exception]]:
         """Members that are no scenarios, in order, and why."""
-        doubtful = [rows for rows, made in self.alike(_itself) if isinstance(made, Exception)]
-        for member in sorted(np.concatenate(doubtful).tolist() if doubtful else []):
-            try:
-                _ = self[member]
-            except (ArithmeticError, ValueError) as error:
-                yield member, error
+        groups = self._alike(_itself)
+        doubtful = [row for rows, made in groups if isinstance(made, Exception) for row in rows]
+        for rows, made in one_by_one(_itself, self, np.sort(np.array(doubtful, dtype=int))):
+            if isinstance(made, Exception):
+                yield int(rows[0]), made
 
     @classmethod
     def sieved(
@@ -152,8 +151,16 @@ class Ensemble:
         rows : ndarray of int, shape (k,)
             Numbers of members.
         result
-            Of the function, or the error that it ended in.
+            Of the function, or the error that it ended in for a single member.
         """
+        for rows, result in self._alike(function):
+            if isinstance(result, Exception):
+                yield from one_by_one(function, self, rows)
+            else:
+                yield rows, result
+
+    def _alike(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T | Exception]]:
+        """The same, where an error may be that of some of several members alone."""
         numbers = {name: each for name, each in self.fields.items() if each.dtype.kind == "f"}
         pending = list(self._by_words())
         while pending:
@@ -171,12 +178,11 @@ class Ensemble:
                 yield rows, result
 
     def groups(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T]]:
-        """The same, with those that end in an error called for one by one, which may raise it."""
+        """The same, where an error is raised."""
         for rows, result in self.alike(function):
             if isinstance(result, Exception):
-                yield from ((np.array([row]), function(self[row])) for row in rows.tolist())
-            else:
-                yield rows, result
+                raise result
+            yield rows, result
 
     def numbers(self, function: Callable[[Scenario], float]) -> Array:
         """Number of each member that a function tells of its scenario, shape (m,)."""
@@ -203,6 +209,17 @@ class Ensemble:
 
 def _itself(scenario: Scenario) -> Scenario:
     return scenario
+
+
+def one_by_one(
+    function: Callable[[Scenario], T], scenarios: Ensemble | Sequence[Scenario], rows: Rows
+) -> Iterator[tuple[Rows, T | Exception]]:
+    """Call a function for single scenarios; see `Ensemble.alike`."""
+    for row in rows.tolist():
+        try:
+            yield np.array([row]), function(scenarios[row])
+        except (ArithmeticError, ValueError) as error:
+            yield np.array([row]), error
 
 
 def _values(name: str, given: npt.ArrayLike) -> Values:

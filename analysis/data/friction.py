@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 from analysis.data.checks import choice, not_negative, number, positive, within
 from analysis.data.described import Described
 from analysis.data.elementary import exp, hypot, tanh
-from analysis.data.names import ArgumentError, Named
-from analysis.data.own import made, own_class
+from analysis.data.names import ArgumentError
+from analysis.data.own import Kinds
 from analysis.data.quantities import LOADS, QUANTITIES, STEEPEST_FRICTION, Load, default
 
 _LITTLE = 1e-7
@@ -81,7 +81,7 @@ class FrictionLaw(Described):
         fault = f"has no force for each newton of load and each m/s of slip, got {speed:g} m/s"
         if self.is_simple:
             fault = "must say per_speed or force"
-        raise ArgumentError("law", fault, f"friction law {law_values(self)['law']!r}")
+        raise ArgumentError("law", fault, f"friction law {LAWS.name_of(type(self))!r}")
 
     def per_speed_slope(self, speed: float) -> float:
         """Derivative of `per_speed` by the speed in s²/m², at no slip that to the right.
@@ -137,12 +137,11 @@ class FrictionLaw(Described):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Regularised(FrictionLaw):
-    """Coulomb friction of one coefficient, smoothed over a slip speed."""
+class _Smoothed(FrictionLaw):
+    """Friction that sets in over a slip speed."""
 
     TABLE = "friction"
 
-    coefficient: float = default("friction.coefficient")
     smoothing: float = default("friction.smoothing")
 
     def __post_init__(self) -> None:
@@ -152,6 +151,13 @@ class _Regularised(FrictionLaw):
     def finest_speed(self) -> float:
         """Slip speed in m/s over which the law bends."""
         return self.smoothing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Regularised(_Smoothed):
+    """Coulomb friction of one coefficient, smoothed over a slip speed."""
+
+    coefficient: float = default("friction.coefficient")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,7 +189,7 @@ class SmoothCoulomb(_Regularised):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stribeck(FrictionLaw):
+class Stribeck(_Smoothed):
     """Smooth Coulomb friction whose coefficient falls from a static to a kinetic value.
 
     The coefficient at a slip speed v is
@@ -207,19 +213,16 @@ class Stribeck(FrictionLaw):
         If a value is out of range.
     """
 
-    TABLE = "friction"
-
     static: float = default("friction.static")
     kinetic: float = default("friction.kinetic")
     stribeck_speed: float = default("friction.stribeck_speed")
-    smoothing: float = default("friction.smoothing")
 
     def __post_init__(self) -> None:
         if self.kinetic > self.static:
             raise ArgumentError(
                 "kinetic", f"must not exceed static = {self.static:g}, got {self.kinetic:g}"
             )
-        check_steepness(self, self.smoothing)
+        _Smoothed.__post_init__(self)
 
     def per_speed(self, speed: float) -> float:
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
@@ -318,7 +321,7 @@ class ViscousFriction(FrictionLaw):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AnisotropicCoulomb(FrictionLaw):
+class AnisotropicCoulomb(_Smoothed):
     """Smooth Coulomb friction with two coefficients, along the edge of the disk and across it.
 
     With M = diag(along, across) the force is -load * M² slip / (‖M slip‖ + max(M) * smoothing).
@@ -341,26 +344,16 @@ class AnisotropicCoulomb(FrictionLaw):
         If a value is out of range.
     """
 
-    TABLE = "friction"
     IS_ISOTROPIC = False
 
     along: float = default("friction.along")
     across: float = default("friction.across")
-    smoothing: float = default("friction.smoothing")
-
-    def __post_init__(self) -> None:
-        check_steepness(self, self.smoothing)
 
     def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
         """Force in N; see `FrictionLaw`."""
         x, y = self.along * along, self.across * across
         factor = -load / (hypot(x, y) + max(self.along, self.across) * self.smoothing)
         return factor * self.along * x, factor * self.across * y
-
-    @property
-    def finest_speed(self) -> float:
-        """Slip speed in m/s over which the law bends."""
-        return self.smoothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -433,8 +426,11 @@ class LubricatedCoulomb(_Regularised):
         return factor * along, factor * across
 
 
-LAWS: dict[str, type[FrictionLaw]] = Named(
+LAWS = Kinds[FrictionLaw](
     "LAWS",
+    "friction law",
+    "law",
+    FrictionLaw,
     dict(
         zip(
             QUANTITIES["friction.law"].choices,
@@ -455,42 +451,15 @@ LAWS: dict[str, type[FrictionLaw]] = Named(
 
 
 def law_values(law: FrictionLaw) -> dict[str, Any]:
-    """Name and parameters of a law, to be stored; `law_from` makes it again."""
-    names = {kind: name for name, kind in LAWS.items()}
-    name = names.get(type(law), f"{type(law).__module__}:{type(law).__qualname__}")
-    return {"law": name} | asdict(law)
-
-
-def law_from(values: dict[str, Any]) -> FrictionLaw:
-    """Law from its name and parameters.
-
-    Parameters
-    ----------
-    values : dict
-        `law`, one of `LAWS` or `module:class`, and the parameters of that law. A module that is
-        named is imported, which runs it, but within `analysis.data.own.foreign_names`.
-
-    Raises
-    ------
-    ValueError
-        If the law is unknown or a parameter is not one of its own, or out of range.
-    """
-    parameters = dict(values)
-    name = parameters.pop("law", default("friction.law"))
-    return made("friction law", name, law_class(name), parameters, "law")
-
-
-def law_class(name: Any) -> type[FrictionLaw]:
-    """Class of a law by its name; see `law_from`."""
-    return own_class("friction law", name, LAWS, FrictionLaw, "law")
+    """Name and parameters of a law, to be stored; `LAWS.made` makes it again."""
+    return {"law": LAWS.name_of(type(law))} | asdict(law)
 
 
 def check_answers(law: FrictionLaw) -> None:
     """Raise if what a law says is no friction: one of one's own may say anything."""
-    name = law_values(law)["law"]
-    if name in LAWS:
+    if type(law) in LAWS.values():
         return
-    try:
+    with LAWS.answering(law):
         positive("finest_speed", law.finest_speed)
         if law.is_simple:
             gradient = not_negative("per_speed(0)", law.per_speed(0.0))
@@ -499,9 +468,6 @@ def check_answers(law: FrictionLaw) -> None:
             for load in _LOADS:
                 within("slope of force at no slip", law.slope(load) / load, 0.0, STEEPEST_FRICTION)
                 _check_force(law, law.finest_speed, load)
-    except (Exception, SystemExit) as error:
-        said = str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
-        raise ArgumentError("law", said, f"friction law {name!r}:") from error
 
 
 _SPEEDS = tuple(10.0**power for power in range(-6, 2))
@@ -515,7 +481,7 @@ def check_slipping(law: FrictionLaw) -> None:
     """
     if type(law) in LAWS.values():
         return
-    name = law_values(law)["law"]
+    name = LAWS.name_of(type(law))
     for speed in _SPEEDS:
         if law.is_simple:
             not_negative(f"per_speed({speed:g}) of friction law {name!r}", law.per_speed(speed))

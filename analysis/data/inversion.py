@@ -1,6 +1,5 @@
 """Whether, and when, the disk turns itself upside down and stays so."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -78,8 +77,7 @@ class Inversion:
             If the times do not increase.
         """
         arrays = (increasing_times(times), cog_direction, rates)
-        times, cog_direction, rates = (np.asarray(each)[None] for each in arrays)
-        return inversions(times, cog_direction, lambda rows: rates[rows])[0]
+        return inversions(*(np.asarray(each)[None] for each in arrays))[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,17 +112,15 @@ class Inversions:
 def inversions(
     times: Array,
     cog_directions: Array,
-    rates_of: Callable[[Numbers], Array],
+    rates: Array,
     eccentricities: Array | None = None,
 ) -> Inversions:
     """Judge many motions as `Inversion.of_direction` does one.
 
     Parameters
     ----------
-    times, cog_directions : ndarray, shape (m, n)
+    times, cog_directions, rates : ndarray, shape (m, n)
         See `Inversion.of_direction`; behind the end of a motion its last sample is repeated.
-    rates_of : callable
-        From numbers of motions, shape (j,), to the rates of their directions, shape (j, n).
     eccentricities : ndarray, shape (m,), optional
         Of the disks in m; one without is never inverted.
     """
@@ -134,7 +130,7 @@ def inversions(
     is_high = (cog_directions >= REACHED - _LAST_DIGITS).any(axis=1)
     rose = np.flatnonzero(is_high if eccentricities is None else is_high & (eccentricities > 0.0))
     if rose.size:
-        risen = _Risen(times[rose], cog_directions[rose], rates_of(rose))
+        risen = _Risen(times[rose], cog_directions[rose], rates[rose])
         outcomes[rose[risen.is_up_at_end]] = "not decided"
         rows, found = risen.judged()
         outcomes[rose[rows]] = np.where(np.isnan(found[1]), "inverted", "lost")

@@ -16,10 +16,9 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.checks import Array
-from analysis.data.constraint_set import MULTIPLIERS
 from analysis.data.dissipation import CAUSES
 from analysis.data.frames import Poses
-from analysis.data.members import Rows
+from analysis.data.quantities import HELD
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 
@@ -37,7 +36,7 @@ FILLED: Mapping[str, Columns] = {
     "times": {"time": "s"},
     "coordinates": _LENGTHS,
     "rates": {f"{name}_rate": f"{unit}/s" for name, unit in _LENGTHS.items()},
-    "multipliers": {name: "N m" if name == "spin_torque" else "N" for name in MULTIPLIERS},
+    "multipliers": {name: held.unit for held in HELD.values() for name in held.demands},
     "positions": _named("position", "xyz", "m"),
     "quaternions": _named("quaternion", "wxyz", ""),
     "velocities": _named("velocity", "xyz", "m/s"),
@@ -105,10 +104,6 @@ class Quantities(ABC):
         axis, angular = self.poses.rotations[..., 0], self.poses.angular_velocities
         result: Array = angular[..., 0] * axis[..., 1] - angular[..., 1] * axis[..., 0]
         return result
-
-    def direction_rates(self, some: Rows) -> Array:
-        """Rate of `cog_direction` of some of many motions in 1/s, shape (k, n)."""
-        return np.atleast_2d(self.cog_direction_rate)[some]
 
     @quantity()
     def face(self) -> Array:

@@ -52,8 +52,8 @@ cog_direction_end, face_end
 force_least, force_largest
     Normal force over the samples.
 energy_start, energy_end, taken_..., brought_by_...
-    Kinetic, gravitational and elastic energy; what each cause took; and what the torque that
-    keeps the spin constant brought. Empty where a motion does not hold it.
+    Kinetic, gravitational and elastic energy; what each cause took; and what the torques that
+    keep a rate constant brought. Empty where a motion does not hold it.
 rolling_from, flat_from, rest_from
     As `Phases` says, of motions to rest.
 ending, end

@@ -8,7 +8,7 @@ from dataclasses import fields
 from importlib import import_module
 from typing import Any, TypeVar
 
-from analysis.data.names import ArgumentError, nearest
+from analysis.data.names import ArgumentError, Named, nearest
 
 T = TypeVar("T")
 
@@ -45,9 +45,7 @@ def own_object(what: str, name: str, argument: str = "") -> Any:
     try:
         return getattr(import_module(module), attribute)
     except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
-        kind = type(error).__name__
-        said = error if isinstance(error, ImportError | AttributeError) else f"{kind}: {error}"
-        fault = f"cannot be loaded: {said}"
+        fault = f"cannot be loaded: {_said(error, ImportError, AttributeError)}"
         raise ArgumentError(argument or what, fault, f"{what} {name!r}") from error
 
 
@@ -61,68 +59,88 @@ def foreign_names() -> Iterator[None]:
         _FOREIGN.reset(token)
 
 
-def own_class(
-    what: str, name: Any, known: Mapping[str, type[T]], base: Any, argument: str
-) -> type[T]:
-    """Class by its name: a known one, or one of the user's own.
+class Kinds(Named[str, type[T]]):
+    """Classes of one kind by their names; those of a user's own go by `module:class`.
 
     Parameters
     ----------
-    what : str
-        What to call it in an error, such as "friction law".
     name : str
-        One of the known ones, or `module:class`.
-    known : mapping
-        Classes by name.
+        What to call them all.
+    what : str
+        What to call one in an error, such as "friction law".
+    key : str
+        What gives the name of the class: an argument, and a key of stored values.
     base : type
         What a class of one's own must derive from.
-    argument : str
-        That gives the name.
-
-    Raises
-    ------
-    ArgumentError
-        If there is none, or it is another.
+    entries : mapping
+        The first one is meant where no name is given.
     """
-    if isinstance(name, str) and name in known:
-        return known[name]
-    if not is_own(name):
-        fault = f"must be one of {', '.join(known)} or module:class, got {name!r}"
-        raise ArgumentError(argument, fault + nearest(name, known), what)
-    kind = own_object(what, name, argument)
-    if not isinstance(kind, type) or not issubclass(kind, base):
-        fault = f"must be a class derived from {base.__name__}"
-        raise ArgumentError(argument, fault, f"{what} {name!r}")
-    return kind
+
+    def __init__(
+        self, name: str, what: str, key: str, base: Any, entries: Mapping[str, type[T]]
+    ) -> None:
+        super().__init__(name, dict(entries))
+        self._what, self._key, self._base = what, key, base
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._name, self._what, self._key, self._base, dict(self))
+
+    def find(self, name: Any) -> type[T]:
+        """Class of this name; `ArgumentError` if there is none, or it is another."""
+        if isinstance(name, str) and name in self:
+            return self[name]
+        if not is_own(name):
+            fault = f"must be one of {', '.join(self)} or module:class, got {name!r}"
+            raise ArgumentError(self._key, fault + nearest(name, self), self._what)
+        kind = own_object(self._what, name, self._key)
+        if not isinstance(kind, type) or not issubclass(kind, self._base):
+            fault = f"must be a class derived from {self._base.__name__}"
+            raise ArgumentError(self._key, fault, f"{self._what} {name!r}")
+        return kind
+
+    def name_of(self, kind: type[T]) -> str:
+        """Name by which `find` finds a class."""
+        names = {each: name for name, each in self.items()}
+        return names.get(kind, f"{kind.__module__}:{kind.__qualname__}")
+
+    def made(self, **given: Any) -> T:
+        """Object of a class, which may be of one's own, from its name and its fields.
+
+        A module that is named is imported, which runs it, but within `foreign_names`.
+
+        Raises
+        ------
+        ArgumentError
+            If the class is unknown, or a field missing, not one of its own, or out of range.
+        """
+        name = given.pop(self._key, next(iter(self)))
+        kind = self.find(name)
+        known: list[str] = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+        for each in given:
+            if each not in known:
+                raise ArgumentError(
+                    each,
+                    f"is no parameter of the {self._what} {name}, which takes {', '.join(known)}"
+                    f"{nearest(each, known)}",
+                )
+        try:
+            return kind(**given)
+        except ValueError:
+            raise
+        except (Exception, SystemExit) as error:
+            fault = f"cannot be made: {_said(error, TypeError)}"
+            raise ArgumentError(self._key, fault, f"{self._what} {name!r}") from error
+
+    @contextmanager
+    def answering(self, one: T) -> Iterator[None]:
+        """Tell whatever is wrong with what an object of one's own says as a fault of its class."""
+        try:
+            yield
+        except (Exception, SystemExit) as error:
+            subject = f"{self._what} {self.name_of(type(one))!r}:"
+            raise ArgumentError(self._key, _said(error, ValueError), subject) from error
 
 
-def made(what: str, name: str, kind: type[T], values: Mapping[str, Any], argument: str) -> T:
-    """Object of a class, which may be of one's own, from its fields.
-
-    Parameters
-    ----------
-    what, name, argument : str
-        As in `own_class`.
-    kind : type
-    values : mapping
-
-    Raises
-    ------
-    ArgumentError
-        If a field is missing, not one of its own, or out of range.
-    """
-    known: list[str] = [field.name for field in fields(kind)]  # type: ignore[arg-type]
-    for given in values:
-        if given not in known:
-            raise ArgumentError(
-                given,
-                f"is no parameter of the {what} {name}, which takes {', '.join(known)}"
-                f"{nearest(given, known)}",
-            )
-    try:
-        return kind(**values)
-    except ValueError:
-        raise
-    except (Exception, SystemExit) as error:
-        said = error if isinstance(error, TypeError) else f"{type(error).__name__}: {error}"
-        raise ArgumentError(argument, f"cannot be made: {said}", f"{what} {name!r}") from error
+def _said(error: BaseException, *plain: type[Exception]) -> str:
+    """What an error says, with its kind unless that is one of these."""
+    return str(error) if isinstance(error, plain) else f"{type(error).__name__}: {error}"

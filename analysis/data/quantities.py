@@ -12,13 +12,51 @@ from typing import Any, Literal, NamedTuple, get_args
 Load = Literal["weight", "contact"]
 LOADS: tuple[Load, ...] = get_args(Load)
 
-Constraint = Literal["contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin"]
-CONSTRAINTS: tuple[Constraint, ...] = get_args(Constraint)
-"""In the order of their rows and multipliers.
+Constraint = Literal[
+    "contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin", "held-tilt-rate"
+]
+
+
+class Held(NamedTuple):
+    """What a constraint holds, and by which forces.
+
+    Parameters
+    ----------
+    demands : dict
+        From the name of each multiplier, in R-frame axes, to the condition that it keeps.
+    unit : str
+        Of the multipliers.
+    rate : str
+        Coordinate whose rate stays that of the start, so that its multiplier does work; empty
+        where velocities are held at zero.
+    """
+
+    demands: dict[str, str]
+    unit: str = "N"
+    rate: str = ""
+
+
+HELD: dict[Constraint, Held] = {
+    "contact": Held({"normal_force": "contact g_N = z - r sin(beta) = 0"}),
+    "fixed-cog": Held(
+        {
+            "cog_force_x": "fixed centre of gravity g_Sx = x + e cos(gamma) = 0",
+            "cog_force_y": "fixed centre of gravity g_Sy = y + e cos(beta) sin(gamma) = 0",
+        }
+    ),
+    "no-slip-along": Held({"tangential_force": "no tangential slip gamma_x = 0"}),
+    "no-slip-across": Held({"lateral_force": "no lateral slip gamma_y = 0"}),
+    "constant-spin": Held({"spin_torque": "constant spin gamma_alpha = 0"}, "N m", "alpha"),
+    "held-tilt-rate": Held({"tilt_torque": "constant rate of beta"}, "N m", "beta"),
+}
+"""Constraints by name, in the order of their rows and multipliers.
 
 The disk touches the table; its centre of gravity stays above one point; its contact point does
-not slip along the edge (the direction e_x of the R-frame), or across it; its spin is constant.
+not slip along the edge (the direction e_x of the R-frame), or across it; its spin is constant;
+and it tilts at a constant rate.
 """
+
+CONSTRAINTS: tuple[Constraint, ...] = tuple(HELD)
 
 Level = Literal[1, 2, 3, 4]
 LEVELS: tuple[Level, ...] = get_args(Level)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, asdict, dataclass, fields
 from typing import Any
 
-from analysis.data.bodies import body_class, body_from, body_values, check_surface
+from analysis.data.bodies import BODIES, body_values, check_surface
 from analysis.data.body import PRODUCTS, Body
 from analysis.data.checks import choice, instance
 from analysis.data.constraint_set import (
@@ -18,14 +18,7 @@ from analysis.data.contact import PenaltyContact
 from analysis.data.described import Described
 from analysis.data.disk import DISKS, STEEL_DISK, Disk
 from analysis.data.dissipation import Dissipation
-from analysis.data.friction import (
-    FrictionLaw,
-    SmoothCoulomb,
-    check_answers,
-    law_class,
-    law_from,
-    law_values,
-)
+from analysis.data.friction import LAWS, FrictionLaw, SmoothCoulomb, check_answers, law_values
 from analysis.data.names import ArgumentError, nearest
 from analysis.data.quantities import PLATE, RING, SIX, Level, default, of_table
 from analysis.data.start import Start
@@ -331,10 +324,8 @@ def _form(table: str, values: Mapping[str, Any]) -> tuple[Callable[..., Any], Na
     if table == "disk":
         return _disk_form(values)
     if table == "friction":
-        known = [
-            each.name for each in fields(law_class(values.get("law", default("friction.law"))))
-        ]
-        return lambda **law: law_from(law), ("law", *known), ()
+        law = LAWS.find(values.get("law", default("friction.law")))
+        return LAWS.made, ("law", *(each.name for each in fields(law))), ()
     kind: Any = KINDS.get(table, Start)
     if table == "start" and ("coordinates" in values or "rates" in values):
         kind = State
@@ -348,18 +339,14 @@ def _disk_form(values: Mapping[str, Any]) -> tuple[Callable[..., Any], Names, Na
     if "name" in values:
         return lambda name: DISKS[choice("name", name, DISKS)], ("name",), ()
     if values.get("body", "disk") != "disk":
-        of_body = fields(body_class(values["body"]))
+        of_body = fields(BODIES.find(values["body"]))
         needed = tuple(each.name for each in of_body if each.default is MISSING)
-        return _body, ("body", *(each.name for each in of_body)), needed
+        return BODIES.made, ("body", *(each.name for each in of_body)), needed
     if "holes" in values or "masses" in values:
         return _composed, (*PLATE, "holes", "masses"), PLATE
     if any(name in values for name in RING[1:]):
         return Disk.ring, RING, RING
-    return _body, ("body", *SIX, *PRODUCTS), SIX
-
-
-def _body(**values: Any) -> Body:
-    return body_from(values)
+    return BODIES.made, ("body", *SIX, *PRODUCTS), SIX
 
 
 def _composed(*, holes: Any = (), masses: Any = (), **plate: Any) -> Disk:

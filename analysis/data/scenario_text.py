@@ -1,22 +1,18 @@
 """The commented text of a scenario's file."""
 
 import json
-from collections.abc import Iterator
 from dataclasses import asdict
 from math import isfinite
 from numbers import Integral, Real
 from typing import Any
 
 from analysis.data.angles import spelled_angle
-from analysis.data.bodies import body_values
-from analysis.data.body import PRODUCTS, Body
+from analysis.data.body import PRODUCTS
 from analysis.data.constraint_set import MODELS
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import STEEL_RING, Disk
-from analysis.data.friction import law_values
-from analysis.data.quantities import CONSTRAINTS, PLATE, QUANTITIES, RING, SIX
+from analysis.data.disk import STEEL_RING
+from analysis.data.quantities import CONSTRAINTS, QUANTITIES, SIX, of_table
 from analysis.data.scenario import Scenario
-from analysis.data.start import Start
 from analysis.data.state import COORDINATES
 
 FORMAT = 1
@@ -28,15 +24,28 @@ _HEAD = f"""\
 format = {FORMAT}
 """
 
-_IDEAL = """\
+_ABOUT = {
+    "disk": """\
+# A disk by its name; a disk of uniform density: radius, thickness and density with one hole, or
+# in place of that with several, [x, y, radius], and small masses, [x, y, mass]; any disk:
+# radius, mass, eccentricity and moments of inertia; or another body, which takes its values too.
+""",
+    "friction": f"""\
+# Laws: {QUANTITIES["friction.law"].allowed}.
+""",
+    "table": "",
+    "contact": """\
 # Without this table the disk neither leaves the table nor sinks into it (ideal contact).
 # With it, the contact is a spring and a damper at the lowest point; for Model 1.
-"""
-
-_START = """\
+""",
+    "dissipation": """\
+# What else takes energy, on the contact of [contact].
+""",
+    "start": f"""\
 # What is left out follows from the rest and from the constraints. A start may also be told by
-# all of its coordinates and rates: coordinates = [{}] and rates = [...].
-"""
+# all of its coordinates and rates: coordinates = [{", ".join(COORDINATES)}] and rates = [...].
+""",
+}
 
 _OWN = {"friction": "of this law", "disk": "of this body"}
 _OF_LIST = {
@@ -67,17 +76,9 @@ def scenario_text(scenario: Scenario) -> str:
     >>> "spin = 35.0" in scenario_text(Scenario(start=Start(spin=35.0)))
     True
     """
-    parts = (
-        _HEAD + "\n" + _constraints(scenario),
-        "[disk]\n" + "".join(_disk(scenario.disk)),
-        "[friction]\n" + _friction(law_values(scenario.friction)),
-        "[table]\n" + _lines("table", asdict(scenario.table)),
-        _contact(scenario),
-        "# What else takes energy, on the contact of [contact].\n[dissipation]\n"
-        + _lines("dissipation", asdict(scenario.dissipation)),
-        "".join(_start(scenario)),
-    )
-    return "\n".join(parts)
+    told, usual = scenario.values(), _usual(scenario)
+    tables = (_table(name, told.get(name), usual.get(name, {})) for name in _ABOUT)
+    return "\n".join((_HEAD, _constraints(scenario), *tables))
 
 
 def _constraints(scenario: Scenario) -> str:
@@ -88,74 +89,40 @@ def _constraints(scenario: Scenario) -> str:
     return (
         "# What holds the disk: a model of the paper, each of which adds a constraint\n"
         f"# ({model}), or in place of it\n"
-        f'# "contact" and some, not all, of {others}.\n'
+        f'# "contact" and some, not all, of\n# {others}.\n'
         f"{'# ' if level is None else ''}model = {level or 1}\n"
         f"{'' if level is None else '# '}constraints = {names}\n"
     )
 
 
-def _disk(disk: Body) -> Iterator[str]:
-    told = body_values(disk)
-    is_disk = isinstance(disk, Disk)
-    parts = disk.parts if isinstance(disk, Disk) else None
-    ring, is_ring = STEEL_RING | (told if parts else {}), "hole_radius" in told
-    yield "# What it is. Other bodies than a disk take their values from here:\n"
-    yield _lines("disk", {"body": "disk"} | ({} if is_disk else told), off=is_disk)
-    yield "# A disk of uniform density with a round hole:\n"
-    for name in RING:
-        off = parts is None or not (is_ring or name in PLATE)
-        yield _lines("disk", {name: ring[name]}, off=off)
-    yield "# In place of its hole, several holes [x, y, radius] and small masses [x, y, mass]:\n"
-    lists = {name: told.get(name, []) for name in ("holes", "masses")}
-    yield _lines("disk", lists, off=parts is None or is_ring)
-    yield "# In place of it, any disk:\n"
-    for name in (*SIX, *PRODUCTS):
-        off = not is_disk or parts is not None or (name in PRODUCTS and name not in told)
-        yield _lines("disk", {name: getattr(disk, name)}, off=off)
-    names = " or ".join(f'"{name}"' for name in QUANTITIES["disk.name"].choices)
-    yield f"# Or a disk by name: name = {names}\n"
-
-
-def _friction(values: dict[str, Any]) -> str:
-    laws = f"# Laws: {QUANTITIES['friction.law'].allowed}.\n"
-    given = {name: value for name, value in values.items() if value is not None}
-    return laws + _lines("friction", given)
-
-
-def _contact(scenario: Scenario) -> str:
-    contact = scenario.contact
-    shown = PenaltyContact.rounded(scenario.disk) if contact is None else contact
-    mark = "# " if contact is None else ""
-    return f"{_IDEAL}{mark}[contact]\n" + _lines("contact", asdict(shown), off=contact is None)
-
-
-def _start(scenario: Scenario) -> Iterator[str]:
-    yield _START.format(", ".join(COORDINATES))
-    yield "[start]\n"
-    if not isinstance(scenario.start, Start):
-        state = scenario.start
-        yield _lines("start", {"coordinates": state.coordinates, "rates": state.rates})
-        return
-    # A key that is left out shows what follows from the rest: to take it in changes nothing.
-    state = scenario.initial_state
-    follows = dict(zip(COORDINATES, state.coordinates, strict=True)) | {
-        f"{name}_rate": rate for name, rate in zip(COORDINATES, state.rates, strict=True)
+def _usual(scenario: Scenario) -> dict[str, dict[str, Any]]:
+    """What is shown of keys that are not told: to take it in changes nothing, or little."""
+    state, disk = scenario.initial_state, scenario.disk
+    rates = {f"{name}_rate": rate for name, rate in zip(COORDINATES, state.rates, strict=True)}
+    return {
+        "disk": STEEL_RING
+        | {name: getattr(disk, name) for name in (*SIX, *PRODUCTS)}
+        | {"holes": [], "masses": []},
+        "contact": asdict(PenaltyContact.rounded(disk)),
+        "start": dict(zip(COORDINATES, state.coordinates, strict=True))
+        | rates
+        | {"spin": state.rates[3], "height": 0.0},
     }
-    for name, value in asdict(scenario.start).items():
-        left_out = value is None
-        shown = follows.get(name, 0.0) if left_out else value
-        yield _lines("start", {name: shown}, off=left_out)
 
 
-def _lines(table: str, values: dict[str, Any], *, off: bool = False) -> str:
-    mark = "# " if off else ""
-    lines = []
-    for name, value in values.items():
+def _table(table: str, told: dict[str, Any] | None, usual: dict[str, Any]) -> str:
+    """A table with the keys that tell it, and all others as comments; one if it is left out."""
+    known = {name: each.default for name, each in of_table(table).items()}
+    values = known | {name: each for name, each in usual.items() if name in known | _OF_LIST}
+    lines = [_ABOUT[table], f"{'# ' if told is None else ''}[{table}]\n"]
+    # TOML has no word for what is left out.
+    told = {name: each for name, each in (told or {}).items() if each is not None}
+    for name, value in (values | told).items():
         quantity = QUANTITIES.get(f"{table}.{name}")
         spelled = spelled_angle(value) if quantity is not None and quantity.is_angle else None
         literal = _literal(name, value if spelled is None else spelled)
         about = _OF_LIST.get(name, _OWN.get(table, "")) if quantity is None else quantity.comment
-        lines.append(f"{mark}{name} = {literal}  # {about}\n")
+        lines.append(f"{'' if name in told else '# '}{name} = {literal}  # {about}\n")
     return "".join(lines)
 
 

@@ -2,12 +2,12 @@
 
 A constraint holds a velocity, which is linear in the velocity of the centre of gravity S and the
 angular velocity. Its direction is that linear form; its multiplier acts along it, so that it is a
-force in N, or a moment in N m for the constant spin, Eqs. (31), (84), (87) and (88).
+force in N, or a moment in N m for a rate of an angle, Eqs. (31), (84), (87) and (88).
 """
 
 from typing import Any, NamedTuple
 
-from analysis.data.constraint_set import PRESCRIBED, ConstraintSet, multiplier_names
+from analysis.data.constraint_set import DEMANDS, PRESCRIBED, ConstraintSet, multiplier_names
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from analysis.mechanics.attitude import EulerAngles, Frame
@@ -33,16 +33,6 @@ class Direction(NamedTuple):
 
 SLIPS: ConstraintSet = ("no-slip-along", "no-slip-across")
 """Constraints without which the disk slips along and across its edge."""
-
-LABELS = {
-    "normal_force": "contact g_N = z - r sin(beta) = 0",
-    "cog_force_x": "fixed centre of gravity g_Sx = x + e cos(gamma) = 0",
-    "cog_force_y": "fixed centre of gravity g_Sy = y + e cos(beta) sin(gamma) = 0",
-    "tangential_force": "no tangential slip gamma_x = 0",
-    "lateral_force": "no lateral slip gamma_y = 0",
-    "spin_torque": "constant spin gamma_alpha = 0",
-}
-"""What each constraint demands, by the name of its multiplier."""
 
 
 def at_point(point: Vector, frame: Frame) -> tuple[Direction, Direction, Direction]:
@@ -101,6 +91,7 @@ def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[D
         "tangential_force": ahead,
         "lateral_force": across,
         "spin_torque": Direction(NONE, *EulerAngles.turning(angles)),
+        "tilt_torque": Direction(NONE, frame.ahead),
     }
     return [every[name] for name in multiplier_names(constraints)]
 
@@ -120,7 +111,7 @@ def places(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
 def velocities(
     constraints: ConstraintSet, disk: Any, state: Numbers, chart: type[EulerAngles] = EulerAngles
 ) -> list[Any]:
-    """Velocity-level residuals in m/s, and the spin in rad/s, from a state of `states`.
+    """Velocity-level residuals in m/s, and rates that are held in rad/s, from a state of `states`.
 
     Those of `places` are their rates, seen from the turning frame.
     """
@@ -137,7 +128,7 @@ def velocities(
 def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) -> None:
     """Raise if `state` breaks a constraint of the scenario.
 
-    A constant spin is that of the state itself, so no state can break it.
+    A rate that is held is that of the state itself, so no state can break it.
 
     Parameters
     ----------
@@ -167,6 +158,6 @@ def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) 
         for name, residual in zip(multiplier_names(held), residuals, strict=False):
             if abs(residual) > allowed and name not in PRESCRIBED:
                 raise ValueError(
-                    f"start breaks '{LABELS[name]}' of {scenario.name} on {kind} level "
+                    f"start breaks '{DEMANDS[name]}' of {scenario.name} on {kind} level "
                     f"by {residual:.3e} {unit}, allowed is {allowed:.1e}"
                 )

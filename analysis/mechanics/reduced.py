@@ -135,27 +135,27 @@ def normal_force_from(
     return scenario.weight + disk.mass * rise
 
 
-def expand(disk: Body, spin: float, alpha: Array, x: Array) -> tuple[Array, Array]:
+def expand(disk: Body, spin: Any, alpha: Array, x: Array) -> tuple[Array, Array]:
     """Co-rotating coordinates and rates from reduced states, Eqs. (94), (96), (97).
 
     Parameters
     ----------
     disk : Body
-    spin : float
+    spin : float, or ndarray of shape (..., 1)
         Constant spinning speed in rad/s.
-    alpha : ndarray, shape (n,)
+    alpha : ndarray, shape (..., n)
         Angle of the R-frame in rad.
-    x : ndarray, shape (n, 3)
+    x : ndarray, shape (..., n, 3)
         beta, gamma and the rate of beta.
 
     Returns
     -------
-    coordinates, rates : ndarray, shape (n, 6)
+    coordinates, rates : ndarray, shape (..., n, 6)
     """
-    result = np.empty((2, len(x), 6))
-    for level, values in enumerate(expanded(disk, spin, alpha, x.T)):
+    result = np.empty((2, *x.shape[:-1], 6))
+    for level, values in enumerate(expanded(disk, spin, alpha, np.moveaxis(x, -1, 0))):
         for column, value in enumerate(values):
-            result[level, :, column] = value
+            result[level, ..., column] = value
     return result[0], result[1]
 
 

@@ -134,8 +134,8 @@ def _friction(trajectory: Trajectory) -> tuple[Array, Array]:
 def power(trajectory: Trajectory) -> Array:
     """Power of friction and of prescribed rates at every sample in W, shape (n,).
 
-    All other constraints do no work. Friction takes energy; the torque that keeps the spin
-    constant may bring some.
+    All other constraints do no work. Friction takes energy; a torque that keeps a rate constant
+    may bring some.
 
     Examples
     --------
@@ -147,8 +147,8 @@ def power(trajectory: Trajectory) -> Array:
     scenario = trajectory.scenario
     slip, force = _friction(trajectory)
     result: Array = np.sum(force * slip, axis=1)
-    for name in prescribed(scenario.constraints):
-        result += trajectory.multiplier(name) * trajectory.rate(PRESCRIBED[name])
+    for name, coordinate in prescribed(scenario.constraints).items():
+        result += trajectory.multiplier(name) * trajectory.rate(coordinate)
     return result
 
 

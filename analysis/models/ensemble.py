@@ -19,12 +19,12 @@ from analysis.data.ensemble import Ensemble
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
-from analysis.data.trajectories import Listed, Part, Trajectories, joined
 from analysis.data.trajectory import Trajectory
 from analysis.data.workers import Pool
 from analysis.models.forms import Form
 from analysis.models.request import Request
 from analysis.models.simulation import run_member
+from analysis.models.trajectories import Trajectories
 from analysis.solve.stepping import Method
 
 T = TypeVar("T")
@@ -32,8 +32,8 @@ T = TypeVar("T")
 Outcome = Trajectory | Exception
 """Of one member: its motion, or the error that ended it."""
 
-Chunk = tuple[Scenarios, Sequence[float]]
-"""Some members and their tolerances."""
+Motions = tuple[list[CompiledPart], dict[int, Outcome], float]
+"""Members that were run together, outcomes of all others, and the processor time of each in s."""
 
 LARGEST_CHUNK = 32
 """Members that a worker gets at once; some ten seconds of them, and handing over costs 1 ms."""
@@ -54,7 +54,7 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     *,
     form: Form | None = None,
     method: Method | None = None,
-    tolerance: float | Sequence[float] | Array | None = None,
+    tolerance: float | None = None,
     local_tolerance: float | None = None,
     stop_when: StopWhen = (),
     allow_pulling: bool = False,
@@ -77,14 +77,12 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
         each member in Python that is not asked for.
     times : array_like, shape (n,)
         Times in s, the same for all; see `simulate`.
-    form, local_tolerance, stop_when, allow_pulling, time_limit
+    form, tolerance, local_tolerance, stop_when, allow_pulling, time_limit
         Of every member, as in `simulate`. Functions in `stop_when` must be importable by name.
     method : str, optional
         As in `simulate`. By default "taylor" where heyoka is installed, and DOP853 for members
         that cannot be compiled or that it does not take to their tolerance: `Trajectory.method`
         tells. Compiled members run in batches.
-    tolerance : float or sequence of floats, optional
-        As in `simulate`, of all members or of each.
     workers : int, optional
         Number of processes, by default that of the cores; 1 runs everything in this process.
     executor : Executor, optional
@@ -101,7 +99,7 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     Raises
     ------
     ValueError
-        If an argument is out of range, or there is another number of tolerances than of members.
+        If an argument is out of range.
     UnguardedScriptError
         If workers cannot begin, as they come here while they import the calling script.
 
@@ -126,6 +124,7 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
         times=increasing_times(times),
         form=form,
         method=method,
+        tolerance=tolerance,
         local_tolerance=local_tolerance,
         stop_when=stop_when,
         allow_pulling=allow_pulling,
@@ -134,22 +133,16 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     check_storage("times", len(members) * request.times.size, 2 * len(COORDINATES))
     workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
-    chunks = list(
-        _chunks(members, _tolerances(tolerance, len(members), request), request, workers)
-    )
+    chunks = list(_chunks(members, request, workers))
     if not isinstance(members, Ensemble):
         found = _called(partial(_outcomes, request), chunks, executor, workers, tell)
         return [
             outcome
-            for each, (_, wanted) in zip(found, chunks, strict=True)
-            for outcome in ([each] * len(wanted) if isinstance(each, Exception) else each)
+            for each, chunk in zip(found, chunks, strict=True)
+            for outcome in ([each] * len(chunk) if isinstance(each, Exception) else each)
         ]
     motions = _called(partial(_motions, request), chunks, executor, workers, tell)
-    pieces = []
-    for each, (part, wanted) in zip(motions, chunks, strict=True):
-        assert isinstance(part, Ensemble)
-        pieces.append(_whole(each, part, wanted, request))
-    return joined(members, pieces)
+    return _joined(members, request.times, zip(motions, map(len, chunks), strict=True))
 
 
 def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
@@ -160,52 +153,35 @@ def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
     return [instance(f"scenarios[{row}]", each, Scenario) for row, each in enumerate(given)]
 
 
-def _tolerances(
-    given: float | Sequence[float] | Array | None, count: int, request: Request
-) -> list[float]:
-    """Tolerance of each member."""
-    if not isinstance(given, Sequence | np.ndarray):
-        return [request.tolerance(given)] * count
-    if len(given) != count:
-        raise ValueError(f"tolerance must be one number or {count} of them, got {len(given)}")
-    return [request.tolerance(each) for each in given]
-
-
-def _chunks(
-    members: Scenarios, tolerances: list[float], request: Request, workers: int
-) -> Iterator[Chunk]:
+def _chunks(members: Scenarios, request: Request, workers: int) -> Iterator[Scenarios]:
     """Members that a worker gets at once."""
     size = COMPILED_CHUNK
     if request.first_method != "taylor":
         size = max(1, min(LARGEST_CHUNK, len(members) // (4 * workers)))
     for first in range(0, len(members), size):
         some = slice(first, first + size)
-        part = members.part(some) if isinstance(members, Ensemble) else members[some]
-        yield part, tolerances[some]
+        yield members.part(some) if isinstance(members, Ensemble) else members[some]
 
 
 def _called(
-    call: Callable[[Scenarios, Sequence[float]], T],
-    chunks: Sequence[Chunk],
+    call: Callable[[Scenarios], T],
+    chunks: Sequence[Scenarios],
     executor: Executor | None,
     workers: int,
     tell: Callable[[int, int], None],
 ) -> list[T | Exception]:
     """What a function makes of chunks, here or elsewhere, in order."""
-    size = sum(len(tolerances) for _, tolerances in chunks)
-    done = 0
+    size, done = sum(map(len, chunks)), 0
     if executor is None and (workers == 1 or len(chunks) == 1):
         results: list[T | Exception] = []
         for chunk in chunks:
-            results.append(call(*chunk))
-            done += len(chunk[1])
+            results.append(call(chunk))
+            done += len(chunk)
             tell(done, size)
         return results
     with ExitStack() as stack:
         pool = executor or stack.enter_context(Pool(min(workers, len(chunks))))
-        futures: dict[Future[T], int] = {
-            pool.submit(call, *chunk): len(chunk[1]) for chunk in chunks
-        }
+        futures: dict[Future[T], int] = {pool.submit(call, chunk): len(chunk) for chunk in chunks}
         for future in as_completed(futures):
             if isinstance(pool, Pool) and isinstance(future.exception(), BrokenExecutor):
                 pool.check_begun()
@@ -221,73 +197,60 @@ def _result(future: Future[Any]) -> Any:
         return error
 
 
-def _run(
-    request: Request, scenarios: Scenarios, tolerances: Sequence[float]
-) -> tuple[list[CompiledPart], dict[int, Outcome]]:
+def _run(request: Request, scenarios: Scenarios) -> tuple[list[CompiledPart], dict[int, Outcome]]:
     """Members that were run together, and outcomes of all others, in this process."""
     first = request.first_method
     parts: list[CompiledPart] = []
     outcomes: dict[int, Outcome] = {}
     if request.goes_together:
-        parts, failures = simulate_compiled(scenarios, tolerances, request)
+        parts, failures = simulate_compiled(scenarios, request)
         outcomes |= failures
     else:
-        for member, tolerance in enumerate(tolerances):
-            outcomes[member] = _alone(scenarios[member], tolerance, request, first)
+        outcomes |= {member: _alone(each, request, first) for member, each in enumerate(scenarios)}
     for member, outcome in outcomes.items():
         cannot = isinstance(outcome, CannotCompileError | ToleranceError)
         if cannot and request.method is None and first == "taylor":
-            tolerance = tolerances[member]
-            outcomes[member] = _alone(scenarios[member], tolerance, request, "DOP853")
+            outcomes[member] = _alone(scenarios[member], request, "DOP853")
     return parts, outcomes
 
 
-def _alone(scenario: Scenario, tolerance: float, request: Request, method: Method) -> Outcome:
+def _alone(scenario: Scenario, request: Request, method: Method) -> Outcome:
     """Outcome of one member by itself."""
     try:
-        return run_member(scenario, tolerance, request, method)
+        return run_member(scenario, request, method)
     except (ArithmeticError, ValueError) as error:
         return error
 
 
-def _outcomes(
-    request: Request, scenarios: Scenarios, tolerances: Sequence[float]
-) -> list[Outcome]:
+def _outcomes(request: Request, scenarios: Scenarios) -> list[Outcome]:
     """Outcomes of members, in order."""
-    parts, outcomes = _run(request, scenarios, tolerances)
+    parts, outcomes = _run(request, scenarios)
     for part in parts:
         outcomes |= zip(part.rows.tolist(), part.outcomes(), strict=True)
-    return [outcomes[member] for member in range(len(tolerances))]
+    return [outcomes[member] for member in range(len(scenarios))]
 
 
-def _motions(
-    request: Request, ensemble: Scenarios, tolerances: Sequence[float]
-) -> tuple[list[Part], dict[int, Exception], float]:
-    """Motions of members of an ensemble, their failures, and the processor time of each in s."""
+def _motions(request: Request, ensemble: Scenarios) -> Motions:
+    """The same as they come, and the processor time of each in s."""
     begin = process_time()
-    compiled, outcomes = _run(request, ensemble, tolerances)
-    parts: list[Part] = [*compiled]
-    motions = {row: each for row, each in outcomes.items() if isinstance(each, Trajectory)}
-    failures = {row: each for row, each in outcomes.items() if isinstance(each, Exception)}
-    if motions:
-        listed = list(motions.values())
-        parts.append(Listed(np.array(list(motions)), listed, request.times.size))
-    return parts, failures, (process_time() - begin) / len(tolerances)
+    return *_run(request, ensemble), (process_time() - begin) / len(ensemble)
 
 
-def _whole(
-    found: tuple[list[Part], dict[int, Exception], float] | Exception,
+def _joined(
     ensemble: Ensemble,
-    tolerances: Sequence[float],
-    request: Request,
+    times: Array,
+    pieces: Iterable[tuple[Motions | Exception, int]],
 ) -> Trajectories:
-    """What `_motions` has found, or the error of a worker that has died for each member."""
-    lost = {row: found for row in range(len(tolerances)) if isinstance(found, Exception)}
-    parts, failures, seconds = ([], lost, np.nan) if isinstance(found, Exception) else found
-    return Trajectories(
-        ensemble=ensemble,
-        times=request.times,
-        parts=parts,
-        failures=failures,
-        seconds=np.full(len(tolerances), seconds),
-    )
+    """Motions of an ensemble from those of so many members each, or from a worker's error."""
+    parts: list[CompiledPart] = []
+    alone: dict[int, Outcome] = {}
+    seconds, first = np.full(len(ensemble), np.nan), 0
+    for found, count in pieces:
+        if isinstance(found, Exception):
+            alone |= dict.fromkeys(range(first, first + count), found)
+        else:
+            some, others, seconds[first : first + count] = found
+            parts += [part.moved(first) for part in some]
+            alone |= {first + member: outcome for member, outcome in others.items()}
+        first += count
+    return Trajectories(ensemble=ensemble, times=times, parts=parts, alone=alone, seconds=seconds)

@@ -153,7 +153,7 @@ def _full(
         lambda state: sin(state[4]),
         lambda state: solved(*state.tolist())[12],
         longest if scenario.contact is None else min(longest, contact_time(scenario)),
-        lambda states: states[:, 4:6],
+        lambda states: states[..., 4:6],
         _in_states(conditions, to_paper),
         slip if scenario.rubs and len(slips) == 1 else None,
     )
@@ -181,7 +181,7 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedFo
         lambda state: sin(state[0]),
         lambda state: solved(*state.tolist())[3],
         longest_step(scenario),
-        lambda states: states[:, :2],
+        lambda states: states[..., :2],
         _in_states(conditions, to_paper),
         (lambda state: solved(*state.tolist())[4]) if scenario.rubs else None,
     )

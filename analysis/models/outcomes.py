@@ -8,17 +8,18 @@ from scipy.integrate import simpson
 
 from analysis.compiled.ensemble import CompiledPart
 from analysis.data.checks import Array
-from analysis.data.constraint_set import PRESCRIBED, ConstraintSet, multiplier_names, prescribed
+from analysis.data.constraint_set import ConstraintSet, multiplier_names, prescribed
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.inversion import STAYING, inversions
 from analysis.data.outcomes import DONE, OutcomeTable, failed, failure
+from analysis.data.samples import Samples, blocks
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.state import COORDINATES
-from analysis.data.trajectories import Samples, Trajectories, blocks
 from analysis.data.trajectory import Trajectory
 from analysis.models.balance import energies
+from analysis.models.trajectories import Trajectories
 
 
 def outcomes(
@@ -52,8 +53,7 @@ def outcomes(
         table = OutcomeTable.empty(motions.ensemble.fields, len(motions))
         table.columns["seconds"][:] = motions.seconds
         for part in motions.parts:
-            if isinstance(part, CompiledPart):
-                _put_part(table, part)
+            _put_part(table, part)
         # What is not finite is an error of that member.
         forces = table.columns["force_least"] + table.columns["force_largest"]
         missing = np.flatnonzero(~np.isfinite(forces)).tolist()
@@ -127,10 +127,10 @@ def _level_or_leaning(scenario: Scenario) -> Scenario:
 
 def _sampled(motion: SpatialMotion | Samples, eccentricities: Array) -> Mapping[str, Array]:
     """What samples of k motions tell by themselves, each shape (k,)."""
-    names = ("times", "cog_direction", "face", "spin", "normal_force")
+    names = ("times", "cog_direction", "cog_direction_rate", "face", "spin", "normal_force")
     each = (np.atleast_2d(getattr(motion, name)) for name in names)
-    times, directions, face, spin, force = each
-    judged = inversions(times, directions, motion.direction_rates, eccentricities)
+    times, directions, rates, face, spin, force = each
+    judged = inversions(times, directions, rates, eccentricities)
     after = np.full(len(times), np.nan)
     for row in np.flatnonzero(np.isfinite(judged.times)).tolist():
         after[row] = np.interp(judged.times[row] + STAYING, times[row], spin[row])
@@ -154,8 +154,8 @@ def _brought(constraints: ConstraintSet, samples: Samples) -> dict[str, Array]:
     names, found = multiplier_names(constraints), {}
     # Behind the end of a motion its last sample is repeated.
     counts = 1 + np.count_nonzero(np.diff(samples.times), axis=1)
-    for name in prescribed(constraints):
-        rate = samples.rates[..., COORDINATES.index(PRESCRIBED[name])]
+    for name, coordinate in prescribed(constraints).items():
+        rate = samples.rates[..., COORDINATES.index(coordinate)]
         power = samples.multipliers[..., names.index(name)] * rate
         work = found[f"brought_by_{name}"] = np.empty(len(counts))
         for count in np.unique(counts):

@@ -1,9 +1,7 @@
 """What is asked of runs, checked once for one or for many, and the trajectory that it leads to."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import inf, isnan
-from typing import NamedTuple
 
 from analysis.compiled.library import is_installed
 from analysis.data.checks import (
@@ -42,7 +40,7 @@ COMPILED_TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Request:
-    """What is asked of each of some scenarios, beside its tolerance; see `analysis.simulate`.
+    """What is asked of each of some scenarios; see `analysis.simulate`.
 
     Parameters
     ----------
@@ -51,6 +49,8 @@ class Request:
     method : str, optional
         By default the compiled one where heyoka is installed, and DOP853 for what that one
         cannot do.
+    tolerance : float, optional
+        `DEFAULT_TOLERANCE` if neither is given; None where a local one is.
     local_tolerance : float, optional
     stop_when : str, callable or sequence of them
     allow_pulling : bool
@@ -66,6 +66,7 @@ class Request:
     times: Array
     form: Form | None = None
     method: Method | None = None
+    tolerance: float | None = None
     local_tolerance: float | None = None
     stop_when: StopWhen = ()
     allow_pulling: bool = False
@@ -78,9 +79,14 @@ class Request:
             choice("form", self.form, FORMS)
         if self.method is not None:
             choice("method", self.method, METHODS)
-        if self.local_tolerance is not None:
+        if self.local_tolerance is None:
+            wanted = DEFAULT_TOLERANCE if self.tolerance is None else self.tolerance
+            object.__setattr__(self, "tolerance", positive("tolerance", wanted))
+        else:
             local = one_step("local_tolerance", self.local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
             object.__setattr__(self, "local_tolerance", local)
+            if self.tolerance is not None:
+                raise ValueError("give either tolerance or local_tolerance, not both")
         if isinstance(self.stop_when, Iterable) and not isinstance(self.stop_when, str):
             # It may be one that is used up.
             object.__setattr__(self, "stop_when", tuple(self.stop_when))
@@ -106,48 +112,30 @@ class Request:
         """Who watches a run of so many steps at most."""
         return Watch(self.time_limit, self.progress, most)
 
-    def tolerance(self, given: float | None) -> float:
-        """Tolerance of a member; infinite if a local one is asked for in its place."""
-        if self.local_tolerance is None:
-            return positive("tolerance", DEFAULT_TOLERANCE if given is None else given)
-        if given is not None:
-            raise ValueError("give either tolerance or local_tolerance, not both")
-        return inf
-
-    def local_tolerances(self, tolerance: float, method: Method) -> tuple[float, ...]:
-        """Local tolerances of the runs to a tolerance, in turn; a single one gives no estimate.
+    def local_tolerances(self, method: Method) -> Sequence[float]:
+        """Local tolerances of the runs to the tolerance, in turn; a single one gives no estimate.
 
         Two runs of nearly the same one would agree without being right.
         """
-        if self.local_tolerance is not None:
+        if self.tolerance is None:
+            assert self.local_tolerance is not None
             return (self.local_tolerance,)
         if method == "taylor":
-            rungs = tuple(each for each in COMPILED_TOLERANCES if each <= tolerance / 3.0)
+            rungs = [each for each in COMPILED_TOLERANCES if each <= self.tolerance / 3.0]
             return rungs if len(rungs) > 1 else COMPILED_TOLERANCES[-2:]
-        return tuple(tighter_and_tighter(tolerance / 3.0, TIGHTEST_LOCAL_TOLERANCE))
+        return tighter_and_tighter(self.tolerance / 3.0, TIGHTEST_LOCAL_TOLERANCE)
 
-    def effort(self, scenario: Scenario, tolerance: float, method: Method) -> Effort:
+    def effort(self, scenario: Scenario, method: Method) -> Effort:
         """What a run should take; `ValueError` if that is too many steps."""
         effort = simulation_effort(
             scenario,
             self.times,
             method=method,
-            tolerance=None if tolerance == inf else tolerance,
+            tolerance=self.tolerance,
             local_tolerance=self.local_tolerance,
         )
         effort.check()
         return effort
-
-
-class Accuracy(NamedTuple):
-    """How accurate a run is: what was asked for, the run that is kept, and its estimated error.
-
-    `tolerance` is infinite and `estimate` nan where a single run was asked for.
-    """
-
-    tolerance: float
-    local_tolerance: float
-    estimate: float
 
 
 def trajectory(
@@ -157,7 +145,8 @@ def trajectory(
     arrays: tuple[Array, Array, Array],
     *,
     method: Method,
-    accuracy: Accuracy,
+    local_tolerance: float,
+    estimate: float,
     watch: Watch | None = None,
     seconds: float | None = None,
 ) -> Trajectory:
@@ -172,14 +161,15 @@ def trajectory(
         Coordinates, rates and constraint forces at the times of the run.
     method : str
         That has run it.
-    accuracy : Accuracy
+    local_tolerance, estimate : float
+        Of the run, and its estimated error in rad; nan where a single run was asked for.
     watch : Watch, optional
         Of the call, if it has a single run to a result.
     seconds : float, optional
         Processor time of the run in s.
     """
     coordinates, rates, multipliers = arrays
-    single, compiled = isnan(accuracy.estimate), method == "taylor"
+    compiled = method == "taylor"
     ending = None
     if run.ended is not None:
         last = State(coordinates=tuple(coordinates[-1].tolist()), rates=tuple(rates[-1].tolist()))
@@ -201,10 +191,10 @@ def trajectory(
         method={
             "form": request.form or default_form(scenario),
             "method": method,
-            "tolerance": None if single else accuracy.tolerance,
-            "local_tolerance": accuracy.local_tolerance,
+            "tolerance": request.tolerance,
+            "local_tolerance": local_tolerance,
         },
-        error_estimate=None if single else accuracy.estimate,
+        error_estimate=None if request.tolerance is None else estimate,
         counts={"steps" if compiled else "right_hand_sides": run.evaluations},
         versions=versions("numpy", "heyoka" if compiled else "scipy"),
         ending=ending,

@@ -14,7 +14,7 @@ from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress
 from analysis.models.forms import Form, PosedForm, default_form, pose
-from analysis.models.request import Accuracy, Request, trajectory
+from analysis.models.request import Request, trajectory
 from analysis.solve.stepping import METHODS, Method, Run, integrate
 from analysis.solve.to_tolerance import run_to
 
@@ -109,6 +109,7 @@ def simulate(
         times=increasing_times(times),
         form=form,
         method=choice("method", method, METHODS),
+        tolerance=tolerance,
         local_tolerance=local_tolerance,
         stop_when=stop_when,
         allow_pulling=allow_pulling,
@@ -116,31 +117,26 @@ def simulate(
         progress=progress,
     )
     scenario = instance("scenario", scenario, Scenario)
-    return run_member(scenario, request.tolerance(tolerance), request, method)
+    return run_member(scenario, request, method)
 
 
-def run_member(
-    scenario: Scenario, tolerance: float, request: Request, method: Method
-) -> Trajectory:
-    """Trajectory of one scenario; parameters and errors are those of `simulate`.
-
-    The tolerance is infinite where a local one is asked for.
-    """
+def run_member(scenario: Scenario, request: Request, method: Method) -> Trajectory:
+    """Trajectory of one scenario; parameters and errors are those of `simulate`."""
     check_slipping(scenario.friction)
     named_conditions(request.stop_when, scenario.initial_state)
     if method != "taylor":
-        return _stepped(scenario, tolerance, request, method)
-    parts, failures = simulate_compiled([scenario], [tolerance], request)
+        return _stepped(scenario, request, method)
+    parts, failures = simulate_compiled([scenario], request)
     for failure in failures.values():
         raise failure
     return parts[0].trajectory(0)
 
 
-def _stepped(scenario: Scenario, tolerance: float, request: Request, method: Method) -> Trajectory:
+def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory:
     """The same by one of SciPy's solvers."""
     form = request.form or default_form(scenario)
-    watch = request.watch(request.effort(scenario, tolerance, method).most)
-    local_tolerances = request.local_tolerances(tolerance, method)
+    watch = request.watch(request.effort(scenario, method).most)
+    rungs, tolerance = request.local_tolerances(method), request.tolerance
     evaluations, seconds = 0, 0.0
 
     def solved(posed: PosedForm) -> tuple[Run, float, float]:
@@ -161,28 +157,27 @@ def _stepped(scenario: Scenario, tolerance: float, request: Request, method: Met
                 raise _NearlyFlatError
             return found
 
-        if len(local_tolerances) == 1:
-            return run(local_tolerances[0], 1.0), local_tolerances[0], nan
-        return run_to(
-            run, posed.problem, request.times, tolerance, local_tolerances, method=method
-        )
+        if tolerance is None:
+            return run(rungs[0], 1.0), rungs[0], nan
+        return run_to(run, posed.problem, request.times, tolerance, rungs, method=method)
 
     posed = pose(scenario, form, request.conditions)
     try:
         # Minimal coordinates, and a spin that is held, have no rates that grow.
         if form != "reduced" and "constant-spin" not in scenario.constraints:
             posed = _until_low(posed)
-        found, *accuracy = solved(posed)
+        found, local, estimate = solved(posed)
     except _NearlyFlatError:
         posed = pose(scenario, form, request.conditions, nearly_flat=True)
-        found, *accuracy = solved(posed)
+        found, local, estimate = solved(posed)
     return trajectory(
         scenario,
         request,
         replace(found, evaluations=evaluations),
         posed.expand(found.times, found.states),
         method=method,
-        accuracy=Accuracy(tolerance, *accuracy),
+        local_tolerance=local,
+        estimate=estimate,
         watch=watch,
         seconds=seconds,
     )

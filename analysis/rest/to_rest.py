@@ -221,7 +221,7 @@ class _Way:
             leaning=None,
             normal_force=None,
             longest_step=contact_time(self.scenario),
-            attitudes=lambda states: states[:, 3:7],
+            attitudes=lambda states: states[..., 3:7],
             conditions={name: self._says(each) for name, each in self.conditions.items()},
             absolute=0.01,
         )

@@ -58,7 +58,7 @@ class InitialValueProblem:
     longest_step : float
         In s.
     attitudes : callable
-        From states, shape (n, m), to numbers that tell beta and gamma, shape (n, k), in rad;
+        From states, shape (..., m), to numbers that tell beta and gamma, shape (..., k), in rad;
         errors are judged by them.
     conditions : mapping
         From reasons to functions of a state; the motion ends where one turns negative.

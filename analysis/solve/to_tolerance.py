@@ -54,8 +54,10 @@ class Agreed:
 def agree(
     run: Callable[[Rows, float, float], tuple[Runs, dict[int, Exception]]],
     estimated: Callable[[Runs, Runs, Rows], Array],
-    tolerances: Array,
+    members: int,
+    tolerance: float,
     local_tolerances: Sequence[float],
+    *,
     method: str,
 ) -> Agreed:
     """Run members with one local tolerance after the other until two runs of each agree.
@@ -68,15 +70,16 @@ def agree(
     estimated : callable
         From two runs of some members, the finer one first, and these to the estimated errors of
         the finer one; see `estimated_errors`.
-    tolerances : ndarray, shape (m,)
-        Largest errors in beta and gamma in rad.
+    members : int
+        Number of them.
+    tolerance : float
+        Largest error in beta and gamma in rad.
     local_tolerances : sequence of floats
         In turn; see `tighter_and_tighter`. One alone gives no estimate.
     method : str
         What runs, for messages.
     """
-    members, longest = tolerances.size, 1.0
-    pending, steps = np.arange(members), np.zeros(members, dtype=int)
+    pending, steps, longest = np.arange(members), np.zeros(members, dtype=int), 1.0
     used, estimates = np.zeros(members), np.full(members, np.nan)
     failures: dict[int, Exception] = {}
     kept: Runs | None = None
@@ -87,10 +90,10 @@ def agree(
         done = np.full(pending.size, len(local_tolerances) == 1)
         if coarse is not None:
             estimates[pending] = estimated(fine, coarse, pending)
-            done = estimates[pending] <= needed(tolerances[pending], fine.ended(FLAT))
+            done = estimates[pending] <= needed(tolerance, fine.ended(FLAT))
         limited = fine.ended(TIME_LIMIT)
         for row in np.flatnonzero(limited & ~done).tolist():
-            failed[int(pending[row])] = _in_time(fine.ends[row], tolerances[pending[row]])
+            failed[int(pending[row])] = _in_time(fine.ends[row], tolerance)
         if coarse is not None and limited.any():
             fine.cut_to_samples(limited & done)
         if failed:
@@ -107,7 +110,7 @@ def agree(
     else:
         for member in pending.tolist():
             failures[member] = ToleranceError(
-                f"tolerance {tolerances[member]:g} rad cannot be reached with {method}: the "
+                f"tolerance {tolerance:g} rad cannot be reached with {method}: the "
                 f"estimated error of the tightest run is {estimates[member]:.1e} rad"
             )
     assert kept is not None
@@ -195,11 +198,6 @@ def run_to(
     """
     reasons = (*endings(problem), TIME_LIMIT)
 
-    def attitudes(states: Array) -> Array:
-        return problem.attitudes(states.reshape(-1, states.shape[-1])).reshape(
-            *states.shape[:-1], -1
-        )
-
     def rates(runs: Runs) -> Array:
         change = problem.right_hand_side(float(runs.ends[0]), runs.last[0])
         moved = runs.last + _MOMENT * np.asarray(change)
@@ -211,9 +209,9 @@ def run_to(
         return runs, {}
 
     def estimated(fine: Runs, coarse: Runs, _: Rows) -> Array:
-        return estimated_errors(fine, coarse, attitudes, rates)
+        return estimated_errors(fine, coarse, problem.attitudes, rates)
 
-    found = agree(alone, estimated, np.array([tolerance]), local_tolerances, method)
+    found = agree(alone, estimated, 1, tolerance, local_tolerances, method=method)
     for failure in found.failures.values():
         raise failure
     return found.runs.run(0), float(found.local_tolerances[0]), float(found.estimates[0])

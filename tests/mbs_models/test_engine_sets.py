@@ -25,9 +25,9 @@ from analysis.data.admissible import independent_coordinates
 from analysis.data.constraint_set import set_name
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
+from tests.helpers import TILTED
 
 SLOPE = Table(inclination=radians(2.0), downhill=0.7)
-
 RANGES = {
     "x": (-0.02, 0.02),
     "y": (-0.02, 0.02),
@@ -43,7 +43,7 @@ RANGES = {
 
 CASES = [
     (constraints, formulation)
-    for constraints in POSSIBLE_SETS
+    for constraints in (*POSSIBLE_SETS, *TILTED)
     for formulation in formulations(Scenario(constraints=constraints))
 ]
 

@@ -8,10 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from analysis import BODIES, LAWS, PenaltyContact, Scenario, load_run, load_scenario
-from analysis.data.bodies import body_class
 from analysis.data.changes import changed
 from analysis.data.endings import named_conditions
-from analysis.data.friction import law_class
 from analysis.data.names import ArgumentError
 from analysis.data.own import is_own
 from analysis.data.quantities import QUANTITIES
@@ -124,9 +122,9 @@ def find_own(options: argparse.Namespace) -> None:
     if named or any(axis.startswith(_OWN_AXES) for axis in axes):
         _look_here()
     if law is not None:
-        law_class(law.partition(",")[0])
+        LAWS.find(law.partition(",")[0])
     if body is not None:
-        body_class(body.partition(",")[0])
+        BODIES.find(body.partition(",")[0])
     if condition is not None:
         named_conditions(condition)
 

@@ -22,7 +22,8 @@ from analysis import (
     scenario_text,
     simulate,
 )
-from analysis.data.bodies import body_from, body_values
+from analysis.data import bodies
+from analysis.data.bodies import body_values
 from analysis.data.checks import Array
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import eigenvalues
@@ -189,9 +190,15 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         "lacks thickness and density",
     ),
     "larger smaller axis": (lambda: replace(ELLIPSE, other_radius=0.05), "other_radius must not"),
-    "unknown body": (lambda: body_from({"body": "cube"}), "body must be one of disk, sphere"),
-    "no body": (lambda: body_from({"body": "math:pi"}), "must be a class derived from Body"),
-    "body without numbers": (lambda: body_from({"body": "sphere"}), "cannot be made"),
+    "unknown body": (
+        lambda: bodies.BODIES.made(body="cube"),
+        "body must be one of disk, sphere",
+    ),
+    "no body": (
+        lambda: bodies.BODIES.made(body="math:pi"),
+        "must be a class derived from Body",
+    ),
+    "body without numbers": (lambda: bodies.BODIES.made(body="sphere"), "cannot be made"),
     "surface above": (
         lambda: Scenario(disk=_Flat(**NUMBERS)),
         r"depth of lowest_point\(.*\) must not be negative",

@@ -24,6 +24,7 @@ from analysis import (
     State,
     multiplier_names,
 )
+from analysis.data.constraint_set import DEMANDS
 from analysis.mechanics import constraints as rows
 from analysis.mechanics import paper
 from tests.helpers import (
@@ -136,7 +137,7 @@ def test_broken_constraint_is_named_with_its_amount(
 ) -> None:
     start = model(2, start=Start(beta=1.0, spin=0.5)).initial_state
     broken = shifted(start, field, index, 2e-6)
-    label = re.escape(rows.LABELS[name])
+    label = re.escape(DEMANDS[name])
     amount = rf"of Model 2 on {kind} level by 2\.000e-06 {unit}, allowed is 1\.0e-09$"
     with pytest.raises(ValueError, match=f"'{label}' {amount}"):
         rows.check_admissible(model(2), broken)

@@ -31,6 +31,7 @@ from tests.helpers import (
     arc,
     cog,
     derivative,
+    more_sets,
     random_disk,
     random_scenario,
     random_state,
@@ -57,7 +58,7 @@ def test_energies_are_those_of_the_moving_cog_and_the_turning_body(seed: int) ->
     assert potential[0] == pytest.approx(expected, rel=1e-12)
 
 
-@all_sets
+@more_sets
 @loads
 def test_power_is_the_rate_of_the_energy(constraints: ConstraintSet, load: Load) -> None:
     scenario, z, u = random_scenario(constraints, 0, SmoothCoulomb(load=load))

@@ -31,7 +31,7 @@ from analysis import (
     load_run,
 )
 from analysis.data.checks import Array
-from analysis.data.friction import law_from, law_values
+from analysis.data.friction import law_values
 from analysis.data.own import foreign_names
 from analysis.mechanics.contact_load import any_contact_load
 from analysis.mechanics.recorded import accelerations
@@ -213,12 +213,12 @@ def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -
     run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
     run.save(tmp_path / "run.npz")
     assert load_run(tmp_path / "run.npz", Trajectory).scenario.friction == law
-    assert law_from(law_values(law)) == law
+    assert LAWS.made(**law_values(law)) == law
 
 
 def test_file_runs_no_module_that_it_names() -> None:
     with foreign_names(), pytest.raises(ValueError, match="'this:Law' must be imported first"):
-        law_from({"law": "this:Law"})
+        LAWS.made(law="this:Law")
     assert "this" not in sys.modules
 
 

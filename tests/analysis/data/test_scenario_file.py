@@ -32,6 +32,7 @@ from analysis import (
 )
 from analysis.data.angles import angle, spelled_angle
 from analysis.data.scenario_file import LARGEST_FILE
+from tests.helpers import TILTED
 from tests.scenario_texts import with_key
 
 QUICK = settings(
@@ -69,7 +70,7 @@ TEXT = st.text(st.characters(exclude_categories=["Cs"]))
 ANGLES = reals(-7.0, 7.0) | st.sampled_from((pi / 2, pi / 90, -pi / 2 + 0.1))
 IDEAL = st.builds(
     Scenario,
-    constraints=st.sampled_from(POSSIBLE_SETS),
+    constraints=st.sampled_from([*POSSIBLE_SETS, *TILTED]),
     disk=st.sampled_from([*DISKS.values()]) | st.builds(Disk.ring, radius=reals(0.04, 2.0)),
     friction=st.builds(TanhCoulomb, load=LOAD, coefficient=AMOUNT)
     | st.builds(Own, load=LOAD, strength=AMOUNT, kind=TEXT),

@@ -9,9 +9,12 @@ import pytest
 from scipy.integrate import simpson
 
 from analysis import (
+    MODELS,
+    ConstraintSet,
     Ensemble,
     Scenario,
     SmoothCoulomb,
+    Start,
     TimeLimitError,
     outcomes,
     simulate,
@@ -20,7 +23,7 @@ from analysis import (
 )
 from analysis.compiled import code
 from analysis.data.outcomes import DONE, OUTCOMES, Row
-from tests.helpers import model, not_none
+from tests.helpers import TILTED, model, not_none
 from tests.sweeps import sweep
 from validation.sweeps.case import run_chunk
 from validation.sweeps.outcomes import COLUMNS, NUMBERS
@@ -112,12 +115,22 @@ def test_outcomes_tell_the_inversion_as_a_motion_does_and_the_spin_a_second_late
         assert row["spin_after"] == pytest.approx(later, abs=0.01)
 
 
-def test_sliding_took_what_the_held_spin_brought() -> None:
-    motion = simulate(model(4), np.linspace(0.0, 0.2, 41), local_tolerance=1e-6)
+@pytest.mark.parametrize(
+    ("held", "torque", "angle"),
+    [(MODELS[4], "spin_torque", "alpha"), (TILTED[0], "tilt_torque", "beta")],
+    ids=["spin", "tilt"],
+)
+def test_sliding_took_what_a_held_rate_brought(
+    held: ConstraintSet, torque: str, angle: str
+) -> None:
+    start = Start(beta_rate=0.5 if angle == "beta" else None)
+    scenario = Scenario(constraints=held, start=start)
+    motion = simulate(scenario, np.linspace(0.0, 0.2, 41), local_tolerance=1e-6)
+    assert np.ptp(motion.rate(angle)) < 1e-9
     (row,) = outcomes([motion]).rows()
-    brought = simpson(motion.multiplier("spin_torque") * motion.rate("alpha"), x=motion.times)
+    brought = simpson(motion.multiplier(torque) * motion.rate(angle), x=motion.times)
     assert abs(brought) > 1e-5
-    assert row["brought_by_spin_torque"] == pytest.approx(brought)
+    assert row[f"brought_by_{torque}"] == pytest.approx(brought)
     lost = cast("float", row["energy_start"]) - cast("float", row["energy_end"])
     assert row["taken_sliding"] == pytest.approx(lost + brought, rel=1e-12)
 

@@ -66,7 +66,7 @@ WRONG = [
     ("in-house", "local_tolerance", 2.0, "must lie from 3e-14 to less than 1, got 2"),
     ("in-house rest", "local_tolerance", 2.0, "must lie from 1e-13 to less than 1, got 2"),
     ("integrator", "local_tolerance", 2.0, "must be less than 1, got 2"),
-    ("many", "tolerance", [1e-6, 1e-8], "must be one number or 1 of them, got 2"),
+    ("many", "tolerance", [1e-6, 1e-8], "must be a finite number, got .1e-06, 1e-08"),
     ("many", "workers", True, "must be a whole number, got True"),
     ("many", "workers", 0, "must be at least 1, got 0"),
     ("many", "scenarios", Scenario(), "must be an Ensemble or a list of Scenario, got"),

@@ -28,8 +28,8 @@ def test_what_can_be_kept_is_all_that_a_motion_holds() -> None:
     made = motion(REDUCED)
     rest = simulate_to_rest(Scenario.rest(start=Start(spin=5.0)), 0.02, local_tolerance=1e-3)
     assert (TIME, *REST_SERIES) == tuple(rest.columns())
-    # The one constraint that Model 4 does not have has this force.
-    assert {TIME, *SERIES} - made.columns().keys() == {"lateral_force"}
+    # The constraints that Model 4 does not have have these forces.
+    assert {TIME, *SERIES} - made.columns().keys() == {"lateral_force", "tilt_torque"}
     assert made.columns().keys() <= {TIME, *SERIES}
     # They share a dataset.
     assert not {"number", *COLUMNS} & {TIME, *SERIES, *REST_SERIES}

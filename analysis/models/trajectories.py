@@ -1,123 +1,21 @@
 """The motions of an ensemble as arrays, and each of them as a `Trajectory` if it is asked for."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
+from analysis.compiled.ensemble import CompiledPart
 from analysis.data.checks import Array
 from analysis.data.ensemble import Ensemble
 from analysis.data.files import AnyArray
 from analysis.data.inversion import Inversions, inversions
 from analysis.data.members import Rows
 from analysis.data.motion_quantities import InCoordinates, lowest
+from analysis.data.samples import Samples, blocks
 from analysis.data.trajectory import Trajectory
-
-_BLOCK = 2**14
-"""Samples of motions that are looked at at once: they take some 5 MB."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Samples(InCoordinates):
-    """Samples of k motions; behind the end of one its last sample is repeated.
-
-    Parameters
-    ----------
-    times : ndarray, shape (k, n)
-    coordinates, rates : ndarray, shape (k, n, 6)
-    multipliers : ndarray, shape (k, n, c)
-    """
-
-    times: Array
-    coordinates: Array
-    rates: Array
-    multipliers: Array
-
-    @classmethod
-    def of(cls, motion: Trajectory, count: int) -> "Samples":
-        """So many samples of one motion, k = 1."""
-        rows = np.minimum(np.arange(count), motion.times.size - 1)[None]
-        arrays = (motion.times, motion.coordinates, motion.rates, motion.multipliers)
-        return cls(*(each[rows] for each in arrays))
-
-    def direction_rates(self, some: Rows) -> Array:
-        """Rate of `cog_direction` of some of the motions in 1/s, shape (j, n)."""
-        kept = replace(self, coordinates=self.coordinates[some], rates=self.rates[some])
-        return kept.cog_direction_rate
-
-
-class Part(Protocol):
-    """Motions of k members that were run in one way."""
-
-    @property
-    def rows(self) -> Rows:
-        """Numbers of the members, shape (k,)."""
-
-    @property
-    def ends(self) -> Array:
-        """Time of each end in s, shape (k,)."""
-
-    @property
-    def error_estimates(self) -> Array:
-        """Estimated errors in rad, or nan, shape (k,)."""
-
-    @property
-    def endings(self) -> AnyArray:
-        """Reasons, or None, shape (k,)."""
-
-    def moved(self, by: int) -> "Part":
-        """The same with larger numbers of members."""
-
-    def kinematics(self, some: slice) -> Samples:
-        """Samples of some at the n times asked for, and at their ends, without forces."""
-
-    def trajectory(self, row: int) -> Trajectory:
-        """Motion of one of them."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Listed:
-    """Motions that were run one by one, at so many times asked for."""
-
-    rows: Rows
-    motions: Sequence[Trajectory]
-    samples: int
-
-    def moved(self, by: int) -> "Listed":
-        """The same with larger numbers of members."""
-        return replace(self, rows=self.rows + by)
-
-    @property
-    def ends(self) -> Array:
-        """Time of each end in s."""
-        return np.array([motion.times[-1] for motion in self.motions])
-
-    @property
-    def error_estimates(self) -> Array:
-        """Estimated errors in rad, or nan."""
-        return np.array([motion.error_estimate for motion in self.motions], dtype=float)
-
-    @property
-    def endings(self) -> AnyArray:
-        """Reasons, or None."""
-        endings = [motion.ending for motion in self.motions]
-        return np.array([each and each.reason for each in endings], dtype=object)
-
-    def kinematics(self, some: slice) -> Samples:
-        """Samples of some at the times asked for, and at their ends, without forces."""
-        each = [Samples.of(motion, self.samples + 1) for motion in self.motions[some]]
-        return Samples(
-            np.concatenate([one.times for one in each]),
-            np.concatenate([one.coordinates for one in each]),
-            np.concatenate([one.rates for one in each]),
-            np.empty((len(each), self.samples + 1, 0)),
-        )
-
-    def trajectory(self, row: int) -> Trajectory:
-        """Motion of one of them."""
-        return self.motions[row]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -135,9 +33,10 @@ class Trajectories(InCoordinates):
         Of m members.
     times : ndarray, shape (n,)
         In s.
-    parts : sequence of Part
-    failures : mapping
-        From numbers of members to errors.
+    parts : sequence of CompiledPart
+        Members that were run together.
+    alone : mapping
+        From the numbers of all others to their motions, or to the errors that ended them.
     seconds : ndarray, shape (m,)
         Processor time of each run in s; of members that ran together the mean.
 
@@ -157,8 +56,8 @@ class Trajectories(InCoordinates):
 
     ensemble: Ensemble
     times: Array
-    parts: Sequence[Part]
-    failures: Mapping[int, Exception]
+    parts: Sequence[CompiledPart]
+    alone: Mapping[int, Trajectory | Exception]
     seconds: Array
 
     def __len__(self) -> int:
@@ -166,8 +65,11 @@ class Trajectories(InCoordinates):
 
     def __getitem__(self, member: int) -> Trajectory:
         member = range(len(self))[member]
-        if member in self.failures:
-            raise self.failures[member]
+        if member in self.alone:
+            found = self.alone[member]
+            if isinstance(found, Exception):
+                raise found
+            return found
         part = next(part for part in self.parts if member in part.rows)
         return part.trajectory(int(np.argmax(part.rows == member)))
 
@@ -185,6 +87,16 @@ class Trajectories(InCoordinates):
             return error
 
     @cached_property
+    def failures(self) -> Mapping[int, Exception]:
+        """Errors that ended members, by their numbers."""
+        return {row: each for row, each in self.alone.items() if isinstance(each, Exception)}
+
+    @cached_property
+    def _motions(self) -> Mapping[int, Trajectory]:
+        """Motions of members that were run by themselves."""
+        return {row: each for row, each in self.alone.items() if isinstance(each, Trajectory)}
+
+    @cached_property
     def _eccentricity(self) -> Array:
         return self.ensemble.numbers(lambda scenario: scenario.disk.eccentricity)[:, None]
 
@@ -194,17 +106,17 @@ class Trajectories(InCoordinates):
     @cached_property
     def ends(self) -> Array:
         """Time of the end of each motion in s, shape (m,)."""
-        return self._whole("ends", np.nan)
+        return self._whole("ends", np.nan, lambda motion: motion.times[-1])
 
     @cached_property
     def error_estimates(self) -> Array:
         """Estimated errors of beta and gamma in rad, shape (m,); nan where there is none."""
-        return self._whole("error_estimates", np.nan)
+        return self._whole("error_estimates", np.nan, lambda motion: motion.error_estimate)
 
     @cached_property
     def endings(self) -> AnyArray:
         """Why motions ended before the last time asked for, or None, shape (m,); see `Ending`."""
-        return self._whole("endings", None)
+        return self._whole("endings", None, lambda motion: motion.ending and motion.ending.reason)
 
     @cached_property
     def coordinates(self) -> Array:
@@ -234,7 +146,7 @@ class Trajectories(InCoordinates):
         for rows, samples in self._blocks():
             eccentricities = self._eccentricity[rows, 0]
             found = inversions(
-                samples.times, samples.cog_direction, samples.direction_rates, eccentricities
+                samples.times, samples.cog_direction, samples.cog_direction_rate, eccentricities
             )
             outcomes[rows], numbers[:, rows] = found.outcomes, found.numbers
         return Inversions(outcomes, *numbers)
@@ -254,35 +166,17 @@ class Trajectories(InCoordinates):
         for part in self.parts:
             for some in blocks(len(part.rows), self.times.size):
                 yield part.rows[some], part.kinematics(some)
+        for row, motion in self._motions.items():
+            yield np.array([row]), Samples.of(motion, self.times.size + 1)
 
-    def _whole(self, name: str, empty: float | None) -> AnyArray:
-        """What the parts tell of their members, of all of them."""
+    def _whole(
+        self, name: str, empty: float | None, read: Callable[[Trajectory], Any]
+    ) -> AnyArray:
+        """What the parts tell of their members under a name, and what is read off the others."""
         whole = np.full(len(self), empty)
         for part in self.parts:
             whole[part.rows] = getattr(part, name)
+        for row, motion in self._motions.items():
+            whole[row] = read(motion)
         whole.setflags(write=False)
         return whole
-
-
-def blocks(rows: int, samples: int) -> Iterator[slice]:
-    """Rows with so many samples, some at a time."""
-    size = max(1, _BLOCK // samples)
-    return (slice(first, first + size) for first in range(0, rows, size))
-
-
-def joined(ensemble: Ensemble, pieces: Sequence[Trajectories]) -> Trajectories:
-    """Motions of an ensemble from those of its pieces, one after the other."""
-    parts: list[Part] = []
-    failures: dict[int, Exception] = {}
-    first = 0
-    for piece in pieces:
-        parts += [part.moved(first) for part in piece.parts]
-        failures |= {first + member: error for member, error in piece.failures.items()}
-        first += len(piece)
-    return Trajectories(
-        ensemble=ensemble,
-        times=pieces[0].times,
-        parts=parts,
-        failures=failures,
-        seconds=np.concatenate([piece.seconds for piece in pieces]),
-    )
