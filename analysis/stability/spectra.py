@@ -180,7 +180,9 @@ def branches(
         raise ValueError(
             f"spins must increase strictly, got {wanted[worst]:g} before {wanted[worst + 1]:g}"
         )
-    below, above = helper_spins(min(0.0, wanted[0]), 0.0), helper_spins(0.0, max(0.0, wanted[-1]))
+    # There is a step even where no other spin than 0 is asked for.
+    last = max(_LARGEST_STEP, wanted[-1])
+    below, above = helper_spins(min(0.0, wanted[0]), 0.0), helper_spins(0.0, last)
     matrices = matrices_over_spin(scenario, system, motion)
     spins = np.append(below[:-1], above)
     helpers = follow(matrices(spins), below.size - 1)

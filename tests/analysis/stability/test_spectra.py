@@ -65,6 +65,7 @@ def test_branches_carry_the_numbers_of_the_paper() -> None:
     values = branches(PAPER, [0.0, 10.0, 20.0, 30.0]).values
     real = [15.2627, 2.7996, 0.0, 0.0, -2.6297, -10.7108, -91.7299, -163.0212]
     np.testing.assert_allclose(values[0], real, atol=5e-5)
+    np.testing.assert_array_equal(branches(PAPER, [0.0]).values, values[:1])
     # red pair, green pair, blue pair, two fast ones, as in Fig. 6
     np.testing.assert_allclose(values[3, :2], [0.0193 + 5.7511j, 0.0193 - 5.7511j], atol=5e-5)
     np.testing.assert_array_equal(values[3, 2:4], [30j, -30j])
