@@ -12,7 +12,6 @@ from analysis.data.frames import turn_about_vertical
 from analysis.data.quantities import Constraint
 from mbs_models.body_contact import forces_on
 from mbs_models.building import Building
-from mbs_models.loads import normal_forces
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
 FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
@@ -91,10 +90,7 @@ class Model(Building):
             Co-rotating coordinates and their rates, as `decode` makes them.
         """
         if self.scenario.contact is not None:
-            disk = self.scenario.disk
-            if not disk.is_round_disk:
-                return forces_on(self.scenario, self.scenario.contact, coordinates, rates)[:, None]
-            return normal_forces(self.scenario.contact, disk, coordinates, rates)[:, None]
+            return forces_on(self.scenario, self.scenario.contact, coordinates, rates)[:, None]
         # The engine's constraint forces act with a minus sign on the second body.
         contact = algebraic[:, self._equations(self._contact[0])]
         columns = [-contact[:, 2]]
@@ -156,13 +152,6 @@ class Model(Building):
         equation = self.contact_equation
         # The engine's constraint forces act with a minus sign on the second body.
         return equation is not None and self.system.systemData.GetAECoordinates()[equation] > 0.0
-
-    def friction_under(self, load: float) -> list[float]:
-        """Friction on the engine's coordinates under a contact force in N, n floats.
-
-        In the engine's current state, of a law that takes that force as its load.
-        """
-        raise NotImplementedError
 
     def _equations(self, joint: int) -> list[int]:
         return list(self.system.systemData.GetObjectLTGAE(joint))

@@ -21,6 +21,9 @@ STEP = 5e-3
 QUICK_STEP = 1e-5
 """and where those of two values do."""
 
+_PART = 1e-6
+"""Part of a contact force over which friction is differentiated by it."""
+
 _SECANTS = 30
 """Most steps towards a contact force that friction is not in proportion to,"""
 
@@ -286,6 +289,27 @@ class Probe:
         algebraic[equation] = value
         data.SetAECoordinates(algebraic.tolist())
         return self._forces()
+
+    def forces_per_newton(self, equation: int) -> Array:
+        """Change of the forces for each newton of contact force, shape (n,); none if it pulls.
+
+        Parameters
+        ----------
+        equation : int
+            Number of the contact's equation.
+        """
+        data = self._system.systemData
+        present = data.GetAECoordinates()
+        # The engine's constraint forces act with a minus sign on the second body.
+        load = -float(present[equation])
+        if load < 0.0:
+            return np.zeros(self._size)
+        little = _PART * max(load, _PART * self._model.scenario.weight)
+        less, more = max(0.0, load - little), load + little
+        change = self._forces_under(equation, -more) - self._forces_under(equation, -less)
+        data.SetAECoordinates(present)
+        found: Array = change / (more - less)
+        return found
 
     def _velocity_residuals(self) -> Array:
         if not self._equations:

@@ -72,17 +72,6 @@ class _Tree(Model):
             return euler_tree_contact(self.scenario, self.scenario.contact)
         return self._law(self.scenario, friction_load(self.scenario, self._contact))
 
-    def friction_under(self, load: float) -> list[float]:
-        data = self.system.systemData
-        law = self._law(self.scenario, lambda _: load)
-        return law(
-            self.system,
-            0.0,
-            self._tree,
-            data.GetODE2CoordinatesTotal().tolist(),
-            data.GetODE2Coordinates_t().tolist(),
-        )
-
 
 class EulerTree(_Tree):
     """Tree in the paper's coordinates: alpha, then x, y, z in the R-frame, then beta, gamma."""
