@@ -11,7 +11,7 @@ from analysis.data.scenario import Scenario
 
 Kind = Literal["node", "object", "marker", "load", "sensor"]
 
-_SLIP_AXES: dict[Constraint, int] = {"no-slip-along": 1, "no-slip-across": 0}
+SLIP_AXES: dict[Constraint, int] = {"no-slip-along": 1, "no-slip-across": 0}
 """Axes of the engine's rolling joint: it holds slip forward and sideways; 2 is the contact."""
 
 
@@ -98,7 +98,7 @@ class Building(ABC):
     def _slip_axes(self) -> dict[Constraint, int]:
         """Axes of the rolling joint along which the constraints hold slip at zero."""
         held = self.scenario.constraints
-        return {name: axis for name, axis in _SLIP_AXES.items() if name in held}
+        return {name: axis for name, axis in SLIP_AXES.items() if name in held}
 
     def _add(self, item: Any, why: str) -> int:
         """Add an item to the system under the reason for it; returns its number."""

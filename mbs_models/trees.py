@@ -10,7 +10,6 @@ import numpy as np
 
 from analysis.data.checks import Array
 from analysis.data.constraint_set import MODELS
-from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
 from mbs_models.building import table_forces
 from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_force, friction_load
@@ -233,11 +232,3 @@ class ContactTree(_Tree):
         rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
         rise += (r + e * sg) * (cb * bdd - sb * bd * bd)
         return (disk.mass * (table.pressing + rise))[:, None]
-
-    def position_residuals(self) -> dict[Constraint, float]:
-        coordinates, _ = self.decode(self.record()[None])
-        return {"contact": self.start.coordinates[2] - float(coordinates[0, 2])}
-
-    def velocity_residuals(self, equations: Array) -> dict[Constraint, float]:
-        _, rates = self.decode(self.record()[None])
-        return {"contact": self.start.rates[2] - float(rates[0, 2])}
