@@ -6,7 +6,6 @@ The accelerations are those of the scene's own formulation.
 """
 
 import time
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import cos, sin
@@ -17,14 +16,13 @@ from analysis.data.admissible import demanded, independent_coordinates
 from analysis.data.checks import Array, TimeLimitError
 from analysis.data.endings import Condition
 from analysis.data.state import COORDINATES, State
-from analysis.data.watch import Watch
 from analysis.solve.effort import contact_time, longest_step
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
 from analysis.solve.to_tolerance import run_to, tighter_and_tighter
 from mbs_models.friction import slip_velocity
 from mbs_models.integrators import FINEST_LOCAL, Integrator
 from mbs_models.probe import Probe
-from mbs_models.sampled import Sampled
+from mbs_models.sampled import Call, Sampled
 from mbs_models.scene import Scene, build
 from mbs_models.solving import stepping
 
@@ -185,35 +183,34 @@ class AccelerationProblem:
         return lambda state: slip_velocity(radius, *self._whole(state))[direction]
 
 
-def stepped(
-    scene: Scene,
-    times: Array,
-    integrator: Integrator,
-    tolerance: float | None,
-    *,
-    longest: float,
-    stop_when: Mapping[str, Condition],
-    allow_pulling: bool,
-    watch: Watch,
-    counts: Counter[str],
-) -> Sampled:
+def stepped(call: Call, integrator: Integrator) -> Sampled:
     """Step a scene's accelerations over all times, to a tolerance if there is one.
 
-    The arguments are those of `mbs_models.simulate`, with an integrator that steps accelerations,
-    whose local tolerance holds where no tolerance is given. The work is added to `counts`. The
-    integrator of what is returned has the local tolerance that has led there.
+    Parameters
+    ----------
+    call : Call
+    integrator : Integrator
+        One that steps accelerations. Its local tolerance holds where the call has no tolerance;
+        that of what is returned has led there.
     """
-    motion = AccelerationProblem(scene, stop_when)
+    times, tolerance = call.times, call.tolerance
+    motion = AccelerationProblem(call.scene, call.conditions)
     motion.check_start()
     problem = motion.initial_value_problem
-    problem = replace(problem, longest_step=min(longest, problem.longest_step))
+    problem = replace(problem, longest_step=min(call.longest, problem.longest_step))
     begin = time.process_time()
 
     def run(local: float, part: float) -> Run:
         motion.quick = local >= QUICK
-        shortened, name = problem.with_steps_up_to(part), integrator.method
-        found = integrate(shortened, times, name, local, allow_pulling=allow_pulling, watch=watch)
-        counts.update(steps=found.steps, right_hand_sides=found.evaluations)
+        found = integrate(
+            problem.with_steps_up_to(part),
+            times,
+            integrator.method,
+            local,
+            allow_pulling=call.allow_pulling,
+            watch=call.watch,
+        )
+        call.counts.update(steps=found.steps, right_hand_sides=found.evaluations)
         return found
 
     estimate, local = None, integrator.local_tolerance
@@ -229,14 +226,14 @@ def stepped(
             )
         values = motion.samples(found.states)
     # The first sample is the start itself, without the rounding on the way there.
-    values[0, :12] = scene.scenario.initial_state.vector
+    values[0, :12] = call.scene.scenario.initial_state.vector
     if len(values) < 2:
         raise TimeLimitError("time limit met before the first sample after the start")
     return Sampled(
         times=found.times,
         values=values,
         integrator=replace(integrator, local_tolerance=local),
-        step=longest,
+        step=call.longest,
         seconds=time.process_time() - begin,
         ended=found.ended,
         pulling=found.pulling,

@@ -2,7 +2,6 @@
 
 from abc import abstractmethod
 from math import cos, hypot, sin, sqrt
-from typing import Any
 
 import numpy as np
 
@@ -12,7 +11,6 @@ from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.contact import PenaltyContact
 from analysis.data.scenario import Scenario
-from mbs_models.friction import Force, Load, law_force
 from mbs_models.loads import Loading, Loads, Matrix, Triple
 
 _STEP = 1e-3
@@ -167,25 +165,6 @@ def forces_on(scenario: Scenario, contact: PenaltyContact, z: Array, u: Array) -
         matrix = (*rotation[0], *rotation[1], *rotation[2])
         found.append(loads.at(place[2], matrix, tuple(velocity), tuple(angular)).force[2])
     return np.array(found)
-
-
-def sphere_force(scenario: Scenario, load: Load) -> Force:
-    """Force and torque of a connector between the table and a sphere's centre.
-
-    The table's marker is turned so that its x axis points up (`UPWARD`): the contact point lies
-    against it. The connector wants the force on the table.
-    """
-    r, friction = scenario.disk.radius, law_force(scenario.friction)
-
-    def force(
-        system: Any, _t: Any, _item: Any, _displacement: Any, _rotation: Any,
-        velocity: Any, angular: Any, *_unused: Any,
-    ) -> list[float]:  # fmt: skip
-        slip_1, slip_2 = velocity[1] - r * angular[2], velocity[2] + r * angular[1]
-        f1, f2 = friction(slip_1, slip_2, load(system))
-        return [0.0, -f1, -f2, 0.0, -r * f2, r * f1]
-
-    return force
 
 
 def largest_lever(body: Body, leaning: float, half_thickness: float) -> float:

@@ -13,7 +13,7 @@ from analysis.data.state import COORDINATES
 
 Kind = Literal["node", "object", "marker", "load", "sensor"]
 
-_SLIP_AXES: dict[Constraint, int] = {"no-slip-along": 1, "no-slip-across": 0}
+SLIP_AXES: dict[Constraint, int] = {"no-slip-along": 1, "no-slip-across": 0}
 """Axes of the engine's rolling joint: it holds slip forward and sideways; 2 is the contact."""
 
 
@@ -62,7 +62,7 @@ class Building(ABC):
         self._contact: list[int] = []
         self.reasons: dict[tuple[Kind, int], str] = {}
         self._cog: int | None = None
-        self._rates: list[int] = []
+        self._rates: dict[str, int] = {}
         self._build()
         self._sensors = self._add_sensors()
         # What is added later needs this anew, which forgets initial accelerations.
@@ -100,7 +100,7 @@ class Building(ABC):
     def _slip_axes(self) -> dict[Constraint, int]:
         """Axes of the rolling joint along which the constraints hold slip at zero."""
         held = self.scenario.constraints
-        return {name: axis for name, axis in _SLIP_AXES.items() if name in held}
+        return {name: axis for name, axis in SLIP_AXES.items() if name in held}
 
     def _add(self, item: Any, why: str) -> int:
         """Add an item to the system under the reason for it; returns its number."""
@@ -159,15 +159,13 @@ class Building(ABC):
         turning = self._add(
             items.MarkerNodeCoordinate(nodeNumber=node, coordinate=place), f"the coordinate {name}"
         )
-        self._rates.append(
-            self._add(
-                items.ObjectConnectorCoordinate(
-                    markerNumbers=[fixed, turning],
-                    offset=self.start.rates[COORDINATES.index(name)],
-                    velocityLevel=True,
-                ),
-                f"holds the rate of {name} constant; its torque is an output",
-            )
+        self._rates[name] = self._add(
+            items.ObjectConnectorCoordinate(
+                markerNumbers=[fixed, turning],
+                offset=self.start.rates[COORDINATES.index(name)],
+                velocityLevel=True,
+            ),
+            f"holds the rate of {name} constant; its torque is an output",
         )
 
 

@@ -1,6 +1,5 @@
 """The way of the engine's own integrators to a tolerance: fixed steps halved and extrapolated."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -13,8 +12,9 @@ from analysis.data.state import FlatError
 from mbs_models.effort import HALVINGS, LATE
 from mbs_models.integrators import RULES, Integrator, IntegratorName
 from mbs_models.model import Formulation
-from mbs_models.sampled import Sampled, apart
-from mbs_models.scene import CLASSES, Scene
+from mbs_models.own_runs import run_over
+from mbs_models.sampled import Call, Sampled, apart
+from mbs_models.scene import CLASSES
 from mbs_models.solving import EngineError
 
 ROUNDING = 1e-13
@@ -154,24 +154,14 @@ class Ladder:
         return 2.0 ** self._exponents[min(column, len(self._exponents) - 1)]
 
 
-def extrapolated(
-    scene: Scene,
-    run: Callable[[float, int], Sampled],
-    integrator: Integrator,
-    tolerance: float,
-    *,
-    is_last_way: bool,
-) -> Sampled:
+def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> Sampled:
     """Halve the step and extrapolate until the estimated error is small enough.
 
     Parameters
     ----------
-    scene : Scene
-    run : callable
-        From the longest step in s and the number of its halvings to a motion.
+    call : Call
+        With a tolerance.
     integrator : Integrator
-    tolerance : float
-        Largest error in beta and gamma in rad.
     is_last_way : bool
         Whether to go on where fixed steps lead to nothing, since nothing else is left to try.
 
@@ -180,6 +170,8 @@ def extrapolated(
     EngineError, FlatError, ToleranceError, TimeLimitError
         See `mbs_models.simulate`.
     """
+    scene, tolerance = call.scene, call.tolerance
+    assert tolerance is not None
     empty = partial(Ladder, scene.built_as, integrator.name, scene.scenario.slip_decay)
     ladder, kind = empty(), None
     failure: EngineError | FlatError | None = None
@@ -191,7 +183,7 @@ def extrapolated(
         if is_late and ladder.best_estimate > HOPELESS * tolerance:
             raise HopelessError
         try:
-            result = run(integrator.first_step, halvings)
+            result = run_over(call, integrator, integrator.first_step, halvings)
         except (EngineError, FlatError) as error:
             # A step too long for the iteration is no failure of the tolerance: halve it.
             flat = flat + 1 if isinstance(error, FlatError) else 0

@@ -8,18 +8,14 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 from exudyn.lieGroupBasics import CompositionRuleForRotationVectors
-from exudyn.rigidBodyUtilities import (
-    EulerParameters2GLocal,
-    RigidBodyInertia,
-    RotationMatrixZ,
-)
+from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 
 from analysis.data import frames
 from analysis.data.bodies import Sphere
 from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
-from mbs_models.body_contact import loads_of, sphere_force
+from mbs_models.body_contact import loads_of
 from mbs_models.building import table_forces
 from mbs_models.friction import UPWARD, Force, connector_force, friction_load
 from mbs_models.loads import Loads
@@ -155,8 +151,8 @@ class Floating(Model):
             # The joint of a sphere tells its force with the opposite sign.
             is_sphere = isinstance(self.scenario.disk, Sphere)
             load = friction_load(self.scenario, self._contact, -1.0 if is_sphere else 1.0)
-            force = (sphere_force if is_sphere else connector_force)(self.scenario, load)
-        self._friction = self._add(
+            force = connector_force(self.scenario, load)
+        self._add(
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[side, centre],
                 useIntrinsicFormulation=False,
@@ -184,30 +180,6 @@ class Floating(Model):
             return [-value for value in (*load.force, *load.torque)]
 
         return force
-
-    def friction_under(self, load: float) -> list[float]:
-        number, system = self._friction, self.system
-        present = system.systemData.GetAECoordinates()
-        under_load = present.copy()
-        # The engine's constraint forces act with a minus sign on the second body.
-        under_load[self.contact_equation] = -load
-        system.systemData.SetAECoordinates(under_load)
-        # What the connector does to the table, in its turned frame.
-        force, torque = (
-            UPWARD @ system.GetObjectOutput(number, output)
-            for output in (_OUTPUT.ForceLocal, _OUTPUT.TorqueLocal)
-        )
-        system.systemData.SetAECoordinates(present)
-        rotation = system.GetNodeOutput(self._node, _OUTPUT.RotationMatrix).reshape(3, 3)
-        forces = -np.concatenate((force, self._turning(torque @ rotation)))
-        others = system.systemData.ODE2Size() - forces.size
-        return [*forces.tolist(), *[0.0] * others]
-
-    def _turning(self, torque: Array) -> Array:
-        """Generalised force of a torque in the body frame."""
-        parameters = self.system.systemData.GetODE2CoordinatesTotal()[3:7]
-        result: Array = EulerParameters2GLocal(parameters).T @ torque
-        return result
 
     def _add_carrier(self, centre: int) -> None:
         """Add a carrier that turns at the prescribed spin and takes the disk's axis along."""
@@ -322,9 +294,6 @@ class FloatingLie(Floating):
             return place
 
         return turned
-
-    def _turning(self, torque: Array) -> Array:
-        return torque
 
     def _angular_acceleration(self, second_derivatives: Array) -> Array:
         # The engine offers no such output for this node; its coordinates are the local components.

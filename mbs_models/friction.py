@@ -10,6 +10,7 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
+from analysis.data.bodies import Sphere
 from analysis.data.friction import (
     AnisotropicCoulomb,
     FrictionLaw,
@@ -121,6 +122,16 @@ _WRITTEN: dict[type[FrictionLaw], Callable[[Any], LawForce]] = {
 """Laws written a second time. What derives from one of them may differ, so it is not of it."""
 
 
+def free_slip_force(scenario: Scenario) -> LawForce:
+    """The scenario's friction law without the slip that its constraints hold at zero."""
+    law = law_force(scenario.friction)
+    if "no-slip-along" in scenario.constraints:
+        return lambda _, across, load: (0.0, law(0.0, across, load)[1])
+    if "no-slip-across" in scenario.constraints:
+        return lambda along, _, load: (law(along, 0.0, load)[0], 0.0)
+    return law
+
+
 def friction_load(scenario: Scenario, contact: list[int], sign: float = 1.0) -> Load:
     """What presses the disk on the table, constant or from the contact joint's multiplier.
 
@@ -175,71 +186,42 @@ def contact_tree_force(scenario: Scenario, load: Load) -> Force:
 
 def euler_tree_force(scenario: Scenario, load: Load) -> Force:
     """Generalised friction force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
-    r, friction = scenario.disk.radius, law_force(scenario.friction)
+    r, friction = scenario.disk.radius, free_slip_force(scenario)
 
-    def sliding(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
+    def force(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         x, arm, lift = q[1], r * cos(q[4]) - q[2], r * sin(q[4])
         slip_x = u[1] + arm * u[0] + r * u[5]
         slip_y = u[2] + x * u[0] + lift * u[4]
         fx, fy = friction(slip_x, slip_y, load(system))
         return [arm * fx + x * fy, fx, fy, 0.0, lift * fy, r * fx]
 
-    def along(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
-        arm = r * cos(q[4]) - q[2]
-        slip_x = u[1] + arm * u[0] + r * u[5]
-        fx, _ = friction(slip_x, 0.0, load(system))
-        return [arm * fx, fx, 0.0, 0.0, 0.0, r * fx]
-
-    def across(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
-        x, lift = q[1], r * sin(q[4])
-        slip_y = u[2] + x * u[0] + lift * u[4]
-        _, fy = friction(0.0, slip_y, load(system))
-        return [x * fy, 0.0, fy, 0.0, lift * fy, 0.0]
-
-    if "no-slip-along" in scenario.constraints:
-        return across
-    return along if "no-slip-across" in scenario.constraints else sliding
+    return force
 
 
 def connector_force(scenario: Scenario, load: Load) -> Force:
-    """Force and torque of a connector between the table and the disk's centre.
+    """Force and torque of a connector between the table and the middle of a disk or a sphere.
 
     The table's marker is turned so that its x axis points up (`UPWARD`). The disk's attitude then
     comes as Tait-Bryan angles whose first turns the disk's axis about the vertical and whose
-    second is its elevation; they are regular unless the disk lies flat. The connector wants the
-    force on the table.
+    second is its elevation; they are regular unless the disk lies flat. Below a sphere's middle,
+    all level directions are alike. The connector wants the force on the table.
     """
-    r, friction = scenario.disk.radius, law_force(scenario.friction)
-    only_across = "no-slip-along" in scenario.constraints
-    only_along = "no-slip-across" in scenario.constraints
+    r, friction = scenario.disk.radius, free_slip_force(scenario)
+    is_sphere = isinstance(scenario.disk, Sphere)
 
     def force(
-        system: Any,
-        _t: Any,
-        _item: Any,
-        _displacement: Any,
-        rotation: Any,
-        velocity: Any,
-        angular: Any,
-        _stiffness: Any,
-        _damping: Any,
-        _frame_0: Any,
-        _frame_1: Any,
-        _offset: Any,
-    ) -> list[float]:
-        n1, n2 = -sin(rotation[0]), cos(rotation[0])
-        rise = r * sin(rotation[1])
-        c0, c1, c2 = -r * cos(rotation[1]), rise * n1, rise * n2
+        system: Any, _t: Any, _item: Any, _displacement: Any, rotation: Any,
+        velocity: Any, angular: Any, *_unused: Any,
+    ) -> list[float]:  # fmt: skip
+        if is_sphere:
+            n1, n2, c0, c1, c2 = 0.0, 1.0, -r, 0.0, 0.0
+        else:
+            n1, n2 = -sin(rotation[0]), cos(rotation[0])
+            rise = r * sin(rotation[1])
+            c0, c1, c2 = -r * cos(rotation[1]), rise * n1, rise * n2
         slip_1 = velocity[1] + angular[2] * c0 - angular[0] * c2
         slip_2 = velocity[2] + angular[0] * c1 - angular[1] * c0
-        along, across = slip_2 * n1 - slip_1 * n2, slip_1 * n1 + slip_2 * n2
-        fx, fy = friction(
-            0.0 if only_across else along, 0.0 if only_along else across, load(system)
-        )
-        if only_across:
-            fx = 0.0
-        elif only_along:
-            fy = 0.0
+        fx, fy = friction(slip_2 * n1 - slip_1 * n2, slip_1 * n1 + slip_2 * n2, load(system))
         f1, f2 = fx * n2 - fy * n1, -fx * n1 - fy * n2
         return [0.0, f1, f2, c1 * f2 - c2 * f1, -c0 * f2, c0 * f1]
 

@@ -1,15 +1,12 @@
-"""Linear stability of the engine's explicit integrators, measured on the test equation."""
+"""Linear stability of the engine's explicit integrators, measured on the engine."""
 
-from cmath import exp
 from functools import lru_cache
-from math import pi
 
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
-import numpy.typing as npt
 
-from analysis.data.checks import choice
+from analysis.data.checks import Array, choice
 from mbs_models.integrators import RULES, IntegratorName
 from mbs_models.solving import solving
 
@@ -19,45 +16,31 @@ STAGES: dict[IntegratorName, int] = {
 """Fixed-step explicit integrators and their stages, the degree of the stability function."""
 
 
-def amplification(integrator: IntegratorName, z: complex) -> complex:
-    """Factor by which one step of the engine multiplies a motion exp(lambda t).
+@lru_cache
+def stability_polynomial(integrator: IntegratorName) -> Array:
+    """Coefficients of the stability function, shape (stages + 1,), lowest degree first.
 
-    Parameters
-    ----------
-    integrator : {"RK44", "RK67"}
-    z : complex
-        Step times lambda.
+    One step of length 1 multiplies a state by this polynomial of the system's matrix. A chain, in
+    which each variable drives the next, moves its first unit vector by one place for each power
+    of that, so that the state after a step lists the coefficients. Those up to the order of the
+    method are 1 / k!.
 
     Raises
     ------
     ValueError
-        If the integrator has no stability function of its own to measure.
+        If the integrator is none of `STAGES`.
     """
-    choice("integrator", integrator, STAGES)
-    # An oscillator with the eigenvalues z and conj(z) starts as the eigenvector (1, z).
-    first, second = (_one_step(integrator, z, start) for start in ((1.0, 0.0), (0.0, 1.0)))
-    return complex(first + z * second)
-
-
-def _one_step(integrator: IntegratorName, z: complex, start: tuple[float, float]) -> float:
+    size = STAGES[choice("integrator", integrator, STAGES)] + 1
     container = exu.SystemContainer()
     system = container.AddSystem()
     node = system.AddNode(
-        items.NodeGenericODE2(
-            numberOfODE2Coordinates=1,
-            referenceCoordinates=[0.0],
-            initialCoordinates=[start[0]],
-            initialCoordinates_t=[start[1]],
+        items.NodeGenericODE1(
+            numberOfODE1Coordinates=size,
+            referenceCoordinates=[0.0] * size,
+            initialCoordinates=np.eye(size)[0],
         )
     )
-    system.AddObject(
-        items.ObjectGenericODE2(
-            nodeNumbers=[node],
-            massMatrix=np.eye(1),
-            stiffnessMatrix=np.array([[abs(z) ** 2]]),
-            dampingMatrix=np.array([[-2.0 * z.real]]),
-        )
-    )
+    system.AddObject(items.ObjectGenericODE1(nodeNumbers=[node], systemMatrix=np.eye(size, k=-1)))
     system.Assemble()
     settings = exu.SimulationSettings()
     settings.timeIntegration.numberOfSteps = 1
@@ -67,20 +50,7 @@ def _one_step(integrator: IntegratorName, z: complex, start: tuple[float, float]
     settings.solution.file.write = False
     with solving(system):
         system.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, integrator))
-    return float(system.systemData.GetODE2Coordinates()[0])
-
-
-@lru_cache
-def stability_polynomial(integrator: IntegratorName) -> npt.NDArray[np.float64]:
-    """Coefficients of the stability function, shape (stages + 1,), lowest degree first.
-
-    From its values on a circle; those up to the order of the method are 1 / k!.
-    """
-    count = STAGES[choice("integrator", integrator, STAGES)] + 1
-    points = [exp(2j * pi * k / count) for k in range(count)]
-    values = np.array([amplification(integrator, z) for z in points])
-    coefficients: npt.NDArray[np.float64] = np.fft.fft(values).real / count
-    return coefficients
+    return np.array(system.systemData.GetODE1Coordinates())
 
 
 def largest_step(integrator: IntegratorName, eigenvalue: complex) -> float:

@@ -7,14 +7,10 @@ lowest point at p = -(r² e - k n_z n) / H from its centre, at the height H = sq
 from math import cos, hypot, pi, sin, sqrt
 from typing import Any
 
-import numpy as np
-
-from analysis.data.body import Body
-from analysis.data.checks import Array
 from analysis.data.contact import PenaltyContact
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
-from mbs_models.friction import Force, law_force
+from mbs_models.friction import Force, euler_tree_force, law_force
 
 Triple = tuple[float, float, float]
 
@@ -226,50 +222,27 @@ class Loading:
         self.torque = (b[0] + torque[0], b[1] + torque[1], b[2] + torque[2])
 
 
-def normal_forces(contact: PenaltyContact, disk: Body, coordinates: Array, rates: Array) -> Array:
-    """Normal force of a penalty contact in N, shape (n,).
-
-    Parameters
-    ----------
-    contact : PenaltyContact
-    disk : Body
-    coordinates, rates : ndarray, shape (n, 6)
-        Co-rotating coordinates and their rates.
-    """
-    sine, cosine = np.sin(coordinates[:, 4]), np.cos(coordinates[:, 4])
-    height = np.hypot(disk.radius * sine, contact.half_thickness * cosine)
-    slope = (disk.radius**2 - contact.half_thickness**2) * sine * cosine / height
-    penetration = height - coordinates[:, 2]
-    force = contact.stiffness * penetration
-    force += contact.damping * (slope * rates[:, 4] - rates[:, 2])
-    if contact.bilateral:
-        return force
-    result: Array = np.where(penetration > 0.0, np.maximum(0.0, force), 0.0)
-    return result
-
-
 def euler_tree_contact(scenario: Scenario, contact: PenaltyContact) -> Force:
     """Generalised contact force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
-    r, friction = scenario.disk.radius, law_force(scenario.friction)
+    r, always = scenario.disk.radius, contact.bilateral
     stiffness, damping = contact.stiffness, contact.damping
     by_weight, weight = scenario.friction.load == "weight", scenario.weight
-    rough, always = scenario.rubs, contact.bilateral
+    load = 0.0
+    friction = euler_tree_force(scenario, lambda _: load)
 
-    def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
-        side, lift = r * cos(q[4]), r * sin(q[4])
-        height = q[3] - lift
+    def force(system: Any, time: Any, item: Any, q: Any, u: Any) -> list[float]:
+        nonlocal load
+        side, height = r * cos(q[4]), q[3] - r * sin(q[4])
         normal = -stiffness * height - damping * (u[3] - side * u[4])
         if not always:
             normal = max(0.0, normal) if height < 0.0 else 0.0
-        if not rough:
-            return [0.0, 0.0, 0.0, normal, -side * normal, 0.0]
-        x, arm = q[1], side - q[2]
-        slip_x = u[1] + arm * u[0] + r * u[5]
-        slip_y = u[2] + x * u[0] + lift * u[4]
         # A contact that pulls is no load; the weight is one wherever there is contact at all.
-        fx = fy = 0.0
-        if always or normal > 0.0:
-            fx, fy = friction(slip_x, slip_y, weight if by_weight else max(0.0, normal))
-        return [arm * fx + x * fy, fx, fy, normal, lift * fy - side * normal, r * fx]
+        if not (always or normal > 0.0):
+            return [0.0] * 6
+        load = weight if by_weight else max(0.0, normal)
+        forces = friction(system, time, item, q, u)
+        forces[3] = normal
+        forces[4] -= side * normal
+        return forces
 
     return force

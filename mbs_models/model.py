@@ -2,17 +2,16 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import ClassVar, Literal, get_args
 
-import exudyn as exu
 import numpy as np
 
 from analysis.data.checks import Array
 from analysis.data.frames import turn_about_vertical
-from analysis.data.quantities import Constraint
+from analysis.data.quantities import HELD, Constraint
 from mbs_models.body_contact import forces_on
-from mbs_models.building import Building
-from mbs_models.loads import normal_forces
+from mbs_models.building import SLIP_AXES, Building
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
 FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
@@ -91,20 +90,16 @@ class Model(Building):
             Co-rotating coordinates and their rates, as `decode` makes them.
         """
         if self.scenario.contact is not None:
-            disk = self.scenario.disk
-            if not disk.is_round_disk:
-                return forces_on(self.scenario, self.scenario.contact, coordinates, rates)[:, None]
-            return normal_forces(self.scenario.contact, disk, coordinates, rates)[:, None]
-        # The engine's constraint forces act with a minus sign on the second body.
-        contact = algebraic[:, self._equations(self._contact[0])]
-        columns = [-contact[:, 2]]
-        if self._cog is not None:
-            force = -algebraic[:, self._equations(self._cog)]
-            columns += list(turn_about_vertical(-coordinates[:, 3], force).T[:2])
-        # The joint's forward and lateral axes point against e_x and e_y of the R-frame.
-        columns += [contact[:, axis] for axis in self._slip_axes().values()]
-        columns += [-algebraic[:, self._equations(joint)[0]] for joint in self._rates]
-        return np.column_stack(columns)
+            return forces_on(self.scenario, self.scenario.contact, coordinates, rates)[:, None]
+        columns = []
+        for constraint, rows in self.equations.items():
+            # The engine's constraint forces act with a minus sign on the second body. The rolling
+            # joint's forward and lateral axes point against e_x and e_y of the R-frame.
+            force = algebraic[:, rows] if constraint in SLIP_AXES else -algebraic[:, rows]
+            if constraint == "fixed-cog":
+                force = turn_about_vertical(-coordinates[:, 3], force)[:, :2]
+            columns.append(force)
+        return np.hstack(columns)
 
     def record(self) -> Array:
         """Pose and velocity in the engine's current state, shape (k,)."""
@@ -118,32 +113,29 @@ class Model(Building):
         stored = [np.atleast_2d(values) for values in stored]
         return stored[0][:, 0], np.hstack([values[:, 1:] for values in stored])
 
-    def position_residuals(self) -> dict[Constraint, float]:
-        """By how much the engine's current state breaks the constraints of positions, in m."""
-        outputs = exu.OutputVariableType
-        # The joint of a sphere tells how far it is off; that of a disk where its contact is.
-        output = (
-            outputs.Position if self.scenario.disk.is_round_disk else outputs.DisplacementLocal
-        )
-        height = self.system.GetObjectOutput(self._contact[0], output)[2]
-        found: dict[Constraint, float] = {"contact": float(height)}
-        if self._cog is not None:
-            place = self.system.GetObjectOutput(self._cog, exu.OutputVariableType.Displacement)
-            found["fixed-cog"] = float(np.hypot(*place[:2]))
-        return found
+    @cached_property
+    def equations(self) -> dict[Constraint, list[int]]:
+        """Numbers of the algebraic equations of each constraint; the last of the COG is idle."""
 
-    def velocity_residuals(self, equations: Array) -> dict[Constraint, float]:
-        """By how much it breaks them on velocity level in m/s, from the algebraic equations."""
-        contact = equations[self._equations(self._contact[0])]
-        found: dict[Constraint, float] = {"contact": float(contact[2])}
+        def of(joint: int) -> list[int]:
+            return list(self.system.systemData.GetObjectLTGAE(joint))
+
+        found: dict[Constraint, list[int]] = {}
+        if self._contact:
+            found["contact"] = [of(self._contact[0])[2]]
         if self._cog is not None:
-            found["fixed-cog"] = float(np.hypot(*equations[self._equations(self._cog)][:2]))
-        return found | {name: float(contact[axis]) for name, axis in self._slip_axes().items()}
+            found["fixed-cog"] = of(self._cog)
+        for name, axis in self._slip_axes().items():
+            found[name] = [of(self._contact[0])[axis]]
+        for name in self.scenario.constraints:
+            if coordinate := HELD[name].rate:
+                found[name] = of(self._rates[coordinate])
+        return found
 
     @property
     def contact_equation(self) -> int | None:
         """Number of the algebraic equation of the normal contact, if there is one."""
-        return self._equations(self._contact[0])[2] if self._contact else None
+        return self.equations["contact"][0] if self._contact else None
 
     @property
     def may_pull(self) -> bool:
@@ -155,13 +147,3 @@ class Model(Building):
         equation = self.contact_equation
         # The engine's constraint forces act with a minus sign on the second body.
         return equation is not None and self.system.systemData.GetAECoordinates()[equation] > 0.0
-
-    def friction_under(self, load: float) -> list[float]:
-        """Friction on the engine's coordinates under a contact force in N, n floats.
-
-        In the engine's current state, of a law that takes that force as its load.
-        """
-        raise NotImplementedError
-
-    def _equations(self, joint: int) -> list[int]:
-        return list(self.system.systemData.GetObjectLTGAE(joint))

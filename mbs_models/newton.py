@@ -10,6 +10,7 @@ import numpy as np
 from analysis.data.checks import positive, switch
 from analysis.data.state import COORDINATES
 from mbs_models.model import Model
+from mbs_models.probe import Probe
 
 MOST_ITERATIONS = 100
 """Iterations after which a step fails.
@@ -85,10 +86,6 @@ def force_rounding(model: Model) -> float:
     return 4.0 * float(np.finfo(float).eps) * max(lost, *largest)
 
 
-_PART = 1e-6
-"""Part of a contact force over which friction is differentiated that is not proportional to it."""
-
-
 def complete_jacobian(model: Model) -> None:
     """Add to the engine's Jacobian how friction grows with the contact force.
 
@@ -96,25 +93,14 @@ def complete_jacobian(model: Model) -> None:
     column, friction with the contact force as its load converges by a constant factor for each
     iteration, however short the step.
     """
-    contact = model.contact_equation
-    scenario = model.scenario
+    contact, scenario = model.contact_equation, model.scenario
     if contact is None or scenario.friction.load != "contact" or not scenario.rubs:
         return
-    data = model.system.systemData
-    equations = len(data.GetAECoordinates())
-
-    def per_newton() -> list[float]:
-        if scenario.friction.IS_PROPORTIONAL:
-            return model.friction_under(1.0)
-        load = -data.GetAECoordinates()[contact]
-        little = _PART * max(load, _PART * scenario.weight)
-        less, more = max(0.0, load - little), load + little
-        pairs = zip(model.friction_under(more), model.friction_under(less), strict=True)
-        return [(high - low) / (more - less) for high, low in pairs]
+    data, probe = model.system.systemData, Probe(model)
 
     def column(*_unused: Any) -> Any:
-        forces = [0.0] * data.ODE2Size() if model.pulls() else per_newton()
-        size = len(forces) + equations
+        forces = probe.forces_per_newton(contact).tolist()
+        size = len(forces) + len(data.GetAECoordinates())
         entries = [[row, len(forces) + contact, force] for row, force in enumerate(forces)]
         matrix = exu.MatrixContainer()
         # Written into a dense matrix, the engine fails.

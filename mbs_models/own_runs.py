@@ -3,8 +3,7 @@
 A span holds evenly spaced times; each is one run.
 """
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from functools import partial
 from math import sin
 
@@ -12,41 +11,26 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.checks import Array, TimeLimitError
-from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Condition
+from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.state import COORDINATES, FlatError, check_upright
-from analysis.data.watch import Watch
 from mbs_models import sampled
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.effort import stepping_integrator
 from mbs_models.endings import LOCAL, Motion, Place, dips, first_ending, pulling_times
 from mbs_models.integrators import Integrator
-from mbs_models.model import Model
 from mbs_models.probe import Probe
-from mbs_models.runs import Samples, Start, record, settle
-from mbs_models.sampled import Sampled, leaning, state_of
-from mbs_models.scene import Scene, build
+from mbs_models.runs import Samples, Start, Stop, record, settle
+from mbs_models.sampled import Call, Sampled, leaning, state_of
+from mbs_models.scene import build
 from mbs_models.solving import EngineError
 
 NEARLY_FLAT = 0.1
 """Sine of the inclination below which a failure is likely to come from the Euler angles."""
 
 
-def run_over(
-    scene: Scene,
-    times: Array,
-    integrator: Integrator,
-    step: float,
-    halvings: int = 0,
-    *,
-    stop_when: Mapping[str, Condition] | None = None,
-    allow_pulling: bool = False,
-    watch: Watch | None = None,
-    counts: Counter[str] | None = None,
-) -> Sampled:
+def run_over(call: Call, integrator: Integrator, step: float, halvings: int = 0) -> Sampled:
     """Run over all times, with steps of at most `step` that are then halved so often.
-
-    The work is added to `counts`; other arguments are those of `mbs_models.simulate`.
 
     Raises
     ------
@@ -57,20 +41,11 @@ def run_over(
     TimeLimitError
         If the watch calls time before the second sample.
     """
-    spans = _Spans(
-        scene,
-        integrator,
-        times,
-        stop_when or {},
-        allow_pulling=allow_pulling,
-        watch=watch or Watch(),
-        counts=Counter() if counts is None else counts,
-    )
-    longest = 0.0
-    for first, intervals, spacing in even_spans(times):
+    spans, longest = _Spans(call, integrator), 0.0
+    for first, intervals, spacing in even_spans(call.times):
         substeps = max(1, int(np.ceil(spacing / step - 1e-9)))
         longest = max(longest, spacing / (substeps << halvings))
-        spans.run(float(times[first]), intervals, spacing, substeps, halvings)
+        spans.run(float(call.times[first]), intervals, spacing, substeps, halvings)
         if spans.ended is not None:
             break
     return spans.sampled(longest)
@@ -87,73 +62,13 @@ def even_spans(times: Array) -> Iterator[tuple[int, int, float]]:
         first += length
 
 
-class _Stop:
-    """Ends a run where the contact's constraint pulls, a condition holds or time is over.
-
-    Parameters
-    ----------
-    model : Model
-    here : ndarray, shape (12 + k,)
-        Sample at which the run begins.
-    conditions : mapping
-    must_not_pull : bool
-    is_over : callable
-        From a time in the run in s to whether somebody ends it there; None if nobody does.
-
-    Attributes
-    ----------
-    reason : str or None
-        Why it ended it, if not for the time.
-    """
-
-    def __init__(
-        self,
-        model: Model,
-        here: Array,
-        conditions: Mapping[str, Condition],
-        must_not_pull: bool,
-        is_over: Callable[[float], bool] | None,
-    ) -> None:
-        self._model, self._conditions, self._is_over = model, conditions, is_over
-        self._pulls = must_not_pull and model.contact_equation is not None
-        self._armed: set[str] = set()
-        self._angles = here[sampled.TURNING]
-        self.reason: str | None = None
-
-    @property
-    def is_idle(self) -> bool:
-        """Whether there is nothing to look at after a step."""
-        return not (self._pulls or self._conditions) and self._is_over is None
-
-    def __call__(self, moment: float) -> bool:
-        if self._pulls and self._model.pulls():
-            self.reason = CONTACT_WOULD_PULL
-        elif self._conditions:
-            self.reason = self._first()
-        return self.reason is not None or (self._is_over is not None and self._is_over(moment))
-
-    def _first(self) -> str | None:
-        """A condition of the user's that has turned negative."""
-        row = np.hstack(self._model.decode(self._model.record()[None]))[0]
-        row[sampled.TURNING] += _whole_turns(self._angles - row[sampled.TURNING])
-        self._angles = row[sampled.TURNING]
-        if leaning(row) < LEAST_TILT:
-            return FLAT
-        for reason, condition in self._conditions.items():
-            if condition(state_of(row)) >= 0.0:
-                self._armed.add(reason)
-            elif reason in self._armed:
-                return reason
-        return None
-
-
 class _Spans:
     """Runs of a scene span after span, and what they have recorded.
 
     Parameters
     ----------
-    scene, integrator, times, conditions, allow_pulling, watch, counts
-        See `run_over`.
+    call : Call
+    integrator : Integrator
 
     Attributes
     ----------
@@ -161,24 +76,12 @@ class _Spans:
         Why the last span ended early, if it did.
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        integrator: Integrator,
-        times: Array,
-        conditions: Mapping[str, Condition],
-        *,
-        allow_pulling: bool,
-        watch: Watch,
-        counts: Counter[str],
-    ) -> None:
-        self._scene, self._integrator, self._times = scene, integrator, times
-        self._conditions, self._watch, self._counts = conditions, watch, counts
-        self._allow = allow_pulling
-        self._model = build(scene)
-        self._must_not_pull = self._model.may_pull and not allow_pulling
+    def __init__(self, call: Call, integrator: Integrator) -> None:
+        self._call, self._integrator = call, integrator
+        self._scene, self._model = call.scene, build(call.scene)
+        self._must_not_pull = self._model.may_pull and not call.allow_pulling
         # The last sample: where the next span begins.
-        self._here = scene.scenario.initial_state.vector
+        self._here = call.scene.scenario.initial_state.vector
         self._start = self._checked_start()
         self._moments: list[Array] = []
         self._forces: list[Array] = []
@@ -209,19 +112,19 @@ class _Spans:
             self._model = build(self._scene)
         finer, substeps = self._fineness(spacing, substeps, halvings)
         period = spacing / finer
-        stop = self._stop(begin)
-        samples = self._recorded(begin, period, intervals * finer, substeps, stop)
+        reasons: list[str] = []
+        samples = self._recorded(begin, period, intervals * finer, substeps, reasons)
         values = self._values(samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
         lowest = int(np.argmin(leaning(values)))
-        self._watch.flattest = (float(moments[lowest]), float(leaning(values[lowest])))
+        self._call.watch.flattest = (float(moments[lowest]), float(leaning(values[lowest])))
         self._unwrap(values, moments)
         found = first_ending(
-            self._places(values, samples, stop.reason, period),
+            self._places(values, samples, reasons, period),
             period,
             partial(self._motion_from, values, period),
             allow_pulling=not self._must_not_pull,
-            work=self._counts,
+            work=self._call.counts,
         )
         if found is not None:
             self.ended, size = found.reason, found.row + 1
@@ -244,7 +147,7 @@ class _Spans:
 
     def sampled(self, longest: float) -> Sampled:
         """The motion over all spans, with the length of its longest step in s."""
-        values, times = np.concatenate(self._kept), self._times
+        values, times = np.concatenate(self._kept), self._call.times
         if len(values) < 2:
             raise TimeLimitError("time limit met before the first sample after the start")
         if self.ended is not None:
@@ -257,7 +160,7 @@ class _Spans:
             step=longest,
             seconds=self._seconds,
             ended=self.ended,
-            pulling=pulling_times(moments, forces) if self._allow else (),
+            pulling=pulling_times(moments, forces) if self._call.allow_pulling else (),
         )
 
     def _fineness(self, spacing: float, substeps: int, halvings: int) -> tuple[int, int]:
@@ -282,11 +185,12 @@ class _Spans:
         return finer, steps // finer
 
     def _recorded(
-        self, begin: float, period: float, intervals: int, substeps: int, stop: "_Stop"
+        self, begin: float, period: float, intervals: int, substeps: int, reasons: list[str]
     ) -> Samples:
-        """What a run from the last sample on has recorded."""
-        if not self._watch.steps_left:
-            raise self._watch.given_up(self._integrator.name)
+        """What a run from the last sample on has recorded; why it is stopped goes to a list."""
+        watch = self._call.watch
+        if not watch.steps_left:
+            raise watch.given_up(self._integrator.name)
         samples = record(
             self._model,
             self._integrator,
@@ -295,19 +199,46 @@ class _Spans:
             substeps=substeps,
             begin=begin,
             start=None if self._kept else self._start,
-            stop=None if stop.is_idle else stop,
-            most=self._watch.steps_left,
+            stop=self._stop(begin, reasons),
+            most=watch.steps_left,
         )
-        self._counts.update(samples.counts)
-        self._watch.steps += samples.counts["steps"] + samples.counts.get("rejected_steps", 0)
+        self._call.counts.update(samples.counts)
+        watch.steps += samples.counts["steps"] + samples.counts.get("rejected_steps", 0)
         self._seconds += samples.seconds
         return samples
 
-    def _stop(self, begin: float) -> _Stop:
-        end, watch = float(self._times[-1]), self._watch
-        is_over = None if watch.is_idle else lambda moment: watch.is_over(begin + moment, end)
-        conditions = self._conditions
-        return _Stop(self._model, self._here, conditions, self._must_not_pull, is_over)
+    def _stop(self, begin: float, reasons: list[str]) -> Stop | None:
+        """What ends a run where the contact pulls, a condition holds or time is over, if any may.
+
+        It is asked after each step, and appends the reason if that is not the time.
+        """
+        model, conditions, watch = self._model, self._call.conditions, self._call.watch
+        pulls = self._must_not_pull and model.contact_equation is not None
+        armed: set[str] = set()
+        end, angles = float(self._call.times[-1]), self._here[sampled.TURNING]
+
+        def look() -> Iterator[str]:
+            nonlocal angles
+            row = np.hstack(model.decode(model.record()[None]))[0]
+            row[sampled.TURNING] += _whole_turns(angles - row[sampled.TURNING])
+            angles = row[sampled.TURNING]
+            if leaning(row) < LEAST_TILT:
+                yield FLAT
+                return
+            for reason, condition in conditions.items():
+                if condition(state_of(row)) >= 0.0:
+                    armed.add(reason)
+                elif reason in armed:
+                    yield reason
+
+        def stop(moment: float) -> bool:
+            if pulls and model.pulls():
+                reasons.append(CONTACT_WOULD_PULL)
+            elif conditions:
+                reasons.extend(look())
+            return bool(reasons) or watch.is_over(begin + moment, end)
+
+        return stop if pulls or conditions or not watch.is_idle else None
 
     def _values(self, samples: Samples) -> Array:
         """Co-rotating coordinates, their rates and the constraint forces, shape (n, 12 + k)."""
@@ -339,7 +270,7 @@ class _Spans:
                 )
 
     def _places(
-        self, values: Array, samples: Samples, reason: str | None, period: float
+        self, values: Array, samples: Samples, reasons: list[str], period: float
     ) -> Iterator[Place]:
         """Places where the run may end, in no order."""
         lying = np.flatnonzero(leaning(values) < LEAST_TILT)
@@ -352,16 +283,16 @@ class _Spans:
             yield Place(last, 2.0, "")
         if self._must_not_pull:
             yield from dips(upright[:, sampled.NORMAL_FORCE], CONTACT_WOULD_PULL)
-        for name, condition in self._conditions.items():
+        for name, condition in self._call.conditions.items():
             yield from dips(np.array([condition(state_of(row)) for row in upright]), name)
         beyond = (samples.stopped or 0.0) - period * (len(values) - 1)
-        if reason is not None and beyond > 1e-9 * period:
-            yield Place(last, beyond / period, reason)
+        if reasons and beyond > 1e-9 * period:
+            yield Place(last, beyond / period, reasons[0])
 
     def _motion_from(self, values: Array, period: float, row: int) -> Motion:
         """The motion from a record on, by the accelerations."""
         scene = self._scene.starting_at(state_of(values[row]))
-        motion = AccelerationProblem(scene, self._conditions)
+        motion = AccelerationProblem(scene, self._call.conditions)
         method = stepping_integrator(scene, np.array([0.0, period]), LOCAL).method
         return Motion(
             motion.model.system,

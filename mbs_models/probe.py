@@ -21,6 +21,9 @@ STEP = 5e-3
 QUICK_STEP = 1e-5
 """and where those of two values do."""
 
+_PART = 1e-6
+"""Part of a contact force over which friction is differentiated by it."""
+
 _SECANTS = 30
 """Most steps towards a contact force that friction is not in proportion to,"""
 
@@ -130,13 +133,21 @@ class Probe:
         if model.scenario.contact is not None:
             # A penalty contact is no constraint.
             return
-        faster = max(1.0, abs(model.start.rates[3]))
-        velocities = model.velocity_residuals(self._velocity_residuals())
-        for level, unit, allowed, residuals in (
-            ("position", "m", tolerance, model.position_residuals()),
-            ("velocity", "m/s", tolerance * faster, velocities),
+        _, _, centre, _, beta, gamma = model.start.coordinates
+        _, _, rise, spin, fall, roll = model.start.rates
+        over, per_tilt, per_turn = model.scenario.disk.clearance(beta, gamma)
+        lift = rise - per_tilt * fall - per_turn * roll
+        for level, unit, allowed, gap in (
+            ("position", "m", tolerance, centre - over),
+            ("velocity", "m/s", tolerance * max(1.0, abs(spin)), lift),
         ):
-            for constraint, value in residuals.items():
+            residuals = self._residuals(velocity=level == "velocity")
+            # The engine tells the contact's and the slip's of positions on velocity level, too.
+            told = (
+                model.equations if level == "velocity" else {"fixed-cog"} & model.equations.keys()
+            )
+            found = {name: np.linalg.norm(residuals[model.equations[name]]) for name in told}
+            for constraint, value in ({"contact": gap} | found).items():
                 if abs(value) > allowed:
                     raise ValueError(
                         f"start breaks the constraint '{constraint}' of {model.scenario.name} on "
@@ -159,21 +170,17 @@ class Probe:
         """
         n, m = self._size, self._equations
         matrix = self._saddle_matrix()
-        right = np.zeros((n + m, 1 if self._load_equation is None else 2))
+        right = np.zeros(n + m)
         if m:
             quick = quick and self._model.has_exact_path
-            right[n:, 0] = -(self._quick_residual_rate() if quick else self._residual_rate())
+            right[n:] = -(self._quick_residual_rate() if quick else self._residual_rate())
         contact = self._load_equation
         if contact is None:
-            right[:n, 0] = self._forces()
-            solution = _solution(matrix, right)[:, 0]
-            return solution[:n], solution[n:]
-        if not self._model.scenario.friction.IS_PROPORTIONAL:
-            return self._balanced(matrix, right, contact)
-        right[:n, 0] = self._forces_under(contact, 0.0)
-        right[:n, 1] = self._forces_under(contact, -1.0) - right[:n, 0]
-        without, change = _solution(matrix, right).T
-        return self._under_load(without, change, n + contact)
+            right[:n] = self._forces()
+            solution = _solution(matrix, right)
+        else:
+            solution = self._under_load(matrix, right, contact)
+        return solution[:n], solution[n:]
 
     def admissible_velocities(self) -> Array:
         """Velocities nearest to the present ones that meet the constraints, shape (n,).
@@ -183,7 +190,7 @@ class Probe:
         of the trapezoidal rule keeps that as an oscillation of first order in the step.
         """
         n = self._size
-        right = np.concatenate((np.zeros(n), -self._velocity_residuals()))
+        right = np.concatenate((np.zeros(n), -self._residuals()))
         velocities = np.array(self._system.systemData.GetODE2Coordinates_t())
         result: Array = velocities + _solution(self._saddle_matrix(), right)[:n]
         return result
@@ -211,60 +218,50 @@ class Probe:
         result: Array = model.multipliers(record, algebraic[None], coordinates, rates)[0]
         return result
 
-    def _under_load(self, without: Array, change: Array, row: int) -> tuple[Array, Array]:
+    def _under_load(self, matrix: Array, right: Array, contact: int) -> Array:
         """Solution with friction under the contact force that itself depends on it.
 
-        Parameters
-        ----------
-        without, change : ndarray, shape (n + m,)
-            Solution without friction, and its change for each newton of load.
-        row : int
-            Where they hold the contact's multiplier, which is minus the force.
-        """
-        frictionless, feedback = -without[row], -change[row]
-        if feedback >= 1.0:
-            raise SingularError(
-                f"the engine's equations of motion are singular: each newton of normal force "
-                f"calls for {feedback:.3g} N of it through friction"
-            )
-        # A contact that pulls rubs with no load.
-        load = max(0.0, frictionless) / (1.0 - feedback)
-        solution = without + load * change
-        return solution[: self._size], solution[self._size :]
-
-    def _balanced(self, matrix: Array, right: Array, contact: int) -> tuple[Array, Array]:
-        """Solution with friction under the contact force, to which it is not in proportion.
-
-        By secants from the load without friction, where the excess of the contact force over the
-        load is to vanish.
+        A contact that pulls rubs with no load. Where friction is not in proportion to its load, by
+        secants from the load without friction: the excess of the contact force is to vanish.
 
         Parameters
         ----------
         matrix : ndarray, shape (n + m, n + m)
-        right : ndarray, shape (n + m, 2)
-            Its first column has everything but the forces.
+        right : ndarray, shape (n + m,)
+            Everything but the forces.
         contact : int
-            Number of the contact's equation.
+            Number of the contact's equation, whose multiplier is minus the force.
         """
-        n = self._size
+        n, row = self._size, self._size + contact
+        right[:n] = self._forces_under(contact, 0.0)
+        if self._model.scenario.friction.IS_PROPORTIONAL:
+            both = np.zeros((right.size, 2))
+            both[:, 0] = right
+            both[:n, 1] = self._forces_under(contact, -1.0) - right[:n]
+            without, change = _solution(matrix, both).T
+            if (feedback := -float(change[row])) >= 1.0:
+                raise SingularError(
+                    "the engine's equations of motion are singular: each newton of normal force "
+                    f"calls for {feedback:.3g} N of it through friction"
+                )
+            found: Array = without - min(0.0, float(without[row])) / (1.0 - feedback) * change
+            return found
         inverse = np.linalg.inv(matrix)
 
         def under(load: float) -> tuple[Array, float]:
-            right[:n, 0] = self._forces_under(contact, -load)
-            solution = inverse @ right[:, 0]
-            return solution, -float(solution[n + contact]) - load
+            right[:n] = self._forces_under(contact, -load)
+            found = inverse @ right
+            return found, -float(found[row]) - load
 
-        (_, less), load = under(0.0), 0.0
+        (without, less), load = under(0.0), 0.0
         if less <= 0.0:
-            # A contact that pulls rubs with no load.
-            solution, _ = under(0.0)
-            return solution[:n], solution[n:]
+            return without
         step = less
         for _ in range(_SECANTS):
             load += step
             solution, more = under(load)
             if abs(more) <= _BALANCED * load:
-                return solution[:n], solution[n:]
+                return solution
             if more == less:
                 break
             step *= more / (less - more)
@@ -287,10 +284,31 @@ class Probe:
         data.SetAECoordinates(algebraic.tolist())
         return self._forces()
 
-    def _velocity_residuals(self) -> Array:
+    def forces_per_newton(self, equation: int) -> Array:
+        """Change of the forces for each newton of contact force, shape (n,); none if it pulls.
+
+        Parameters
+        ----------
+        equation : int
+            Number of the contact's equation.
+        """
+        data = self._system.systemData
+        present = data.GetAECoordinates()
+        # The engine's constraint forces act with a minus sign on the second body.
+        load = -float(present[equation])
+        if load < 0.0:
+            return np.zeros(self._size)
+        little = _PART * max(load, _PART * self._model.scenario.weight)
+        less, more = max(0.0, load - little), load + little
+        change = self._forces_under(equation, -more) - self._forces_under(equation, -less)
+        data.SetAECoordinates(present)
+        found: Array = change / (more - less)
+        return found
+
+    def _residuals(self, *, velocity: bool = True) -> Array:
         if not self._equations:
             return np.zeros(0)
-        self._solver.ComputeAlgebraicEquations(self._system, True)
+        self._solver.ComputeAlgebraicEquations(self._system, velocity)
         found: Array = self._solver.GetSystemResidual()[self._size :]
         return found
 
@@ -317,7 +335,7 @@ class Probe:
 
         def residuals(steps: int) -> Array:
             data.SetODE2Coordinates(path(steps * step))
-            return self._velocity_residuals()
+            return self._residuals()
 
         found = [residuals(count) - residuals(-count) for count in counts]
         data.SetODE2Coordinates(path(0.0))

@@ -1,14 +1,19 @@
-"""Sampled motions: columns of their samples, and what came with them."""
+"""What is asked of runs, and the sampled motions that they give."""
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import pi
 
 import numpy as np
 
 from analysis.data.agreement import error_at_ending
 from analysis.data.checks import Array
+from analysis.data.endings import Condition
 from analysis.data.state import State
+from analysis.data.watch import Watch
 from mbs_models.integrators import Integrator
+from mbs_models.scene import Scene
 
 COORDINATES = slice(0, 6)
 RATES = slice(6, 12)
@@ -52,6 +57,38 @@ def state_of(row: Array) -> State:
     """State of a sample."""
     values = row.tolist()
     return State(coordinates=tuple(values[COORDINATES]), rates=tuple(values[RATES]))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Call:
+    """What a call of `mbs_models.simulate` asks of every run that it takes.
+
+    Parameters
+    ----------
+    scene : Scene
+    times : ndarray, shape (n,)
+        In s.
+    longest : float
+        Longest step in s.
+    tolerance : float or None
+        Largest error in rad, if the runs are to have one.
+    conditions : mapping
+        From reasons to functions of a `State` that end the motion where they turn negative.
+    allow_pulling : bool
+        Whether to go on where the contact pulls.
+    watch : Watch
+    counts : Counter
+        To which the work of the runs is added.
+    """
+
+    scene: Scene
+    times: Array
+    longest: float
+    tolerance: float | None
+    conditions: Mapping[str, Condition]
+    allow_pulling: bool
+    watch: Watch
+    counts: Counter[str] = field(default_factory=Counter)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,15 +1,11 @@
 """Simulation of a scene in the engine, to a step size or to a tolerance."""
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.checks import (
-    Array,
     TimeLimitError,
     ToleranceError,
     increasing_times,
@@ -19,7 +15,6 @@ from analysis.data.checks import (
 from analysis.data.endings import (
     CONTACT_WOULD_PULL,
     TIME_LIMIT,
-    Condition,
     Ending,
     StopWhen,
     named_conditions,
@@ -35,7 +30,7 @@ from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.own_runs import run_over
-from mbs_models.sampled import Sampled
+from mbs_models.sampled import Call, Sampled
 from mbs_models.scene import Scene
 from mbs_models.solving import EngineError
 
@@ -136,18 +131,18 @@ def simulate(
         # There is another way to try.
         most += simulation_effort(scene, times, chosen, tolerance=tolerance).most
     check_slipping(scene.scenario.friction)
-    call = _Call(
+    call = Call(
         scene=scene,
         times=times,
         longest=np.inf if step is None else step,
         tolerance=tolerance,
-        stop_when=named_conditions(stop_when, scene.scenario.initial_state),
+        conditions=named_conditions(stop_when, scene.scenario.initial_state),
         allow_pulling=allow_pulling,
         watch=Watch(time_limit, progress, most),
     )
     if told is None and tolerance is not None:
-        return call.trajectory(ways(scene, times, tolerance))
-    return call.trajectory([chosen])
+        return _trajectory(call, ways(scene, times, tolerance))
+    return _trajectory(call, [chosen])
 
 
 def _accuracy(
@@ -172,83 +167,57 @@ def _accuracy(
     return step, tolerance
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Call:
-    """A call of `simulate`, whatever runs it takes."""
+def _trajectory(call: Call, integrators: Sequence[Integrator]) -> Trajectory:
+    """The motion by the first of some integrators that leads there."""
+    for number, integrator in enumerate(integrators, start=1):
+        is_last = number == len(integrators)
+        try:
+            if integrator.steps_accelerations:
+                return _told(call, stepped(call, integrator))
+            if call.tolerance is None:
+                return _told(call, run_over(call, integrator, call.longest))
+            return _told(call, extrapolated(call, integrator, is_last_way=is_last))
+        except HopelessError:
+            pass
+        except (EngineError, ToleranceError, TimeLimitError) as error:
+            may_go_on = integrator.steps_accelerations and not is_last
+            if not may_go_on or isinstance(error, TimeLimitError):
+                raise type(error)(f"{error}; {_advice(call.scene, integrators[0])}") from error
+    raise AssertionError("the last way has come to nothing without saying so")
 
-    scene: Scene
-    times: Array
-    longest: float
-    tolerance: float | None
-    stop_when: Mapping[str, Condition]
-    allow_pulling: bool
-    watch: Watch
-    counts: Counter[str] = field(default_factory=Counter)
 
-    def trajectory(self, integrators: Sequence[Integrator]) -> Trajectory:
-        """The motion by the first of some integrators that leads there."""
-        for number, integrator in enumerate(integrators, start=1):
-            is_last = number == len(integrators)
-            try:
-                return self._told(self._run(integrator, is_last_way=is_last))
-            except HopelessError:
-                pass
-            except (EngineError, ToleranceError, TimeLimitError) as error:
-                may_go_on = integrator.steps_accelerations and not is_last
-                if not may_go_on or isinstance(error, TimeLimitError):
-                    raise type(error)(f"{error}; {_advice(self.scene, integrators[0])}") from error
-        raise AssertionError("the last way has come to nothing without saying so")
-
-    def _run(self, integrator: Integrator, *, is_last_way: bool) -> Sampled:
-        """Run with an integrator, to the tolerance if there is one."""
-        scene, times, tolerance = self.scene, self.times, self.tolerance
-        how: dict[str, Any] = {
-            "stop_when": self.stop_when,
-            "allow_pulling": self.allow_pulling,
-            "watch": self.watch,
-            "counts": self.counts,
-        }
-        if integrator.steps_accelerations:
-            return stepped(scene, times, integrator, tolerance, longest=self.longest, **how)
-
-        def run(longest: float, halvings: int = 0) -> Sampled:
-            return run_over(scene, times, integrator, longest, halvings, **how)
-
-        if tolerance is None:
-            return run(self.longest)
-        return extrapolated(scene, run, integrator, tolerance, is_last_way=is_last_way)
-
-    def _told(self, result: Sampled) -> Trajectory:
-        """Trajectory from the samples."""
-        ending = None
-        if result.ended is not None:
-            force = float(result.values[-1, sampled.NORMAL_FORCE])
-            value = {TIME_LIMIT: self.watch.seconds, CONTACT_WOULD_PULL: force}
-            ending = Ending(
-                reason=result.ended,
-                time=float(result.times[-1]),
-                value=value.get(result.ended, 0.0),
-            )
-        return Trajectory(
-            times=result.times,
-            coordinates=result.values[:, sampled.COORDINATES],
-            rates=result.values[:, sampled.RATES],
-            multipliers=result.values[:, sampled.FORCES],
-            scenario=self.scene.scenario,
-            source="engine",
-            method={
-                "formulation": self.scene.built_as,
-                **result.integrator.settings(),
-                "step": result.step,
-                "tolerance": self.tolerance,
-            },
-            error_estimate=result.estimate,
-            counts=dict(self.counts),
-            versions=versions("numpy", "exudyn"),
-            ending=ending,
-            pulling=result.pulling,
-            solver_seconds=result.seconds,
+def _told(call: Call, result: Sampled) -> Trajectory:
+    """Trajectory from the samples."""
+    ending = None
+    if result.ended is not None:
+        force = float(result.values[-1, sampled.NORMAL_FORCE])
+        value = {TIME_LIMIT: call.watch.seconds, CONTACT_WOULD_PULL: force}
+        ending = Ending(
+            reason=result.ended,
+            time=float(result.times[-1]),
+            value=value.get(result.ended, 0.0),
         )
+    coordinates, rates, multipliers = np.split(result.values, (6, 12), axis=1)
+    return Trajectory(
+        times=result.times,
+        coordinates=coordinates,
+        rates=rates,
+        multipliers=multipliers,
+        scenario=call.scene.scenario,
+        source="engine",
+        method={
+            "formulation": call.scene.built_as,
+            **result.integrator.settings(),
+            "step": result.step,
+            "tolerance": call.tolerance,
+        },
+        error_estimate=result.estimate,
+        counts=dict(call.counts),
+        versions=versions("numpy", "exudyn"),
+        ending=ending,
+        pulling=result.pulling,
+        solver_seconds=result.seconds,
+    )
 
 
 def _advice(scene: Scene, integrator: Integrator) -> str:
@@ -260,15 +229,14 @@ def _advice(scene: Scene, integrator: Integrator) -> str:
     integrator : Integrator
         What has been tried.
     """
-    ways = []
+    found = []
     if scene.scenario.contact is None:
         best = Scene(scene.scenario)
         if not best.has_constraints:
             if scene.built_as != best.built_as:
-                ways.append(f"formulation {best.built_as!r}, which has no constraints")
+                found.append(f"formulation {best.built_as!r}, which has no constraints")
             elif not integrator.controls_step:
-                ways.append("integrator 'DOPRI5', which controls its step")
-        ways.append("the in-house equations (analysis.simulate, stiff ones with method 'Radau')")
-    if integrator.implicit or integrator.controls_step:
-        ways.append("a smaller step" if integrator.implicit else "another local tolerance")
-    return f"try {', or '.join(ways)}" if ways else "try a smaller step"
+                found.append("integrator 'DOPRI5', which controls its step")
+        found.append("the in-house equations (analysis.simulate, stiff ones with method 'Radau')")
+    found.append("another local tolerance" if integrator.controls_step else "a smaller step")
+    return f"try {', or '.join(found)}"

@@ -10,7 +10,6 @@ import numpy as np
 
 from analysis.data.checks import Array
 from analysis.data.constraint_set import MODELS
-from analysis.data.quantities import Constraint
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from mbs_models.building import table_forces
@@ -72,17 +71,6 @@ class _Tree(Model):
         if self.scenario.contact is not None:
             return euler_tree_contact(self.scenario, self.scenario.contact)
         return self._law(self.scenario, friction_load(self.scenario, self._contact))
-
-    def friction_under(self, load: float) -> list[float]:
-        data = self.system.systemData
-        law = self._law(self.scenario, lambda _: load)
-        return law(
-            self.system,
-            0.0,
-            self._tree,
-            data.GetODE2CoordinatesTotal().tolist(),
-            data.GetODE2Coordinates_t().tolist(),
-        )
 
 
 class EulerTree(_Tree):
@@ -245,11 +233,3 @@ class ContactTree(_Tree):
         rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
         rise += (r + e * sg) * (cb * bdd - sb * bd * bd)
         return (disk.mass * (table.pressing + rise))[:, None]
-
-    def position_residuals(self) -> dict[Constraint, float]:
-        coordinates, _ = self.decode(self.record()[None])
-        return {"contact": self.start.coordinates[2] - float(coordinates[0, 2])}
-
-    def velocity_residuals(self, equations: Array) -> dict[Constraint, float]:
-        _, rates = self.decode(self.record()[None])
-        return {"contact": self.start.rates[2] - float(rates[0, 2])}

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbs_models.linear_stability import STAGES, amplification, largest_step, stability_polynomial
+from mbs_models.linear_stability import STAGES, largest_step, stability_polynomial
 
 
 @pytest.mark.parametrize("integrator", STAGES)
@@ -15,13 +15,6 @@ def test_stability_function_starts_like_the_exponential(integrator: Any) -> None
     found = stability_polynomial(integrator)
     expected = [1.0 / factorial(power) for power in range(order + 1)]
     np.testing.assert_allclose(found[: order + 1], expected, atol=1e-14)
-
-
-@pytest.mark.parametrize("integrator", STAGES)
-@pytest.mark.parametrize("z", [-0.5, -2.0 + 1.0j, 2.0j])
-def test_polynomial_gives_the_engine_s_amplification(integrator: Any, z: complex) -> None:
-    polynomial = np.polyval(stability_polynomial(integrator)[::-1], z)
-    assert amplification(integrator, z) == pytest.approx(polynomial, abs=1e-12)
 
 
 def test_stability_limit_of_the_classical_method_is_the_known_one() -> None:
