@@ -143,10 +143,11 @@ class Probe:
         ):
             residuals = self._residuals(velocity=level == "velocity")
             # The engine tells the contact's and the slip's of positions on velocity level, too.
-            told = (
-                model.equations if level == "velocity" else {"fixed-cog"} & model.equations.keys()
-            )
-            found = {name: np.linalg.norm(residuals[model.equations[name]]) for name in told}
+            found = {
+                name: np.linalg.norm(residuals[rows])
+                for name, rows in model.equations.items()
+                if level == "velocity" or name == "fixed-cog"
+            }
             for constraint, value in ({"contact": gap} | found).items():
                 if abs(value) > allowed:
                     raise ValueError(
