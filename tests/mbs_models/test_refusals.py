@@ -97,7 +97,7 @@ FAILING: list[tuple[Callable[[], object], type[Exception], str]] = [
                          contact=PenaltyContact.damped(1e4, STEEL_DISK)),
                 0.1, integrator="GeneralizedAlpha"), EngineError,
      "a step was so long that the motion exploded"),
-    (partial(explicit, integrator=Integrator(name="DOPRI5", local_tolerance=1e-40)), EngineError,
+    (partial(explicit, integrator=Integrator(name="DOPRI5", local_tolerance=1e-30)), EngineError,
      "step control came down to its minimum step"),
     (partial(mbs_models.simulate, scene_of(2, friction=SINGULAR, start=Start(beta=0.4, spin=30.0)),
              TIMES, tolerance=1e-6, integrator="DOP853"), ArithmeticError,

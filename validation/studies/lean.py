@@ -100,10 +100,9 @@ def price(pair: Pair) -> list[Row]:
     def timed(make: Callable[[], Model]) -> None:
         nonlocal spent
         model = make()
-        constrained = model.has_constraints(model.scenario)
         samples = run(
             model,
-            find_integrator(model.name, integrator, constrained=constrained),
+            find_integrator(Scene(model.scenario, model.name), integrator),
             spacing=SPACING,
             intervals=round(DURATION / SPACING),
             substeps=round(SPACING / STEP),
