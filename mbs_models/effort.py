@@ -1,21 +1,21 @@
 """How many steps an engine run will take, told from its arguments before it starts.
 
-With a step, their number is known. With a tolerance, the step is halved until it resolves the
-turning of the disk as finely as the tolerance asks, friction at no slip, and the Euler angles of
-a tree; the numbers come from measured runs.
+With a step, their number is known. With a tolerance, the motion asks for steps in proportion to
+those of an in-house run; the numbers come from measured runs.
 """
 
 from dataclasses import replace
-from math import ceil, inf, log2, sin, sqrt
+from math import ceil, inf, log2
 
 import numpy as np
 
 from analysis.data.checks import Array, positive, within
 from analysis.data.limits import DEFAULT_TOLERANCE, SHORTEST_STEP, Effort
 from analysis.solve import effort as shared
+from analysis.solve.stepping import Method
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.runs import MINIMUM_STEP
-from mbs_models.scene import CLASSES, Scene
+from mbs_models.scene import Scene
 
 HALVINGS = 13
 """Number of runs after which a tolerance-controlled run gives up; the last step is some µs."""
@@ -24,10 +24,16 @@ LATE = 5
 """Halvings after which fixed steps are looked at, whether they lead anywhere."""
 
 _SECONDS = {"explicit": 5e-5, "implicit": 3e-4}
-"""Processor time of a step of the engine's own integrators in s,"""
+"""Processor time of a step of the engine's own integrators in s."""
+
+_LIKE: Method = "RK23"
+"""In-house method that takes steps in proportion to those of the engine's own integrators,"""
+
+_PARTS = {"explicit": 0.5, "implicit": 0.25}
+"""and how long these are over its steps."""
 
 _EVALUATION_SECONDS = {"contact-tree": 3e-5, "euler-tree": 6e-5, "floating": 9e-5}
-"""and of an evaluation of accelerations in a formulation,"""
+"""Processor time in s of an evaluation of accelerations in a formulation,"""
 
 _LONGEST_EVALUATION = 2.1e-4
 """or in any other."""
@@ -60,7 +66,7 @@ def ways(scene: Scene, times: Array, tolerance: float) -> list[Integrator]:
         In rad.
     """
     stepping = stepping_integrator(scene, times, tolerance)
-    own = find_integrator(scene.built_as, None, constrained=scene.has_constraints)
+    own = find_integrator(scene, None)
     scenario = scene.scenario
     if scenario.contact is not None:
         is_own_first = scenario.initial_state.coordinates[2] <= 0
@@ -113,49 +119,45 @@ def simulation_effort(
     if step is not None:
         step = within("step", positive("step", step), SHORTEST_STEP, inf)
     tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
-    spacings = _spacings(times)
+    spacings, other = _spacings(times), None
     if integrator is None and step is None:
-        first, second, *_ = ways(scene, times, tolerance)
+        chosen, other, *_ = ways(scene, times, tolerance)
     else:
-        constrained = scene.has_constraints
-        first, second = find_integrator(scene.built_as, integrator, constrained=constrained), None
-    if first.steps_accelerations:
-        return _stepping_effort(scene, times, first, step or inf, tolerance)
-    cost = _SECONDS["implicit" if first.implicit else "explicit"]
-    until = f"up to t = {times[-1]:g} s"
-    if first.controls_step:
-        cause, needed = _needed_step(scene, first, first.local_tolerance or 1e-8)
-        steps = _count(spacings, min(max(needed, MINIMUM_STEP), step or inf))
-    elif step is not None:
-        cause, steps = f"step {step:g} s", _count(spacings, step)
-    else:
-        return _halving_effort(scene, times, first, second, tolerance)
-    return Effort(steps=steps, seconds=steps * cost, cause=f"{cause} {until}")
+        chosen = find_integrator(scene, integrator)
+    if chosen.steps_accelerations:
+        return _stepping_effort(scene, times, chosen, step or inf, tolerance)
+    if not chosen.controls_step and step is None:
+        return _halving_effort(scene, times, chosen, other, tolerance)
+    cause, longest = f"step {step or 0.0:g} s up to t = {times[-1]:g} s", step or inf
+    if chosen.controls_step:
+        cause, needed = _needed_step(scene, times, chosen, chosen.local_tolerance or tolerance)
+        longest = min(max(needed, MINIMUM_STEP), longest)
+    steps = _count(spacings, longest)
+    return Effort(steps=steps, seconds=steps * _seconds(chosen), cause=cause)
 
 
 def _halving_effort(
     scene: Scene, times: Array, own: Integrator, stepping: Integrator | None, tolerance: float
 ) -> Effort:
     """That of runs with halved steps, and of steps of the accelerations that take over."""
-    spacings, cost = _spacings(times), _SECONDS["implicit" if own.implicit else "explicit"]
-    cause, needed = _needed_step(scene, own, tolerance)
+    spacings, doubt = _spacings(times), ""
+    cause, needed = _needed_step(scene, times, own, tolerance)
     first = _count(spacings, own.first_step)
     shortest = min(own.first_step, float(np.min(spacings)))
     halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
-    doubt = ""
     if halvings > LATE and stepping is not None:
         found = _stepping_effort(scene, times, stepping, inf, tolerance)
         before = first * (2.0**LATE - 1.0)
-        return replace(found, steps=found.steps + before, seconds=found.seconds + before * cost)
+        seconds = found.seconds + before * _seconds(own)
+        return replace(found, steps=found.steps + before, seconds=seconds)
     if halvings >= HALVINGS:
         halvings = HALVINGS - 1
         tried = shortest / 2.0**halvings
         doubt = f"it needs steps of {needed:.0e} s, the shortest tried is {tried:.0e} s"
     steps = first * (2.0 ** (halvings + 1) - 1.0)
     if first >= steps / 8.0:
-        cause = "times"
-    cause = f"{cause} up to t = {times[-1]:g} s"
-    return Effort(steps=steps, seconds=steps * cost, cause=cause, doubt=doubt)
+        cause = f"times up to t = {times[-1]:g} s"
+    return Effort(steps=steps, seconds=steps * _seconds(own), cause=cause, doubt=doubt)
 
 
 def _stepping_effort(
@@ -210,28 +212,17 @@ def _count(spacings: Array, step: float) -> float:
     return float(np.sum(np.ceil(np.maximum(spacings / step - 1e-9, 1.0))))
 
 
-def _needed_step(scene: Scene, integrator: Integrator, tolerance: float) -> tuple[str, float]:
-    """Step in s that gives the tolerance in rad, and what makes it so short."""
-    scenario = scene.scenario
-    disk, start, decay = scenario.disk, scenario.initial_state, scenario.slip_decay
-    turning = sum(abs(rate) for rate in start.rates[3:])
-    sine = abs(sin(start.coordinates[4]))
-    attitude = turning / sine if CLASSES[scene.built_as].has_euler_angles else turning
-    # Angle turned in a step; fall and friction turn even a disk that starts at rest.
-    angle = (
-        0.025 * (tolerance / 1e-8) ** (1 / 8)
-        if integrator.implicit
-        else 0.06 * (tolerance / 1e-8) ** (1 / 6)
+def _seconds(integrator: Integrator) -> float:
+    return _SECONDS["implicit" if integrator.implicit else "explicit"]
+
+
+def _needed_step(
+    scene: Scene, times: Array, integrator: Integrator, tolerance: float
+) -> tuple[str, float]:
+    """What asks for short steps, and the step in s that gives the tolerance in rad."""
+    known = shared.simulation_effort(
+        scene.scenario, times, method=_LIKE, local_tolerance=tolerance
     )
-    turning = max(turning, sqrt(scenario.table.gravity / disk.radius))
-    steps = {
-        f"tolerance {tolerance:g} rad": angle / turning,
-        f"friction gradient {scenario.friction_gradient:g} s/m": (
-            (0.6 if integrator.implicit else 1.2) / decay if decay else inf
-        ),
-        f"beta {start.coordinates[4]:g} rad": 1.0 / attitude if attitude else inf,
-    }
-    if scenario.contact is not None:
-        frequency = sqrt(scenario.contact.stiffness * disk.contact_mobility)
-        steps[f"stiffness {scenario.contact.stiffness:g} N/m"] = 0.3 / frequency
-    return min(steps.items(), key=lambda item: item[1])
+    cause = known.cause.replace("local_tolerance", "tolerance")
+    part = _PARTS["implicit" if integrator.implicit else "explicit"]
+    return cause, part * float(times[-1] - times[0]) / known.steps

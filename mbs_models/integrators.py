@@ -3,7 +3,7 @@
 Some are the engine's own. Others step the engine's accelerations (`mbs_models.accelerations`).
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Literal, NamedTuple, cast, get_args
 
 from analysis.data.checks import choice, number
@@ -11,7 +11,7 @@ from analysis.data.checks import local_tolerance as one_step
 from analysis.solve.stepping import Method
 from mbs_models.model import Formulation
 from mbs_models.newton import Newton
-from mbs_models.scene import CLASSES
+from mbs_models.scene import CLASSES, Scene
 
 IntegratorName = Literal[
     "RK44",
@@ -148,16 +148,11 @@ class Integrator:
 
     def settings(self) -> dict[str, str | float | int | None]:
         """Name and options, as they go with a trajectory."""
-        result: dict[str, str | float | int | None] = {"integrator": self.name}
+        found: dict[str, str | float | int | None] = {"integrator": self.name}
         if self.newton is not None:
-            result["newton_modified"] = self.newton.modified
-            result["newton_relative"] = self.newton.relative
-            result["newton_absolute"] = self.newton.absolute
-        if self.spectral_radius is not None:
-            result["spectral_radius"] = self.spectral_radius
-        if self.local_tolerance is not None:
-            result["local_tolerance"] = self.local_tolerance
-        return result
+            found |= {f"newton_{option}": value for option, value in asdict(self.newton).items()}
+        options = {name: getattr(self, name) for name in ("spectral_radius", "local_tolerance")}
+        return found | {name: value for name, value in options.items() if value is not None}
 
 
 def integrators(
@@ -188,26 +183,21 @@ def integrators(
     return implicit if constrained is None or constrained else implicit + explicit
 
 
-def find_integrator(
-    formulation: Formulation,
-    wanted: Integrator | IntegratorName | None,
-    *,
-    constrained: bool | None = None,
-) -> Integrator:
-    """Integrator as wanted, by name with its default options, or the default one.
+def find_integrator(scene: Scene, wanted: Integrator | IntegratorName | None) -> Integrator:
+    """Integrator as wanted, by name with its default options, or the default one of a scene.
 
     Raises
     ------
     ValueError
-        If it is unknown, or cannot take the constraints of the formulation.
+        If it is unknown, or cannot take the constraints of the scene.
     """
-    available = integrators(formulation, constrained=constrained)
+    available = integrators(scene.built_as, constrained=scene.has_constraints)
     if wanted is None:
         wanted = available[0]
     chosen = wanted if isinstance(wanted, Integrator) else Integrator(name=wanted)
     if chosen.name not in available + ACCELERATED:
         raise ValueError(
             f"integrator {chosen.name!r} is explicit and cannot take the constraints of "
-            f"formulation {formulation!r}; use one of {', '.join(available + ACCELERATED)}"
+            f"formulation {scene.built_as!r}; use one of {', '.join(available + ACCELERATED)}"
         )
     return chosen

@@ -142,9 +142,9 @@ class Probe:
             ("velocity", "m/s", tolerance * max(1.0, abs(spin)), lift),
         ):
             residuals = self._residuals(velocity=level == "velocity")
-            # The engine tells the contact's and the slip's of positions on velocity level, too.
+            # Of those on position level, the engine tells that of the centre of gravity alone.
             found = {
-                name: np.linalg.norm(residuals[rows])
+                name: float(np.linalg.norm(residuals[rows]))
                 for name, rows in model.equations.items()
                 if level == "velocity" or name == "fixed-cog"
             }

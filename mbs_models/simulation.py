@@ -121,7 +121,7 @@ def simulate(
     """
     scene, times = Scene.of(scene), increasing_times(times)
     allow_pulling = switch("allow_pulling", allow_pulling)
-    chosen = find_integrator(scene.built_as, integrator, constrained=scene.has_constraints)
+    chosen = find_integrator(scene, integrator)
     step, tolerance = _accuracy(chosen, step, tolerance)
     told = None if integrator is None else chosen
     effort = simulation_effort(scene, times, told, step=step, tolerance=tolerance)

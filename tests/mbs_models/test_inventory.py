@@ -161,10 +161,11 @@ def change_of_the_end(
     """Largest change of the last sample of a short run by what is loaded onto its model."""
     ends = []
     for loaded in (False, True):
-        model = build(scene_of(2, formulation, **fields))
+        scene = scene_of(2, formulation, **fields)
+        model = build(scene)
         if loaded:
             load(model)
-        integrator = find_integrator(formulation, None)
+        integrator = find_integrator(scene, None)
         samples = run(model, integrator, spacing=1e-2, intervals=3, substeps=10)
         ends.append(samples.records[-1])
     return float(abs(ends[0] - ends[1]).max())

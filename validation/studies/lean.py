@@ -82,10 +82,9 @@ def price(pair: Pair) -> list[Row]:
     def timed(make: Callable[[], Model]) -> None:
         nonlocal spent
         model = make()
-        constrained = model.has_constraints(model.scenario)
         samples = run(
             model,
-            find_integrator(model.name, None, constrained=constrained),
+            find_integrator(Scene(model.scenario, model.name), None),
             spacing=SPACING,
             intervals=round(DURATION / SPACING),
             substeps=round(SPACING / STEP),

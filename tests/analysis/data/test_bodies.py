@@ -221,16 +221,6 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         ),
         "air_drag acts on the faces of a round disk alone",
     ),
-    "engine": (
-        lambda: mbs_models.Scene(Scenario(disk=EGG)),
-        "holds round disks and spheres alone",
-    ),
-    "tree": (
-        lambda: mbs_models.Scene(
-            Scenario(disk=TIPPE_TOP, contact=PenaltyContact.rounded(TIPPE_TOP)), "euler-tree"
-        ),
-        "'euler-tree' has a round disk at its end",
-    ),
 }
 
 

@@ -133,22 +133,12 @@ def test_stiff_contact_is_taken_by_the_implicit_integrator_in_large_steps(
     assert np.max(np.abs(run.coordinates - truth.coordinates)[:, 4:]) < 1e-3
 
 
-ROUNDED = PenaltyContact.rounded(STEEL_DISK)
-PIVOTING = Dissipation(pivoting=1e-5)
-
-
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
         ({"contact": PenaltyContact(stiffness=1e3)}, r"stiffness must be at least .* got 1000"),
         ({"contact": CONTACT, "level": 2}, "takes no further constraint, got Model 2"),
-        ({"contact": CONTACT, "formulation": "contact-tree"}, "no room for a penalty contact"),
-        ({"contact": ROUNDED, "formulation": "euler-tree"}, "singular .* half_thickness = 0.0002"),
-        ({"dissipation": PIVOTING}, "dissipation acts on a penalty contact"),
-        (
-            {"dissipation": PIVOTING, "contact": CONTACT, "formulation": "euler-tree"},
-            "knows no dissipation .* use one of floating-lie, floating",
-        ),
+        ({"dissipation": Dissipation(pivoting=1e-5)}, "dissipation acts on a penalty contact"),
     ],
 )
 def test_contact_that_fits_no_scene_is_refused(fields: dict[str, Any], message: str) -> None:
