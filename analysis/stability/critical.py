@@ -193,7 +193,7 @@ class Spectra:
         values = self._eigenvalues(spins)
         values[np.abs(values) < zero] = 0.0
         self._largest = float(np.max(np.abs(values)))
-        none = np.abs(values) < ZERO * self._largest
+        none = np.abs(values) <= ZERO * np.max(np.abs(values), axis=1, keepdims=True)
         self._neutral = int(np.min(np.sum(none, axis=1)))
         values = self._moving(values)
         # One that lies on the axis at a single spin crosses between the spins beside it.
@@ -257,6 +257,8 @@ class Spectra:
         spin = _root(lambda spin: value(spin).real, *ends)
         # Told beside the axis, where it is none of those that stay there.
         beside, values = value(spin + _BESIDE * (sum(ends) / 2.0 - spin)), self._at(spin)
+        off = np.abs(values.real)
+        values = values[off <= np.sort(off)[self._still] + ROUND_OFF * self._largest]
         frequency = float(values[np.argmin(np.abs(values - beside))].imag)
         if abs(frequency) > ZERO * self._largest:
             return Crossing(spin=spin, frequency=frequency, kind="hopf", stable_side=side)

@@ -19,6 +19,7 @@ from analysis import (
     Motion,
     Scenario,
     SmoothCoulomb,
+    Table,
 )
 from analysis.data.body import Body
 from analysis.data.checks import Array
@@ -150,12 +151,21 @@ def test_no_hopf_crossing_is_missed(motion: Motion, gradient: float) -> None:
     np.testing.assert_allclose([crossing.spin for crossing in found.hopf], expected, rtol=1e-7)
 
 
+@pytest.mark.parametrize("gradient", [3.0, 1e-3])
 @pytest.mark.parametrize("level", [1, 2, 4])
-def test_without_eccentricity_the_closed_form_speed_is_a_static_crossing(level: Level) -> None:
-    centred = model(level, CENTRED_DISK)
+def test_without_eccentricity_the_closed_form_speed_is_a_static_crossing(
+    level: Level, gradient: float
+) -> None:
+    centred = with_gradient(model(level, CENTRED_DISK), gradient)
     (static,) = (each for each in critical_speeds(centred).crossings if each.kind == "static")
     assert static.stable_side == "above"
     assert static.spin == pytest.approx(critical_speed(centred).spin, rel=1e-10)
+
+
+@pytest.mark.parametrize("system", ["reduced", "numeric"])
+def test_eigenvalues_that_are_small_at_high_spin_alone_are_none_at_rest(system: System) -> None:
+    weak = replace(model(4), table=Table(gravity=4e-6))
+    assert critical_speeds(weak, system=system, motion="noninverted").crossings == ()
 
 
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
