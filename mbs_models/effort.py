@@ -184,11 +184,17 @@ def rest_effort(scene: Scene, end: float, step: float | None = None) -> Effort:
         In s.
     step : float, optional
         In s. Without one, there are two runs or more to a tolerance.
+
+    Raises
+    ------
+    ValueError
+        If the step is not positive.
     """
     scenario = scene.scenario
     if step is None:
         found = shared.rest_effort(scenario, end)
         return replace(found, steps=2.0 * found.steps, seconds=found.steps * _REST_SECONDS)
+    step = positive("step", step)
     stiffness, gradient = scenario.penalty_contact.stiffness, scenario.friction_gradient
     return Effort(
         steps=end / step,

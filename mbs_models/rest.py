@@ -113,7 +113,6 @@ def simulate_to_rest(
         raise ValueError("give either step or tolerance, not both")
     scene = Scene.of(scene)
     largest = largest_step(scene)
-    step = None if step is None else positive("step", step)
     check_storage("end", end / spacing, MOTION_COLUMNS)
     rest_effort(scene, end, step).check()
     check_slipping(scene.scenario.friction)

@@ -70,17 +70,15 @@ class Scene:
 
     def __post_init__(self) -> None:
         instance("scenario", self.scenario, Scenario)
-        if self.formulation is None:
-            if not formulations(self.scenario):
-                raise ValueError(
-                    f"scenario cannot be built: formulation 'floating' "
-                    f"{CLASSES['floating'].obstacle(self.scenario)}, got {self.scenario.disk!r}"
-                )
+        if self.formulation is not None:
+            choice("formulation", self.formulation, FORMULATIONS)
+        elif formulations(self.scenario):
             return
-        choice("formulation", self.formulation, FORMULATIONS)
-        if why := CLASSES[self.formulation].obstacle(self.scenario):
+        name = self.formulation or "floating"
+        if why := CLASSES[name].obstacle(self.scenario):
             able = ", ".join(formulations(self.scenario))
-            raise ValueError(f"formulation {self.formulation!r} {why}; use one of {able}")
+            hint = f"use one of {able}" if able else f"none builds {self.scenario.disk!r}"
+            raise ValueError(f"formulation {name!r} {why}; {hint}")
 
     @classmethod
     def of(cls, given: "Scene | Scenario") -> "Scene":

@@ -53,11 +53,7 @@ def load_scenario(path: str | os.PathLike[str]) -> Scenario:
     ...     load_scenario(path) == Scenario()
     True
     """
-    text = _text(path)
-    try:
-        values = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise _no_toml(path, text, error) from None
+    values, text = read_toml(path)
     try:
         return _scenario(values)
     except ValueError as error:
@@ -65,15 +61,32 @@ def load_scenario(path: str | os.PathLike[str]) -> Scenario:
         raise ValueError(f"{path}, line {line}: {error}") from None
 
 
+def read_toml(path: str | os.PathLike[str]) -> tuple[dict[str, Any], str]:
+    """What a TOML file holds, and its text.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is no TOML. The message names the file and the line.
+    """
+    text = _text(path)
+    try:
+        return tomllib.loads(text), text
+    except (ValueError, RecursionError) as error:
+        raise _no_toml(path, text, error) from None
+
+
 def _text(path: str | os.PathLike[str]) -> str:
     with Path(path).open("rb") as stream:
         content = stream.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:
-        raise ValueError(f"{path} is no scenario: more than {LARGEST_FILE} bytes")
+        raise ValueError(f"{path} is too large: more than {LARGEST_FILE} bytes")
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError:
-        raise ValueError(f"{path} is no scenario: not text in UTF-8") from None
+        raise ValueError(f"{path} is no TOML: not text in UTF-8") from None
 
 
 def _no_toml(path: str | os.PathLike[str], text: str, error: Exception) -> ValueError:

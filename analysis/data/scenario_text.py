@@ -8,6 +8,7 @@ from typing import Any
 
 from analysis.data.angles import spelled_angle
 from analysis.data.body import PRODUCTS
+from analysis.data.checks import instance
 from analysis.data.constraint_set import MODELS
 from analysis.data.contact import PenaltyContact
 from analysis.data.disk import STEEL_RING
@@ -68,7 +69,8 @@ def scenario_text(scenario: Scenario) -> str:
     Raises
     ------
     ValueError
-        If a friction law of one's own has a parameter that TOML cannot hold.
+        If it is no scenario, or a friction law of one's own has a parameter that TOML cannot
+        hold.
 
     Examples
     --------
@@ -76,7 +78,7 @@ def scenario_text(scenario: Scenario) -> str:
     >>> "spin = 35.0" in scenario_text(Scenario(start=Start(spin=35.0)))
     True
     """
-    told, usual = scenario.values(), _usual(scenario)
+    told, usual = instance("scenario", scenario, Scenario).values(), _usual(scenario)
     tables = (_table(name, told.get(name), usual.get(name, {})) for name in _ABOUT)
     return "\n".join((_HEAD, _constraints(scenario), *tables))
 

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
-from analysis.data.checks import Array, choice
+from analysis.data.checks import Array, choice, instance
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.linearisation import (
@@ -66,8 +66,9 @@ def chosen_system(scenario: Scenario, system: System | None = None) -> System:
     Raises
     ------
     ValueError
-        If the system is unknown.
+        If the system is unknown, or the scenario is none.
     """
+    instance("scenario", scenario, Scenario)
     if system is not None:
         return choice("system", system, SYSTEMS)
     closed: dict[int | None, System] = {1: "full", 4: "reduced"}

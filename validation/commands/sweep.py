@@ -2,7 +2,6 @@
 
 import argparse
 import shutil
-import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -12,6 +11,7 @@ from typing import Any
 from analysis.data.checks import choice, positive
 from analysis.data.names import ArgumentError
 from analysis.data.outcomes import DONE
+from analysis.data.scenario_file import read_toml
 from validation.commands.options import PATIENCE, chosen_end, run_options
 from validation.commands.output import Result
 from validation.commands.scenarios import chosen_scenario
@@ -76,8 +76,8 @@ def chosen_design(options: argparse.Namespace) -> Design:
     told: dict[str, Any] = {}
     axes = [axis_from_text(text) for text in options.axes]
     if options.axes_file is not None:
+        told, _ = read_toml(options.axes_file)
         try:
-            told = tomllib.loads(options.axes_file.read_text("utf-8"))
             for name in told:
                 choice("key", name, ("axes", *_LAYOUT))
             # What is no table is refused as an axis of that name.

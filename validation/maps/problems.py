@@ -1,6 +1,7 @@
 """The maps: what each shows, over which axes, and how its cases are run."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from math import pi
@@ -10,7 +11,7 @@ import numpy as np
 
 from analysis import MODELS, Scenario
 from analysis.data.changes import changed
-from analysis.data.checks import Array
+from analysis.data.checks import Array, whole, within
 from analysis.data.outcomes import DONE
 from analysis.data.written import unit
 from analysis.stability.critical import critical_speeds
@@ -137,9 +138,9 @@ def panels(
     ValueError
         If a number is out of range.
     """
-    for name, least, value, most in (("cells", 1, cells, 10_000), ("levels", 0, levels, 12)):
-        if not least <= value <= most:
-            raise ValueError(f"{name} must lie from {least} to {most}, got {value}")
+    within("cells", cells, 1, 10_000)
+    within("levels", levels, 0, 12)
+    whole("witnesses", witnesses, least=0)
     count = cells * 2**levels + 1
     witnesses = min(round(witnesses * count**2 / (cells + 1) ** 2), count**2)
     axes = tuple(
@@ -165,18 +166,19 @@ def quickest_plan(
 
     Compiled, an ideal contact runs with Taylor's method to 1e-6 rad in batches; its witnesses,
     which would take most of the time, run to 1e-3 rad, those of Model 1 at a step of 5 ms.
-    Otherwise Model 1 runs on the engine's contact tree at that step, to some 1e-7 rad; Model 4 as
-    the reduced system; everything else with the in-house equations.
+    Otherwise Model 1 of a round disk runs on the engine's contact tree at that step, to some
+    1e-7 rad; Model 4 as the reduced system; everything else with the in-house equations.
     """
     how: dict[str, Any] = {"end": end, "witnesses": witnesses}
     if scenario.contact is not None:
         return Plan(to_rest=True, spacing=1e-2, local_tolerance=1e-6, **how)
-    if scenario.model == 1 and not compiled:
+    on_tree = scenario.model == 1 and scenario.disk.is_round_disk
+    if on_tree and not compiled:
         return Plan(source="engine", step=ENGINE_STEP, **how)
     form = "reduced" if "reduced" in forms(scenario) else None
     if compiled:
         of_tree = {"witness_step": ENGINE_STEP}
-        how |= of_tree if scenario.model == 1 else {"witness_tolerance": 1e-3}
+        how |= of_tree if on_tree else {"witness_tolerance": 1e-3}
         return Plan(formulation=form, method="taylor", tolerance=1e-6, **how)
     return Plan(formulation=form, local_tolerance=1e-6, **how)
 
@@ -210,14 +212,16 @@ def _face(scenario: Scenario, row: Mapping[str, Any]) -> str:
 def critical_points(sweep: Sweep) -> Array:
     """Critical spins of inverted spinning along the vertical axis, shape (n, 2).
 
-    Empty for a map that has no spin along its horizontal axis.
+    Empty for a map that has no spin along its horizontal axis, or no stationary spinning that is
+    linearised, as of other bodies or on a leaning table.
     """
     up, right = sweep.design.axes
-    if right.field != "start.spin" or not sweep.scenario.table.is_horizontal:
+    if right.field != "start.spin":
         return np.empty((0, 2))
     ends = (right.between(0.0), right.between(1.0))
     points = []
     for value in np.linspace(up.between(0.0), up.between(1.0), THEORY_SAMPLES).tolist():
-        at = changed(sweep.scenario, {up.field: value})
-        points += [(crossing.spin, value) for crossing in critical_speeds(at, ends).crossings]
+        with suppress(ValueError):
+            found = critical_speeds(changed(sweep.scenario, {up.field: value}), ends)
+            points += [(crossing.spin, value) for crossing in found.crossings]
     return np.array(points).reshape(-1, 2)

@@ -74,9 +74,9 @@ class RunOptions:
     )
 
     def __post_init__(self) -> None:
-        if self.source not in SOURCES:
-            fault = f"must be one of {', '.join(SOURCES)}, got {self.source!r}"
-            raise ArgumentError("source", f"{fault}{nearest(self.source, SOURCES)}")
+        self._choose("source", SOURCES)
+        if self.formulation is not None:
+            self._choose("formulation", FORMULATIONS if self.source == "engine" else FORMS)
         foreign = ("method",) if self.source == "engine" else ("step", "integrator")
         for name in foreign:
             self.refuse(name, f"source {self.source!r}, which does not know it")
@@ -91,6 +91,12 @@ class RunOptions:
                     "must be DOPRI5 with a local_tolerance, since the others keep their step, "
                     f"got {name!r}",
                 )
+
+    def _choose(self, name: str, allowed: tuple[str, ...]) -> None:
+        value = getattr(self, name)
+        if value not in allowed:
+            fault = f"must be one of {', '.join(allowed)}, got {value!r}"
+            raise ArgumentError(name, f"{fault}{nearest(value, allowed)}")
 
     def refuse(self, name: str, where: str) -> None:
         """Raise if an option is given that there is no place for."""

@@ -190,8 +190,8 @@ def test_text_that_is_no_scenario_is_refused_with_its_line(
 def test_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "my.toml"
     for content, message in (
-        (b"PK\x03\x04\xff\xfe", "is no scenario: not text in UTF-8"),
-        (b"#" * (LARGEST_FILE + 1), "is no scenario: more than 1000000 bytes"),
+        (b"PK\x03\x04\xff\xfe", "is no TOML: not text in UTF-8"),
+        (b"#" * (LARGEST_FILE + 1), "is too large: more than 1000000 bytes"),
     ):
         path.write_bytes(content)
         with pytest.raises(ValueError, match=message):

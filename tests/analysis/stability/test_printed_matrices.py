@@ -164,6 +164,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "spins must increase strictly, got 1 before 1": lambda: branches(FULL, [1.0, 1.0]),
     "friction must have a positive gradient": lambda: closed_form(SLIPPERY, 1.0),
     "form needs a horizontal table": lambda: closed_form_sensitivities(LEANING),
+    "scenario must be a Scenario, got 'S'": lambda: critical_speeds("S"),  # type: ignore[arg-type]
     "system must be one of full, reduced, numeric": lambda: eigenvalues(FULL, [1.0], UNKNOWN),
 }
 

@@ -25,10 +25,14 @@ REFUSED = {
     "scenario --law tanh,0.4": "--law: law must hold parameter=value behind its name, got '0.4'",
     "scenario --damping 1": "--damping: damping needs a penalty contact, told by its stiffness",
     "scenario --model 2 --x 1": "--x: x must be -0.000249584 in Model 2",
-    ENGINE + "--formulation reduced": "formulation must be one of floating",
+    ENGINE + "--formulation reduced": "--formulation: formulation must be one of floating",
+    IN_HOUSE + "--formulation floating": "--formulation: formulation must be one of index-1",
+    ENGINE + "--body ellipse --formulation floating": "none builds EllipticDisk(",
+    SWEEP + "--axes deep.toml": "deep.toml, line 1: not TOML: nested too deeply",
     ENGINE + "--tolerance 1e-3 --step 1e-3": "--step: step must be left out for a run with its",
     IN_HOUSE + "--step 0.01": "--step: step must be left out for source 'in-house'",
     "rest --step 1": "step must not exceed",
+    "rest --step 0": "--step: step must be positive, got 0",
     "rest --scenario run.npz": "give --stiffness and --half-thickness, or the table [co",
     "rest --scenario run.npz --source in-house": "give --stiffness and --half-thickness",
     SWEEP + "spin=0:60:1000 gamma=0:1:1000 --most 999999": "--most: most allows 999999 cases",
@@ -89,8 +93,9 @@ FAILED = {
 def test_what_cannot_be_is_refused_in_one_line_and_writes_nothing(
     call: str, folder: Path, capsys: Capture
 ) -> None:
+    Path("deep.toml").write_text(f"a = {'[' * 5000}{']' * 5000}")
     assert REFUSED[call] in refusal(capsys, call)
-    assert [entry.name for entry in folder.iterdir()] == ["run.npz"]
+    assert sorted(entry.name for entry in folder.iterdir()) == ["deep.toml", "run.npz"]
 
 
 @pytest.mark.parametrize("call", FAILED)

@@ -14,6 +14,7 @@ import pytest
 from analysis import MODELS, Scenario
 from analysis.data.checks import Array
 from analysis.stability.printed import critical_speed
+from tests.bodies import ELLIPSE
 from tests.calls import refusal, run
 from tests.sweeps import direct
 from validation.maps import panel as room
@@ -123,6 +124,13 @@ def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
     assert critical_points(panels(PROBLEMS["attitude"], REDUCED, **how)[0]).size == 0
 
 
+def test_map_of_another_body_runs_where_it_can_be_built_and_has_no_critical_speed() -> None:
+    how: Any = {"cells": 2, "levels": 0, "end": 1.5, "witnesses": 0}
+    (sweep,) = panels(SPIN_FRICTION, Scenario(disk=ELLIPSE), **how)
+    assert sweep.plan.source == "in-house"
+    assert critical_points(sweep).size == 0
+
+
 def test_each_model_runs_where_it_is_quickest() -> None:
     how: Any = {"cells": 2, "levels": 1, "end": 4.0, "witnesses": 9}
     plans = [each.plan for each in panels(PROBLEMS["basins"], Scenario(), **how)]
@@ -198,7 +206,8 @@ def test_pairs_are_run_and_fitted_where_they_are_decided(tmp_path: Path) -> None
     ("words", "message"),
     [
         ("spin-friction --cells 0", "cells must lie from 1 to 10000, got 0"),
-        ("spin-friction --levels -1", "levels must lie from 0 to 12, got -1"),
+        ("spin-friction --levels -1", "--levels: levels must not be negative, got -1"),
+        ("rest --witnesses -1", "--witnesses: witnesses must be at least 0, got -1\n"),
         ("rest --pairs -1", "--pairs: pairs must be at least 0, got -1"),
         ("spin-mu", "invalid choice"),
         ("rest --end -1", "--end: end must be positive"),
