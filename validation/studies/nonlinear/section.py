@@ -67,7 +67,7 @@ def present(rows: Rows) -> Content:
             "hopf": hopf,
             "connection": connection,
             "fits": fits,
-            "apart": apart.abs().max(),
+            "apart": apart.abs().max().clip(lower=KEPT),
             "held": held,
             "followed": followed.set_index("case"),
             "law": law,

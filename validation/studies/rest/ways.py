@@ -109,7 +109,7 @@ def present(rows: Rows) -> Content:
                 shown,
                 name="rest-animation",
                 title="The whole way to rest",
-                caption=f"In-house run with {SHOWN} besides sliding friction.",
+                caption=f"In-house: sliding, {SHOWN}.",
             )
         },
         checks=checks(runs),
