@@ -1,5 +1,6 @@
 """README and docs: links lead somewhere, code runs as it stands, commands are understood."""
 
+import importlib
 import os
 import re
 import shlex
@@ -90,6 +91,8 @@ def test_every_public_name_has_a_task_and_every_page_a_place_in_the_contents() -
     for package in (analysis, mbs_models):
         listed = re.findall(rf"^   {package.__name__}\.(\w+)$", tasks, re.MULTILINE)
         assert sorted(listed) == sorted(package.__all__)
+    for module, name in re.findall(r"^   ((?:\w+\.){2,})(\w+)$", tasks, re.MULTILINE):
+        assert hasattr(importlib.import_module(module[:-1]), name), f"{module}{name}"
     places = re.findall(r"^[\w/*-]+$", contents, re.MULTILINE)
     pages = [str(page.relative_to(docs).with_suffix("")) for page in docs.rglob("*.md")]
     assert {page for page in pages if not any(fnmatch(page, each) for each in places)} == {"index"}

@@ -35,7 +35,7 @@ Page = tuple[str, str, Sequence[str]]
 """Name of its file, title, and names of its studies."""
 
 PAGES: Sequence[Page] = (
-    ("report.html", "The tippedisk: multibody engine against closed equations", DISK),
+    ("report.html", "The tippedisk: multibody engine against in-house equations", DISK),
     ("method.html", "The tippedisk: how well the method works", METHOD),
 )
 

@@ -29,7 +29,7 @@ HEADS = {
     "half_multiplier": "multiplier over half a period",
     "multiplier": "multiplier",
     "complex_multiplier": "size of the complex pair",
-    "log_strong": "log10 of the other",
+    "log_strong": "log10 of the other multiplier",
     "stable": "stable",
 }
 """Headings of what is told of a periodic motion."""

@@ -34,6 +34,7 @@ from validation.kit.limits import holds, largest
 from validation.kit.progress import counted
 from validation.kit.tables import Table
 from validation.page.content import Content, Rows, Verdict
+from validation.page.section import power
 from validation.run import run_to_rest
 from validation.studies.comparisons import (
     ANGLE_LIMIT,
@@ -306,9 +307,10 @@ def present(rows: Rows) -> Content:
                 f"forces at {STATES[MODELS_OF_PAPER]} random states each to {accelerations}, "
                 f"relative; motions over {END:g} s to {motions} rad; eigenvalues to "
                 f"{eigenvalues}, relative.",
-                criterion=f"at most {ACCELERATION_LIMIT:g}, {ANGLE_LIMIT:g} rad and "
-                f"{EIGENVALUE_LIMIT:g}, in every formulation; both sides share the description of "
-                "the problem and no mechanics, which a test sees to by reading the imports.",
+                criterion=f"at most {power(ACCELERATION_LIMIT)}, {power(ANGLE_LIMIT)} rad "
+                f"and {power(EIGENVALUE_LIMIT)}, in every formulation; both sides share the "
+                "description of the problem and no mechanics, which a test sees to by reading "
+                "the imports.",
                 good=agrees,
             )
         ],

@@ -19,6 +19,7 @@ from validation.kit.animation.picture import Camera
 from validation.kit.animation.player import player
 from validation.kit.figures import COLOURS, MARKERS, STYLES, angle_axis, legend_above, new_figure
 from validation.page.content import Content, Rows, Verdict
+from validation.page.section import power
 from validation.run import run
 from validation.study import Row, Study, at_most
 
@@ -165,7 +166,7 @@ def present(rows: Rows) -> Content:
                 answer="yes" if len(times) == len(models) else "partly" if times else "no",
                 numbers=f"From Table 3, at {Start().spin:g} rad/s, {len(times)} of {len(models)} "
                 f"models are inverted, after {told} s; engine and in-house equations stay "
-                f"within {apart[ANGLES].max():.0e} rad of each other.",
+                f"within {power(apart[ANGLES].max())} rad of each other.",
                 criterion=DEFINITION,
                 good=len(times) == len(models),
             )

@@ -10,6 +10,7 @@ from analysis.stability.printed import CriticalSpeed, critical_speed
 from validation.kit.limits import largest
 from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, Verdict
+from validation.page.section import power
 from validation.studies.nonlinear import delay, drawings, measured
 from validation.studies.nonlinear.measured import (
     DISSIPATED,
@@ -31,6 +32,9 @@ STUDIES = (
 
 SAME_CYCLE = {"spin": 1e-6, "amplitude": 1e-6, "period": 1e-6, "multiplier": 1e-5}
 """How far cycles of engine and in-house may be apart, in rad/s, rad, s and 1."""
+
+KEPT = 1e-8
+"""Smallest difference that the digits kept of a cycle tell."""
 
 SAME = 1e-6
 """How far spins in rad/s may be apart that are found in two ways."""
@@ -63,7 +67,7 @@ def present(rows: Rows) -> Content:
             "hopf": hopf,
             "connection": connection,
             "fits": fits,
-            "apart": apart.abs().max(),
+            "apart": apart.abs().max().clip(lower=KEPT),
             "held": held,
             "followed": followed.set_index("case"),
             "law": law,
@@ -73,6 +77,7 @@ def present(rows: Rows) -> Content:
             "cycles": tables.motion_table(cycles),
             "some-cycles": tables.motion_table(cycles[::5]),
             "rotations": tables.motion_table(rotations, "rotating"),
+            "some-rotations": tables.motion_table(rotations[::5], "rotating"),
             "held": _headed(held, "half_multiplier", "complex_multiplier"),
             "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
@@ -194,7 +199,7 @@ def _swings(
         answer="yes" if stable == len(cycles) else "partly" if stable else "no",
         numbers=f"From {hopf:.2f} down to {connection:.2f} rad/s {stable} of {len(cycles)} cycles "
         f"are stable; below, γ turns round, and the disk falls below {fold.spin:.2f} rad/s. The "
-        f"engine has the cycles to {apart.amplitude.abs().max():.0e} rad.",
+        f"engine's cycles are within {power(max(largest(apart.amplitude.abs()), KEPT))} rad.",
         criterion="Floquet multipliers inside the unit circle, from the Hopf point to the "
         "heteroclinic connection.",
         good=stable == len(cycles),

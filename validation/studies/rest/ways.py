@@ -109,7 +109,7 @@ def present(rows: Rows) -> Content:
                 shown,
                 name="rest-animation",
                 title="The whole way to rest",
-                caption=f"In-house run with {SHOWN} besides sliding friction.",
+                caption=f"In-house: sliding, {SHOWN}.",
             )
         },
         checks=checks(runs),
@@ -181,7 +181,10 @@ def verdict(runs: Mapping[str, Row]) -> Verdict:
         statement="On a slow timescale the disk comes to lie flat on the table.",
         answer=answer,
         numbers=f"After {made.END:g} s of sliding friction alone it leans by {lean:.2f} rad"
-        + "".join(f"; with {losses} it is flat after {flat[losses]:.1f} s" for losses in lies)
+        + "".join(
+            f"; with {losses.replace(', ', ' and ')} it is flat after {flat[losses]:.1f} s"
+            for losses in lies
+        )
         + ". The coefficients of rolling and pivoting are chosen here, not the paper's.",
         criterion=f"flat to the end within {made.END:g} s by sliding friction alone, as the paper "
         "models it; partly: with further losses.",

@@ -6,6 +6,7 @@ import pandas as pd
 
 from validation.kit import located, references
 from validation.page.content import Content, Rows, Verdict
+from validation.page.section import power
 from validation.studies.robustness import checks, conservation, ended, outcomes, steps
 from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
 from validation.studies.robustness.outcomes import (
@@ -140,10 +141,11 @@ def _verdict(numbers: dict[str, Any]) -> Verdict:
     return Verdict(
         statement="No stiff or extreme case crashes or breaks its promise of accuracy.",
         answer="no" if broken else "yes",
-        numbers=f"Of {numbers['total']} cases asked for {asked.min():g} to {asked.max():g} rad, "
-        f"{numbers['counts']['accurate']} are accurate and {numbers['ends']} end early, "
-        f"accurately; {numbers['without']} give no accurate result, for reasons that are "
-        f"counted; {broken or 'none'} crashed or broke the promise.",
+        numbers=f"Of {numbers['total']} cases asked for {power(asked.min())} to "
+        f"{power(asked.max())} rad, {numbers['counts']['accurate']} are accurate and "
+        f"{numbers['ends']} end early, accurately; {numbers['without']} give no "
+        f"accurate result, for reasons that are counted; "
+        f"{broken or 'none'} crashed or broke the promise.",
         criterion="angles and the time of an ending within what was asked for, and its reason, "
         "beside two runs by other methods; said of these cases alone.",
         good=not broken,

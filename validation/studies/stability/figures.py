@@ -81,11 +81,13 @@ def panel(
         axes.axhspan(0.0, 60.0, color=_COLOURS[0], alpha=0.10, linewidth=0)
 
 
-def mark(axes: Any, found: Places, printed: Places) -> None:
-    """Mark what is found and what the paper prints, with the numbers of both."""
-    for places, marker, label, shift, digits, colour in (
-        (found, "D", "found here", (-3, 10), ".2f", "black"),
-        (printed, "X", "in the paper", (3, -16), "g", "#a0208c"),
+def mark(axes: Any, found: Places, printed: Places, *, side: str = "left") -> None:
+    """Mark what is found and what the paper prints; numbers above, on a side, and below."""
+    sides = {"left": -3, "right": 3}
+    other = "right" if side == "left" else "left"
+    for places, marker, label, at, up, digits, colour in (
+        (found, "D", "found here", side, 10, ".2f", "black"),
+        (printed, "X", "in the paper", other, -16, "g", "#a0208c"),
     ):
         look = {"color": colour, "markersize": 7, "markeredgecolor": "white", "zorder": 4}
         axes.plot(list(places), list(places.values()), marker, label=label, **look)
@@ -93,9 +95,9 @@ def mark(axes: Any, found: Places, printed: Places) -> None:
             axes.annotate(
                 format(value or spin, digits),
                 (spin, value),
-                xytext=shift,
+                xytext=(sides[at], up),
                 textcoords="offset points",
-                ha="right" if places is found else "left",
+                ha="left" if at == "right" else "right",
                 color=colour,
                 bbox={"facecolor": "white", "alpha": 0.7, "pad": 0.5, "linewidth": 0.0},
             )
@@ -137,7 +139,7 @@ def figure_10(engine: Engine, critical: float, frequency: float, born: float) ->
         panel(each, part, branches, engine, {0: "$λ_{1,2}$"})
         dotted = each.plot(SPINS, getattr(closed, part), ":", color="black", linewidth=0.9)
         dotted[0].set_label("closed form")
-    mark(axes[0], {crossing.spin: 0.0}, {critical: 0.0})
+    mark(axes[0], {crossing.spin: 0.0}, {critical: 0.0}, side="right")
     mark(
         axes[1],
         {birth.spin: 0.0, crossing.spin: crossing.frequency},

@@ -158,7 +158,7 @@ def _verdict(ratios: "pd.Series[float]") -> Verdict:
     faster = int((ratios > 1.0).sum())
     answer = "yes" if faster == len(ratios) else "partly" if faster else "no"
     return Verdict(
-        statement="Closing the contact by topology is the fastest way to run Model 1.",
+        statement="Closing the contact by topology is the engine's fastest way to run Model 1.",
         answer=answer,
         numbers=f"The fastest formulation that keeps a constraint takes {span(ratios)} times as "
         f"long, in {faster} of {len(ratios)} cases of problem and goal more.",
