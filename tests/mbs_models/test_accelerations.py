@@ -11,7 +11,6 @@ import mbs_models
 from analysis import (
     LEVELS,
     POSSIBLE_SETS,
-    STEEL_DISK,
     ConstraintSet,
     Level,
     PenaltyContact,
@@ -23,11 +22,8 @@ from analysis import (
 )
 from analysis.data.constraint_set import set_name
 from mbs_models import Integrator, Scene
-from mbs_models.friction import slip_velocity
 from mbs_models.integrators import ACCELERATED
-from mbs_models.probe import Probe
-from mbs_models.scene import build
-from tests.helpers import model, mostly_slow, not_none, slip
+from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.2, 21)
@@ -52,12 +48,6 @@ def test_formulations_follow_the_in_house_motion_on_a_slope(
         np.testing.assert_allclose(run.coordinates, truth.coordinates, atol=1e-7)
         np.testing.assert_allclose(run.rates, truth.rates, atol=1e-5)
         np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=1e-5)
-
-
-def test_slip_is_the_velocity_of_the_disk_where_it_touches_the_table() -> None:
-    place, rates = np.random.default_rng(3).uniform(0.2, 1.4, size=(2, 6))
-    found = slip_velocity(STEEL_DISK.radius, place, rates)
-    np.testing.assert_allclose(found, slip(STEEL_DISK, lambda t: place + t * rates), rtol=1e-8)
 
 
 @pytest.mark.parametrize("level", [2, 3, 4])
@@ -117,17 +107,3 @@ def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> No
     assert fine.error_estimate is None
     assert fine.method["local_tolerance"] == 1e-8
     assert angle_error(fine, truth) < min(1e-5, angle_error(coarse, truth))
-
-
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
-def test_quick_accelerations_lose_no_more_digits_than_they_say(formulation: Any) -> None:
-    random, scenario = np.random.default_rng(0), model(2, start=Start(spin=200.0))
-    probe = Probe(build(Scene(scenario, formulation)))
-    lost = []
-    for beta, gamma, alpha in random.uniform((0.2, -3.0, -3.0), (2.9, 3.0, 3.0), (100, 3)):
-        start = Start(beta=beta, gamma=gamma, alpha=alpha, spin=200.0)
-        state = start.state(scenario.constraints, scenario.disk)
-        probe.move_to(state.coordinates, state.rates)
-        quick, careful = probe.solved(quick=True)[0], probe.solved()[0]
-        lost.append(np.max(np.abs(quick - careful)) / np.max(np.abs(careful)))
-    assert np.median(lost) < 2e-11

@@ -107,17 +107,6 @@ def test_bodies_go_the_same_way_on_the_ideal_contact(scenario: Scenario) -> None
 
 
 @every_body
-def test_bodies_go_the_same_way_on_a_yielding_table(body: Body) -> None:
-    contact = PenaltyContact.rounded(body, stiffness=2e4)
-    times = np.linspace(0.0, 0.1, 11)
-    scenario = Scenario(disk=body, contact=contact, start=START)
-    truth = analysis.simulate(scenario, times, local_tolerance=1e-12)
-    run = mbs_models.simulate(Scene(scenario, "floating"), times, tolerance=1e-7)
-    np.testing.assert_allclose(run.coordinates[:, 4:], truth.coordinates[:, 4:], atol=1e-7)
-    np.testing.assert_allclose(run.normal_force, truth.normal_force, rtol=1e-4)
-
-
-@every_body
 def test_bodies_go_the_same_way_through_every_attitude(body: Body) -> None:
     losses = Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4)
     contact = PenaltyContact.rounded(body, stiffness=2e4)
@@ -136,7 +125,6 @@ def test_tippe_top_turns_over_at_the_same_time() -> None:
     other = mbs_models.simulate_to_rest(scenario, 2.4, tolerance=1e-6)
     assert one.deviation(other) < 1e-7
     turned = not_none(one.inversion.time)
-    assert turned == pytest.approx(1.228924, abs=1e-6)
     assert not_none(other.inversion.time) == pytest.approx(turned, abs=1e-7)
     times = np.linspace(0.0, 1.5, 601)
     ideal = Scene(replace(scenario, contact=None))

@@ -78,24 +78,15 @@ SCENES = [
 
 
 @pytest.mark.parametrize(("level", "formulation", "rough"), SCENES)
-def test_scene_holds_what_it_needs_and_nothing_else(
+def test_scene_holds_what_it_needs_and_nothing_else_and_counts_as_the_assembled_system(
     level: Level, formulation: Formulation, rough: bool
 ) -> None:
-    friction = SmoothCoulomb() if rough else SMOOTH
-    scene = scene_of(level, formulation, friction=friction)
+    scene = scene_of(level, formulation, friction=SmoothCoulomb() if rough else SMOOTH)
     found = inventory(scene)
     assert listed(found) == sorted(expected(level, formulation, rough=rough))
     assert found.user_functions == scene.has_constraints + rough
     assert not unused_markers(scene)
-
-
-@pytest.mark.parametrize(("level", "formulation", "rough"), SCENES)
-def test_counts_are_those_of_the_assembled_system(
-    level: Level, formulation: Formulation, rough: bool
-) -> None:
-    scene = scene_of(level, formulation, friction=SmoothCoulomb() if rough else SMOOTH)
-    found, model = inventory(scene), build(scene)
-    data = model.system.systemData
+    data = build(scene).system.systemData
     assert found.coordinates == len(data.GetODE2Coordinates())
     assert found.equations == len(data.GetAECoordinates())
     # Contact; COG (2); rolling; spin; and what a formulation adds for itself.

@@ -232,23 +232,6 @@ def test_what_is_held_stays_as_it_is(constraints: ConstraintSet, load: Load) -> 
     np.testing.assert_allclose(changes, 0.0, rtol=0.0, atol=1e-10)
 
 
-def test_a_disk_slides_down_a_leaning_table_like_a_block() -> None:
-    # Upright and across the slope, with the centre of gravity over the contact: nothing turns it.
-    lean = 0.3
-    scenario = Scenario(
-        disk=replace(STEEL_DISK, eccentricity=0.0),
-        friction=SmoothCoulomb(coefficient=0.0),
-        table=Table(inclination=lean, downhill=0.4),
-        start=Start(spin=0.0, alpha=1.1),
-    )
-    state = scenario.initial_state
-    acceleration, forces = accelerations(scenario, state.coordinates, state.rates)
-    along = turn_z(1.1) @ np.array([*acceleration[:2], 0.0])
-    expected = 9.81 * np.sin(lean) * np.array([np.cos(0.4), np.sin(0.4), 0.0])
-    np.testing.assert_allclose(along, expected, rtol=0.0, atol=1e-12)
-    assert forces[0] == pytest.approx(STEEL_DISK.mass * 9.81 * np.cos(lean), rel=1e-12)
-
-
 def test_a_flat_disk_is_called_singular() -> None:
     centred = Scenario(disk=replace(STEEL_DISK, eccentricity=0.0))
     with pytest.raises(ArithmeticError, match="singular index-1 system of Model 1"):
