@@ -86,7 +86,8 @@ def test_scene_holds_what_it_needs_and_nothing_else_and_counts_as_the_assembled_
     assert listed(found) == sorted(expected(level, formulation, rough=rough))
     assert found.user_functions == scene.has_constraints + rough
     assert not unused_markers(scene)
-    data = build(scene).system.systemData
+    built = build(scene)
+    data = built.system.systemData
     assert found.coordinates == len(data.GetODE2Coordinates())
     assert found.equations == len(data.GetAECoordinates())
     # Contact; COG (2); rolling; spin; and what a formulation adds for itself.

@@ -1,6 +1,5 @@
 """What the data types accept, refuse and compute."""
 
-import json
 import re
 from dataclasses import asdict, fields, replace
 from inspect import signature
@@ -17,7 +16,6 @@ from analysis import (
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
     Disk,
-    Dissipation,
     PenaltyContact,
     Scenario,
     Start,
@@ -139,18 +137,3 @@ def test_a_disk_dropped_from_a_height_starts_at_it() -> None:
     rounded = Scenario.rest(start=Start(beta=0.3, height=0.005))
     reach = np.hypot(0.045 * np.sin(0.3), 2e-4 * np.cos(0.3))
     assert rounded.initial_state.coordinates[2] == pytest.approx(0.005 + reach, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    "scenario",
-    [
-        Scenario(),
-        Scenario.rest(dissipation=Dissipation(rolling_dry=1e-3), start=Start(height=0.1)),
-        Scenario(friction=ViscousFriction(viscosity=3.0), start=Scenario().initial_state),
-        Scenario(constraints=("contact", "no-slip-across"), start=Start(x=0.1, y_rate=-4.0)),
-    ],
-    ids=["paper", "rest", "state", "set"],
-)
-def test_scenario_comes_back_from_its_values(scenario: Scenario) -> None:
-    through_json = json.loads(json.dumps(scenario.values()))
-    assert Scenario.from_values(through_json) == scenario
