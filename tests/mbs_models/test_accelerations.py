@@ -59,16 +59,6 @@ def test_to_a_tolerance_they_are_the_default_where_constraints_are_left(level: L
     assert with_step.method["integrator"] == "TrapezoidalIndex2"
 
 
-def test_they_take_a_tenth_of_the_evaluations_of_a_newton_iteration() -> None:
-    stepped, newton = (
-        mbs_models.simulate(scene_of(3), TIMES, tolerance=1e-6, integrator=name)
-        for name in (None, "TrapezoidalIndex2")
-    )
-    assert newton.method["integrator"] == "TrapezoidalIndex2"
-    assert angle_error(stepped, newton) < 2e-6
-    assert stepped.counts["right_hand_sides"] < 0.1 * newton.counts["newton_iterations"]
-
-
 @pytest.mark.parametrize("smoothing", mostly_slow([1e-4, 1e-6, 1e-8], [1e-4, 1e-6]))
 @pytest.mark.parametrize("level", mostly_slow(LEVELS, [1, 2]))
 def test_stiff_friction_keeps_its_tolerance_in_few_steps(level: Level, smoothing: float) -> None:

@@ -9,7 +9,6 @@ import analysis
 import mbs_models
 from analysis import (
     LOADS,
-    MODELS,
     POSSIBLE_SETS,
     STEEL_DISK,
     Body,
@@ -87,23 +86,6 @@ def test_bodies_have_the_same_accelerations_on_a_yielding_table(
 def test_sphere_has_the_same_accelerations_on_the_ideal_contact(seed: int, load: Load) -> None:
     friction = SmoothCoulomb(load=load)
     compare(Scenario(disk=TIPPE_TOP, table=TABLE, friction=friction, start=random_start(seed)))
-
-
-MOTIONS = {
-    "composed": Scenario(disk=COMPOSED, start=START),
-    "composed, Model 2": Scenario(disk=COMPOSED, constraints=MODELS[2], start=START),
-    "sphere": Scenario(disk=TIPPE_TOP, friction=SmoothCoulomb(load="contact"), start=START),
-}
-
-
-@pytest.mark.parametrize("scenario", MOTIONS.values(), ids=list(MOTIONS))
-def test_bodies_go_the_same_way_on_the_ideal_contact(scenario: Scenario) -> None:
-    times = np.linspace(0.0, 0.2, 11)
-    truth = analysis.simulate(scenario, times, local_tolerance=1e-13)
-    for formulation in mbs_models.formulations(scenario):
-        run = mbs_models.simulate(Scene(scenario, formulation), times, tolerance=1e-7)
-        np.testing.assert_allclose(run.coordinates[:, 4:], truth.coordinates[:, 4:], atol=1e-7)
-        np.testing.assert_allclose(run.normal_force, truth.normal_force, rtol=1e-5)
 
 
 @every_body

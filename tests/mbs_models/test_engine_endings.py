@@ -7,7 +7,7 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import LEVELS, Scenario, Start, State, Trajectory
+from analysis import LEVELS, Scenario, Start, State
 from analysis.data.endings import REACHED, StopWhen
 from mbs_models import Formulation, Scene, formulations
 from tests.helpers import model, mostly_slow, not_none
@@ -45,15 +45,6 @@ def turning(state: State) -> float:
     return 6 * pi + 1.2 - state.coordinates[5]
 
 
-def check_same_ending(found: Trajectory, expected: Trajectory, apart: float) -> str:
-    """Reason for which both end, at times that differ by so many seconds at most."""
-    assert found.ending is not None
-    assert expected.ending is not None
-    assert found.ending.reason == expected.ending.reason
-    assert found.ending.time == pytest.approx(expected.ending.time, abs=apart)
-    return found.ending.reason
-
-
 @pytest.mark.parametrize("formulation", mostly_slow(ENGINE_WAYS, ["euler-tree"]))
 @pytest.mark.parametrize("condition", ["inverted", slow, turning])
 def test_engine_runs_end_where_the_in_house_ones_do(
@@ -65,7 +56,9 @@ def test_engine_runs_end_where_the_in_house_ones_do(
     found = mbs_models.simulate(
         Scene(scenario, formulation), LONG, tolerance=1e-8, stop_when=condition
     )
-    check_same_ending(found, expected, 1e-8)
+    ending, other = not_none(found.ending), not_none(expected.ending)
+    assert ending.reason == other.reason
+    assert ending.time == pytest.approx(other.time, abs=1e-8)
     np.testing.assert_allclose(found.coordinates, expected.coordinates, atol=1e-7)
 
 
@@ -75,30 +68,6 @@ def test_a_single_run_of_fixed_steps_ends_too(formulation: Formulation) -> None:
     assert not_none(run.ending).reason == "slow"
     assert run.counts["steps"] < 200 + run.times[-1] / 1e-3
     assert run.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-9)
-
-
-def check_tolerance_at_ending(
-    scene: Scene, times: list[float], tolerance: float, stop_when: StopWhen = ()
-) -> None:
-    """Neither the time of an ending nor the state at that time is off by more than allowed.
-
-    Against in-house runs with a local tolerance of 1e-12: up to the ending, and up to the time
-    that the engine gives.
-    """
-    found = mbs_models.simulate(scene, times, tolerance=tolerance, stop_when=stop_when)
-    same = analysis.simulate(scene.scenario, times, local_tolerance=1e-12, stop_when=stop_when)
-    if same.ending is None and not stop_when:
-        # Not every contact would pull.
-        assert found.ending is None
-        return
-    ending = not_none(found.ending)
-    assert not_none(same.ending).reason == ending.reason
-    assert found.pulling == ()
-    assert abs(ending.time - not_none(same.ending).time) <= tolerance
-    before = np.linspace(0.0, ending.time, 11)
-    then = analysis.simulate(scene.scenario, before, local_tolerance=1e-12, allow_pulling=True)
-    assert np.max(np.abs(found.coordinates[-1] - then.coordinates[-1])[4:]) <= tolerance
-    assert 0.0 < not_none(found.error_estimate) <= tolerance
 
 
 @pytest.mark.parametrize("number", mostly_slow(range(18), [0, 1]))
@@ -115,7 +84,21 @@ def test_tolerance_holds_at_endings_of_random_motions(number: int) -> None:
     scene = Scene(scenario, random.choice(formulations(scenario)).item())
     times = [0.0, 2.5] if random.random() < 0.6 else np.linspace(0.0, 2.5, 251).tolist()
     tolerance = 10.0 ** -random.integers(3, 9).item()
-    check_tolerance_at_ending(scene, times, tolerance, told)
+    found = mbs_models.simulate(scene, times, tolerance=tolerance, stop_when=told)
+    same = analysis.simulate(scenario, times, local_tolerance=1e-12, stop_when=told)
+    if same.ending is None and not told:
+        # Not every contact would pull.
+        assert found.ending is None
+        return
+    ending = not_none(found.ending)
+    assert not_none(same.ending).reason == ending.reason
+    assert found.pulling == ()
+    # Neither the time of the ending nor the state at that time is off by more than allowed.
+    assert abs(ending.time - not_none(same.ending).time) <= tolerance
+    before = np.linspace(0.0, ending.time, 11)
+    then = analysis.simulate(scenario, before, local_tolerance=1e-12, allow_pulling=True)
+    assert np.max(np.abs(found.coordinates[-1] - then.coordinates[-1])[4:]) <= tolerance
+    assert 0.0 < not_none(found.error_estimate) <= tolerance
 
 
 TENTHS = np.linspace(0.0, 0.1, 11)

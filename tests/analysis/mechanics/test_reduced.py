@@ -1,7 +1,6 @@
 """Model 4 in minimal coordinates against its projection from the full equations of motion."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -116,13 +115,6 @@ def test_expanded_states_meet_all_constraints_and_move_at_their_rates(seed: int)
         return rows.ravel()
 
     assert_close(u[0], derivative(coordinates))
-
-
-def test_reduced_system_looks_at_the_weight_alone() -> None:
-    scenario, spin, x = sample(0)
-    by_contact = replace(scenario, friction=SmoothCoulomb(load="contact"))
-    expected = reduced.solver(scenario, spin)(*x)[2]
-    assert reduced.solver(by_contact, spin)(*x)[2] == expected
 
 
 @pytest.mark.parametrize("seed", range(3))
