@@ -137,10 +137,3 @@ def test_an_eigenvalue_passes_through_a_zero_mode_that_stays(count: int) -> None
     found = follow(turn @ block @ np.linalg.inv(turn))
     true = np.column_stack((np.zeros_like(p), p, np.full_like(p, -3.0)))
     np.testing.assert_allclose(found, true, atol=1e-7)
-
-
-def test_without_friction_the_spectrum_is_mirrored_at_both_axes() -> None:
-    frictionless = Scenario(friction=SmoothCoulomb(coefficient=0.0))
-    for values in eigenvalues(frictionless, [5.0, 25.0, 50.0]):
-        assert_same_set(values, -values, 1e-6)
-        assert_same_set(values, values.conj(), 1e-6)
