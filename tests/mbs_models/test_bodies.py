@@ -10,7 +10,6 @@ import mbs_models
 from analysis import (
     LOADS,
     POSSIBLE_SETS,
-    STEEL_DISK,
     Body,
     ConstraintSet,
     Dissipation,
@@ -24,7 +23,6 @@ from analysis import (
 from analysis.data.constraint_set import set_name
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Scene
-from mbs_models.body_contact import largest_lever
 from tests.bodies import BODIES, COMPOSED, TIPPE_TOP, random_start, spinning_top
 from tests.helpers import assert_close, not_none
 
@@ -117,12 +115,3 @@ def test_tippe_top_turns_over_at_the_same_time() -> None:
     # Without friction nothing turns it over, and the spin about its axis stays.
     smooth = replace(scenario, friction=SmoothCoulomb(coefficient=0.0, load="contact"))
     assert mbs_models.simulate_to_rest(smooth, 2.4).inversion.time is None
-
-
-@pytest.mark.parametrize("body", [STEEL_DISK, TIPPE_TOP], ids=["disk", "sphere"])
-def test_contact_point_passes_over_the_surface_as_fast_as_its_lever_says(body: Body) -> None:
-    leaning, turn = 0.2, 1e-6
-    up = np.sqrt(1.0 - leaning**2)
-    places = [np.array(body.lowest_point((leaning, each, up))) for each in (-turn, turn)]
-    speed = np.linalg.norm(places[1] - places[0]) / (2.0 * turn)
-    assert largest_lever(body, leaning, 0.0) == pytest.approx(speed, rel=1e-6)

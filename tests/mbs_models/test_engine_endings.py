@@ -62,14 +62,6 @@ def test_engine_runs_end_where_the_in_house_ones_do(
     np.testing.assert_allclose(found.coordinates, expected.coordinates, atol=1e-7)
 
 
-@pytest.mark.parametrize("formulation", ENGINE_WAYS)
-def test_a_single_run_of_fixed_steps_ends_too(formulation: Formulation) -> None:
-    run = mbs_models.simulate(Scene(Scenario(), formulation), LONG, step=1e-3, stop_when=slow)
-    assert not_none(run.ending).reason == "slow"
-    assert run.counts["steps"] < 200 + run.times[-1] / 1e-3
-    assert run.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-9)
-
-
 @pytest.mark.parametrize("number", mostly_slow(range(18), [0, 1]))
 def test_tolerance_holds_at_endings_of_random_motions(number: int) -> None:
     random = np.random.default_rng(number)

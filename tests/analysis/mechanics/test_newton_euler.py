@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from math import hypot
 
 import numpy as np
 import pytest
@@ -74,19 +73,6 @@ def test_residuals_of_the_velocities_are_slip_and_spin(constraints: ConstraintSe
         assert told[name] == pytest.approx(known[name], rel=1e-8)
 
 
-def friction_in_frame(scenario: Scenario, load: float, slip_x: float, slip_y: float) -> Array:
-    """Eq. (3), in R-frame axes; what does not slip does not rub."""
-    friction = scenario.friction
-    assert isinstance(friction, SmoothCoulomb)
-    if "no-slip-along" in scenario.constraints:
-        slip_x = 0.0
-    if "no-slip-across" in scenario.constraints:
-        slip_y = 0.0
-    scale = friction.coefficient * load / (hypot(slip_x, slip_y) + friction.smoothing)
-    force: Array = -scale * np.array([slip_x, slip_y, 0.0])
-    return force
-
-
 @cache
 def lagrange() -> Callable[..., list[Array]]:
     """Terms of Lagrange's equations, and directions of all constraints, of order `MULTIPLIERS`."""
@@ -117,7 +103,11 @@ def test_accelerations_and_forces_meet_lagranges_equations(
     W = np.array([every[name] for name in multiplier_names(constraints)])
     pressing = max(0.0, forces[0]) if load == "contact" else scenario.weight
     across = np.array((every["tangential_force"], every["lateral_force"]))
-    rubbing = friction_in_frame(scenario, pressing, *(across @ u))[:2]
+    # Eq. (3); what does not slip does not rub.
+    slipping, friction = across @ u, scenario.friction
+    assert isinstance(friction, SmoothCoulomb)
+    speed = np.linalg.norm(slipping)
+    rubbing = -friction.coefficient * pressing * slipping / (speed + friction.smoothing)
     known = others[:, 0] + W.T @ forces + across.T @ rubbing
     assert_close(M @ acceleration, known, relative=1e-12)
 

@@ -26,7 +26,7 @@ from analysis.nonlinear.families import (
 from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
-from tests.helpers import jacobian, model, reduced_run
+from tests.helpers import jacobian, model
 from validation.run import run
 
 PAPER = model(4)
@@ -55,6 +55,19 @@ def asymmetric() -> Family:
 @pytest.fixture(scope="module")
 def rotating() -> Family:
     return rotating_family(PAPER, (1e-4, 0.01, 0.08, 0.12, 0.14, 0.3))
+
+
+def reduced_run(scenario: Scenario, spin: float, begin: Array, end: float) -> Array:
+    """State of the reduced system at a time in s, shape (3,)."""
+    found = solve_ivp(
+        reduced.right_hand_side(scenario, spin),
+        (0.0, end),
+        begin,
+        method="LSODA",
+        rtol=1e-12,
+        atol=1e-13,
+    )
+    return np.array(found.y[:, -1])
 
 
 # --- Symmetric cycles ---------------------------------------------------------------------------
