@@ -183,18 +183,6 @@ def assert_accelerations_agree(scenario: Scenario) -> None:
         np.testing.assert_allclose(multipliers, forces, rtol=1e-8, atol=1e-8)
 
 
-@pytest.mark.parametrize("law", OTHERS, ids=name)
-def test_motions_agree_under_every_law(law: FrictionLaw) -> None:
-    scenario = model(4, friction=law)
-    engine = mbs_models.simulate(Scene(scenario), TIMES, tolerance=1e-7)
-    full, reduced = (
-        analysis.simulate(scenario, TIMES, form=form, tolerance=1e-10)
-        for form in ("index-1", "reduced")
-    )
-    np.testing.assert_allclose(engine.coordinates, full.coordinates, atol=2e-7)
-    np.testing.assert_allclose(reduced.coordinates, full.coordinates, atol=1e-9)
-
-
 @pytest.mark.parametrize("law", [*SHIPPED, SquareRoot(coefficient=0.2)], ids=name)
 def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -> None:
     run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)

@@ -120,12 +120,6 @@ def test_columns_are_found_by_name() -> None:
         run.multiplier("spin_torque")
 
 
-def test_motion_is_equal_to_itself_alone() -> None:
-    run = random_trajectory()
-    assert {run: "kept"}[run] == "kept"
-    assert run != replace(run)
-
-
 # --- Quantities that follow ----------------------------------------------------------------------
 
 

@@ -56,13 +56,12 @@ def test_hopf_curves_pass_through_the_crossings_of_every_gradient(
         for gradient in (1.25, 3.0, 30.0, 300.0):
             scenario = with_gradient(PAPER, gradient)
             expected = critical_speeds(scenario, (0.0, 100.0), motion=motion).hopf
-            found = sorted(at_gradient(curve, gradient) for curve in curves[motion])
+            # Each curve passes a gradient once.
+            found = sorted(
+                np.interp(log(gradient), np.log(curve.gradients), curve.spins)
+                for curve in curves[motion]
+            )
             np.testing.assert_allclose(found, [c.spin for c in expected], rtol=2e-3)
-
-
-def at_gradient(curve: HopfCurve, gradient: float) -> float:
-    """Spin of the curve at a gradient it passes once."""
-    return float(np.interp(log(gradient), np.log(curve.gradients), curve.spins))
 
 
 def test_every_point_of_a_hopf_curve_has_its_imaginary_eigenvalue(

@@ -51,11 +51,10 @@ def test_message_ends_where_the_last_pair_begins_to_decay(constraints: Constrain
 
 def test_start_beside_the_stationary_motion_is_none() -> None:
     assert unstable_start(Scenario()) is None
-    for name in ("beta", "gamma"):
-        beside = replace(SPINNING, **{name: pi / 2 + 1e-9})
-        assert unstable_start(Scenario(start=beside)) is None
-    for name in ("beta_rate", "gamma_rate", "x", "x_rate"):
-        assert unstable_start(Scenario(start=replace(SPINNING, **{name: 1e-6}))) is None
+    least = {"beta_rate": 1e-9, "gamma_rate": 1e-9, "x": 1e-6, "x_rate": 1e-6}
+    angles = dict.fromkeys(("beta", "gamma"), pi / 2 + 1e-9)
+    for name, value in (angles | least).items():
+        assert unstable_start(Scenario(start=replace(SPINNING, **{name: value}))) is None
 
 
 def test_same_motion_told_otherwise_or_elsewhere_is_one() -> None:
