@@ -11,6 +11,7 @@ import mbs_models
 from analysis import (
     LEVELS,
     POSSIBLE_SETS,
+    STEEL_DISK,
     ConstraintSet,
     Level,
     PenaltyContact,
@@ -22,8 +23,9 @@ from analysis import (
 )
 from analysis.data.constraint_set import set_name
 from mbs_models import Integrator, Scene
+from mbs_models.friction import slip_velocity
 from mbs_models.integrators import ACCELERATED
-from tests.helpers import model, mostly_slow, not_none
+from tests.helpers import model, mostly_slow, not_none, slip
 from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.2, 21)
@@ -48,6 +50,12 @@ def test_formulations_follow_the_in_house_motion_on_a_slope(
         np.testing.assert_allclose(run.coordinates, truth.coordinates, atol=1e-7)
         np.testing.assert_allclose(run.rates, truth.rates, atol=1e-5)
         np.testing.assert_allclose(run.multipliers, truth.multipliers, atol=1e-5)
+
+
+def test_slip_is_the_velocity_of_the_disk_where_it_touches_the_table() -> None:
+    place, rates = np.random.default_rng(3).uniform(0.2, 1.4, size=(2, 6))
+    found = slip_velocity(STEEL_DISK.radius, place, rates)
+    np.testing.assert_allclose(found, slip(STEEL_DISK, lambda t: place + t * rates), rtol=1e-8)
 
 
 @pytest.mark.parametrize("level", [2, 3, 4])
