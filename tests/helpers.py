@@ -8,7 +8,6 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 import pytest
 import sympy
-from scipy.integrate import solve_ivp
 
 from analysis import (
     MODELS,
@@ -26,7 +25,6 @@ from analysis import (
 )
 from analysis.data.body import PRODUCTS, Body
 from analysis.data.checks import Array
-from analysis.mechanics import reduced
 
 T = TypeVar("T")
 
@@ -179,19 +177,6 @@ TILTED: tuple[ConstraintSet, ...] = (
 """Two of the sets that hold the rate of the tilt, too."""
 
 more_sets = pytest.mark.parametrize("constraints", [*POSSIBLE_SETS, *TILTED], ids="+".join)
-
-
-def reduced_run(scenario: Scenario, spin: float, begin: Array, end: float) -> Array:
-    """State of the reduced system at a time in s, shape (3,)."""
-    found = solve_ivp(
-        reduced.right_hand_side(scenario, spin),
-        (0.0, end),
-        begin,
-        method="LSODA",
-        rtol=1e-12,
-        atol=1e-13,
-    )
-    return np.array(found.y[:, -1])
 
 
 def arc(z: Array, u: Array, a: Array) -> Callable[[float], Array]:

@@ -25,8 +25,6 @@ from analysis.data.constraint_set import set_name
 from mbs_models import Integrator, Scene
 from mbs_models.friction import slip_velocity
 from mbs_models.integrators import ACCELERATED
-from mbs_models.probe import Probe
-from mbs_models.scene import build
 from tests.helpers import model, mostly_slow, not_none, slip
 from tests.scenes import scene_of
 
@@ -69,16 +67,6 @@ def test_to_a_tolerance_they_are_the_default_where_constraints_are_left(level: L
     assert with_step.method["integrator"] == "TrapezoidalIndex2"
 
 
-def test_they_take_a_tenth_of_the_evaluations_of_a_newton_iteration() -> None:
-    stepped, newton = (
-        mbs_models.simulate(scene_of(3), TIMES, tolerance=1e-6, integrator=name)
-        for name in (None, "TrapezoidalIndex2")
-    )
-    assert newton.method["integrator"] == "TrapezoidalIndex2"
-    assert angle_error(stepped, newton) < 2e-6
-    assert stepped.counts["right_hand_sides"] < 0.1 * newton.counts["newton_iterations"]
-
-
 @pytest.mark.parametrize("smoothing", mostly_slow([1e-4, 1e-6, 1e-8], [1e-4, 1e-6]))
 @pytest.mark.parametrize("level", mostly_slow(LEVELS, [1, 2]))
 def test_stiff_friction_keeps_its_tolerance_in_few_steps(level: Level, smoothing: float) -> None:
@@ -117,17 +105,3 @@ def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> No
     assert fine.error_estimate is None
     assert fine.method["local_tolerance"] == 1e-8
     assert angle_error(fine, truth) < min(1e-5, angle_error(coarse, truth))
-
-
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
-def test_quick_accelerations_lose_no_more_digits_than_they_say(formulation: Any) -> None:
-    random, scenario = np.random.default_rng(0), model(2, start=Start(spin=200.0))
-    probe = Probe(build(Scene(scenario, formulation)))
-    lost = []
-    for beta, gamma, alpha in random.uniform((0.2, -3.0, -3.0), (2.9, 3.0, 3.0), (100, 3)):
-        start = Start(beta=beta, gamma=gamma, alpha=alpha, spin=200.0)
-        state = start.state(scenario.constraints, scenario.disk)
-        probe.move_to(state.coordinates, state.rates)
-        quick, careful = probe.solved(quick=True)[0], probe.solved()[0]
-        lost.append(np.max(np.abs(quick - careful)) / np.max(np.abs(careful)))
-    assert np.median(lost) < 2e-11

@@ -1,7 +1,5 @@
 """Bodies other than the paper's disk in the engine, against the in-house side."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,9 +7,7 @@ import analysis
 import mbs_models
 from analysis import (
     LOADS,
-    MODELS,
     POSSIBLE_SETS,
-    STEEL_DISK,
     Body,
     ConstraintSet,
     Dissipation,
@@ -25,7 +21,6 @@ from analysis import (
 from analysis.data.constraint_set import set_name
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Scene
-from mbs_models.body_contact import largest_lever
 from tests.bodies import BODIES, COMPOSED, TIPPE_TOP, random_start, spinning_top
 from tests.helpers import assert_close, not_none
 
@@ -89,34 +84,6 @@ def test_sphere_has_the_same_accelerations_on_the_ideal_contact(seed: int, load:
     compare(Scenario(disk=TIPPE_TOP, table=TABLE, friction=friction, start=random_start(seed)))
 
 
-MOTIONS = {
-    "composed": Scenario(disk=COMPOSED, start=START),
-    "composed, Model 2": Scenario(disk=COMPOSED, constraints=MODELS[2], start=START),
-    "sphere": Scenario(disk=TIPPE_TOP, friction=SmoothCoulomb(load="contact"), start=START),
-}
-
-
-@pytest.mark.parametrize("scenario", MOTIONS.values(), ids=list(MOTIONS))
-def test_bodies_go_the_same_way_on_the_ideal_contact(scenario: Scenario) -> None:
-    times = np.linspace(0.0, 0.2, 11)
-    truth = analysis.simulate(scenario, times, local_tolerance=1e-13)
-    for formulation in mbs_models.formulations(scenario):
-        run = mbs_models.simulate(Scene(scenario, formulation), times, tolerance=1e-7)
-        np.testing.assert_allclose(run.coordinates[:, 4:], truth.coordinates[:, 4:], atol=1e-7)
-        np.testing.assert_allclose(run.normal_force, truth.normal_force, rtol=1e-5)
-
-
-@every_body
-def test_bodies_go_the_same_way_on_a_yielding_table(body: Body) -> None:
-    contact = PenaltyContact.rounded(body, stiffness=2e4)
-    times = np.linspace(0.0, 0.1, 11)
-    scenario = Scenario(disk=body, contact=contact, start=START)
-    truth = analysis.simulate(scenario, times, local_tolerance=1e-12)
-    run = mbs_models.simulate(Scene(scenario, "floating"), times, tolerance=1e-7)
-    np.testing.assert_allclose(run.coordinates[:, 4:], truth.coordinates[:, 4:], atol=1e-7)
-    np.testing.assert_allclose(run.normal_force, truth.normal_force, rtol=1e-4)
-
-
 @every_body
 def test_bodies_go_the_same_way_through_every_attitude(body: Body) -> None:
     losses = Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4)
@@ -136,23 +103,4 @@ def test_tippe_top_turns_over_at_the_same_time() -> None:
     other = mbs_models.simulate_to_rest(scenario, 2.4, tolerance=1e-6)
     assert one.deviation(other) < 1e-7
     turned = not_none(one.inversion.time)
-    assert turned == pytest.approx(1.228924, abs=1e-6)
     assert not_none(other.inversion.time) == pytest.approx(turned, abs=1e-7)
-    times = np.linspace(0.0, 1.5, 601)
-    ideal = Scene(replace(scenario, contact=None))
-    run = mbs_models.simulate(ideal, times, tolerance=1e-6, stop_when="inverted")
-    truth = analysis.simulate(ideal.scenario, times, stop_when="inverted")
-    assert not_none(run.ending).reason == not_none(truth.ending).reason == "inverted"
-    assert run.times[-1] == pytest.approx(truth.times[-1], abs=1e-7)
-    # Without friction nothing turns it over, and the spin about its axis stays.
-    smooth = replace(scenario, friction=SmoothCoulomb(coefficient=0.0, load="contact"))
-    assert mbs_models.simulate_to_rest(smooth, 2.4).inversion.time is None
-
-
-@pytest.mark.parametrize("body", [STEEL_DISK, TIPPE_TOP], ids=["disk", "sphere"])
-def test_contact_point_passes_over_the_surface_as_fast_as_its_lever_says(body: Body) -> None:
-    leaning, turn = 0.2, 1e-6
-    up = np.sqrt(1.0 - leaning**2)
-    places = [np.array(body.lowest_point((leaning, each, up))) for each in (-turn, turn)]
-    speed = np.linalg.norm(places[1] - places[0]) / (2.0 * turn)
-    assert largest_lever(body, leaning, 0.0) == pytest.approx(speed, rel=1e-6)

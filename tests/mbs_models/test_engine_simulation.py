@@ -9,7 +9,6 @@ import pytest
 import analysis
 import mbs_models
 from analysis import (
-    LOADS,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -18,7 +17,7 @@ from analysis import (
     Trajectory,
 )
 from mbs_models import EngineError, Integrator, Newton, Scene
-from mbs_models.extrapolation import BLIND, Ladder
+from mbs_models.extrapolation import Ladder
 from mbs_models.newton import force_rounding
 from mbs_models.scene import build
 from tests.helpers import model, mostly_slow, not_none
@@ -135,21 +134,6 @@ def test_runs_that_agree_by_chance_count_for_what_those_before_let_expect(
     assert ladder.estimate >= 0.999 * least
 
 
-def estimate(decay: float) -> float:
-    """Estimate after runs with errors of order 4 and 6, the last with a step of 0.01 s."""
-    ladder = Ladder("euler-tree", "TrapezoidalIndex2", decay)
-    for step in (0.04, 0.02, 0.01):
-        ladder.add(np.full((3, 12), 1.0 + step**4 + step**6), np.arange(3.0), step)
-    return ladder.estimate
-
-
-def test_estimates_count_for_more_where_a_step_hides_how_friction_brakes_slip() -> None:
-    plain = estimate(0.0)
-    assert estimate(1.0 / (BLIND * 0.01)) == plain
-    assert estimate(2.0 / (BLIND * 0.01)) == pytest.approx(2.0 * plain)
-    assert estimate(1e6) == pytest.approx(BLIND * plain)
-
-
 @pytest.mark.parametrize(
     ("scene", "proposal"),
     [
@@ -162,29 +146,6 @@ def test_estimates_count_for_more_where_a_step_hides_how_friction_brakes_slip() 
 def test_a_tolerance_that_is_not_met_proposes_another_way(scene: Scene, proposal: str) -> None:
     with pytest.raises(TimeLimitError, match=f"time limit met.*; try {proposal}"):
         mbs_models.simulate(scene, np.linspace(0.0, 99.0, 991), tolerance=1e-9, time_limit=0.05)
-
-
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating", "floating-lie"])
-def test_newton_converges_as_fast_under_the_contact_force_as_under_the_weight(
-    formulation: Any,
-) -> None:
-    start = Start(beta=1.2, spin=3.0)
-    full = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False))
-    weight, contact = (
-        mbs_models.simulate(
-            scene_of(3, formulation, friction=SmoothCoulomb(load=load), start=start),
-            np.linspace(0.0, 0.1, 11),
-            step=1e-3,
-            integrator=full,
-        ).counts["newton_iterations"]
-        for load in LOADS
-    )
-    assert contact <= 1.1 * weight
-
-
-def test_long_steps_converge_where_they_once_failed_at_the_rounding_limit() -> None:
-    run = mbs_models.simulate(scene_of(2, "euler-tree"), np.linspace(0.0, 2.0, 101), step=0.02)
-    assert run.counts["steps"] == 100
 
 
 @pytest.mark.parametrize("spin", [3.0, 40.0, 150.0])

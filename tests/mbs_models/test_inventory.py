@@ -11,7 +11,6 @@ from analysis import (
     LEVELS,
     POSSIBLE_SETS,
     ConstraintSet,
-    Dissipation,
     Level,
     PenaltyContact,
     Scenario,
@@ -28,7 +27,7 @@ from mbs_models.runs import run
 from mbs_models.scene import build
 from tests.calls import printed
 from tests.helpers import model
-from tests.scenes import rest_scene, scene_of
+from tests.scenes import scene_of
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
 READ = ["sensor Node"]
@@ -78,24 +77,16 @@ SCENES = [
 
 
 @pytest.mark.parametrize(("level", "formulation", "rough"), SCENES)
-def test_scene_holds_what_it_needs_and_nothing_else(
+def test_scene_holds_what_it_needs_and_nothing_else_and_counts_as_the_assembled_system(
     level: Level, formulation: Formulation, rough: bool
 ) -> None:
-    friction = SmoothCoulomb() if rough else SMOOTH
-    scene = scene_of(level, formulation, friction=friction)
+    scene = scene_of(level, formulation, friction=SmoothCoulomb() if rough else SMOOTH)
     found = inventory(scene)
     assert listed(found) == sorted(expected(level, formulation, rough=rough))
     assert found.user_functions == scene.has_constraints + rough
     assert not unused_markers(scene)
-
-
-@pytest.mark.parametrize(("level", "formulation", "rough"), SCENES)
-def test_counts_are_those_of_the_assembled_system(
-    level: Level, formulation: Formulation, rough: bool
-) -> None:
-    scene = scene_of(level, formulation, friction=SmoothCoulomb() if rough else SMOOTH)
-    found, model = inventory(scene), build(scene)
-    data = model.system.systemData
+    built = build(scene)
+    data = built.system.systemData
     assert found.coordinates == len(data.GetODE2Coordinates())
     assert found.equations == len(data.GetAECoordinates())
     # Contact; COG (2); rolling; spin; and what a formulation adds for itself.
@@ -125,27 +116,6 @@ def test_penalty_contact_needs_one_force_law_and_no_joint(
     )
     assert listed(inventory(scene)) == sorted(items)
     assert not unused_markers(scene)
-
-
-@pytest.mark.parametrize(
-    ("dissipation", "named"),
-    [
-        (Dissipation(), "penalty contact and friction by"),
-        (Dissipation(pivoting=1e-5), "penalty contact, friction and pivoting friction by"),
-        (
-            Dissipation(rolling_dry=1e-3, air_drag=1.2),
-            "penalty contact, friction, rolling resistance and air drag by",
-        ),
-    ],
-)
-def test_rest_scene_has_one_connector_which_names_what_is_on(
-    dissipation: Dissipation, named: str
-) -> None:
-    found = inventory(rest_scene(dissipation=dissipation))
-    items = ["node RigidBodyRotVecLG", *HELD_BODY]
-    assert listed(found) == sorted(items)
-    assert found.equations == 0
-    assert sum(item.why.startswith(named) for item in found.items) == 1
 
 
 def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str]) -> None:

@@ -173,21 +173,6 @@ def test_compiled_run_is_that_of_the_pure_path_within_its_estimate(
     assert run.method["method"] == "taylor"
 
 
-def test_slip_that_changes_its_sign_costs_no_accuracy() -> None:
-    scenario = model(4, start=TURNING, friction=SmoothCoulomb(smoothing=0.02))
-    slips = simulate(scenario, TIMES, form="reduced", local_tolerance=1e-13)
-    run = simulate(scenario, TIMES, form="reduced", method="taylor", local_tolerance=1e-12)
-    e, gamma, sb = (
-        scenario.disk.eccentricity,
-        slips.coordinate("gamma"),
-        np.sin(slips.coordinate("beta")),
-    )
-    slip = (scenario.disk.radius + e * np.sin(gamma)) * slips.rate("beta") * sb
-    slip -= e * 30.0 * sb**2 * np.cos(gamma)
-    assert np.sum(np.diff(np.sign(slip)) != 0.0) >= 2
-    assert difference(run, slips) < 1e-11
-
-
 def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy() -> None:
     # A step across the least slip is wrong by 1.4e-4 rad in Model 1, and its size shows nothing.
     start = Start(beta=2.46639969, gamma=-1.83591463, spin=58.7337034, beta_rate=0.835966986)
@@ -367,16 +352,6 @@ def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
     assert compiled_one.method["method"] == "taylor"
     (refused, _) = simulate_many(members, TIMES, form="reduced", tolerance=1e-6, method="taylor")
     assert isinstance(refused, ValueError)
-
-
-def test_member_that_fails_leaves_its_batch_alone() -> None:
-    members = [model(4), model(4, start=Start(beta_rate=30.0)), model(4)]
-    first, pulling, last = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
-    assert isinstance(pulling, ValueError)
-    assert "start needs a contact that pulls" in str(pulling)
-    assert isinstance(first, Trajectory)
-    assert isinstance(last, Trajectory)
-    np.testing.assert_array_equal(first.coordinates, last.coordinates)
 
 
 @pytest.mark.slow

@@ -36,7 +36,6 @@ from analysis.data.own import foreign_names
 from analysis.mechanics.contact_load import any_contact_load
 from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
-from analysis.stability.spectra import SYSTEMS, System
 from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
@@ -182,30 +181,6 @@ def assert_accelerations_agree(scenario: Scenario) -> None:
         found, multipliers = mbs_models.acceleration(Scene(scenario, formulation))
         np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-7)
         np.testing.assert_allclose(multipliers, forces, rtol=1e-8, atol=1e-8)
-
-
-@pytest.mark.parametrize("law", OTHERS, ids=name)
-def test_motions_agree_under_every_law(law: FrictionLaw) -> None:
-    scenario = model(4, friction=law)
-    engine = mbs_models.simulate(Scene(scenario), TIMES, tolerance=1e-7)
-    full, reduced = (
-        analysis.simulate(scenario, TIMES, form=form, tolerance=1e-10)
-        for form in ("index-1", "reduced")
-    )
-    np.testing.assert_allclose(engine.coordinates, full.coordinates, atol=2e-7)
-    np.testing.assert_allclose(reduced.coordinates, full.coordinates, atol=1e-9)
-
-
-@pytest.mark.parametrize("system", SYSTEMS)
-@pytest.mark.parametrize("law", SIMPLE[1:], ids=name)
-def test_linear_stability_depends_on_the_gradient_alone(law: FrictionLaw, system: System) -> None:
-    level: Level = 4 if system == "reduced" else 1
-    papers = SmoothCoulomb(coefficient=law.gradient, smoothing=1.0)
-    found, expected = (
-        spectra.eigenvalues(model(level, friction=each), np.linspace(10.0, 50.0, 9), system)
-        for each in (law, papers)
-    )
-    np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-9)
 
 
 @pytest.mark.parametrize("law", [*SHIPPED, SquareRoot(coefficient=0.2)], ids=name)

@@ -114,12 +114,6 @@ def test_interrupted_save_leaves_the_folder_as_it_was(
     assert [entry.read_bytes() for entry in path.parent.iterdir()] == [before]
 
 
-def test_new_file_replaces_the_old_one(path: Path) -> None:
-    random_trajectory(2).save(path)
-    assert load_run(path).scenario.model == 2
-    assert len(list(path.parent.iterdir())) == 1
-
-
 def test_a_full_disk_and_missing_folders_are_told_with_their_file(tmp_path: Path) -> None:
     path = tmp_path / "motion.npz"
     full = OSError(errno.ENOSPC, "No space left on device")
@@ -209,7 +203,6 @@ def last_is(value: float) -> Callable[[Any], Any]:
 
 
 REAL = "must be an array of real numbers, got"
-NUMBER = "must be a finite number, got"
 
 TRAJECTORIES: dict[str, tuple[Change, str]] = {
     **{

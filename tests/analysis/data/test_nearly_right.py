@@ -15,12 +15,10 @@ import pytest
 import mbs_models
 from analysis import (
     MODELS,
-    Disk,
     Ensemble,
     Scenario,
     SmoothCoulomb,
     Start,
-    Table,
     load_scenario,
     scenario_text,
     simulate,
@@ -54,8 +52,6 @@ def test_engine_takes_a_scenario_for_its_default_scene(call: Callable[[Any], Any
         (lambda: MODELS[5], r"^.MODELS holds 1, 2, 3, 4, and no 5.$"),
         (lambda: SmoothCoulomb(mu=0.3), r"^SmoothCoulomb takes .* did you mean coefficient\?$"),
         (lambda: Start(spn=3.0), r"^Start takes beta, .*, and no spn; did you mean spin\?$"),
-        (lambda: Disk.ring(raduis=3.0), r"^Disk.ring takes .* no raduis; did you mean radius\?$"),
-        (lambda: Table(speed=3.0), r"and no speed$"),
         (lambda: Ensemble(scenario=Scenario(), fields={"spn": [1.0]}), r"did you mean spin\?$"),
         (lambda: simulate(Scenario(), TIMES, method="DOP835"), r"did you mean DOP853\?$"),
         (lambda: Start(gamma=" -22.5 deg"), r"write np.radians\(-22.5\)$"),
@@ -89,7 +85,6 @@ def test_file_says_which_key_is_meant(old: str, new: str, message: str, tmp_path
     [
         ("scene --spn 3", "unrecognized arguments: --spn 3; did you mean --spin?"),
         ("scenario --law tanh,coeficient=1", "; did you mean coefficient?"),
-        ("scenario --constraints contact,fixed-cg", "; did you mean fixed-cog?"),
         ("map spin-fricton", "; did you mean spin-friction?"),
     ],
 )

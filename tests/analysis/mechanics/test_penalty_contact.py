@@ -20,7 +20,6 @@ from analysis import (
     SmoothCoulomb,
     Start,
 )
-from analysis.data.frames import poses
 from mbs_models import Formulation
 from tests.scenes import scene_of
 
@@ -101,28 +100,6 @@ def test_disk_at_rest_stays_at_rest(formulation: Formulation) -> None:
     np.testing.assert_allclose(run.normal_force, run.scenario.weight, rtol=1e-8)
 
 
-def test_normal_force_is_what_accelerates_the_centre_of_gravity() -> None:
-    start = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0, gamma_rate=-5.0)
-    step = 1e-4
-    scene = scene_of(contact=CONTACT, start=start)
-    run = mbs_models.simulate(scene, [0.0, step, 2 * step], tolerance=1e-12)
-    _, rotation = poses(run.coordinates)
-    height = run.coordinate("z") + STEEL_DISK.eccentricity * rotation[:, 2, 0]
-    acceleration = (height[0] - 2 * height[1] + height[2]) / step**2
-    expected = run.normal_force[1] / STEEL_DISK.mass - GRAVITY
-    assert acceleration == pytest.approx(expected, abs=0.02)
-
-
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating-lie"])
-def test_explicit_and_implicit_steps_give_the_same_motion(formulation: Formulation) -> None:
-    scene = scene_of(1, formulation, contact=CONTACT)
-    explicit, implicit = (
-        mbs_models.simulate(scene, TIMES, step=1e-4, integrator=name)
-        for name in ("RK44", "TrapezoidalIndex2")
-    )
-    np.testing.assert_allclose(explicit.coordinates, implicit.coordinates, atol=1e-5)
-
-
 @every_formulation
 def test_stiff_contact_is_taken_by_the_implicit_integrator_in_large_steps(
     formulation: Formulation,
@@ -144,16 +121,3 @@ def test_stiff_contact_is_taken_by_the_implicit_integrator_in_large_steps(
 def test_contact_that_fits_no_scene_is_refused(fields: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         scene_of(**fields)
-
-
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [
-        ({"stiffness": 0.0}, "stiffness must be positive, got 0"),
-        ({"damping": -1.0}, "damping must not be negative, got -1"),
-        ({"half_thickness": -1e-4}, "half_thickness must not be negative, got -0.0001"),
-    ],
-)
-def test_bad_contact_is_refused(fields: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        PenaltyContact(**({"stiffness": 1e5} | fields))

@@ -1,57 +1,23 @@
 """Why a motion ends, and where: flat, inverted, or where the user says."""
 
-from math import pi, sin
+from math import pi
 from typing import Any
 
 import numpy as np
 import pytest
 
 import analysis
-import mbs_models
 from analysis import (
-    Form,
     PenaltyContact,
     Scenario,
-    SmoothCoulomb,
     Start,
     State,
 )
 from analysis.data.endings import REACHED
 from tests.helpers import model, not_none
 
-FALLING = Start(beta=1.0, gamma=pi / 2, spin=0.0)
 TIMES = np.linspace(0.0, 0.6, 121)
 SOFT = PenaltyContact(stiffness=1e6, damping=300.0)
-
-
-def fall_time(scenario: Scenario) -> float:
-    """Time of an upright fall about the contact, by the pendulum's energy integral."""
-    disk = scenario.disk
-    # In Model 4 the centre of gravity stays above one point while the disk turns about it.
-    reach = disk.radius + disk.eccentricity
-    inertia = disk.inertia_about_cog[1]
-
-    def rate(beta: float) -> float:
-        fallen = 2 * scenario.weight * reach * (sin(1.0) - sin(beta))
-        return float(np.sqrt(fallen / (inertia + disk.mass * (reach * np.cos(beta)) ** 2)))
-
-    # beta = 1 - s^2 takes the root out of the integrand at the start.
-    nodes, weights = np.polynomial.legendre.leggauss(60)
-    places = 0.5 * (nodes + 1.0)
-    return float(np.sum(0.5 * weights * 2.0 * places / [rate(1.0 - s * s) for s in places]))
-
-
-@pytest.mark.parametrize("form", ["index-1", "reduced"])
-def test_a_fall_is_a_result_that_ends_where_the_disk_lies_flat(form: Form) -> None:
-    scenario = model(4, start=FALLING, friction=SmoothCoulomb(coefficient=0.0))
-    run = analysis.simulate(scenario, TIMES, form=form, tolerance=1e-9)
-    ending = not_none(run.ending)
-    assert ending.reason == "flat"
-    assert ending.time == run.times[-1]
-    assert run.coordinate("beta")[-1] == pytest.approx(1e-6, abs=1e-9)
-    # The last millionth of a radian is what the closed form holds more.
-    assert ending.time == pytest.approx(fall_time(scenario), abs=1e-6)
-    assert np.all(run.normal_force > 0.0)
 
 
 @pytest.mark.parametrize("contact", [None, SOFT], ids=["ideal", "penalty"])
@@ -76,12 +42,6 @@ def test_a_run_ends_where_the_inversion_is_lost() -> None:
     assert ending.reason == "lost"
     assert ended.cog_direction[-1] == pytest.approx(0.0, abs=1e-9)
     assert np.all(ended.cog_direction[:-1] > 0.0)
-    other = mbs_models.simulate(mbs_models.Scene(falling), TIMES, tolerance=1e-8, stop_when="lost")
-    assert not_none(other.ending).time == pytest.approx(ending.time, abs=1e-8)
-
-
-def lateral(state: State) -> float:
-    return 0.02 - state.coordinates[1]
 
 
 def slow(state: State) -> float:

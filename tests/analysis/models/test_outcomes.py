@@ -167,12 +167,3 @@ def test_columns_of_a_sweep_are_those_of_an_ensemble_and_of_its_witnesses() -> N
     simpler = outcomes(list(simulate_many(list(ensemble), times, **how)))
     for row, other in zip(rows, simpler.rows(), strict=True):
         assert_alike({name: row[name] for name in OUTCOMES}, other, 1e-13)
-
-
-def test_ensemble_of_which_every_member_fails_has_its_reasons() -> None:
-    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
-    ensemble = Ensemble(scenario=model(4), fields={"spin": np.array([36.0, 40.0])})
-    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-15, "method": "taylor"}
-    table = outcomes(simulate_many(ensemble, np.linspace(0.0, 0.1, 3), workers=1, **how))
-    assert table.columns["status"].tolist() == ["failed", "failed"]
-    assert all("cannot be reached" in reason for reason in table.columns["reason"])

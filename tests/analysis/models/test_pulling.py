@@ -20,11 +20,8 @@ from analysis import (
     Start,
     TimeLimitError,
     Trajectory,
-    energies,
     load_run,
-    power,
 )
-from analysis.data.checks import Array
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
 from tests.helpers import arc, cog, model, not_none, second_derivative, slip
@@ -55,11 +52,6 @@ def acceleration(side: str, scenario: Scenario) -> tuple[Any, Any]:
     return accelerations(scenario, state.coordinates, state.rates)
 
 
-def energy(run: Trajectory) -> Array:
-    kinetic, potential = energies(run.scenario, run.coordinates, run.rates)
-    return kinetic + potential
-
-
 @pytest.mark.parametrize(
     ("level", "formulation", "load"),
     [
@@ -82,16 +74,6 @@ def test_both_sides_end_where_the_contact_would_pull(
         assert np.all(run.normal_force[:-1] > 0.0)
         assert abs(run.normal_force[-1]) < 1e-4 * run.scenario.weight
         assert not_none(run.ending).value == run.normal_force[-1]
-
-
-@pytest.mark.parametrize("load", ["weight", "contact"])
-def test_friction_takes_energy_even_where_the_contact_is_allowed_to_pull(load: Load) -> None:
-    scenario = model(2, friction=LOADED[load], start=FAST)
-    run = analysis.simulate(scenario, TIMES, allow_pulling=True, local_tolerance=1e-10)
-    assert run.ending is None
-    assert np.min(run.normal_force) < -0.1 * run.scenario.weight
-    assert np.all(power(run) <= 0.0)
-    assert np.max(energy(run) - energy(run)[0]) < 1e-8
 
 
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating-lie"])

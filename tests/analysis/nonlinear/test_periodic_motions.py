@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
-from analysis import CENTRED_DISK, Disk, FrictionLaw, Scenario, SmoothCoulomb, Start, TanhCoulomb
+from analysis import CENTRED_DISK, Disk, FrictionLaw, Scenario, SmoothCoulomb, TanhCoulomb
 from analysis.data.checks import Array
 from analysis.data.disk import STEEL_RING
 from analysis.mechanics import reduced
@@ -26,8 +26,7 @@ from analysis.nonlinear.families import (
 from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
-from tests.helpers import jacobian, model, reduced_run
-from validation.run import run
+from tests.helpers import jacobian, model
 
 PAPER = model(4)
 WEAK = model(4, friction=SmoothCoulomb(coefficient=0.1, smoothing=0.4))
@@ -55,6 +54,19 @@ def asymmetric() -> Family:
 @pytest.fixture(scope="module")
 def rotating() -> Family:
     return rotating_family(PAPER, (1e-4, 0.01, 0.08, 0.12, 0.14, 0.3))
+
+
+def reduced_run(scenario: Scenario, spin: float, begin: Array, end: float) -> Array:
+    """State of the reduced system at a time in s, shape (3,)."""
+    found = solve_ivp(
+        reduced.right_hand_side(scenario, spin),
+        (0.0, end),
+        begin,
+        method="LSODA",
+        rtol=1e-12,
+        atol=1e-13,
+    )
+    return np.array(found.y[:, -1])
 
 
 # --- Symmetric cycles ---------------------------------------------------------------------------
@@ -304,18 +316,6 @@ def test_rotating_motions_begin_in_the_connection_and_fold(rotating: Family) -> 
     assert fold.multiplier == pytest.approx(1.0, abs=1e-6)
     assert fold.spin == pytest.approx(30.0820066, abs=1e-6)
     assert all(each.spin > fold.spin for each in rotating.motions)
-
-
-@pytest.mark.slow
-def test_the_engine_rotates_alike(rotating: Family) -> None:
-    rotation = rotating.motions[2]
-    beta, gamma, rate = rotation.states[0].tolist()
-    start = Start(beta=beta, gamma=gamma, beta_rate=rate, spin=rotation.spin)
-    times = np.array((0.0, rotation.period / 2.0, rotation.period))
-    how = {"source": "engine", "formulation": "floating", "tolerance": 1e-8}
-    motion = run(replace(PAPER, start=start), times, **how)  # type: ignore[arg-type]
-    assert motion.coordinate("beta")[-1] == pytest.approx(beta, abs=1e-8)
-    assert motion.coordinate("gamma")[-1] == pytest.approx(gamma + 2.0 * np.pi, abs=1e-8)
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ import pytest
 
 from analysis import (
     CENTRED_DISK,
-    MODELS,
     ConstraintSet,
     Scenario,
     SmoothCoulomb,
@@ -81,17 +80,6 @@ def test_a_branch_that_goes_on_beyond_the_most_motions_says_so(tilted: Stationar
     message = rf"more than {longest - 1} points one way, and goes on beyond \d+\.\d+ with beta"
     with pytest.raises(ArithmeticError, match=message):
         stationary_branch(HELD, tilted, (58.0, 62.0), most=longest - 1)
-
-
-@pytest.mark.parametrize("constraints", MODELS.values(), ids=MODELS)
-def test_eigenvalues_of_upright_motions_are_those_of_the_spectra(
-    constraints: ConstraintSet,
-) -> None:
-    scenario = Scenario(constraints=constraints)
-    found = stationary_eigenvalues(scenario, 28.0, (0.0, 0.0, np.pi / 2, -np.pi / 2))
-    matrix = matrices_over_spin(scenario, "numeric", "noninverted")(np.array([28.0]))[0]
-    expected = np.sort_complex(np.linalg.eigvals(matrix).astype(complex))
-    np.testing.assert_allclose(np.sort_complex(found), expected, atol=1e-6)
 
 
 @pytest.mark.parametrize(("gamma", "growth", "order"), [(2.607, -1.0, 4), (1.8202, 1.0, 3)])

@@ -67,14 +67,6 @@ def test_motion_in_the_papers_coordinates_keeps_its_ending_and_its_error(
     assert ended.to_trajectory(0.5 * ended.times[-1]).ending is None
 
 
-def test_condition_that_holds_at_the_start_ends_nothing() -> None:
-    def always(state: State) -> float:
-        return -1.0 - state.coordinates[4]
-
-    motion = simulate_to_rest(SCENARIO, 0.05, local_tolerance=1e-6, stop_when=always)
-    assert motion.ending is None
-
-
 def test_command_ends_where_the_disk_is_up(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -113,16 +105,6 @@ def test_ending_does_not_depend_on_how_far_apart_the_samples_are(
     assert abs(ending.time - truth) <= (not_none(motion.error_estimate) if how else 1e-7)
     assert motion.tilt[-1] == pytest.approx(LIMIT, abs=1e-9)
     np.testing.assert_allclose(motion.times[:-1], spacing * np.arange(motion.times.size - 1))
-
-
-def test_condition_that_is_met_between_two_samples_alone_ends_the_run(truth: float) -> None:
-    def near(state: State) -> float:
-        return abs(state.coordinates[4] - LIMIT) - 1e-3
-
-    how: dict[str, Any] = {"spacing": 0.1, "local_tolerance": 1e-10}
-    motion = simulate_to_rest(SCENARIO, 0.1, stop_when=near, **how)
-    assert not_none(motion.ending).time < truth
-    assert motion.tilt[-1] == pytest.approx(LIMIT - 1e-3, abs=1e-9)
 
 
 def test_ending_after_impacts_is_located() -> None:

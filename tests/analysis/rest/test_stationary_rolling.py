@@ -16,14 +16,11 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Start,
-    State,
     Table,
     simulate,
 )
-from analysis.data.checks import Array
 from analysis.data.dissipation import Dissipation
 from analysis.data.spatial_motion import SpatialMotion
-from analysis.mechanics import paper
 from analysis.rest.final_stage import fit_power_law, precession
 from analysis.rest.stationary_rolling import (
     axial_spin,
@@ -39,38 +36,6 @@ WEIGHT = DISK.mass * GRAVITY
 CENTRED = Scenario(disk=DISK)
 ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
 STICKY = SmoothCoulomb(coefficient=2.0, smoothing=1e-3, load="contact")
-
-
-def rolling_accelerations(state: State) -> Array:
-    """Accelerations under the paper's equations with contact and no slip in both directions."""
-    z, u = np.array(state.coordinates), np.array(state.rates)
-
-    def directions(place: Array) -> Array:
-        normal = paper.normal_direction(DISK, place)
-        return np.column_stack((normal, paper.tangential_directions(DISK, place))).T
-
-    W, step = directions(z), 1e-7
-    W_rate = (directions(z + step * u) - directions(z - step * u)) / (2 * step)
-    np.testing.assert_allclose(W @ u, 0.0, atol=1e-12)
-    matrix = np.block([[paper.mass_matrix(DISK, z), -W.T], [W, np.zeros((3, 3))]])
-    forces = paper.gyroscopic_forces(DISK, z, u) + paper.gravity_forces(Scenario(disk=DISK), z)
-    return np.linalg.solve(matrix, np.concatenate((forces, -W_rate @ u)))
-
-
-def state(start: Start) -> State:
-    return Scenario(constraints=ROLLING, disk=DISK, start=start).initial_state
-
-
-@pytest.mark.parametrize(("beta", "rate"), [(0.2, 20.0), (0.8, 5.0), (2.0, -30.0)])
-def test_textbook_rolling_is_stationary_under_the_papers_equations(
-    beta: float, rate: float
-) -> None:
-    spin = axial_spin(CENTRED, beta, rate)
-    found = rolling_accelerations(state(rolling_start(DISK, beta, rate, spin)))
-    np.testing.assert_allclose(found[3:6], 0.0, atol=1e-7 * (rate**2 + spin**2))
-    assert found[6] == pytest.approx(WEIGHT, rel=1e-6)
-    wrong = rolling_accelerations(state(rolling_start(DISK, beta, rate, spin + 1.0)))
-    assert abs(wrong[4]) > 1e-2
 
 
 def test_euler_disk_is_the_limit_without_axial_spin() -> None:

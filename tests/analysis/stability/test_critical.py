@@ -184,14 +184,6 @@ def test_an_interval_without_crossing_says_so() -> None:
     assert found.reason == "no eigenvalue crosses the imaginary axis from 0 to 20 rad/s"
 
 
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
-def test_a_round_disk_has_no_event_out_of_rounding(constraints: ConstraintSet) -> None:
-    found = critical_speeds(
-        replace(PAPER, constraints=constraints, disk=CENTRED_DISK), (0.0, 30.0)
-    )
-    assert len(found.crossings) + len(found.pair_changes) <= 3
-
-
 @pytest.mark.parametrize("level", [1, 2, 4])
 @pytest.mark.parametrize("motion", ["inverted", "noninverted"])
 def test_every_eigenvalue_decays_inside_and_one_grows_outside(
