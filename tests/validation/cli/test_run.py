@@ -59,8 +59,6 @@ def test_run_takes_the_options_of_each_side(how: Any, said: dict[str, str]) -> N
     [
         ({"source": "both"}, "source must be one of engine, in-house"),
         ({"source": "in-house", "step": 1e-3}, "step must be left out for source 'in-house'"),
-        ({"source": "in-house", "integrator": "RK44"}, "integrator must be left out for source"),
-        ({"source": "in-house", "method": "Euler"}, "method must be one of DOP853, .*, got 'Eul"),
         ({"method": "Radau"}, "method must be left out for source 'engine'"),
         ({"local_tolerance": 1e-9, "integrator": "RK44"}, "integrator must be DOPRI5 with a"),
         ({"tolerance": 1e-6, "step": 1e-3}, "step must be left out for a run with its tolerance"),

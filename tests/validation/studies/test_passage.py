@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from analysis import Scenario
-from tests.calls import run as call
 from tests.helpers import not_none
 from validation.nonlinear.passage import SlowPair, follow, measure
 from validation.run import run
@@ -62,10 +61,3 @@ def test_a_motion_without_inversion_is_refused() -> None:
     held = replace(Scenario(), constraints=("contact", "no-slip-along", "no-slip-across"))
     with pytest.raises(ValueError, match="must have a Hopf point"):
         SlowPair.of(held)
-
-
-def test_the_command_refuses_what_it_cannot_follow(capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("passage --end 0.2") == 2
-    assert "inverts the disk" in capsys.readouterr().err
-    assert call("passage --rolling 1e-3") == 2
-    assert "penalty contact" in capsys.readouterr().err
