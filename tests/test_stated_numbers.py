@@ -3,13 +3,8 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from analysis import MODELS, Level, Scenario, simulate
-from analysis.stability.critical import critical_speeds
-from analysis.stability.printed import critical_speed
-from tests.helpers import not_none
 from tests.stated import chapter, missing, numbers, rows_below, stands, values
 from validation.studies.robustness import section as robustness
 from validation.studies.robustness.outcomes import CASES
@@ -41,8 +36,6 @@ def test_largest_differences_are_those_of_all_results() -> None:
     [
         ("0.9", 0.8812, True),
         ("0.88", 0.8912, False),
-        ("26", 25.99, True),
-        ("8e-5", 8.3e-5, True),
         ("8e-5", 8.6e-5, False),
         ("−3", -3.0, True),
         ("5e-9", 3.2e-9, True),
@@ -66,19 +59,3 @@ def test_hard_cases_are_those_of_the_stored_study() -> None:
     assert f"Of {found['total']} stiff and extreme cases" in SAID
     assert f"{found['without']} of the {found['total']} extreme cases" in SAID
     assert not found["broken"]
-
-
-def test_critical_speeds_are_those_that_come_out() -> None:
-    low, high = (crossing.spin for crossing in critical_speeds(Scenario()).hopf)
-    closed = critical_speed(Scenario(constraints=MODELS[4])).spin
-    assert f"critical speed of {closed:.2f} rad/s is confirmed" in SAID
-    assert f"they are {low:.2f} and {high:.2f}, by" in SAID
-
-
-@pytest.mark.parametrize("level", [1, 2, 3, 4])
-def test_times_of_inversion_are_those_that_come_out(level: Level) -> None:
-    run = simulate(
-        Scenario(constraints=MODELS[level]), np.linspace(0.0, 2.0, 201), local_tolerance=1e-6
-    )
-    found = re.search(r"after (0\.\d\d), (0\.\d\d), (0\.\d\d) and (0\.\d\d) s", SAID)
-    assert not_none(found)[level] == f"{run.inversion_time:.2f}"

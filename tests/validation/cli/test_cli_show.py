@@ -22,8 +22,7 @@ from tests.calls import Capture, printed, run
 from tests.helpers import not_none, random_trajectory
 from validation import cli
 from validation.kit.animation.play import page
-from validation.kit.differences import difference_table, fields_table
-from validation.kit.tables import show
+from validation.kit.differences import difference_table
 
 
 def stored(**motions: Trajectory | SpatialMotion) -> list[str]:
@@ -100,14 +99,6 @@ def test_motions_of_different_problems_are_told_apart_first(capsys: Capture) -> 
     assert cells["friction.coefficient"] == ["0.3", "0.2"]
     # What six digits do not tell apart is shown with all of them.
     assert list(map(float, cells["start.gamma"])) == [Start().gamma, start.gamma]
-
-
-def test_runs_that_differ_in_their_source_alone_are_compared_at_once() -> None:
-    one = random_trajectory()
-    assert not fields_table([("one", one), ("other", replace(one, source="engine"))]).rows
-    stricter = replace(one, method={**one.method, "tolerance": 1e-12})
-    (row,) = fields_table([("one", one), ("other", stricter)]).rows
-    assert row == ["method.tolerance", show(one.method.get("tolerance")), "1.00e-12"]
 
 
 def test_differences_or_the_samples_of_one_motion_are_written(capsys: Capture) -> None:

@@ -112,15 +112,6 @@ def test_help_says_what_every_option_means(command: Command, capsys: Capture) ->
             assert f"--no-{action.option_strings[0][2:]}" in shown
 
 
-def test_help_teaches_by_example(capsys: Capture) -> None:
-    shown = printed(capsys, "--help")
-    assert "tippedisk simulate --model 1" in shown
-    for code in (0, 1, 2, 3, 70):
-        assert f"\n  {code:2d}  " in shown
-    for command in COMMANDS:
-        assert f"\n  {command.name} " in shown
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -9,7 +9,7 @@ import pytest
 
 from analysis import MODELS, Scenario, Start
 from analysis.data.trajectory import SOURCES, Source
-from validation.run import rest_effort, run, run_effort, run_to_rest
+from validation.run import rest_effort, run, run_effort
 
 TIMES = np.linspace(0.0, 0.05, 6)
 
@@ -68,13 +68,6 @@ def test_how_a_side_cannot_run_is_refused_also_by_its_effort(how: Any, said: str
     for call in (run, run_effort):
         with pytest.raises(ValueError, match=f"^{said}"):
             call(Scenario(), TIMES, **how)
-
-
-@every_source
-def test_way_to_rest_is_run_by_the_side_asked_for(source: Source) -> None:
-    found = run_to_rest(Scenario.rest(), 0.02, source=source, spacing=1e-2)
-    assert (found.source, found.times.size) == (source, 3)
-    assert found.error_estimate is not None
 
 
 @every_source

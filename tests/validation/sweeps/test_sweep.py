@@ -299,36 +299,14 @@ def test_executor_that_breaks_leaves_a_store_that_the_same_call_finishes(tmp_pat
     assert Results.load(path).columns["status"].tolist() == ["crashed", DONE, DONE]
 
 
-def test_what_is_no_executor_is_refused() -> None:
-    for name, said in (("os:getcwd", "must be a function that"), ("cores", "must be one of")):
-        with pytest.raises(ValueError, match=f"executor .*{said}"), open_pool(name, workers=1):
-            pass
-
-
 # --- Looking ahead -------------------------------------------------------------------------------
 
 
 def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None:
     with pytest.raises(ValueError, match="coefficient must not be negative, got -1"):
         look_ahead(sweep("mu=-1,-2"))
+    with pytest.raises(ValueError, match="witness_step must be left out"):
+        look_ahead(sweep("spin=30,40", scenario=Scenario(), source="engine", witness_step=1e-3))
     ahead = look_ahead(sweep("mu=-1,0.2,0.3"))
     assert (ahead.looked_at, ahead.refused) == (3, 1)
     assert ahead.reason == "coefficient must not be negative, got -1"
-
-
-LOCAL: dict[str, Any] = {"source": "engine", "tolerance": None, "local_tolerance": 1e-7}
-
-
-@pytest.mark.parametrize(
-    ("scenario", "how", "said"),
-    [
-        (Scenario(constraints=MODELS[2]), LOCAL, "'DOPRI5' is explicit and cannot take the"),
-        (Scenario.rest(), LOCAL | {"to_rest": True}, "local_tolerance must be left out for a"),
-        (Scenario(), {"source": "engine", "witness_step": 1e-3}, "witness_step must be left out"),
-    ],
-)
-def test_plan_that_a_side_cannot_carry_out_is_refused(
-    scenario: Scenario, how: dict[str, Any], said: str
-) -> None:
-    with pytest.raises(ValueError, match=said):
-        look_ahead(sweep("spin=30,40", scenario=scenario, **how))
