@@ -53,7 +53,7 @@ _PAIRS = (
     (ast.Is, ast.IsNot),
     (ast.And, ast.Or),
 )
-_OTHER: dict[type, Any] = dict(_PAIRS) | {other: one for one, other in _PAIRS}
+_OTHER: dict[Any, Any] = {**dict(_PAIRS), **{other: one for one, other in _PAIRS}}
 
 
 def changed(node: ast.AST) -> ast.AST | None:  # noqa: PLR0911 # one for each kind
