@@ -15,9 +15,9 @@ def run(*words: str) -> int:
         return int(stop.code or 0)
 
 
-def refusal(capsys: Capture, *words: str) -> str:
-    """The one line in which a call is refused, with code 2 and nothing else said."""
-    assert run(*words) == 2
+def refusal(capsys: Capture, *words: str, code: int = 2) -> str:
+    """The one line in which a call is refused, with this code and nothing else said."""
+    assert run(*words) == code
     shown = capsys.readouterr()
     assert shown.out == ""
     command = words[0].partition(" ")[0]

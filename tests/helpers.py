@@ -345,6 +345,18 @@ def _symbolic_turn(angle: Any, axis: int) -> Any:
     return sympy.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
+def failing(checks: Iterable[Any]) -> set[str]:
+    """Names of the checks that do not hold."""
+    return {check.name for check in checks if not check.holds}
+
+
+def planted(table: Any, at: Any, column: str, value: Any) -> Any:
+    """A table with one value replaced: by another, or by what a function makes of it."""
+    other = table.astype({column: object})
+    other.at[at, column] = value(other.at[at, column]) if callable(value) else value
+    return other.infer_objects()
+
+
 def is_running(process: int) -> bool:
     """Whether a process is alive, by /proc."""
     try:

@@ -15,10 +15,10 @@ import random
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from validation.kit.progress import say
 
@@ -43,86 +43,75 @@ ALLOWED = 0.05
 LIMIT = 600.0
 """Time in s after which tests count as failed: a loop without end is noticed, too."""
 
-_OPERATORS = {
-    ast.Add: "-",
-    ast.Sub: "+",
-    ast.Mult: "/",
-    ast.Div: "*",
-    ast.Lt: ">=",
-    ast.LtE: ">",
-    ast.Gt: "<=",
-    ast.GtE: "<",
-    ast.Eq: "!=",
-    ast.NotEq: "==",
-    ast.In: "not in",
-    ast.NotIn: "in",
-    ast.Is: "is not",
-    ast.IsNot: "is",
-}
+_PAIRS = (
+    (ast.Add, ast.Sub),
+    (ast.Mult, ast.Div),
+    (ast.Lt, ast.GtE),
+    (ast.LtE, ast.Gt),
+    (ast.Eq, ast.NotEq),
+    (ast.In, ast.NotIn),
+    (ast.Is, ast.IsNot),
+    (ast.And, ast.Or),
+)
+_OTHER: dict[Any, Any] = {**dict(_PAIRS), **{other: one for one, other in _PAIRS}}
+
+
+def changed(node: ast.AST) -> ast.AST | None:  # noqa: PLR0911 # one for each kind
+    """What a node may become, None if it stays."""
+    match node:
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OTHER:
+            return ast.BinOp(left, _OTHER[type(op)](), right)
+        case ast.Compare(left=left, ops=[op], comparators=right) if type(op) in _OTHER:
+            return ast.Compare(left, [_OTHER[type(op)]()], right)
+        case ast.BoolOp(op=op, values=values):
+            return ast.BoolOp(_OTHER[type(op)](), values)
+        case ast.Constant(value=bool() as value):
+            return ast.Constant(not value)
+        case ast.Constant(value=int() | float() as value):
+            return ast.Constant(2 * value + 1 if abs(value) < 10 else 0.5 * value)
+        case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=operand):
+            return operand
+        case ast.If(test=test, body=body, orelse=orelse):
+            return ast.If(ast.UnaryOp(ast.Not(), test), body, orelse)
+        case ast.Raise():
+            return ast.Pass()
+    return None
+
+
+def places(tree: ast.AST) -> list[Any]:
+    """Nodes that may become something else, those of annotations left out."""
+    hints: set[ast.AST] = set()
+    for node in ast.walk(tree):
+        for name in ("annotation", "returns"):
+            if isinstance(hint := getattr(node, name, None), ast.AST):
+                hints |= set(ast.walk(hint))
+    return [node for node in ast.walk(tree) if node not in hints and changed(node) is not None]
+
+
+class Change(ast.NodeTransformer):
+    """Change of one node of a tree."""
+
+    def __init__(self, place: ast.AST) -> None:
+        self.place = place
+
+    def visit(self, node: ast.AST) -> Any:
+        """The node itself, or what it becomes."""
+        return changed(node) if node is self.place else self.generic_visit(node)
 
 
 class Mutation(NamedTuple):
-    """Text that takes the place of other text in a file."""
+    """Change of the place of this number in a file."""
 
     path: Path
-    line: int
-    column: int
-    end_line: int
-    end_column: int
-    text: str
+    number: int
 
-    def applied(self, source: str) -> str:
-        """The source with it; columns count bytes, as those of syntax trees do."""
-        lines = [line.encode() for line in source.splitlines(keepends=True)]
-        head = lines[self.line - 1][: self.column]
-        tail = lines[self.end_line - 1][self.end_column :]
-        lines[self.line - 1 : self.end_line] = [head + self.text.encode() + tail]
-        return b"".join(lines).decode()
-
-
-def mutations(path: Path) -> list[Mutation]:
-    """All mutations of a file."""
-    tree = ast.parse((ROOT / path).read_text("utf-8"))
-    hints = {id(node) for hint in _annotations(tree) for node in ast.walk(hint)}
-    found = []
-    for node in ast.walk(tree):
-        if id(node) in hints:
-            continue
-        for old, text in _replaced(node):
-            place = (old.lineno, old.col_offset, old.end_lineno or 0, old.end_col_offset or 0)
-            found.append(Mutation(path, *place, text))
-    return found
-
-
-def _annotations(tree: ast.AST) -> Iterator[ast.AST]:
-    for node in ast.walk(tree):
-        hint = getattr(node, "annotation", None) or getattr(node, "returns", None)
-        if isinstance(hint, ast.AST):
-            yield hint
-
-
-def _replaced(node: ast.AST) -> Iterator[tuple[ast.expr | ast.stmt, str]]:
-    """Parts of a node, and what they may become."""
-    match node:
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
-            sides = ast.unparse(left), ast.unparse(right)
-            yield node, f"(({sides[0]}) {_OPERATORS[type(op)]} ({sides[1]}))"
-        case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _OPERATORS:
-            sides = ast.unparse(left), ast.unparse(right)
-            yield node, f"(({sides[0]}) {_OPERATORS[type(op)]} ({sides[1]}))"
-        case ast.Constant(value=bool() as value):
-            yield node, str(not value)
-        case ast.Constant(value=int() | float() as value):
-            yield node, repr(2 * value + 1 if abs(value) < 10 else 0.5 * value)
-        case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=operand):
-            yield node, f"({ast.unparse(operand)})"
-        case ast.If(test=test):
-            yield test, f"(not ({ast.unparse(test)}))"
-        case ast.Raise():
-            yield node, "pass"
-        case ast.BoolOp(op=op, values=values):
-            other = " and " if isinstance(op, ast.Or) else " or "
-            yield node, f"({other.join(f'({ast.unparse(each)})' for each in values)})"
+    def applied(self, source: str) -> tuple[str, str]:
+        """The source with it, and what it is."""
+        tree = ast.parse(source)
+        place = places(tree)[self.number]
+        line, before = place.lineno, ast.unparse(place).partition("\n")[0]
+        tree = ast.fix_missing_locations(Change(place).visit(tree))
+        return ast.unparse(tree), f"{self.path}:{line}: {type(place).__name__} {before}"
 
 
 def tests_of(path: Path) -> str:
@@ -143,12 +132,15 @@ def survives(mutation: Mutation, copy: Path, *, near: bool) -> bool:
     """
     path = copy / mutation.path
     source = path.read_text("utf-8")
-    path.write_text(mutation.applied(source), "utf-8")
+    text, told = mutation.applied(source)
+    path.write_text(text, "utf-8")
     try:
         folders = [tests_of(mutation.path)] + ([] if near else ["tests"])
-        return all(_pass(copy, folder) for folder in folders)
+        lives = all(_pass(copy, folder) for folder in folders)
     finally:
         path.write_text(source, "utf-8")
+    say(f"{'SURVIVES' if lives else 'dies'}: {told}")
+    return lives
 
 
 def _pass(copy: Path, folder: str) -> bool:
@@ -176,19 +168,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0, help="of their choice (0)")
     parser.add_argument("--near", action="store_true", help="run the mirroring tests alone")
     options = parser.parse_args(arguments)
-    paths = [path for room in options.rooms for path in _files(ROOT / room)]
-    every = [mutation for path in paths for mutation in mutations(path.relative_to(ROOT))]
+    every = [
+        Mutation(path.relative_to(ROOT), number)
+        for room in options.rooms
+        for path in _files(ROOT / room)
+        for number in range(len(places(ast.parse(path.read_text("utf-8")))))
+    ]
     # Nothing secret hangs on them.
     chosen = random.Random(options.seed).sample(every, min(options.number, len(every)))  # noqa: S311
-    alive = 0
     with TemporaryDirectory() as folder:
         copy = Path(folder) / "copy"
         shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".*", "__pycache__"))
-        for mutation in chosen:
-            lives = survives(mutation, copy, near=options.near)
-            alive += lives
-            place = f"{mutation.path}:{mutation.line}"
-            say(f"{'SURVIVES' if lives else 'dies'}: {place}: {mutation.text}")
+        alive = sum(survives(mutation, copy, near=options.near) for mutation in chosen)
     say(f"{alive} of {len(chosen)} mutations survive")
     return int(alive > ALLOWED * len(chosen))
 

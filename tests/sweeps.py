@@ -20,14 +20,19 @@ def direct(workers: int = 1, executor: Executor | None = None) -> Pool:
     return Pool(executor or Here(), workers)
 
 
-def sweep(*axes: str, scenario: Scenario | None = None, **plan: Any) -> Sweep:
-    """Sweep over a grid, short runs of the reduced system by default."""
+def sweep(
+    *axes: str,
+    scenario: Scenario | None = None,
+    layout: dict[str, Any] | None = None,
+    **plan: Any,
+) -> Sweep:
+    """Sweep over a grid or drawn points, short runs of the reduced system by default."""
     if scenario is None:
         scenario = Scenario(constraints=MODELS[4])
         plan.setdefault("formulation", "reduced")
     plan.setdefault("end", 0.05)
     plan.setdefault("tolerance", 1e-4)
-    design = Design(axes=tuple(map(axis_from_text, axes)))
+    design = Design(axes=tuple(map(axis_from_text, axes)), **(layout or {}))
     return Sweep(scenario=scenario, design=design, plan=Plan(**plan))
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from tests import toy_study
 from tests.toy_study import CASES, STUDY
 from validation import study as kit
 from validation.kit.provenance import Provenance
@@ -100,18 +99,14 @@ def test_what_is_kept_is_not_measured_again_until_the_code_changes(
     assert kit.measured(tasks, tmp_path, workers=0) != latest
 
 
-def test_crashed_cases_make_no_table(tmp_path: Path) -> None:
+def test_a_table_is_not_made_of_crashes_of_rows_alike_or_of_what_no_file_can_hold(
+    tmp_path: Path,
+) -> None:
     found = kit.measured(of("raises").tasks(whole=True), tmp_path, workers=0)
     with pytest.raises(RuntimeError, match="toy: 1 cases crashed"):
         kit.whole_table(STUDY, found)
-
-
-def test_keys_that_do_not_tell_rows_apart_are_refused(tmp_path: Path) -> None:
     found = kit.measured(STUDY.tasks(whole=True), tmp_path, workers=0)
     with pytest.raises(ValueError, match="do not tell rows apart"):
         kit.whole_table(replace(STUDY, keys=()), found)
-
-
-def test_rows_that_no_file_can_hold_are_refused() -> None:
     with pytest.raises(TypeError, match="rows must hold numbers"):
-        kit.rows_of(lambda _: [{"value": {}}], toy_study.CASES)
+        kit.rows_of(lambda _: [{"value": {}}], CASES)

@@ -13,10 +13,8 @@ from tests.calls import Capture, printed
 @pytest.mark.parametrize(
     ("system", "size"),
     [
-        ("", 8),
         ("--system full", 8),
         ("--system reduced --mu 0.2", 3),
-        ("--model 2", 4),
         ("--system numeric --model 3", 3),
         ("--constraints contact,no-slip-along", 7),
     ],
@@ -33,13 +31,6 @@ def test_every_eigenvalue_is_told_and_both_sources_agree(
         assert all(len(each) == size for each in values)
         found.append(np.poly(values[-1]))
     np.testing.assert_allclose(found[0], found[1], rtol=1e-6, atol=1e-9 * abs(found[0]).max())
-
-
-def test_critical_speed_of_the_reduced_system_is_that_of_the_closed_form(capsys: Capture) -> None:
-    found = json.loads(printed(capsys, "critical --model 4 --json"))
-    (crossing,) = found["crossings"]
-    assert crossing["spin"] == pytest.approx(found["closed_form"]["spin"], rel=1e-9)
-    assert found["stable"] == [[pytest.approx(crossing["spin"], abs=1e-6), 60.0]]
 
 
 def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form(

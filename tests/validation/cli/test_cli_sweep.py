@@ -18,16 +18,12 @@ SHORT = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1
 CALL = f"sweep spin=30:40:5 {SHORT}"
 
 
-def test_sweep_fills_its_store_and_the_same_command_has_nothing_left(capsys: Capture) -> None:
-    call = f"sweep spin=30:40:2 mu=0.2,-0.3 {SHORT} --csv a.csv"
-    assert run(call) == 0
+def test_sweep_fills_its_store_and_tells_what_failed(capsys: Capture) -> None:
+    assert run(f"sweep spin=30:40:2 mu=0.2,-0.3 {SHORT} --csv a.csv") == 0
     said = capsys.readouterr()
     assert said.out == "a.db: 4 cases, 2 of them failed\n"
     assert Path("a.csv").read_text().count("\n") == 5
     assert "2 of 4 cases looked at are refused, such as: coefficient" in said.err
-    before = Path("a.db").read_bytes()
-    assert run(call) == 0
-    assert Path("a.db").read_bytes() == before
     assert Results.load(Path("a.db")).sweep.scenario == Scenario(constraints=MODELS[4])
 
 

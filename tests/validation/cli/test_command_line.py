@@ -44,7 +44,6 @@ BESIDE = {"amplitude": "--over mu=0.1,0.2", "fps": "--out a.gif", "width": "--ou
 
 QUICK = (
     "simulate --source in-house --end 0.05 --samples 3",
-    "show run.npz run.npz",
     "rest --source in-house --end 0.05",
     "eigenvalues --system reduced --spin 30 40",
 )
@@ -113,22 +112,12 @@ def test_help_says_what_every_option_means(command: Command, capsys: Capture) ->
             assert f"--no-{action.option_strings[0][2:]}" in shown
 
 
-def test_help_teaches_by_example(capsys: Capture) -> None:
-    shown = printed(capsys, "--help")
-    assert "tippedisk simulate --model 1" in shown
-    for code in (0, 1, 2, 3, 70):
-        assert f"\n  {code:2d}  " in shown
-    for command in COMMANDS:
-        assert f"\n  {command.name} " in shown
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         ("", "the following arguments are required: COMMAND"),
         ("simulat", "did you mean simulate?"),
         ("scene --spn 3", "unrecognized arguments: --spn 3; did you mean --spin?"),
-        ("simulate --toleranc=1 --out a.npz", "unrecognized arguments: --toleranc=1"),
         ("simulate --mu=--", "argument --mu: expected a value behind =, got '--'"),
     ],
 )
@@ -180,10 +169,6 @@ def test_table_picture_and_data_are_made_at_once(call: str, folder: Path, capsys
     assert (folder / "a.png").stat().st_size > 1000
 
 
-def test_a_result_is_printed_written_and_told(capsys: Capture) -> None:
-    call = "eigenvalues --system reduced --spin 30"
-    assert printed(capsys, call).startswith("Eigenvalues of Model 4 in 1/s\n")
-    assert printed(capsys, call, "--csv a.csv") == ""
-    rows = json.loads(printed(capsys, call, "--json --no-json --json"))
-    cells = Path("a.csv").read_text().splitlines()[1].split(",")
-    assert float(cells[1]) == rows[0]["real"][0]
+def test_a_result_is_printed_where_it_is_not_written(capsys: Capture) -> None:
+    assert printed(capsys, QUICK[-1]).startswith("Eigenvalues of Model 4 in 1/s\n")
+    assert printed(capsys, QUICK[-1], "--csv a.csv") == ""

@@ -17,7 +17,6 @@ OFFERED = {
     "tippedisk sim": "simulate",
     "tippedisk simulate --source e": "engine",
     "tippedisk simulate --incl": "--inclination",
-    "tippedisk simulate --csv ''": "",
     "tippedisk map spin-": "spin-friction spin-eccentricity",
     "tippedisk rest --no-bil": "--no-bilateral",
 }

@@ -19,11 +19,6 @@ def _clock(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress, "monotonic", lambda: float(next(seconds)))
 
 
-def test_short_work_is_silent(capsys: Capture) -> None:
-    assert run(SIMULATE, "0.02") == 0
-    assert capsys.readouterr().err == ""
-
-
 @pytest.mark.usefixtures("clock")
 def test_long_run_tells_its_time_without_a_terminal(capsys: Capture) -> None:
     assert run(SIMULATE, "1") == 0

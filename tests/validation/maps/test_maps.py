@@ -15,7 +15,7 @@ from analysis import MODELS, Scenario
 from analysis.data.checks import Array
 from analysis.stability.printed import critical_speed
 from tests.bodies import ELLIPSE
-from tests.calls import refusal, run
+from tests.calls import run
 from tests.sweeps import direct
 from validation.maps import panel as room
 from validation.maps import problems
@@ -200,24 +200,6 @@ def test_pairs_are_run_and_fitted_where_they_are_decided(tmp_path: Path) -> None
     assert len(list(tmp_path.glob("pairs-*.db"))) == 1 + len(DISTANCES)
     outcomes = [["a", "a", "b", "a"], ["b", "not decided", "b", "failed"]]
     assert pairs_that_differ(outcomes).tolist() == [[True, False]]
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("spin-friction --cells 0", "cells must lie from 1 to 10000, got 0"),
-        ("spin-friction --levels -1", "--levels: levels must not be negative, got -1"),
-        ("rest --witnesses -1", "--witnesses: witnesses must be at least 0, got -1\n"),
-        ("rest --pairs -1", "--pairs: pairs must be at least 0, got -1"),
-        ("spin-mu", "invalid choice"),
-        ("rest --end -1", "--end: end must be positive"),
-    ],
-)
-def test_wrong_call_is_told_in_one_line(
-    words: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert message in refusal(capsys, "map", words, f"--out={tmp_path / 'maps'}")
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow

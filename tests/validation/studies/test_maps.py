@@ -1,6 +1,5 @@
 """The study of maps: its stored cells, what it makes of them, and that its checks can fail."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,6 +7,7 @@ import pandas as pd
 import pytest
 
 from analysis import Scenario
+from tests.helpers import failing, planted
 from validation.maps.panel import Panel
 from validation.maps.problems import PROBLEMS, panels
 from validation.studies import maps
@@ -19,15 +19,6 @@ def stored() -> pd.DataFrame:
     return load(maps.STUDY)
 
 
-def failing(stored: pd.DataFrame) -> set[str]:
-    found = maps.checks(stored)
-    return {check.name.removeprefix("maps: ") for check in found if not check.holds}
-
-
-def test_stored_maps_pass_all_checks(stored: pd.DataFrame) -> None:
-    assert failing(stored) == set()
-
-
 def first(stored: pd.DataFrame, case: str, **wanted: Any) -> Any:
     """Row of the first cell of a case that is as wanted."""
     rows = stored["case"] == case
@@ -36,38 +27,43 @@ def first(stored: pd.DataFrame, case: str, **wanted: Any) -> Any:
     return rows.idxmax()
 
 
-PLANTED: dict[str, tuple[Callable[[pd.DataFrame], Any], str, Any]] = {
-    "runs that failed": (lambda rows: first(rows, "tilting"), "outcome", "failed"),
+PLANTED: dict[str, tuple[dict[str, Any], str, Any]] = {
+    "runs that failed": ({"case": "tilting"}, "outcome", "failed"),
     "cells seen by both sides that end differently": (
-        lambda rows: first(rows, "basins 3", seen=True),
+        {"case": "basins 3", "seen": True},
         "alike",
         False,
     ),
-    "panels without such cells": (lambda rows: rows["case"] == "rest", "seen", False),
     "repeated cells that end otherwise than in their map": (
-        lambda rows: first(rows, "rest", number=155),
+        {"case": "rest", "number": 155},
         "outcome",
         "upper face",
     ),
-    "panels without two outcomes repeated": (
-        lambda rows: rows["case"] == "tilting, again",
-        "outcome",
-        "lost",
-    ),
     "cells that are not where their numbers are": (
-        lambda rows: first(rows, "spin-friction"),
+        {"case": "spin-friction"},
         "start.spin",
         np.nan,
     ),
 }
 
 
-@pytest.mark.parametrize("name", PLANTED)
-def test_check_fails_where_a_wrong_value_is_planted(name: str, stored: pd.DataFrame) -> None:
-    where, column, value = PLANTED[name]
-    wrong = stored.copy()
-    wrong.loc[where(stored), column] = value
-    assert name in failing(wrong)
+def test_stored_maps_pass_all_checks_and_fail_where_a_wrong_value_is_planted(
+    stored: pd.DataFrame,
+) -> None:
+    assert not failing(maps.checks(stored))
+    for name, (where, column, value) in PLANTED.items():
+        wrong = planted(stored, first(stored, **where), column, value)
+        assert f"maps: {name}" in failing(maps.checks(wrong))
+
+
+def test_panels_without_a_witness_or_a_second_outcome_fail(stored: pd.DataFrame) -> None:
+    for name, case, changed in (
+        ("panels without such cells", "rest", {"seen": False}),
+        ("panels without two outcomes repeated", "tilting, again", {"outcome": "lost"}),
+    ):
+        wrong = stored.copy()
+        wrong.loc[wrong["case"] == case, list(changed)] = list(changed.values())
+        assert f"maps: {name}" in failing(maps.checks(wrong))
 
 
 def toy(**outcomes: str) -> Panel:

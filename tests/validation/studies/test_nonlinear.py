@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.helpers import failing
 from validation import study as kit
 from validation.kit.figures import new_figure
 from validation.nonlinear import figures
-from validation.page.content import Content
 from validation.page.section import Section
 from validation.studies.nonlinear import measured, section
 from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, ROTATING, SLOW, SWINGING
@@ -70,13 +70,9 @@ def rows() -> dict[str, pd.DataFrame]:
     return dict(zip(names, map(kit.frame, found), strict=True))
 
 
-def failing(content: Content) -> set[str]:
-    return {check.name for check in content.checks if not check.holds}
-
-
 def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.DataFrame]) -> None:
     content = present(rows)
-    assert not failing(content)
+    assert not failing(content.checks)
     text = Path(section.__file__).parent / "nonlinear.md"
     page = " ".join(Section("nonlinear", content).filled({}, text)[0].split())
     assert "Model 1 at held spin: stable at 0.1 rad, unstable at 0.2 rad" in page
@@ -115,9 +111,9 @@ def test_a_wrong_value_none_or_a_missing_row_fails_its_check(
     at = table.index[table.isin([label]).any(axis=1)][0]
     for value in (0.3, nan, inf):
         table.loc[at, column] = value
-        assert failing(present(rows)) == {check}
+        assert failing(present(rows).checks) == {check}
     if study != "families":
-        assert failing(present({**rows, study: table.drop(at)}))
+        assert failing(present({**rows, study: table.drop(at)}).checks)
 
 
 @pytest.mark.usefixtures("undrawn")

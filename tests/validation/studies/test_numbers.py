@@ -6,6 +6,7 @@ from math import nan
 import pandas as pd
 import pytest
 
+from tests.helpers import failing
 from validation.page.content import Content
 from validation.studies import numbers
 from validation.studies.stability import measured
@@ -26,13 +27,9 @@ def present(**changed: pd.DataFrame) -> Content:
     )
 
 
-def failed(content: Content) -> list[str]:
-    return [check.name for check in content.checks if not check.holds]
-
-
 def test_every_printed_number_comes_out_or_is_explained() -> None:
     content = present()
-    assert failed(content) == []
+    assert not failing(content.checks)
     printed = pd.DataFrame(content.tables["printed"]).set_index("quantity")
     assert len(printed) == len(numbers.DISK) + len(measured.IN_PAPER)
     assert (printed["to the printed digits"] == "yes").sum() == 10
@@ -58,11 +55,12 @@ def test_a_number_that_is_wrong_on_one_side_fails(side: str, factor: float) -> N
     wrong = rows()[name].set_index("quantity")
     wrong.loc[numbers.LIMIT, side] *= factor
     content = numbers.present(rows() | {name: wrong.reset_index()})
-    assert any(numbers.LIMIT in each for each in failed(content))
+    assert any(numbers.LIMIT in each for each in failing(content.checks))
 
 
 def test_a_misprint_that_is_none_or_a_correction_that_is_wrong_fails() -> None:
     table = rows()["misprints"]
-    assert failed(present(misprints=table.assign(**{"as printed": 0.0, "corrected": 1e-9}))) != []
-    assert len(failed(present(misprints=table.assign(corrected=nan)))) == len(table)
-    assert failed(present(misprints=table.iloc[1:])) == ["misprints: corrected"]
+    wrong = present(misprints=table.assign(**{"as printed": 0.0, "corrected": 1e-9}))
+    assert failing(wrong.checks)
+    assert len(failing(present(misprints=table.assign(corrected=nan)).checks)) == len(table)
+    assert failing(present(misprints=table.iloc[1:]).checks) == {"misprints: corrected"}

@@ -1,15 +1,11 @@
 """Slow passage through the critical speed: the growth rate, the delay and its law."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from analysis import Scenario
-from tests.calls import run as call
 from tests.helpers import not_none
-from validation.nonlinear.passage import SlowPair, follow, measure
-from validation.run import run
+from validation.nonlinear.passage import SlowPair, follow
 from validation.studies.nonlinear.delay import delay_law
 
 
@@ -55,17 +51,6 @@ def test_the_eigenvalues_alone_tell_when_model_1_is_lost() -> None:
     assert np.min(found.deviations) < 1e-3
 
 
-def test_a_motion_without_inversion_is_refused() -> None:
-    motion = run(Scenario(), np.linspace(0.0, 0.2, 101), source="in-house")
-    with pytest.raises(ValueError, match="inverts the disk"):
-        measure(motion)
-    held = replace(Scenario(), constraints=("contact", "no-slip-along", "no-slip-across"))
+def test_a_set_without_a_slow_pair_is_refused() -> None:
     with pytest.raises(ValueError, match="must have a Hopf point"):
-        SlowPair.of(held)
-
-
-def test_the_command_refuses_what_it_cannot_follow(capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("passage --end 0.2") == 2
-    assert "inverts the disk" in capsys.readouterr().err
-    assert call("passage --rolling 1e-3") == 2
-    assert "penalty contact" in capsys.readouterr().err
+        SlowPair.of(Scenario(constraints=("contact", "no-slip-along", "no-slip-across")))

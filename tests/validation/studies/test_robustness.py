@@ -14,7 +14,7 @@ import analysis
 import mbs_models
 from analysis import LOADS, MODELS, POSSIBLE_SETS, Scenario, Start, Trajectory
 from analysis.data.endings import CONTACT_WOULD_PULL
-from tests.helpers import mostly_slow, not_none
+from tests.helpers import failing, mostly_slow, not_none
 from validation import study as kit
 from validation.kit.references import Reference, reference
 from validation.kit.ways import StepLimit, Way
@@ -187,12 +187,12 @@ def test_result_without_a_reference_is_not_called_accurate() -> None:
 def test_failed_refused_crashed_and_unfinished_runs_are_told_apart(
     taken: int, error: Exception, verdict: str, why: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def failing(*_: Any, progress: StepLimit, **_options: Any) -> Trajectory:
+    def fails(*_: Any, progress: StepLimit, **_options: Any) -> Trajectory:
         for _step in range(taken):
             progress(0.0, 1.0)
         raise error
 
-    monkeypatch.setattr(mbs_models, "simulate", failing)
+    monkeypatch.setattr(mbs_models, "simulate", fails)
     found = outcomes.outcome(EASY, EULER, known(EASY))
     assert (found["verdict"], found["broken"]) == (verdict, verdict == "crashed")
     assert why in found["cause"]
@@ -270,10 +270,6 @@ def rows() -> dict[str, pd.DataFrame]:
     }
 
 
-def failing(rows: Rows) -> list[str]:
-    return [check.name for check in checks(rows) if not check.holds]
-
-
 def test_stored_cases_hold_and_are_told_with_their_numbers(rows: Rows) -> None:
     content = robustness.present(rows)
     assert all(check.holds for check in content.checks)
@@ -303,7 +299,7 @@ def test_what_is_wrong_in_a_table_fails(
 ) -> None:
     # At the first place of the steps, the spinning itself is unstable.
     rows[study].loc[2 if study == "robustness-steps" else 0, column] = value
-    assert [name for name in failing(rows) if check in name]
+    assert [name for name in failing(checks(rows)) if check in name]
 
 
 def test_too_many_cases_left_and_growing_drift_fail(
@@ -312,4 +308,4 @@ def test_too_many_cases_left_and_growing_drift_fail(
     rows["robustness-conservation"]["growth"] = 2.0
     rows["robustness-chosen"].loc[:3, "verdict"] = "diverged"
     for check, number in (("growth", 3), ("accurate result", 1)):
-        assert sum(name.endswith(check) for name in failing(rows)) == number
+        assert sum(name.endswith(check) for name in failing(checks(rows))) == number

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import numpy as np
@@ -83,41 +82,18 @@ def test_lost_dask_scheduler_is_told_and_the_rows_stay(tmp_path: Path) -> None:
     assert 0 < Results.load(path).columns["number"].size < 60
 
 
-def mpi_call(path: Path, ranks: int) -> list[str]:
+def test_mpi_ranks_finish_a_sweep(tmp_path: Path) -> None:
     pytest.importorskip("mpi4py")
     beside = str(Path(sys.executable).parent)
     found = shutil.which("mpiexec") or shutil.which("mpiexec", path=beside)
     if found is None:
         pytest.skip("needs mpiexec")
-    call = [found, "-n", str(ranks), sys.executable, "-m", "mpi4py.futures", "-m", "validation"]
-    return [*call, "sweep", AXIS, *OPTIONS.split(), str(path)]
-
-
-def check_finishes(path: Path, ranks: int) -> None:
-    """Ranks say that all cases are there."""
-    call = mpi_call(path, ranks)
+    path = tmp_path / "a.db"
+    call = [found, "-n", "3", sys.executable, "-m", "mpi4py.futures", "-m", "validation", "sweep"]
+    call += [AXIS, *OPTIONS.split(), str(path)]
     done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False, timeout=300)
     assert done.stdout == f"{path}: 60 cases\n", done.stderr
-
-
-def test_mpi_ranks_finish_a_sweep(tmp_path: Path) -> None:
-    check_finishes(tmp_path / "a.db", 3)
-    check_complete(tmp_path / "a.db", tmp_path)
-
-
-def test_killed_mpi_job_leaves_a_store_that_the_same_command_finishes(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    job = subprocess.Popen(mpi_call(path, 2), cwd=ROOT, start_new_session=True)
-    count, limit = 0, time.monotonic() + 120.0
-    while not count:
-        assert job.poll() is None
-        assert time.monotonic() < limit
-        time.sleep(0.05)
-        if path.exists() and path.stat().st_size:
-            count = Results.load(path).columns["number"].size
-    os.killpg(job.pid, signal.SIGKILL)
-    job.wait()
-    check_finishes(path, 2)
+    check_complete(path, tmp_path)
 
 
 def test_tables_of_other_packages_hold_the_columns(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers import is_running, mostly_slow
+from tests.helpers import is_running
 from tests.sweeps import direct, sweep, swept
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
@@ -33,8 +33,8 @@ with Store(sys.argv[1], wanted) as kept:
 """
 
 
-def kill_writer(path: Path, lines: int) -> None:
-    """Kill a process in the midst of writing: what it has said was safe is there."""
+def test_store_outlives_its_killed_writer(tmp_path: Path) -> None:
+    path, lines = tmp_path / "a.db", 3
     call = [sys.executable, "-c", WRITER, str(path)]
     writer = subprocess.Popen(call, cwd=ROOT, stdout=subprocess.PIPE, text=True)
     assert writer.stdout is not None
@@ -47,12 +47,6 @@ def kill_writer(path: Path, lines: int) -> None:
     assert ends == [float(n) for n in range(len(ends))]
     # Of the commit that was going on, all or nothing.
     assert len(ends) - int(said[-1]) in (0, 7)
-
-
-@pytest.mark.parametrize("kills", mostly_slow([1, 5], [1]))
-def test_store_outlives_its_killed_writers(kills: int, tmp_path: Path) -> None:
-    for lines in range(kills):
-        kill_writer(tmp_path / "a.db", lines + 3)
 
 
 def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
