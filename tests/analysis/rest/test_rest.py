@@ -173,6 +173,16 @@ def test_runs_that_disagree_are_no_result_and_their_whole_difference_is_the_esti
     assert found.error_estimate == pytest.approx(7.5e-4)
 
 
+def test_two_runs_that_agree_by_chance_are_asked_for_a_third(settled: SpatialMotion) -> None:
+    energy = settled.energies[0].sum()
+    offs = iter([0.0, 1e-4, 5e-3, 4.9e-3])
+    found = until_agreement(
+        lambda _: replace(settled, dissipated=settled.dissipated + next(offs) * energy), 1e-9, 1e-3
+    )
+    assert found.error_estimate == pytest.approx(4.9e-4)
+    assert next(offs, None) is None
+
+
 def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotion) -> None:
     tilted = Rotation.from_rotvec([2e-3, 0.0, 0.0])
     for turn, expected in ((Rotation.from_rotvec([0.0, 0.0, 0.3]), 0.0), (tilted, 2e-3)):
