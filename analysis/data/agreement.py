@@ -60,7 +60,7 @@ def until_agreement(
     coarse = run(max(first, 10.0 * TIGHTEST))
     if _cut_short(coarse):
         return coarse
-    differences = []
+    differences: list[float] = []
     for number in range(1, RUNS):
         local = max(first, 10.0 * TIGHTEST) * 0.1**number
         if local < 0.99 * TIGHTEST:
