@@ -8,33 +8,18 @@ import numpy as np
 
 from analysis import (
     Body,
-    Disk,
     EllipticDisk,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
-    Sphere,
     Start,
 )
 from analysis.data.elementary import sqrt
+from validation.studies import crosscheck
 
-COMPOSED = Disk.of_parts(
-    (0.045, 0.01, 7700.0),
-    holes=[(-0.02, 0.0, 0.012), (0.01, 0.02, 0.005)],
-    masses=[(0.0, 0.03, 0.02)],
-)
-"""Its centre of gravity does not lie on a principal axis."""
+COMPOSED, TIPPE_TOP = crosscheck.COMPOSED, crosscheck.TOP
 
 LOPSIDED = replace(COMPOSED, inertia_xz=5e-6, inertia_yz=-4e-6)
-
-TIPPE_TOP = Sphere(
-    radius=0.02,
-    mass=0.02,
-    eccentricity=0.003,
-    inertia_x=3.0e-6,
-    inertia_y=2.98e-6,
-    inertia_z=2.98e-6,
-)
 
 ELLIPSE = EllipticDisk(
     radius=0.045,
