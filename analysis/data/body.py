@@ -21,7 +21,7 @@ _DIRECTIONS = 2000
 """In which the lowest place of a centre of gravity is looked for at first."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Body(Described):
     """A rigid body that touches a table with the lowest point of its surface.
 

@@ -1,8 +1,8 @@
 """The disk: geometry, mass, eccentricity and inertia."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
-from functools import partial
+from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from typing import Any, ClassVar, NamedTuple
 
@@ -72,16 +72,8 @@ class Parts(NamedTuple):
         }
 
 
-class _Remembering(Body):
-    """Place for what a disk was made of; a disk with other values was made of something else."""
-
-    __slots__ = ("_axis", "_parts")
-    _axis: tuple[float, float]
-    _parts: Parts
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Disk(_Remembering):
+@dataclass(frozen=True, kw_only=True)
+class Disk(Body):
     """An eccentric rigid disk (paper, Sect. 2).
 
     The body frame sits at the geometric centre G: x points to the centre of gravity S, z is
@@ -119,16 +111,15 @@ class Disk(_Remembering):
     is_round_disk: ClassVar[bool] = True
     has_edge: ClassVar[bool] = True
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        if self.parts is not None:
-            return type(self).of_parts, tuple(self.parts)
-        values = {each.name: getattr(self, each.name) for each in fields(self)}
-        return partial(type(self), **values), ()
-
     @property
     def parts(self) -> Parts | None:
         """What it was made of by `of_parts` or `ring`; None where only its numbers are known."""
-        return getattr(self, "_parts", None)
+        return self._made_of[0]
+
+    @cached_property
+    def _made_of(self) -> tuple[Parts | None, tuple[float, float]]:
+        """Parts, and the x axis of the body in axes of the plate; those that `of_parts` knows."""
+        return None, (1.0, 0.0)
 
     @property
     def least_moment(self) -> float:
@@ -192,7 +183,7 @@ class Disk(_Remembering):
         """Holes and masses in axes of the body; of a disk told by its numbers, that of `hole`."""
         if self.parts is None:
             return [] if self.hole is None else [Hole(-self.hole[1], 0.0, self.hole[0])], []
-        c, s = self._axis
+        c, s = self._made_of[1]
 
         def turned(part: Any) -> Any:
             return part._replace(x=c * part.x + s * part.y, y=c * part.y - s * part.x)
@@ -251,8 +242,7 @@ class Disk(_Remembering):
             inertia_z=zz,
             inertia_xy=_product(c * s * (yy - xx) + (c * c - s * s) * xy, zz),
         )
-        object.__setattr__(disk, "_parts", parts)
-        object.__setattr__(disk, "_axis", (c, s))
+        vars(disk)["_made_of"] = parts, (c, s)
         return disk
 
     @classmethod

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, asdict, dataclass, fields
+from functools import cached_property
 from typing import Any
 
 from analysis.data.bodies import BODIES, body_values, check_surface
@@ -31,15 +32,8 @@ NO_DISSIPATION = Dissipation()
 TABLE_3 = Start()
 
 
-class _Remembering:
-    """Place for the state at the start, which is asked for often and takes long to work out."""
-
-    __slots__ = ("_initial_state",)
-    _initial_state: State
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Scenario(_Remembering, Described):
+@dataclass(frozen=True, kw_only=True)
+class Scenario(Described):
     """What is to be studied. Nothing in it says how, or with which side.
 
     Every field may be replaced alone (`dataclasses.replace`): what follows from the fields, such
@@ -195,17 +189,9 @@ class Scenario(_Remembering, Described):
             raise ValueError("contact must be a PenaltyContact, got None, the ideal contact")
         return self.contact
 
-    @property
+    @cached_property
     def initial_state(self) -> State:
         """State at the start, consistent with the constraints unless given as a `State`."""
-        try:
-            remembered: State = self._initial_state
-        except AttributeError:
-            remembered = self._state()
-            object.__setattr__(self, "_initial_state", remembered)
-        return remembered
-
-    def _state(self) -> State:
         if isinstance(self.start, State):
             return self.start
         if self.contact is None:
