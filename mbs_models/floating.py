@@ -58,7 +58,7 @@ class Floating(Model):
     def __init__(self, scenario: Scenario) -> None:
         self.loads: Loads | None = None
         if scenario.contact is not None:
-            self.loads = loads_of(scenario, scenario.contact)
+            self.loads = loads_of(scenario)
         super().__init__(scenario)
 
     def _build(self) -> None:

@@ -90,7 +90,7 @@ class Model(Building):
             Co-rotating coordinates and their rates, as `decode` makes them.
         """
         if self.scenario.contact is not None:
-            return forces_on(self.scenario, self.scenario.contact, coordinates, rates)[:, None]
+            return forces_on(self.scenario, coordinates, rates)[:, None]
         columns = []
         for constraint, rows in self.equations.items():
             # The engine's constraint forces act with a minus sign on the second body. The rolling

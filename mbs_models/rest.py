@@ -161,7 +161,7 @@ def _beyond(scene: Scene, step: float, limit: float) -> str:
 def _motion(scene: Scene, way: Way, method: dict[str, Setting]) -> SpatialMotion:
     """Motion over the samples of a run."""
     scenario, times = scene.scenario, way.times
-    disk, loads = scenario.disk, loads_of(scenario, rounded_contact(scene))
+    disk, loads = scenario.disk, loads_of(scenario)
     place, rotation, velocity, angular = spatial(way.states)
     rows, matrices = [], rotation.reshape(-1, 9)
     matrix: Any
@@ -173,7 +173,7 @@ def _motion(scene: Scene, way: Way, method: dict[str, Setting]) -> SpatialMotion
         strict=True,
     ):
         load = loads.at(height, matrix, v, w)
-        contour = hypot(*loads.contour(matrix, w, load.point))
+        contour = hypot(*loads.contour(matrix, w))
         rows.append((*load.point, load.slip, contour, load.force[2], load.elastic))
     values = np.array(rows)
     cog = place + disk.eccentricity * rotation[:, :, 0]

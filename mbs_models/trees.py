@@ -69,7 +69,7 @@ class _Tree(Model):
 
     def _force(self) -> Force:
         if self.scenario.contact is not None:
-            return euler_tree_contact(self.scenario, self.scenario.contact)
+            return euler_tree_contact(self.scenario)
         return self._law(self.scenario, friction_load(self.scenario, self._contact))
 
 
