@@ -1,14 +1,12 @@
 """What a scene consists of in the engine, and why."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
 import numpy as np
 
-from mbs_models.building import Kind
-from mbs_models.model import Model
+from mbs_models.model import KINDS, Kind, Model
 from mbs_models.scene import Scene, build
 
 
@@ -51,11 +49,9 @@ class Inventory:
 
     Parameters
     ----------
-    scene : Scene
     items : tuple of Item
     """
 
-    scene: Scene
     items: tuple[Item, ...]
 
     @property
@@ -96,37 +92,18 @@ def inventory(scene: Scene) -> Inventory:
         If an item has no recorded reason to be there.
     """
     model = build(scene)
-    return Inventory(scene=scene, items=tuple(_items(model)))
-
-
-def unused_markers(scene: Scene) -> tuple[int, ...]:
-    """Numbers of the markers that no object and no load refers to."""
-    model = build(scene)
-    system, data = model.system, model.system.systemData
-    used: set[int] = set()
-    for number in range(data.NumberOfObjects()):
-        used.update(int(marker) for marker in system.GetObject(number).get("markerNumbers", ()))
-    for number in range(data.NumberOfLoads()):
-        used.add(int(system.GetLoad(number)["markerNumber"]))
-    return tuple(sorted(set(range(data.NumberOfMarkers())) - used))
-
-
-def _items(model: Model) -> Iterator[Item]:
-    system = model.system
-    data = system.systemData
-    kinds: tuple[tuple[Kind, int, Any], ...] = (
-        ("node", data.NumberOfNodes(), system.GetNode),
-        ("object", data.NumberOfObjects(), system.GetObject),
-        ("marker", data.NumberOfMarkers(), system.GetMarker),
-        ("load", data.NumberOfLoads(), system.GetLoad),
-        ("sensor", data.NumberOfSensors(), system.GetSensor),
+    counted = {kind: f"NumberOf{kind.capitalize()}s" for kind in KINDS}
+    return Inventory(
+        items=tuple(
+            _item(model, kind, number)
+            for kind, count in counted.items()
+            for number in range(getattr(model.system.systemData, count)())
+        )
     )
-    for kind, count, read in kinds:
-        for number in range(count):
-            yield _item(model, kind, number, read(number))
 
 
-def _item(model: Model, kind: Kind, number: int, stored: dict[str, Any]) -> Item:
+def _item(model: Model, kind: Kind, number: int) -> Item:
+    stored: dict[str, Any] = getattr(model.system, f"Get{kind.capitalize()}")(number)
     if (kind, number) not in model.reasons:
         raise LookupError(f"{kind} {number} has no recorded reason to be in the scene")
     equations = coordinates = idle = 0
@@ -144,12 +121,8 @@ def _item(model: Model, kind: Kind, number: int, stored: dict[str, Any]) -> Item
         coordinates=coordinates,
         equations=equations,
         idle=idle,
-        user_functions=tuple(_user_functions(stored)),
+        user_functions=tuple(
+            name for name, value in stored.items() if name.endswith("UserFunction") and value
+        ),
         why=model.reasons[kind, number],
     )
-
-
-def _user_functions(stored: dict[str, Any]) -> Iterator[str]:
-    for name, value in stored.items():
-        if name.endswith("UserFunction") and value:
-            yield name

@@ -215,7 +215,7 @@ def euler_tree_contact(scenario: Scenario) -> Force:
     stiffness, damping = contact.stiffness, contact.damping
     by_weight, weight = scenario.friction.load == "weight", scenario.weight
     load = 0.0
-    friction = euler_tree_force(scenario, lambda _: load)
+    friction = euler_tree_force(scenario, lambda: load)
 
     def force(system: Any, time: Any, item: Any, q: Any, u: Any) -> list[float]:
         nonlocal load

@@ -173,7 +173,7 @@ class Probe:
         matrix = self._saddle_matrix()
         right = np.zeros(n + m)
         if m:
-            quick = quick and self._model.has_exact_path
+            quick = quick and self._model.has_euler_angles
             right[n:] = -(self._quick_residual_rate() if quick else self._residual_rate())
         contact = self._load_equation
         if contact is None:

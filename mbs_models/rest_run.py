@@ -113,9 +113,6 @@ class RestProblem:
         self._probe = Probe(self.model)
         assert self.model.loads is not None
         self._loads = self.model.loads
-        data = self.model.system.systemData
-        # What the engine's coordinates are measured from.
-        self._origin = data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates()
         self.conditions = {name: _of_pose(condition) for name, condition in conditions.items()}
 
     def starting_at(self, state: Array) -> InitialValueProblem:
@@ -133,7 +130,7 @@ class RestProblem:
     def _derivative(self, _: float, state: Array) -> list[float]:
         x, y, z, s, a, b, c, *rates = state.tolist()
         p, q, r = rates[3:6]
-        place = np.array((x, y, z, *self.model.rotation_vector((s, a, b, c)))) - self._origin
+        place = np.array((x, y, z, *self.model.rotation_vector((s, a, b, c)))) - self.model.origin
         self._probe.put(place.tolist(), rates[:6])
         # The engine has just asked for the loads in this state.
         second, _unused = self._probe.solved()

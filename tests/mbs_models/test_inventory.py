@@ -21,7 +21,7 @@ from analysis.data.constraint_set import set_name
 from mbs_models import Formulation, Scene
 from mbs_models.ballast import BALLAST, six_axes
 from mbs_models.integrators import find_integrator
-from mbs_models.inventory import Inventory, inventory, unused_markers
+from mbs_models.inventory import Inventory, inventory
 from mbs_models.model import Model
 from mbs_models.runs import run
 from mbs_models.scene import build
@@ -66,6 +66,16 @@ def expected(level: Level, formulation: Formulation, *, rough: bool) -> list[str
 
 def listed(found: Inventory) -> list[str]:
     return sorted(f"{item.kind} {item.type}" for item in found.items)
+
+
+def unused_markers(scene: Scene) -> set[int]:
+    """Markers that no object and no load refers to."""
+    system = build(scene).system
+    data, used = system.systemData, set()
+    for number in range(data.NumberOfObjects()):
+        used |= {int(each) for each in system.GetObject(number).get("markerNumbers", ())}
+    used |= {int(system.GetLoad(number)["markerNumber"]) for number in range(data.NumberOfLoads())}
+    return set(range(data.NumberOfMarkers())) - used
 
 
 SCENES = [
