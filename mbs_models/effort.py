@@ -45,6 +45,9 @@ finest speed of friction only now and then."""
 FINEST_STEPPED = 1e-9
 """Tolerance in rad below which the noise of accelerations is in the way of runs that step them."""
 
+LOCAL = 1e-11
+"""Error in a step with which endings are located."""
+
 _REST_SECONDS = 4.5e-5
 """Processor time in s of a step on the way to rest, of either kind."""
 

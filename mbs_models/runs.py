@@ -118,9 +118,8 @@ def record(
         complete_jacobian(model)
     settings = _settings(model, integrator, duration, intervals * substeps)
     settings.solution.sensors.writePeriod = spacing
-    limiter = StepLimiter(spacing, most)
     if integrator.controls_step:
-        system.SetPreStepUserFunction(limiter.limit)
+        _limit_steps(system, spacing, most)
     stopped = _stopping(system, stop)
     clock, failure = time.process_time(), None
     try:
@@ -133,7 +132,7 @@ def record(
     seconds = time.process_time() - clock
     data, broken = system.systemData, None
     if failure is not None or (len(records) <= intervals and not stopped):
-        broken = _early_end(system, begin, duration, failure, limiter)
+        broken = _early_end(system, begin, duration, failure)
         broken.__cause__ = failure
     else:
         data.SetSystemState(data.GetSystemState(exu.ConfigurationType.Current), _INITIAL)
@@ -181,49 +180,34 @@ def _samples(model: Model, start: Start | None, spacing: float) -> Start:
     return stored[:, :unknowns], stored[:, unknowns:]
 
 
-class StepLimiter:
-    """Shortens the steps of step control so that every sample falls on a step.
+def _limit_steps(system: Any, spacing: float, most: float) -> None:
+    """Shorten the steps of step control so that every sample falls on a step.
 
-    Left to itself the engine writes a sample at the first step past its time.
-
-    Parameters
-    ----------
-    spacing : float
-        Time between samples in s.
-    most : float
-        Steps after which the run is given up.
-
-    Attributes
-    ----------
-    stalled : bool
-        Whether step control has come down to its minimum step, where the engine would go on
-        with a larger error.
-    steps : int
-        Taken so far.
+    Left to itself the engine writes a sample at the first step past its time. It would also go on
+    at its minimum step, with a larger error, and without end.
     """
+    steps = 0
 
-    def __init__(self, spacing: float, most: float) -> None:
-        self._spacing, self.most = spacing, most
-        self.stalled, self.steps = False, 0
-
-    def limit(self, system: Any, _t: float) -> bool:
-        """Replace the step that the engine has just proposed; its function before each step."""
-        self.steps += 1
-        if self.steps > self.most:
-            raise Ended
+    def limit(system: Any, _t: float) -> bool:
+        """Replace the step that the engine has just proposed."""
+        nonlocal steps
+        steps += 1
+        if steps > most:
+            raise Ended(f"it has taken {most:.1e} steps, far more than expected")
         iteration = system.sys["dynamicSolver"].it
         step = iteration.currentStepSize
         start = iteration.currentTime - step
-        sample = (floor(start / self._spacing + 1e-9) + 1) * self._spacing
+        sample = (floor(start / spacing + 1e-9) + 1) * spacing
         rest = sample - start
         if step <= 1.001 * MINIMUM_STEP < rest:
-            self.stalled = True
-            raise Ended("minimum step")
+            raise Ended(f"step control came down to its minimum step of {MINIMUM_STEP:g} s")
         # Equal steps to the next sample: a short last one would hold up the step control.
-        steps = ceil(rest / step - 1e-9)
-        iteration.currentStepSize = rest / steps
-        iteration.currentTime = sample if steps == 1 else start + rest / steps
+        parts = ceil(rest / step - 1e-9)
+        iteration.currentStepSize = rest / parts
+        iteration.currentTime = sample if parts == 1 else start + rest / parts
         return True
+
+    system.SetPreStepUserFunction(limit)
 
 
 def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
@@ -288,21 +272,15 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
     return settings
 
 
-def _early_end(
-    system: Any, begin: float, duration: float, error: Exception | None, limiter: StepLimiter
-) -> EngineError:
+def _early_end(system: Any, begin: float, duration: float, error: Exception | None) -> EngineError:
     solver = system.sys["dynamicSolver"]
-    cause = "the result is not finite"
-    if limiter.stalled:
-        cause = f"step control came down to its minimum step of {MINIMUM_STEP:g} s"
-    elif limiter.steps > limiter.most:
-        cause = f"it has taken {limiter.most:.1e} steps, far more than expected"
-    elif error is not None:
-        cause = cause_of(error)
-        if solver.conv.newtonSolutionDiverged or solver.conv.stepReductionFailed:
-            cause = f"Newton's iteration did not converge (residual {solver.conv.residual:.1e})"
-        elif solver.conv.linearSolverFailed:
-            cause = "the system matrix is singular"
+    cause = "the result is not finite" if error is None else cause_of(error)
+    if error is not None and (
+        solver.conv.newtonSolutionDiverged or solver.conv.stepReductionFailed
+    ):
+        cause = f"Newton's iteration did not converge (residual {solver.conv.residual:.1e})"
+    elif error is not None and solver.conv.linearSolverFailed:
+        cause = "the system matrix is singular"
     return EngineError(
         f"engine run stopped at t = {solver.it.currentTime:.6g} s of {duration:.6g} s: {cause} "
         f"(span from t = {begin:.6g} s)"

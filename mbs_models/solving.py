@@ -88,7 +88,9 @@ def stepping(system: Any) -> Iterator[None]:
 
 def cause_of(error: Exception) -> str:
     """What an error of the engine says, without where it was raised."""
-    return str(error).split(" [Python file")[0].strip().splitlines()[0]
+    raised = _raised(error)
+    said = str(raised if isinstance(raised, Ended) else error)
+    return said.split(" [Python file", maxsplit=1)[0].strip().splitlines()[0]
 
 
 def _raised(error: BaseException) -> BaseException | None:
