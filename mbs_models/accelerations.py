@@ -124,11 +124,8 @@ class AccelerationProblem:
 
     def _forces(self, found: Sequence[_Solved]) -> Array:
         """Constraint forces, shape (n, k)."""
-        records = [np.concatenate((*self.model.encode(z, u), a)) for z, u, a, _ in found]
-        coordinates, rates, algebraic = (
-            np.array([each[part] for each in found]) for part in (0, 1, 3)
-        )
-        return self.model.multipliers(np.array(records), algebraic, coordinates, rates)
+        z, u, second, algebraic = (np.array(each) for each in zip(*found, strict=True))
+        return self.model.multipliers(second, algebraic, z, u)
 
     def _whole(self, values: Array) -> tuple[list[float], list[float]]:
         """Coordinates and rates, six floats each, from the free ones."""
@@ -167,12 +164,12 @@ class AccelerationProblem:
         return [rates[place] for place in self._free]
 
     def _normal_force(self, state: Array) -> float:
-        z, u, second, multipliers = self._solved(state)
+        found = self._solved(state)
         equation = self.model.contact_equation
         if equation is not None:
             # The engine's constraint forces act with a minus sign on the second body.
-            return -float(multipliers[equation])
-        return float(self._forces([(z, u, second, multipliers)])[0, 0])
+            return -float(found[3][equation])
+        return float(self._forces([found])[0, 0])
 
     def _of_state(self, condition: Condition) -> Callable[[Array], float]:
         def said(state: Array) -> float:

@@ -192,14 +192,9 @@ class Floating(Model):
         return found
 
     def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
-        place, velocity, (s, x, y, z), (p, q, r) = _free_motion(coordinates, rates)
-        turning = [
-            -0.5 * (x * p + y * q + z * r),
-            0.5 * (s * p + y * r - z * q),
-            0.5 * (s * q + z * p - x * r),
-            0.5 * (s * r + x * q - y * p),
-        ]
-        return self._with_carrier([*place, s, x, y, z], [*velocity, *turning], coordinates, rates)
+        place, velocity, parameters, local = _free_motion(coordinates, rates)
+        turning = quaternion_rates(parameters, local)
+        return self._with_carrier([*place, *parameters], [*velocity, *turning], coordinates, rates)
 
     def _with_carrier(
         self, position: list[float], velocity: list[float], coordinates: Floats, rates: Floats
@@ -316,6 +311,17 @@ class FloatingWithLosses(FloatingLie):
 
     def _readings(self) -> list[tuple[int, Any]]:
         return [*super()._readings(), (self._energies, _OUTPUT.Coordinates)]
+
+
+def quaternion_rates(quaternion: Floats, angular: Floats) -> list[float]:
+    """Rates of a quaternion, four floats, from the angular velocity in axes of the body."""
+    (s, x, y, z), (p, q, r) = quaternion, angular
+    return [
+        -0.5 * (x * p + y * q + z * r),
+        0.5 * (s * p + y * r - z * q),
+        0.5 * (s * q + z * p - x * r),
+        0.5 * (s * r + x * q - y * p),
+    ]
 
 
 def _free_motion(coordinates: Floats, rates: Floats) -> tuple[list[float], ...]:

@@ -273,7 +273,7 @@ class Model(ABC):
 
     def multipliers(
         self,
-        records: Array,  # noqa: ARG002 - for models without multipliers
+        ahead: Array,  # noqa: ARG002 - for models without multipliers
         algebraic: Array,
         coordinates: Array,
         rates: Array,
@@ -282,8 +282,8 @@ class Model(ABC):
 
         Parameters
         ----------
-        records : ndarray, shape (n, i)
-            See `record`.
+        ahead : ndarray, shape (n, i)
+            Second derivatives of the engine's coordinates, or records that end with them.
         algebraic : ndarray, shape (n, m)
             The engine's algebraic coordinates.
         coordinates, rates : ndarray, shape (n, 6)

@@ -102,17 +102,23 @@ class _Spans:
 
     def _checked_start(self) -> Start:
         """Raise if the start breaks a constraint, or needs a contact that pulls and must not."""
-        probe = Probe(self._model)
+        probe, here = Probe(self._model), self._here
         probe.check_start()
-        start = settle(self._model, probe)
+        second, algebraic = settle(self._model, probe)
         if self._must_not_pull:
-            force = float(probe.multipliers(*start)[0])
+            forces = self._model.multipliers(
+                second[None],
+                algebraic[None],
+                here[None, sampled.COORDINATES],
+                here[None, sampled.RATES],
+            )
+            force = float(forces[0, 0])
             if force < 0.0:
                 raise ValueError(
                     f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
                     "allow_pulling lets it"
                 )
-        return start
+        return second, algebraic
 
     def run(
         self, begin: float, intervals: int, spacing: float, substeps: int, halvings: int

@@ -27,7 +27,7 @@ from analysis.solve.effort import contact_time
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
 from mbs_models.body_contact import largest_lever, loads_of
 from mbs_models.endings import dips, until_ending
-from mbs_models.floating import FloatingWithLosses
+from mbs_models.floating import FloatingWithLosses, quaternion_rates
 from mbs_models.integrators import Integrator
 from mbs_models.probe import Probe
 from mbs_models.runs import run
@@ -134,18 +134,15 @@ class RestProblem:
         )
 
     def _derivative(self, _: float, state: Array) -> list[float]:
-        x, y, z, s, a, b, c, *rates = state.tolist()
-        p, q, r = rates[3:6]
-        place = np.array((x, y, z, *self.model.rotation_vector((s, a, b, c)))) - self.model.origin
-        self._probe.put(place.tolist(), rates[:6])
+        values = state.tolist()
+        turn, rates = values[POSE], values[7:13]
+        place = np.array((*values[:3], *self.model.rotation_vector(turn))) - self.model.origin
+        self._probe.put(place.tolist(), rates)
         # The engine has just asked for the loads in this state.
         second, _unused = self._probe.solved()
         return [
             *rates[:3],
-            -0.5 * (a * p + b * q + c * r),
-            0.5 * (s * p + b * r - c * q),
-            0.5 * (s * q + c * p - a * r),
-            0.5 * (s * r + a * q - b * p),
+            *quaternion_rates(turn, rates[3:]),
             *second.tolist(),
             *self._loads.last.taken,
         ]

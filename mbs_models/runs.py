@@ -240,7 +240,8 @@ def settle(model: Model, probe: Probe) -> Start:
         velocities = probe.admissible_velocities().tolist()
         data.SetODE2Coordinates_t(velocities, _INITIAL)
         data.SetODE2Coordinates_t(velocities)
-    second_derivatives, algebraic = probe.solve()
+    with solving(model.system):
+        second_derivatives, algebraic = probe.solved()
     data.SetODE2Coordinates_tt(second_derivatives.tolist(), _INITIAL)
     return second_derivatives, algebraic
 

@@ -16,7 +16,7 @@ from mbs_models.model import Floats, Model
 
 _ROUND = "has a round disk at its end"
 
-_JOINT, _OUTPUT = exu.JointType, exu.OutputVariableType
+_OUTPUT = exu.OutputVariableType
 
 
 class _Tree(Model):
@@ -25,12 +25,18 @@ class _Tree(Model):
     has_euler_angles = True
     _outputs: ClassVar[tuple[Any, ...]] = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t)
 
-    _chain: ClassVar[tuple[Any, ...]]
+    _chain: ClassVar[str]
+    """Joints, by the engine's names of their types."""
+
     _offset: float = 0.0
     """Of the disk from the last joint but one along y in m."""
 
     def _build(self) -> None:
-        n, disk = len(self._chain), self.scenario.disk
+        joints, disk = (
+            [getattr(exu.JointType, name) for name in self._chain.split()],
+            self.scenario.disk,
+        )
+        n = len(joints)
         position, velocity = self.encode(self.start.coordinates, self.start.rates)
         self._node = self._add(
             items.NodeGenericODE2(
@@ -47,7 +53,7 @@ class _Tree(Model):
             items.ObjectKinematicTree(
                 nodeNumber=self._node,
                 gravity=list(self.scenario.table.vector),
-                jointTypes=list(self._chain),
+                jointTypes=joints,
                 linkParents=list(range(-1, n - 1)),
                 jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
                 jointOffsets=exu.Vector3DList([*offsets, [0.0, self._offset, 0.0]]),
@@ -73,14 +79,7 @@ class EulerTree(_Tree):
     name = "euler-tree"
 
     _law = staticmethod(euler_tree_force)
-    _chain = (
-        _JOINT.RevoluteZ,
-        _JOINT.PrismaticX,
-        _JOINT.PrismaticY,
-        _JOINT.PrismaticZ,
-        _JOINT.RevoluteX,
-        _JOINT.RevoluteZ,
-    )
+    _chain = "RevoluteZ PrismaticX PrismaticY PrismaticZ RevoluteX RevoluteZ"
     _order = (3, 0, 1, 2, 4, 5)
     _back: ClassVar[list[int]] = [1, 2, 3, 0, 4, 5]
 
@@ -138,13 +137,7 @@ class ContactTree(_Tree):
     _outputs = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t, _OUTPUT.Coordinates_tt)
 
     _law = staticmethod(contact_tree_force)
-    _chain = (
-        _JOINT.RevoluteZ,
-        _JOINT.PrismaticX,
-        _JOINT.PrismaticY,
-        _JOINT.RevoluteX,
-        _JOINT.RevoluteZ,
-    )
+    _chain = "RevoluteZ PrismaticX PrismaticY RevoluteX RevoluteZ"
 
     @property
     def _offset(self) -> float:  # type: ignore[override]
@@ -205,14 +198,15 @@ class ContactTree(_Tree):
         )
 
     def multipliers(
-        self, records: Array, algebraic: Array, coordinates: Array, rates: Array
+        self, ahead: Array, algebraic: Array, coordinates: Array, rates: Array
     ) -> Array:
         """Normal force: the mass times gravity and the centre of gravity's rise, shape (n, 1)."""
         disk, table = self.scenario.disk, self.scenario.table
         r, e = disk.radius, disk.eccentricity
         beta, gamma, bd, gd = coordinates[:, 4], coordinates[:, 5], rates[:, 4], rates[:, 5]
-        bdd, gdd = records[:, 13], records[:, 14]
+        bdd, gdd = ahead[:, -2:].T
         sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
         rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
         rise += (r + e * sg) * (cb * bdd - sb * bd * bd)
-        return (disk.mass * (table.pressing + rise))[:, None]
+        force: Array = disk.mass * (table.pressing + rise)
+        return force[:, None]
