@@ -5,7 +5,7 @@ between any two steps, in which one search finds whatever comes first.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple, Protocol
 
 import exudyn as exu
@@ -69,7 +69,7 @@ def until_ending(
     moments: Array,
     records: Array,
     places: Iterable[Place],
-    motion: Callable[[], Stepped],
+    motion: Stepped,
     *,
     period: float,
     work: Counter[str],
@@ -84,8 +84,7 @@ def until_ending(
     records : ndarray, shape (n, k)
     places : iterable of Place
         In any order.
-    motion : callable
-        What is stepped, once there is a place to look at.
+    motion : Stepped
     period : float
         Time between records in s.
     work : Counter
@@ -103,7 +102,7 @@ def until_ending(
         # Runs differ by their errors: what one shows to be negative may be so later in another.
         end, size = period * (place.width + bool(place.reason)), place.row + 1
         try:
-            found, last = _located(records[place.row], end, motion(), work, allow_pulling)
+            found, last = _located(records[place.row], end, motion, work, allow_pulling)
         except ToleranceError:
             # Where a condition is known to be negative, an ending must not be passed over.
             if place.reason:

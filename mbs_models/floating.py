@@ -16,8 +16,8 @@ from analysis.data.bodies import Sphere
 from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
-from mbs_models.body_contact import loads_of
 from mbs_models.friction import UPWARD, Force, connector_force
+from mbs_models.loads import loads_of
 from mbs_models.model import Floats, Formulation, Model
 
 _OUTPUT = exu.OutputVariableType

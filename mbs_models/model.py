@@ -18,8 +18,8 @@ from analysis.data.frames import turn_about_vertical
 from analysis.data.quantities import HELD, Constraint
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
-from mbs_models.body_contact import forces_on
 from mbs_models.friction import Force, Load
+from mbs_models.loads import forces_on
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
 FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)

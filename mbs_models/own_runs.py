@@ -4,7 +4,6 @@ A span holds evenly spaced times; each is one run.
 """
 
 from collections.abc import Iterator
-from functools import cached_property
 from math import sin
 from typing import Any
 
@@ -15,16 +14,15 @@ from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.state import COORDINATES, FlatError, check_upright
-from analysis.solve.stepping import Run
+from analysis.solve.stepping import Run, pulls_at_start
 from mbs_models import sampled
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.endings import Place, dips, pulling_times, until_ending
 from mbs_models.integrators import Integrator
-from mbs_models.probe import Probe
 from mbs_models.runs import Samples, Start, Stop, record, settle
 from mbs_models.sampled import Call, leaning, state_of
 from mbs_models.scene import build
-from mbs_models.solving import EngineError
+from mbs_models.solving import EngineError, solving
 
 NEARLY_FLAT = 0.1
 """Sine of the inclination below which a failure is likely to come from the Euler angles."""
@@ -86,39 +84,19 @@ class _Spans:
 
     def __init__(self, call: Call, integrator: Integrator) -> None:
         self._call, self._integrator = call, integrator
-        self._model = build(call.scene)
-        self._must_not_pull = self._model.may_pull and not call.allow_pulling
         # The last sample: where the next span begins.
         self._here = call.scene.scenario.initial_state.vector
-        self._start: Start | None = self._checked_start()
+        self._motion = motion = AccelerationProblem(call.scene, call.conditions)
+        self._model = motion.model
+        self._must_not_pull = self._model.may_pull and not call.allow_pulling
+        motion.probe.check_start()
+        with solving(motion.system):
+            pulls_at_start(motion.starting_at(self._here), allow_pulling=not self._must_not_pull)
+        self._start: Start | None = settle(self._model, motion.probe)
         # Times and records of each span, and which of these are samples.
         self._done: list[tuple[Array, Array, Any]] = []
         self.ended: str | None = None
         call.seconds = 0.0
-
-    @cached_property
-    def _motion(self) -> AccelerationProblem:
-        return AccelerationProblem(self._call.scene, self._call.conditions)
-
-    def _checked_start(self) -> Start:
-        """Raise if the start breaks a constraint, or needs a contact that pulls and must not."""
-        probe, here = Probe(self._model), self._here
-        probe.check_start()
-        second, algebraic = settle(self._model, probe)
-        if self._must_not_pull:
-            forces = self._model.multipliers(
-                second[None],
-                algebraic[None],
-                here[None, sampled.COORDINATES],
-                here[None, sampled.RATES],
-            )
-            force = float(forces[0, 0])
-            if force < 0.0:
-                raise ValueError(
-                    f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
-                    "allow_pulling lets it"
-                )
-        return second, algebraic
 
     def run(
         self, begin: float, intervals: int, spacing: float, substeps: int, halvings: int
@@ -141,7 +119,7 @@ class _Spans:
             moments,
             values,
             self._places(values, samples, reasons, period),
-            lambda: self._motion,
+            self._motion,
             period=period,
             work=call.counts,
             allow_pulling=not self._must_not_pull,

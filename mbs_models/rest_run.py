@@ -25,10 +25,10 @@ from analysis.data.trajectory import versions
 from analysis.data.watch import Watch
 from analysis.solve.effort import contact_time
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
-from mbs_models.body_contact import largest_lever, loads_of
 from mbs_models.endings import dips, until_ending
 from mbs_models.floating import FloatingWithLosses, quaternion_rates
 from mbs_models.integrators import Integrator
+from mbs_models.loads import largest_lever, loads_of
 from mbs_models.probe import Probe
 from mbs_models.runs import run
 from mbs_models.scene import Scene
@@ -290,7 +290,7 @@ class RestRun:
                 for reason, says in self._problem.conditions.items()
                 for place in dips(np.array([says(each) for each in states]), reason)
             ),
-            lambda: self._problem,
+            self._problem,
             period=spacing,
             work=counts,
         )

@@ -236,6 +236,10 @@ def settle(model: Model, probe: Probe) -> Start:
     first-order accurate.
     """
     data = model.system.systemData
+    # The probe may have been elsewhere, and there are two quaternions to a pose.
+    probe.put(
+        data.GetODE2Coordinates(_INITIAL).tolist(), data.GetODE2Coordinates_t(_INITIAL).tolist()
+    )
     if model.has_constraints(model.scenario):
         velocities = probe.admissible_velocities().tolist()
         data.SetODE2Coordinates_t(velocities, _INITIAL)
