@@ -42,11 +42,6 @@ class HopelessError(ToleranceError):
     """Fixed steps lead to nothing, and another way is left to try."""
 
 
-def error_exponents(formulation: Formulation, integrator: IntegratorName) -> tuple[int, ...]:
-    """Exponents of the step in the error expansion."""
-    return CLASSES[formulation].exponents or RULES[integrator].exponents
-
-
 class Ladder:
     """Richardson's extrapolation, fed with runs of which each has half the step of the one before.
 
@@ -80,7 +75,7 @@ class Ladder:
         flat: bool = False,
     ) -> None:
         self._decay, self._flat = decay, flat
-        self._exponents = error_exponents(formulation, integrator)
+        self._exponents = CLASSES[formulation].exponents or RULES[integrator].exponents
         self._row: list[Array] = []
         self._differences: list[float] = []
         self._worse = 0

@@ -22,11 +22,12 @@ class Item:
     type : str
         The engine's name of its type.
     coordinates : int
-        Coordinates of a node, or unknowns of motion that it brings.
+        Unknowns of motion that a node brings; each has a differential equation of second order.
     equations : int
         Algebraic equations that it brings.
     idle : int
-        How many of those only say that an unused constraint force is zero.
+        How many of those only say that an unused constraint force is zero; all others constrain
+        the motion.
     user_functions : tuple of str
         User functions that the engine calls, by the engine's names.
     why : str
@@ -43,48 +44,12 @@ class Item:
     why: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Inventory:
-    """All items of a scene as it runs, with its sensors.
-
-    Parameters
-    ----------
-    items : tuple of Item
-    """
-
-    items: tuple[Item, ...]
-
-    @property
-    def coordinates(self) -> int:
-        """Unknowns of motion; each brings a differential equation of second order."""
-        return sum(item.coordinates for item in self.items)
-
-    @property
-    def equations(self) -> int:
-        """Algebraic equations, the idle ones included."""
-        return sum(item.equations for item in self.items)
-
-    @property
-    def constraints(self) -> int:
-        """Algebraic equations that constrain the motion."""
-        return self.equations - sum(item.idle for item in self.items)
-
-    @property
-    def user_functions(self) -> int:
-        """Number of user functions."""
-        return sum(len(item.user_functions) for item in self.items)
-
-
-def inventory(scene: Scene) -> Inventory:
-    """List what is in a scene, read back from the engine.
+def inventory(scene: Scene) -> list[Item]:
+    """List what is in a scene as it runs, with its sensors, read back from the engine.
 
     Parameters
     ----------
     scene : Scene
-
-    Returns
-    -------
-    Inventory
 
     Raises
     ------
@@ -92,14 +57,12 @@ def inventory(scene: Scene) -> Inventory:
         If an item has no recorded reason to be there.
     """
     model = build(scene)
-    counted = {kind: f"NumberOf{kind.capitalize()}s" for kind in KINDS}
-    return Inventory(
-        items=tuple(
-            _item(model, kind, number)
-            for kind, count in counted.items()
-            for number in range(getattr(model.system.systemData, count)())
-        )
-    )
+    data = model.system.systemData
+    return [
+        _item(model, kind, number)
+        for kind in KINDS
+        for number in range(getattr(data, f"NumberOf{kind.capitalize()}s")())
+    ]
 
 
 def _item(model: Model, kind: Kind, number: int) -> Item:

@@ -10,9 +10,8 @@ import exudyn as exu
 import numpy as np
 
 from analysis.data.checks import Array
-from mbs_models.integrators import Integrator
+from mbs_models.integrators import Integrator, complete_jacobian
 from mbs_models.model import Model
-from mbs_models.newton import complete_jacobian
 from mbs_models.probe import Probe
 from mbs_models.solving import Ended, EngineError, cause_of, solving
 

@@ -17,6 +17,7 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Start,
+    Table,
     ToleranceError,
 )
 from mbs_models import EngineError, Integrator, Newton, Scene
@@ -36,6 +37,8 @@ integrator: Any = Integrator
 newton: Any = Newton
 scene: Any = scene_of
 YIELDING, ROUNDED = PenaltyContact(stiffness=1e6), PenaltyContact.rounded(STEEL_DISK)
+
+SPINNING = Start.stationary(30.0)
 
 REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(simulate, step=-1e-3), "step must be positive"),
@@ -75,7 +78,11 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
      "'euler-tree' has a round disk at its end; use one of floating"),
     (partial(Scene, Scenario(disk=EGG)),
      "holds round disks and spheres alone on the ideal contact; none builds Egg"),
-    (partial(mbs_models.eigenvalues, scene_of(contact=YIELDING)), "contact must be left out"),
+    (partial(mbs_models.eigenvalues, scene_of(contact=YIELDING, start=SPINNING)),
+     "contact must be left out"),
+    (partial(mbs_models.eigenvalues, scene_of(table=Table(inclination=0.1), start=SPINNING)),
+     "linearisation .* needs a horizontal table, got an inclination"),
+    (partial(mbs_models.state_matrix, Scene()), "start must be a stationary motion"),
     (partial(to_rest, rest_scene(), 1.0, step=1e-3), "the predicted stability limit"),
     (partial(to_rest, rest_scene(), 1.0, step=1e-4, tolerance=1e-3), "either step or tolerance"),
     (partial(to_rest, rest_scene(), 1.0, spacing=2.0), "spacing must not exceed end"),
@@ -120,6 +127,9 @@ FAILING: list[tuple[Callable[[], object], type[Exception], str]] = [
     (partial(to_rest, SETTLING, 0.2, step=1e-4), EngineError, "the energy has exploded"),
     (partial(explicit, tolerance=1e-16), ToleranceError,
      "cannot be reached: rounding leaves 2e-13 rad"),
+    (partial(mbs_models.simulate, scene_of(1, "floating-lie"), np.linspace(0.0, 0.1, 11),
+             tolerance=2.1e-13), ToleranceError,
+     r"tolerance 2\.1e-13 rad cannot be reached .* is \d"),
 ]  # fmt: skip
 
 
