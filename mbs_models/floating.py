@@ -214,13 +214,9 @@ class Floating(Model):
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
     ) -> Array:
         angular = self._angular_acceleration(second_derivatives)
-        result: Array = frames.accelerations_from_inertial(
-            np.array([coordinates]),
-            np.array([rates]),
-            second_derivatives[None, :3],
-            angular[None],
-        )[0]
-        return result
+        given = (coordinates, rates, second_derivatives[:3], angular)
+        rows = [np.array([each]) for each in given]
+        return frames.accelerations_from_inertial(*rows)[0]  # type: ignore[no-any-return]
 
     def _angular_acceleration(self, second_derivatives: Array) -> Array:
         self.system.systemData.SetODE2Coordinates_tt(second_derivatives.tolist())

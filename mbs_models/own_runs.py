@@ -19,7 +19,7 @@ from mbs_models import sampled
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.endings import Place, dips, pulling_times, until_ending
 from mbs_models.integrators import Integrator
-from mbs_models.runs import Samples, Start, Stop, record, settle
+from mbs_models.runs import Samples, Start, Stop, run, settle
 from mbs_models.sampled import Call, leaning, state_of
 from mbs_models.scene import build
 from mbs_models.solving import EngineError, solving
@@ -174,7 +174,7 @@ class _Spans:
         watch = self._call.watch
         if not watch.steps_left:
             raise watch.given_up(self._integrator.name)
-        samples = record(
+        samples = run(
             self._model,
             self._integrator,
             spacing=period,
@@ -184,6 +184,7 @@ class _Spans:
             start=self._start,
             stop=self._stop(begin, reasons),
             most=watch.steps_left,
+            whole=False,
         )
         self._call.counts.update(samples.counts)
         watch.steps += samples.counts["steps"] + samples.counts.get("rejected_steps", 0)

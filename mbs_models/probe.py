@@ -12,7 +12,7 @@ from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from mbs_models.model import Floats, Model
 from mbs_models.scene import Scene, build
-from mbs_models.solving import SingularError, solving
+from mbs_models.solving import SingularError, quiet, solving
 
 STEP = 5e-3
 """Step in rad of the differences by time, where their truncation and rounding balance,"""
@@ -93,16 +93,12 @@ class Probe:
     """
 
     def __init__(self, model: Model) -> None:
-        settings = exu.SimulationSettings()
-        settings.timeIntegration.verboseMode = 0
-        settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
-        settings.solution.file.write = False
         self._model, self._system = model, model.system
         self._pace = _pace(model.start.coordinates, model.start.rates)
         data = model.system.systemData
         self._place = np.array(data.GetODE2Coordinates()), np.array(data.GetODE2Coordinates_t())
         self._solver = exu.MainSolverImplicitSecondOrder()
-        self._solver.InitializeSolver(self._system, settings)
+        self._solver.InitializeSolver(self._system, quiet())
         self._size = self._solver.GetODE2size()
         self._equations = self._solver.GetAEsize()
         self._zeros = np.zeros(2 * (self._size + self._equations,))

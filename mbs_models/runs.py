@@ -13,7 +13,7 @@ from analysis.data.checks import Array
 from mbs_models.integrators import Integrator, complete_jacobian
 from mbs_models.model import Model
 from mbs_models.probe import Probe
-from mbs_models.solving import Ended, EngineError, cause_of, solving
+from mbs_models.solving import Ended, EngineError, cause_of, quiet, solving
 
 MINIMUM_STEP = 1e-9
 """Step in s at which step control gives up."""
@@ -56,21 +56,7 @@ class Samples:
     failure: EngineError | None
 
 
-def run(model: Model, integrator: Integrator, **how: Any) -> Samples:
-    """The same as `record`.
-
-    Raises
-    ------
-    EngineError
-        If the run did not reach its end with finite results, or step control gave up.
-    """
-    samples = record(model, integrator, **how)
-    if samples.failure is not None:
-        raise samples.failure
-    return samples
-
-
-def record(
+def run(
     model: Model,
     integrator: Integrator,
     *,
@@ -81,6 +67,7 @@ def record(
     start: Start | None = None,
     stop: Stop | None = None,
     most: float = inf,
+    whole: bool = True,
 ) -> Samples:
     """Run a model from where it is and sample it evenly; samples fall on steps.
 
@@ -103,12 +90,19 @@ def record(
         Ends the run early.
     most : float
         Steps after which step control is given up.
+    whole : bool
+        Whether a run that breaks off is an error.
 
     Returns
     -------
     Samples
         With `intervals + 1` rows, the first of them at the start, or with those up to where
         it was stopped or broke off.
+
+    Raises
+    ------
+    EngineError
+        If the run did not reach its end with finite results, or step control gave up.
     """
     system, duration = model.system, spacing * intervals
     if start is None and (integrator.implicit or model.closes_contact):
@@ -119,7 +113,15 @@ def record(
     settings.solution.sensors.writePeriod = spacing
     if integrator.controls_step:
         _limit_steps(system, spacing, most)
-    stopped = _stopping(system, stop)
+    stopped: list[float] = []
+    if stop is not None:
+
+        def after_step(_system: Any, moment: float) -> bool:
+            if stop(moment):
+                stopped.append(moment)
+            return not stopped
+
+        system.SetPostStepUserFunction(after_step)
     clock, failure = time.process_time(), None
     try:
         with solving(system):
@@ -133,6 +135,8 @@ def record(
     if failure is not None or (len(records) <= intervals and not stopped):
         broken = _early_end(system, begin, duration, failure)
         broken.__cause__ = failure
+        if whole:
+            raise broken
     else:
         data.SetSystemState(data.GetSystemState(exu.ConfigurationType.Current), _INITIAL)
     return Samples(
@@ -143,21 +147,6 @@ def record(
         stopped=stopped[0] if stopped else None,
         failure=broken,
     )
-
-
-def _stopping(system: Any, stop: Stop | None) -> list[float]:
-    """Have the engine ask after each step; the time at which it was stopped, once it was."""
-    stopped: list[float] = []
-
-    def after_step(_system: Any, moment: float) -> bool:
-        assert stop is not None
-        if stop(moment):
-            stopped.append(moment)
-        return not stopped
-
-    if stop is not None:
-        system.SetPostStepUserFunction(after_step)
-    return stopped
 
 
 def _samples(model: Model, start: Start | None, spacing: float) -> Start:
@@ -250,11 +239,10 @@ def settle(model: Model, probe: Probe) -> Start:
 
 
 def _settings(model: Model, integrator: Integrator, duration: float, steps: int) -> Any:
-    settings = exu.SimulationSettings()
+    settings = quiet()
     stepping = settings.timeIntegration
     stepping.endTime = duration
     stepping.numberOfSteps = steps
-    stepping.verboseMode = 0
     # A failing step must end the run instead of going on with another size.
     stepping.adaptiveStep = False
     stepping.automaticStepSize = integrator.controls_step
@@ -268,11 +256,9 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
         stepping.relativeTolerance = 0.0
         stepping.minimumStepSize = MINIMUM_STEP
         stepping.initialStepSize = min(1e-3, duration / steps)
-    stepping.generalizedAlpha.computeInitialAccelerations = False
     stepping.generalizedAlpha.resetAccelerations = False
     # Without a multiplier, the contact force is taken from them.
     stepping.explicit.computeEndOfStepAccelerations = model.closes_contact
-    settings.solution.file.write = False
     return settings
 
 

@@ -34,6 +34,15 @@ class SingularError(ArithmeticError):
     """The equations of motion have no solution in a state."""
 
 
+def quiet() -> Any:
+    """Settings with which the engine prints nothing, writes nothing, and guesses nothing."""
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.verboseMode = 0
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    settings.solution.file.write = False
+    return settings
+
+
 @contextmanager
 def solving(system: Any) -> Iterator[None]:
     """Keep the engine from printing, and pass on what its user functions raise.
