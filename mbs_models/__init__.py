@@ -5,11 +5,11 @@ from mbs_models.integrators import (
     INTEGRATORS,
     Integrator,
     IntegratorName,
+    Newton,
     integrators,
 )
 from mbs_models.linearization import eigenvalues, state_matrix, stock_eigenvalues
 from mbs_models.model import FORMULATIONS, Formulation
-from mbs_models.newton import Newton
 from mbs_models.probe import acceleration
 from mbs_models.rest import simulate_to_rest
 from mbs_models.scene import Scene, formulations

@@ -13,16 +13,18 @@ from math import cos, sin
 import numpy as np
 
 from analysis.data.admissible import demanded, independent_coordinates
-from analysis.data.checks import Array, TimeLimitError
+from analysis.data.checks import Array
 from analysis.data.endings import Condition
 from analysis.data.state import COORDINATES, State
+from analysis.data.trajectory import Trajectory
 from analysis.solve.effort import contact_time, longest_step
-from analysis.solve.stepping import InitialValueProblem, Run, integrate
+from analysis.solve.stepping import InitialValueProblem, Method, Run, integrate
 from analysis.solve.to_tolerance import run_to, tighter_and_tighter
+from mbs_models.effort import LOCAL, stepping_integrator
 from mbs_models.friction import slip_velocity
 from mbs_models.integrators import FINEST_LOCAL, Integrator
 from mbs_models.probe import Probe
-from mbs_models.sampled import Call, Sampled
+from mbs_models.sampled import Call
 from mbs_models.scene import Scene, build
 from mbs_models.solving import stepping
 
@@ -65,14 +67,17 @@ class AccelerationProblem:
         The coordinates and rates that determine all others, in the order of a state.
     quick : bool
         Whether accelerations may be noisier for the sake of speed; see `Probe.solved`.
+    model : Model
+    system : exudyn.MainSystem
+    probe : Probe
     """
 
     def __init__(self, scene: Scene, conditions: Mapping[str, Condition]) -> None:
         self.quick = True
         self.scenario = scenario = scene.scenario
-        self.model = build(scene)
-        self._probe = Probe(self.model)
-        self._start = scenario.initial_state.vector.tolist()
+        self._scene, self.model = scene, build(scene)
+        self.system = self.model.system
+        self.probe = Probe(self.model)
         names: tuple[str, ...] = _NAMES
         if scenario.contact is None:
             free = ("alpha", *independent_coordinates(scenario.constraints), "alpha_rate")
@@ -87,20 +92,21 @@ class AccelerationProblem:
         self._last: tuple[Array | None, _Solved]
         self._last = (None, ([], [], np.zeros(0), np.zeros(0)))
 
-    def check_start(self) -> None:
-        """Raise `ValueError` if the start breaks a constraint."""
-        self._probe.check_start()
-
     @property
-    def initial_value_problem(self) -> InitialValueProblem:
-        """The problem to be stepped; to be solved within `solving`."""
+    def method(self) -> Method:
+        """With which an ending is located."""
+        return stepping_integrator(self._scene, np.array([0.0, 1.0]), LOCAL).method
+
+    def starting_at(self, record: Array) -> InitialValueProblem:
+        """The problem from coordinates and rates on; to be solved within `solving`."""
         scenario = self.scenario
+        self._start = record[:12].tolist()
         longest = longest_step(scenario)
         if scenario.contact is not None:
             longest = min(longest, contact_time(scenario))
         return InitialValueProblem(
             self._derivative,
-            scenario.initial_state.vector[self._free],
+            record[self._free],
             lambda state: sin(state[self._tilt]),
             self._normal_force if self.model.may_pull else None,
             longest,
@@ -118,11 +124,8 @@ class AccelerationProblem:
 
     def _forces(self, found: Sequence[_Solved]) -> Array:
         """Constraint forces, shape (n, k)."""
-        records = [np.concatenate((*self.model.encode(z, u), a)) for z, u, a, _ in found]
-        coordinates, rates, algebraic = (
-            np.array([each[part] for each in found]) for part in (0, 1, 3)
-        )
-        return self.model.multipliers(np.array(records), algebraic, coordinates, rates)
+        z, u, second, algebraic = (np.array(each) for each in zip(*found, strict=True))
+        return self.model.multipliers(second, algebraic, z, u)
 
     def _whole(self, values: Array) -> tuple[list[float], list[float]]:
         """Coordinates and rates, six floats each, from the free ones."""
@@ -149,8 +152,8 @@ class AccelerationProblem:
         last, found = self._last
         if state is not last:
             z, u = self._whole(state)
-            self._probe.move_to(z, u)
-            second, multipliers = self._probe.solved(quick=self.quick and abs(sin(z[4])) > _LOW)
+            self.probe.move_to(z, u)
+            second, multipliers = self.probe.solved(quick=self.quick and abs(sin(z[4])) > _LOW)
             found = (z, u, second, multipliers)
             self._last = (state, found)
         return found
@@ -161,12 +164,12 @@ class AccelerationProblem:
         return [rates[place] for place in self._free]
 
     def _normal_force(self, state: Array) -> float:
-        z, u, second, multipliers = self._solved(state)
+        found = self._solved(state)
         equation = self.model.contact_equation
         if equation is not None:
             # The engine's constraint forces act with a minus sign on the second body.
-            return -float(multipliers[equation])
-        return float(self._forces([(z, u, second, multipliers)])[0, 0])
+            return -float(found[3][equation])
+        return float(self._forces([found])[0, 0])
 
     def _of_state(self, condition: Condition) -> Callable[[Array], float]:
         def said(state: Array) -> float:
@@ -183,7 +186,7 @@ class AccelerationProblem:
         return lambda state: slip_velocity(radius, *self._whole(state))[direction]
 
 
-def stepped(call: Call, integrator: Integrator) -> Sampled:
+def stepped(call: Call, integrator: Integrator) -> Trajectory:
     """Step a scene's accelerations over all times, to a tolerance if there is one.
 
     Parameters
@@ -195,8 +198,9 @@ def stepped(call: Call, integrator: Integrator) -> Sampled:
     """
     times, tolerance = call.times, call.tolerance
     motion = AccelerationProblem(call.scene, call.conditions)
-    motion.check_start()
-    problem = motion.initial_value_problem
+    motion.probe.check_start()
+    start = call.scene.scenario.initial_state.vector
+    problem = motion.starting_at(start)
     problem = replace(problem, longest_step=min(call.longest, problem.longest_step))
     begin = time.process_time()
 
@@ -214,7 +218,7 @@ def stepped(call: Call, integrator: Integrator) -> Sampled:
         return found
 
     estimate, local = None, integrator.local_tolerance
-    with stepping(motion.model.system):
+    with stepping(motion.system):
         if tolerance is None:
             found = run(local or FINEST_LOCAL, 1.0)
         else:
@@ -226,16 +230,7 @@ def stepped(call: Call, integrator: Integrator) -> Sampled:
             )
         values = motion.samples(found.states)
     # The first sample is the start itself, without the rounding on the way there.
-    values[0, :12] = call.scene.scenario.initial_state.vector
-    if len(values) < 2:
-        raise TimeLimitError("time limit met before the first sample after the start")
-    return Sampled(
-        times=found.times,
-        values=values,
-        integrator=replace(integrator, local_tolerance=local),
-        step=call.longest,
-        seconds=time.process_time() - begin,
-        ended=found.ended,
-        pulling=found.pulling,
-        estimate=estimate,
-    )
+    values[0, :12] = start
+    call.seconds = time.process_time() - begin
+    used = replace(integrator, local_tolerance=local)
+    return call.trajectory(replace(found, states=values), used, call.longest, estimate)

@@ -5,12 +5,9 @@ of them changes the motion.
 """
 
 from collections.abc import Callable
-from typing import Any
 
-import exudyn as exu
 import exudyn.itemInterface as items
 
-from mbs_models.friction import UPWARD, connector_force, contact_tree_force, euler_tree_force
 from mbs_models.model import Model
 
 Ballast = Callable[[Model], None]
@@ -18,34 +15,8 @@ Ballast = Callable[[Model], None]
 
 def idle_friction(model: Model) -> None:
     """Friction of coefficient zero, as a connector or in the tree's user function."""
-    scenario, system = model.scenario, model.system
-
-    def nothing(_system: Any) -> float:
-        return 0.0
-
-    if not model.has_euler_angles:
-        table, body = _object_of(model, "Ground"), _object_of(model, "RigidBody")
-        upward = system.AddMarker(
-            items.MarkerBodyRigid(
-                bodyNumber=table, localHT=exu.HT(rotation=UPWARD, translation=[0.0] * 3)
-            )
-        )
-        centre = system.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
-        system.AddObject(
-            items.ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=[upward, centre],
-                useIntrinsicFormulation=False,
-                springForceTorqueUserFunction=connector_force(scenario, nothing),
-            )
-        )
-    else:
-        law = contact_tree_force if model.closes_contact else euler_tree_force
-        system.SetObjectParameter(
-            _object_of(model, "KinematicTree"),
-            "forceUserFunction",
-            law(scenario, nothing),
-        )
-    system.Assemble()
+    model.act(model.friction(lambda: 0.0), "friction of coefficient zero")
+    model.system.Assemble()
 
 
 def sensor_per_quantity(model: Model) -> None:
@@ -92,7 +63,12 @@ def six_axes(model: Model) -> None:
     The spherical joint is switched off and a generic one does its work.
     """
     system = model.system
-    old = _object_of(model, "JointSpherical")
+    data = system.systemData
+    old = next(
+        number
+        for number in range(data.NumberOfObjects())
+        if system.GetObject(number)["objectType"] == "JointSpherical"
+    )
     markers = system.GetObject(old)["markerNumbers"]
     system.SetObjectParameter(old, "activeConnector", False)
     system.AddObject(
@@ -108,11 +84,3 @@ BALLAST: dict[str, Ballast] = {
     "an unconnected body": second_body,
 }
 """Parts by name; all but a force law on a scene that has one of its own fit any scene."""
-
-
-def _object_of(model: Model, kind: str) -> int:
-    system = model.system
-    for number in range(system.systemData.NumberOfObjects()):
-        if system.GetObject(number)["objectType"] == kind:
-            return number
-    raise LookupError(f"no object of type {kind!r} in formulation {model.name!r}")

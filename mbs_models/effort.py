@@ -6,6 +6,7 @@ those of an in-house run; the numbers come from measured runs.
 
 from dataclasses import replace
 from math import ceil, inf, log2
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,14 +24,18 @@ HALVINGS = 13
 LATE = 5
 """Halvings after which fixed steps are looked at, whether they lead anywhere."""
 
-_SECONDS = {"explicit": 5e-5, "implicit": 3e-4}
-"""Processor time of a step of the engine's own integrators in s."""
-
 _LIKE: Method = "RK23"
-"""In-house method that takes steps in proportion to those of the engine's own integrators,"""
+"""In-house method that takes steps in proportion to those of the engine's own integrators."""
 
-_PARTS = {"explicit": 0.5, "implicit": 0.25}
-"""and how long these are over its steps."""
+
+class _Own(NamedTuple):
+    """Processor time of their steps in s, and how long these are over the steps of `_LIKE`."""
+
+    seconds: float
+    part: float
+
+
+_EXPLICIT, _IMPLICIT = _Own(5e-5, 0.5), _Own(3e-4, 0.25)
 
 _EVALUATION_SECONDS = {"contact-tree": 3e-5, "euler-tree": 6e-5, "floating": 9e-5}
 """Processor time in s of an evaluation of accelerations in a formulation,"""
@@ -44,6 +49,9 @@ finest speed of friction only now and then."""
 
 FINEST_STEPPED = 1e-9
 """Tolerance in rad below which the noise of accelerations is in the way of runs that step them."""
+
+LOCAL = 1e-11
+"""Error in a step with which endings are located."""
 
 _REST_SECONDS = 4.5e-5
 """Processor time in s of a step on the way to rest, of either kind."""
@@ -126,38 +134,33 @@ def simulation_effort(
         chosen = find_integrator(scene, integrator)
     if chosen.steps_accelerations:
         return _stepping_effort(scene, times, chosen, step or inf, tolerance)
-    if not chosen.controls_step and step is None:
-        return _halving_effort(scene, times, chosen, other, tolerance)
-    cause, longest = f"step {step or 0.0:g} s up to t = {times[-1]:g} s", step or inf
+    own, doubt = _IMPLICIT if chosen.implicit else _EXPLICIT, ""
+    wanted = chosen.local_tolerance or tolerance
+    known = shared.simulation_effort(scene.scenario, times, method=_LIKE, local_tolerance=wanted)
+    cause = known.cause.replace("local_tolerance", "tolerance")
+    needed = own.part * float(times[-1] - times[0]) / known.steps
     if chosen.controls_step:
-        cause, needed = _needed_step(scene, times, chosen, chosen.local_tolerance or tolerance)
-        longest = min(max(needed, MINIMUM_STEP), longest)
-    steps = _count(spacings, longest)
-    return Effort(steps=steps, seconds=steps * _seconds(chosen), cause=cause)
-
-
-def _halving_effort(
-    scene: Scene, times: Array, own: Integrator, stepping: Integrator | None, tolerance: float
-) -> Effort:
-    """That of runs with halved steps, and of steps of the accelerations that take over."""
-    spacings, doubt = _spacings(times), ""
-    cause, needed = _needed_step(scene, times, own, tolerance)
-    first = _count(spacings, own.first_step)
-    shortest = min(own.first_step, float(np.min(spacings)))
-    halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
-    if halvings > LATE and stepping is not None:
-        found = _stepping_effort(scene, times, stepping, inf, tolerance)
-        before = first * (2.0**LATE - 1.0)
-        seconds = found.seconds + before * _seconds(own)
-        return replace(found, steps=found.steps + before, seconds=seconds)
-    if halvings >= HALVINGS:
-        halvings = HALVINGS - 1
-        tried = shortest / 2.0**halvings
-        doubt = f"it needs steps of {needed:.0e} s, the shortest tried is {tried:.0e} s"
-    steps = first * (2.0 ** (halvings + 1) - 1.0)
-    if first >= steps / 8.0:
-        cause = f"times up to t = {times[-1]:g} s"
-    return Effort(steps=steps, seconds=steps * _seconds(own), cause=cause, doubt=doubt)
+        steps = _count(spacings, min(max(needed, MINIMUM_STEP), step or inf))
+    elif step is not None:
+        steps, cause = _count(spacings, step), f"step {step:g} s up to t = {times[-1]:g} s"
+    else:
+        first = _count(spacings, chosen.first_step)
+        shortest = min(chosen.first_step, float(np.min(spacings)))
+        halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
+        if halvings > LATE and other is not None:
+            # It takes over.
+            found = _stepping_effort(scene, times, other, inf, tolerance)
+            before = first * (2.0**LATE - 1.0)
+            seconds = found.seconds + before * own.seconds
+            return replace(found, steps=found.steps + before, seconds=seconds)
+        if halvings >= HALVINGS:
+            halvings = HALVINGS - 1
+            tried = shortest / 2.0**halvings
+            doubt = f"it needs steps of {needed:.0e} s, the shortest tried is {tried:.0e} s"
+        steps = first * (2.0 ** (halvings + 1) - 1.0)
+        if first >= steps / 8.0:
+            cause = f"times up to t = {times[-1]:g} s"
+    return Effort(steps=steps, seconds=steps * own.seconds, cause=cause, doubt=doubt)
 
 
 def _stepping_effort(
@@ -216,19 +219,3 @@ def _spacings(times: Array) -> Array:
 def _count(spacings: Array, step: float) -> float:
     """Steps of at most `step` in s that end at every sample."""
     return float(np.sum(np.ceil(np.maximum(spacings / step - 1e-9, 1.0))))
-
-
-def _seconds(integrator: Integrator) -> float:
-    return _SECONDS["implicit" if integrator.implicit else "explicit"]
-
-
-def _needed_step(
-    scene: Scene, times: Array, integrator: Integrator, tolerance: float
-) -> tuple[str, float]:
-    """What asks for short steps, and the step in s that gives the tolerance in rad."""
-    known = shared.simulation_effort(
-        scene.scenario, times, method=_LIKE, local_tolerance=tolerance
-    )
-    cause = known.cause.replace("local_tolerance", "tolerance")
-    part = _PARTS["implicit" if integrator.implicit else "explicit"]
-    return cause, part * float(times[-1] - times[0]) / known.steps

@@ -5,8 +5,8 @@ between any two steps, in which one search finds whatever comes first.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple, Protocol
 
 import exudyn as exu
 import numpy as np
@@ -15,11 +15,17 @@ import numpy.typing as npt
 from analysis.data.checks import Array, ToleranceError
 from analysis.data.endings import CONTACT_WOULD_PULL
 from analysis.data.watch import Watch
-from analysis.solve.stepping import InitialValueProblem, Method, SolverError, integrate
+from analysis.solve.lookout import intervals
+from analysis.solve.stepping import (
+    InitialValueProblem,
+    Method,
+    Run,
+    SolverError,
+    integrate,
+    pulls_at_start,
+)
+from mbs_models.effort import LOCAL
 from mbs_models.solving import SingularError, solving
-
-LOCAL = 1e-11
-"""Error in a step with which endings are located."""
 
 MOST_STEPS_OF_A_SEARCH = 1000
 """Of the accelerations; between two records some ten are usual."""
@@ -43,94 +49,91 @@ class Place(NamedTuple):
     reason: str
 
 
-class Found(NamedTuple):
-    """Where a run ends: `moment` s after record `row`, with these values, for this reason."""
-
-    reason: str
-    row: int
-    moment: float
-    values: Array
-
-
-class Motion(NamedTuple):
-    """A motion from a record on.
-
-    Parameters
-    ----------
-    system : exudyn.MainSystem
-        Whose accelerations are stepped.
-    problem : InitialValueProblem
-    method : str
-    values_of : callable
-        From a state of the problem to the values of a record.
-    """
+class Stepped(Protocol):
+    """A motion by the accelerations of an engine system, to be stepped from any record on."""
 
     system: Any
-    problem: InitialValueProblem
-    method: Method
-    values_of: Callable[[Array], Array]
+
+    @property
+    def method(self) -> Method:
+        """How it is stepped."""
+
+    def starting_at(self, record: Array) -> InitialValueProblem:
+        """The motion from a record on."""
+
+    def samples(self, states: Array) -> Array:
+        """Records, shape (n, k), from n states of the problem."""
 
 
-def first_ending(
+def until_ending(
+    moments: Array,
+    records: Array,
     places: Iterable[Place],
-    period: float,
-    motion_from: Callable[[int], Motion],
+    motion: Stepped,
     *,
-    allow_pulling: bool,
+    period: float,
     work: Counter[str],
-) -> Found | None:
-    """The first ending of a run, if there is one.
+    allow_pulling: bool = True,
+) -> tuple[str | None, Array, Array]:
+    """Why a run ends, if it does, and its records up to there.
 
     Parameters
     ----------
+    moments : ndarray, shape (n,)
+        In s.
+    records : ndarray, shape (n, k)
     places : iterable of Place
         In any order.
+    motion : Stepped
     period : float
         Time between records in s.
-    motion_from : callable
-        From the number of a record to the motion that begins there.
-    allow_pulling : bool
-        Whether a contact that pulls ends nothing.
     work : Counter
         To which the steps of the search are added.
+    allow_pulling : bool
+        Whether a contact that pulls ends nothing.
+
+    Returns
+    -------
+    ended : str or None
+    moments : ndarray, shape (m,)
+    records : ndarray, shape (m, k)
     """
     for place in sorted(places):
         # Runs differ by their errors: what one shows to be negative may be so later in another.
-        end = period * (place.width + bool(place.reason))
-        found = _located(place, end, motion_from(place.row), allow_pulling, work)
-        if found is not None:
-            return found
-    return None
+        end, size = period * (place.width + bool(place.reason)), place.row + 1
+        try:
+            found, last = _located(records[place.row], end, motion, work, allow_pulling)
+        except ToleranceError:
+            # Where a condition is known to be negative, an ending must not be passed over.
+            if place.reason:
+                raise
+            continue
+        except (SolverError, SingularError, exu.ExudynError):
+            continue
+        if ended := found.ended or place.reason:
+            moments, records = moments[:size], records[:size]
+            if found.times[-1] > 0.0:
+                moments = np.append(moments, moments[-1] + found.times[-1])
+                records = np.vstack((records, last))
+            return ended, moments, records
+    return None, moments, records
 
 
 def _located(
-    place: Place, end: float, motion: Motion, allow_pulling: bool, work: Counter[str]
-) -> Found | None:
-    """The first ending within `end` s of a record; None if the accelerations show none."""
-    problem = motion.problem
+    record: Array, end: float, motion: Stepped, work: Counter[str], allow_pulling: bool
+) -> tuple[Run, Array]:
+    """Motion from a record up to its first ending within `end` s, and the record there."""
     # On a stiff contact a search may be endless, and a run that broke off has then no ending.
     watch, times = Watch(most=MOST_STEPS_OF_A_SEARCH), np.array([0.0, end])
-    try:
-        with solving(motion.system):
-            force = problem.normal_force
-            if not allow_pulling and force is not None and force(problem.start) < 0.0:
-                first = motion.values_of(problem.start)
-                return Found(CONTACT_WOULD_PULL, place.row, 0.0, first)
-            found = integrate(
-                problem, times, motion.method, LOCAL, allow_pulling=allow_pulling, watch=watch
-            )
-            last = motion.values_of(found.states[-1])
-    except (SolverError, SingularError, exu.ExudynError):
-        return None
-    except ToleranceError:
-        # Where a condition is known to be negative, an ending must not be passed over.
-        if place.reason:
-            raise
-        return None
-    work.update(steps=found.steps, right_hand_sides=found.evaluations)
-    if found.ended is not None:
-        return Found(found.ended, place.row, float(found.times[-1]), last)
-    return Found(place.reason, place.row, end, last) if place.reason else None
+    with solving(motion.system):
+        problem = motion.starting_at(record)
+        if pulls_at_start(problem, allow_pulling=True) and not allow_pulling:
+            return Run(times[:1], record[None], 0, CONTACT_WOULD_PULL, ()), record
+        found = integrate(
+            problem, times, motion.method, LOCAL, allow_pulling=allow_pulling, watch=watch
+        )
+        work.update(steps=found.steps, right_hand_sides=found.evaluations)
+        return found, motion.samples(found.states[-1:])[0]
 
 
 def dips(values: Array, reason: str) -> Iterator[Place]:
@@ -187,6 +190,4 @@ def pulling_times(
     crossings = (times[edges] + share * np.diff(times)[edges]).tolist()
     if negative[0]:
         crossings.insert(0, float(times[0]))
-    if negative[-1]:
-        crossings.append(float(times[-1]))
-    return tuple(zip(crossings[::2], crossings[1::2], strict=True))
+    return intervals(crossings, float(times[-1]))

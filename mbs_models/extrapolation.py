@@ -9,11 +9,12 @@ from analysis.data.agreement import needed
 from analysis.data.checks import Array, TimeLimitError, ToleranceError
 from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.data.state import FlatError
+from analysis.data.trajectory import Trajectory
 from mbs_models.effort import HALVINGS, LATE
 from mbs_models.integrators import RULES, Integrator, IntegratorName
 from mbs_models.model import Formulation
 from mbs_models.own_runs import run_over
-from mbs_models.sampled import Call, Sampled, apart
+from mbs_models.sampled import Call, apart
 from mbs_models.scene import CLASSES
 from mbs_models.solving import EngineError
 
@@ -39,11 +40,6 @@ HOPELESS = 100.0
 
 class HopelessError(ToleranceError):
     """Fixed steps lead to nothing, and another way is left to try."""
-
-
-def error_exponents(formulation: Formulation, integrator: IntegratorName) -> tuple[int, ...]:
-    """Exponents of the step in the error expansion."""
-    return CLASSES[formulation].exponents or RULES[integrator].exponents
 
 
 class Ladder:
@@ -79,7 +75,7 @@ class Ladder:
         flat: bool = False,
     ) -> None:
         self._decay, self._flat = decay, flat
-        self._exponents = error_exponents(formulation, integrator)
+        self._exponents = CLASSES[formulation].exponents or RULES[integrator].exponents
         self._row: list[Array] = []
         self._differences: list[float] = []
         self._worse = 0
@@ -154,7 +150,7 @@ class Ladder:
         return 2.0 ** self._exponents[min(column, len(self._exponents) - 1)]
 
 
-def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> Sampled:
+def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> Trajectory:
     """Halve the step and extrapolate until the estimated error is small enough.
 
     Parameters
@@ -183,7 +179,7 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> Sa
         if is_late and ladder.best_estimate > HOPELESS * tolerance:
             raise HopelessError
         try:
-            result = run_over(call, integrator, integrator.first_step, halvings)
+            result, step = run_over(call, integrator, integrator.first_step, halvings)
         except (EngineError, FlatError) as error:
             # A step too long for the iteration is no failure of the tolerance: halve it.
             flat = flat + 1 if isinstance(error, FlatError) else 0
@@ -196,14 +192,14 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> Sa
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
             ladder = empty(flat=result.ended == FLAT)
-        ladder.add(result.values, result.times, result.step)
+        ladder.add(result.states, result.times, step)
         if ladder.estimate <= needed(tolerance, result.ended == FLAT):
-            best, estimate = ladder.best, ladder.estimate
-            return replace(result, times=ladder.best_times, values=best, estimate=estimate)
+            result = replace(result, times=ladder.best_times, states=ladder.best)
+            return call.trajectory(result, integrator, step, ladder.estimate)
         if over:
             raise TimeLimitError(
                 f"time limit met at t = {result.times[-1]:.6g} s of a run with a step of "
-                f"{result.step:.3g} s, before runs agreed to {tolerance:g} rad; the best "
+                f"{step:.3g} s, before runs agreed to {tolerance:g} rad; the best "
                 f"estimated error is {ladder.best_estimate:.1e} rad"
             )
     raise failure or ToleranceError(

@@ -1,6 +1,7 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
 from collections.abc import Callable
+from functools import cached_property
 from math import atan2, cos, hypot, pi, sin
 from typing import Any, ClassVar
 
@@ -15,10 +16,8 @@ from analysis.data.bodies import Sphere
 from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
-from mbs_models.body_contact import loads_of
-from mbs_models.building import table_forces
-from mbs_models.friction import UPWARD, Force, connector_force, friction_load
-from mbs_models.loads import Loads
+from mbs_models.friction import UPWARD, Force, connector_force
+from mbs_models.loads import loads_of
 from mbs_models.model import Floats, Formulation, Model
 
 _OUTPUT = exu.OutputVariableType
@@ -43,6 +42,7 @@ class Floating(Model):
         _OUTPUT.Velocity,
         _OUTPUT.AngularVelocity,
     )
+    _law = staticmethod(connector_force)
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
     @classmethod
@@ -55,13 +55,8 @@ class Floating(Model):
             return "has no coordinate beta whose rate a joint could hold"
         return ""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.loads: Loads | None = None
-        if scenario.contact is not None:
-            self.loads = loads_of(scenario, scenario.contact)
-        super().__init__(scenario)
-
     def _build(self) -> None:
+        self.loads = None if self.scenario.contact is None else loads_of(self.scenario)
         start, disk = self.start, self.scenario.disk
         coordinates, rates = np.array([start.coordinates]), np.array([start.rates])
         position, rotation = frames.poses(coordinates)
@@ -87,83 +82,58 @@ class Floating(Model):
             ("marker", 0): "what the weight acts on",
             ("load", 0): "the weight",
         }
-        self._hold()
+        self._table = self._add_table()
+        self._centre = self._disk_marker(0.0, "the disk's centre")
+        self._add_forces()
+        if self.loads is None:
+            self._hold(self._table)
 
-    def _hold(self) -> None:
-        """Add what the table does to the disk."""
-        table = self._add_table()
-        centre = self._disk_marker(0.0, "the disk's centre")
-        if table_forces(self.scenario):
-            self._add_force(table, centre)
-        if self.scenario.contact is not None:
+    def _close_contact(self, table: int, origin: int) -> None:
+        if not isinstance(self.scenario.disk, Sphere):
+            super()._close_contact(table, origin)
             return
-        origin = self._add_origin(table)
-        if isinstance(self.scenario.disk, Sphere):
-            self._add_level(table, centre)
-        else:
-            self._add_contact(origin, centre)
-        if "fixed-cog" in self.scenario.constraints:
-            cog = self._disk_marker(
-                self.scenario.disk.eccentricity, "the disk's centre of gravity"
-            )
-            self._add_fixed_cog(origin, cog)
-        if "constant-spin" in self.scenario.constraints:
-            self._add_carrier(centre)
-
-    def _add_level(self, table: int, centre: int) -> None:
-        """Close the contact of a sphere: its middle stays in a plane."""
         above = self._add(
             items.MarkerBodyRigid(
                 bodyNumber=table, localPosition=[0.0, 0.0, self.scenario.disk.radius]
             ),
             "the plane in which the middle of a sphere moves",
         )
-        self._contact.append(
-            self._add(
-                items.ObjectJointGeneric(
-                    markerNumbers=[above, centre], constrainedAxes=[0, 0, 1, 0, 0, 0]
-                ),
-                "contact with the table",
-            )
+        joint = self._add(
+            items.ObjectJointGeneric(
+                markerNumbers=[above, self._centre], constrainedAxes=[0, 0, 1, 0, 0, 0]
+            ),
+            "contact with the table",
         )
+        self._joints["contact"] = joint, [2]
 
     def _disk_marker(self, offset: float, why: str) -> int:
         return self._add(
             items.MarkerBodyRigid(bodyNumber=self._body, localPosition=[offset, 0.0, 0.0]), why
         )
 
-    def _add_force(self, table: int, centre: int) -> None:
-        """Add friction, and the contact if it is one of penalty."""
-        name = table_forces(self.scenario)
-        if self.loads is not None:
-            side = self._add(
-                items.MarkerBodyRigid(bodyNumber=table), f"the table's side of {name}"
-            )
-            force = self._contact_force(self.loads)
-        else:
-            side = self._add(
-                items.MarkerBodyRigid(
-                    bodyNumber=table,
-                    localHT=exu.HT(rotation=UPWARD, translation=[0.0] * 3),
-                ),
-                f"the table's side of {name}, turned to where its angles are regular",
-            )
-            # The joint of a sphere tells its force with the opposite sign.
-            is_sphere = isinstance(self.scenario.disk, Sphere)
-            load = friction_load(self.scenario, self._contact, -1.0 if is_sphere else 1.0)
-            force = connector_force(self.scenario, load)
+    def act(self, force: Force, name: str) -> None:
+        # Friction alone asks for angles that are regular unless the disk lies flat.
+        rotation = UPWARD if self.loads is None else np.eye(3)
+        side = self._add(
+            items.MarkerBodyRigid(
+                bodyNumber=self._table,
+                localHT=exu.HT(rotation=rotation, translation=[0.0] * 3),
+            ),
+            f"the table's side of {name}",
+        )
         self._add(
             items.ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=[side, centre],
+                markerNumbers=[side, self._centre],
                 useIntrinsicFormulation=False,
                 springForceTorqueUserFunction=force,
             ),
             f"{name} by a user function",
         )
 
-    def _contact_force(self, loads: Loads) -> Force:
-        """User function with the load on the table, which is minus that on the disk."""
-        node, attitude = self._node, _OUTPUT.RotationMatrix
+    def _contact_force(self) -> Force:
+        # The load on the table is minus that on the disk.
+        loads, node, attitude = self.loads, self._node, _OUTPUT.RotationMatrix
+        assert loads is not None
 
         def force(
             system: Any, _t: Any, _item: Any, displacement: Any, _rotation: Any,
@@ -181,8 +151,9 @@ class Floating(Model):
 
         return force
 
-    def _add_carrier(self, centre: int) -> None:
+    def _turning(self, coordinate: str) -> tuple[int, int]:
         """Add a carrier that turns at the prescribed spin and takes the disk's axis along."""
+        assert coordinate == "alpha"
         start = self.start
         node = self._add(
             items.Node1D(
@@ -205,23 +176,25 @@ class Floating(Model):
             ),
             "the carrier's side of its joint",
         )
-        self._hold_rate("alpha", node)
         self._add(
             items.ObjectJointGeneric(
-                markerNumbers=[across, centre], constrainedAxes=[0, 0, 0, 1, 0, 0]
+                markerNumbers=[across, self._centre], constrainedAxes=[0, 0, 0, 1, 0, 0]
             ),
             "takes the disk's axis along with the carrier",
         )
+        return node, 0
+
+    @cached_property
+    def origin(self) -> Array:
+        """What the engine's coordinates are measured from, shape (n,)."""
+        data = self.system.systemData
+        found: Array = data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates()
+        return found
 
     def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
-        place, velocity, (s, x, y, z), (p, q, r) = _free_motion(coordinates, rates)
-        turning = [
-            -0.5 * (x * p + y * q + z * r),
-            0.5 * (s * p + y * r - z * q),
-            0.5 * (s * q + z * p - x * r),
-            0.5 * (s * r + x * q - y * p),
-        ]
-        return self._with_carrier([*place, s, x, y, z], [*velocity, *turning], coordinates, rates)
+        place, velocity, parameters, local = _free_motion(coordinates, rates)
+        turning = quaternion_rates(parameters, local)
+        return self._with_carrier([*place, *parameters], [*velocity, *turning], coordinates, rates)
 
     def _with_carrier(
         self, position: list[float], velocity: list[float], coordinates: Floats, rates: Floats
@@ -230,9 +203,7 @@ class Floating(Model):
         if "constant-spin" in self.scenario.constraints and self.scenario.contact is None:
             position.append(coordinates[3])
             velocity.append(rates[3])
-        data = self.system.systemData
-        origin = data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates()
-        return (np.array(position) - origin).tolist(), velocity
+        return (np.array(position) - self.origin).tolist(), velocity
 
     def decode(self, records: Array) -> tuple[Array, Array]:
         position, velocity, angular = records[:, :3], records[:, 12:15], records[:, 15:18]
@@ -243,13 +214,9 @@ class Floating(Model):
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
     ) -> Array:
         angular = self._angular_acceleration(second_derivatives)
-        result: Array = frames.accelerations_from_inertial(
-            np.array([coordinates]),
-            np.array([rates]),
-            second_derivatives[None, :3],
-            angular[None],
-        )[0]
-        return result
+        given = (coordinates, rates, second_derivatives[:3], angular)
+        rows = [np.array([each]) for each in given]
+        return frames.accelerations_from_inertial(*rows)[0]  # type: ignore[no-any-return]
 
     def _angular_acceleration(self, second_derivatives: Array) -> Array:
         self.system.systemData.SetODE2Coordinates_tt(second_derivatives.tolist())
@@ -284,8 +251,7 @@ class FloatingLie(Floating):
     def path(self, position: Array, velocity: Array) -> Callable[[float], Array]:
         # On the Lie group the velocities are local angular velocities, not rates of coordinates.
         straight = super().path(position, velocity)
-        data = self.system.systemData
-        origin = (data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates())[3:6]
+        origin = self.origin[3:6]
         vector, angular = origin + position[3:6], velocity[3:6]
 
         def turned(time: float) -> Array:
@@ -309,8 +275,8 @@ class FloatingWithLosses(FloatingLie):
     stages of the integrator as the motion.
     """
 
-    def _hold(self) -> None:
-        super()._hold()
+    def _build(self) -> None:
+        super()._build()
         zeros = [0.0] * len(CAUSES)
         self._energies = self._add(
             items.NodeGenericODE1(
@@ -341,6 +307,17 @@ class FloatingWithLosses(FloatingLie):
 
     def _readings(self) -> list[tuple[int, Any]]:
         return [*super()._readings(), (self._energies, _OUTPUT.Coordinates)]
+
+
+def quaternion_rates(quaternion: Floats, angular: Floats) -> list[float]:
+    """Rates of a quaternion, four floats, from the angular velocity in axes of the body."""
+    (s, x, y, z), (p, q, r) = quaternion, angular
+    return [
+        -0.5 * (x * p + y * q + z * r),
+        0.5 * (s * p + y * r - z * q),
+        0.5 * (s * q + z * p - x * r),
+        0.5 * (s * r + x * q - y * p),
+    ]
 
 
 def _free_motion(coordinates: Floats, rates: Floats) -> tuple[list[float], ...]:

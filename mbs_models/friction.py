@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from math import cos, exp, hypot, sin, sqrt, tanh
 from typing import Any
 
-import exudyn as exu
 import numpy as np
 
 from analysis.data.bodies import Sphere
@@ -23,8 +22,8 @@ from analysis.data.friction import (
 )
 from analysis.data.scenario import Scenario
 
-Load = Callable[[Any], float]
-"""From the engine's system to what presses the disk on the table, in N."""
+Load = Callable[[], float]
+"""What presses the disk on the table in the engine's current state, in N."""
 
 LawForce = Callable[[float, float, float], tuple[float, float]]
 """From slip along and across the edge in m/s and a load in N to the friction force in N."""
@@ -132,30 +131,6 @@ def free_slip_force(scenario: Scenario) -> LawForce:
     return law
 
 
-def friction_load(scenario: Scenario, contact: list[int], sign: float = 1.0) -> Load:
-    """What presses the disk on the table, constant or from the contact joint's multiplier.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    contact : list of int
-        Holds the object number of the contact joint once that is built; read at run time.
-    sign : float
-        By which the force that this joint tells is the one on the disk.
-    """
-    if scenario.friction.load == "weight":
-        weight = scenario.weight
-        return lambda _system: weight
-    force = exu.OutputVariableType.ForceLocal
-
-    def from_contact(system: Any) -> float:
-        # The multiplier of the present Newton iterate: the converged step has no lag. A contact
-        # that pulls rubs with no load.
-        return max(0.0, sign * float(system.GetObjectOutput(contact[0], force)[2]))
-
-    return from_contact
-
-
 def slip_velocity(
     radius: float, coordinates: Sequence[float], rates: Sequence[float]
 ) -> tuple[float, float]:
@@ -174,11 +149,11 @@ def contact_tree_force(scenario: Scenario, load: Load) -> Force:
     """
     r, friction = scenario.disk.radius, law_force(scenario.friction)
 
-    def force(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
+    def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         x, y, spin = q[1], q[2], u[0]
         slip_x = u[1] - y * spin + r * u[4]
         slip_y = u[2] + x * spin
-        fx, fy = friction(slip_x, slip_y, load(system))
+        fx, fy = friction(slip_x, slip_y, load())
         return [x * fy - y * fx, fx, fy, 0.0, r * fx]
 
     return force
@@ -188,11 +163,11 @@ def euler_tree_force(scenario: Scenario, load: Load) -> Force:
     """Generalised friction force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
     r, friction = scenario.disk.radius, free_slip_force(scenario)
 
-    def force(system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
+    def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
         x, arm, lift = q[1], r * cos(q[4]) - q[2], r * sin(q[4])
         slip_x = u[1] + arm * u[0] + r * u[5]
         slip_y = u[2] + x * u[0] + lift * u[4]
-        fx, fy = friction(slip_x, slip_y, load(system))
+        fx, fy = friction(slip_x, slip_y, load())
         return [arm * fx + x * fy, fx, fy, 0.0, lift * fy, r * fx]
 
     return force
@@ -210,7 +185,7 @@ def connector_force(scenario: Scenario, load: Load) -> Force:
     is_sphere = isinstance(scenario.disk, Sphere)
 
     def force(
-        system: Any, _t: Any, _item: Any, _displacement: Any, rotation: Any,
+        _system: Any, _t: Any, _item: Any, _displacement: Any, rotation: Any,
         velocity: Any, angular: Any, *_unused: Any,
     ) -> list[float]:  # fmt: skip
         if is_sphere:
@@ -221,7 +196,7 @@ def connector_force(scenario: Scenario, load: Load) -> Force:
             c0, c1, c2 = -r * cos(rotation[1]), rise * n1, rise * n2
         slip_1 = velocity[1] + angular[2] * c0 - angular[0] * c2
         slip_2 = velocity[2] + angular[0] * c1 - angular[1] * c0
-        fx, fy = friction(slip_2 * n1 - slip_1 * n2, slip_1 * n1 + slip_2 * n2, load(system))
+        fx, fy = friction(slip_2 * n1 - slip_1 * n2, slip_1 * n1 + slip_2 * n2, load())
         f1, f2 = fx * n2 - fy * n1, -fx * n1 - fy * n2
         return [0.0, f1, f2, c1 * f2 - c2 * f1, -c0 * f2, c0 * f1]
 

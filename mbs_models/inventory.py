@@ -1,14 +1,12 @@
 """What a scene consists of in the engine, and why."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
 import numpy as np
 
-from mbs_models.building import Kind
-from mbs_models.model import Model
+from mbs_models.model import KINDS, Kind, Model
 from mbs_models.scene import Scene, build
 
 
@@ -24,11 +22,12 @@ class Item:
     type : str
         The engine's name of its type.
     coordinates : int
-        Coordinates of a node, or unknowns of motion that it brings.
+        Unknowns of motion that a node brings; each has a differential equation of second order.
     equations : int
         Algebraic equations that it brings.
     idle : int
-        How many of those only say that an unused constraint force is zero.
+        How many of those only say that an unused constraint force is zero; all others constrain
+        the motion.
     user_functions : tuple of str
         User functions that the engine calls, by the engine's names.
     why : str
@@ -45,50 +44,12 @@ class Item:
     why: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Inventory:
-    """All items of a scene as it runs, with its sensors.
+def inventory(scene: Scene) -> list[Item]:
+    """List what is in a scene as it runs, with its sensors, read back from the engine.
 
     Parameters
     ----------
     scene : Scene
-    items : tuple of Item
-    """
-
-    scene: Scene
-    items: tuple[Item, ...]
-
-    @property
-    def coordinates(self) -> int:
-        """Unknowns of motion; each brings a differential equation of second order."""
-        return sum(item.coordinates for item in self.items)
-
-    @property
-    def equations(self) -> int:
-        """Algebraic equations, the idle ones included."""
-        return sum(item.equations for item in self.items)
-
-    @property
-    def constraints(self) -> int:
-        """Algebraic equations that constrain the motion."""
-        return self.equations - sum(item.idle for item in self.items)
-
-    @property
-    def user_functions(self) -> int:
-        """Number of user functions."""
-        return sum(len(item.user_functions) for item in self.items)
-
-
-def inventory(scene: Scene) -> Inventory:
-    """List what is in a scene, read back from the engine.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Inventory
 
     Raises
     ------
@@ -96,37 +57,16 @@ def inventory(scene: Scene) -> Inventory:
         If an item has no recorded reason to be there.
     """
     model = build(scene)
-    return Inventory(scene=scene, items=tuple(_items(model)))
+    data = model.system.systemData
+    return [
+        _item(model, kind, number)
+        for kind in KINDS
+        for number in range(getattr(data, f"NumberOf{kind.capitalize()}s")())
+    ]
 
 
-def unused_markers(scene: Scene) -> tuple[int, ...]:
-    """Numbers of the markers that no object and no load refers to."""
-    model = build(scene)
-    system, data = model.system, model.system.systemData
-    used: set[int] = set()
-    for number in range(data.NumberOfObjects()):
-        used.update(int(marker) for marker in system.GetObject(number).get("markerNumbers", ()))
-    for number in range(data.NumberOfLoads()):
-        used.add(int(system.GetLoad(number)["markerNumber"]))
-    return tuple(sorted(set(range(data.NumberOfMarkers())) - used))
-
-
-def _items(model: Model) -> Iterator[Item]:
-    system = model.system
-    data = system.systemData
-    kinds: tuple[tuple[Kind, int, Any], ...] = (
-        ("node", data.NumberOfNodes(), system.GetNode),
-        ("object", data.NumberOfObjects(), system.GetObject),
-        ("marker", data.NumberOfMarkers(), system.GetMarker),
-        ("load", data.NumberOfLoads(), system.GetLoad),
-        ("sensor", data.NumberOfSensors(), system.GetSensor),
-    )
-    for kind, count, read in kinds:
-        for number in range(count):
-            yield _item(model, kind, number, read(number))
-
-
-def _item(model: Model, kind: Kind, number: int, stored: dict[str, Any]) -> Item:
+def _item(model: Model, kind: Kind, number: int) -> Item:
+    stored: dict[str, Any] = getattr(model.system, f"Get{kind.capitalize()}")(number)
     if (kind, number) not in model.reasons:
         raise LookupError(f"{kind} {number} has no recorded reason to be in the scene")
     equations = coordinates = idle = 0
@@ -144,12 +84,8 @@ def _item(model: Model, kind: Kind, number: int, stored: dict[str, Any]) -> Item
         coordinates=coordinates,
         equations=equations,
         idle=idle,
-        user_functions=tuple(_user_functions(stored)),
+        user_functions=tuple(
+            name for name, value in stored.items() if name.endswith("UserFunction") and value
+        ),
         why=model.reasons[kind, number],
     )
-
-
-def _user_functions(stored: dict[str, Any]) -> Iterator[str]:
-    for name, value in stored.items():
-        if name.endswith("UserFunction") and value:
-            yield name

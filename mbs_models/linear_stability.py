@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.data.checks import Array, choice
 from mbs_models.integrators import RULES, IntegratorName
-from mbs_models.solving import solving
+from mbs_models.solving import quiet, solving
 
 STAGES: dict[IntegratorName, int] = {
     name: rule.stages for name, rule in RULES.items() if rule.stages and not rule.controls_step
@@ -42,12 +42,10 @@ def stability_polynomial(integrator: IntegratorName) -> Array:
     )
     system.AddObject(items.ObjectGenericODE1(nodeNumbers=[node], systemMatrix=np.eye(size, k=-1)))
     system.Assemble()
-    settings = exu.SimulationSettings()
+    settings = quiet()
     settings.timeIntegration.numberOfSteps = 1
     settings.timeIntegration.endTime = 1.0
-    settings.timeIntegration.verboseMode = 0
     settings.timeIntegration.automaticStepSize = False
-    settings.solution.file.write = False
     with solving(system):
         system.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, integrator))
     return np.array(system.systemData.GetODE1Coordinates())

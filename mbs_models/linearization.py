@@ -71,14 +71,14 @@ def state_matrix(scene: Scene | Scenario) -> Array:
         raise ValueError("contact must be left out: a penalty contact is not linearised")
     motion = AccelerationProblem(scene, {})
     motion.quick = False
-    problem = motion.initial_value_problem
+    problem = motion.starting_at(scenario.initial_state.vector)
     places = [number for number, name in enumerate(motion.names) if name not in NEUTRAL]
     turning = abs(scenario.initial_state.rates[3]) + 1.0
 
     def rates(state: Array) -> Array:
         return np.asarray(problem.right_hand_side(0.0, state))[places]
 
-    with solving(motion.model.system):
+    with solving(motion.system):
         largest = float(np.max(np.abs(rates(problem.start))))
         if largest > 1e-6 * turning**2:
             raise ValueError(

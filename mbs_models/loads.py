@@ -2,15 +2,26 @@
 
 With n the disk's axis, e the vertical and k = r² - c², the spheroid of semi-axes r, r, c has its
 lowest point at p = -(r² e - k n_z n) / H from its centre, at the height H = sqrt(r² - k n_z²).
+
+A body that turns by w moves its lowest point over its surface by p' - w x p = K (w x e), which is
+level. K is symmetric: minus the derivative of p by the direction of the vertical.
 """
 
 from math import cos, hypot, pi, sin, sqrt
 from typing import Any
 
-from analysis.data.contact import PenaltyContact
+import numpy as np
+
+from analysis.data import frames
+from analysis.data.bodies import EllipticDisk, Sphere
+from analysis.data.body import Body
+from analysis.data.checks import Array
 from analysis.data.dissipation import CAUSES
 from analysis.data.scenario import Scenario
 from mbs_models.friction import Force, euler_tree_force, law_force
+
+_STEP = 1e-3
+"""Angle in rad over which the surface of a body of one's own is differentiated."""
 
 Triple = tuple[float, float, float]
 
@@ -24,18 +35,19 @@ class Loads:
     Parameters
     ----------
     scenario : Scenario
-    contact : PenaltyContact
-        That of the scenario. At a thickness of zero, the disk must not lie flat.
+        With a penalty contact. At a thickness of zero, the disk must not lie flat.
     """
 
-    def __init__(self, scenario: Scenario, contact: PenaltyContact) -> None:
+    def __init__(self, scenario: Scenario) -> None:
         disk, dissipation = scenario.disk, scenario.dissipation
-        self._contact, self._loss = contact, dissipation
+        self._scenario, self._contact = scenario, scenario.penalty_contact
+        self._loss = dissipation
         self._by_weight = scenario.friction.load == "weight"
         self._weight, self._law = scenario.weight, law_force(scenario.friction)
         self._has_direction = not scenario.friction.IS_ISOTROPIC
         self._square = disk.radius**2
-        self._flattening = self._square - contact.half_thickness**2
+        half = disk.radius if isinstance(disk, Sphere) else self._contact.half_thickness
+        self._least, self._flattening = half**2, self._square - half**2
         self._rolls = dissipation.rolling_dry > 0.0 or dissipation.rolling_viscous > 0.0
         half_air = 0.5 * dissipation.air_drag
         self._push = half_air * pi * disk.radius**2
@@ -54,6 +66,25 @@ class Loads:
         height = sqrt(self._square - self._flattening * up * up)
         lean = self._flattening * up / height
         return lean * matrix[2], lean * matrix[5], -height
+
+    def spread(self, matrix: Matrix) -> Triple:
+        """Entries xx, xy and yy of K in m; see above."""
+        x, y = matrix[2], matrix[5]
+        xx, xy, yy = (self._flattening * each for each in (x * x, x * y, y * y))
+        square = self._least + xx + yy
+        ratio = self._square / (square * sqrt(square))
+        return ratio * (self._least + yy), -ratio * xy, ratio * (self._least + xx)
+
+    def contour(self, matrix: Matrix, w: Triple) -> tuple[float, float]:
+        """Velocity in m/s of the contact point over the surface; it is horizontal.
+
+        Parameters
+        ----------
+        matrix, w : tuple of 9 and of 3 floats
+            As in `at`.
+        """
+        xx, xy, yy = self.spread(matrix)
+        return xx * w[1] - xy * w[0], xy * w[1] - yy * w[0]
 
     def at(self, centre_height: float, matrix: Matrix, v: Triple, w: Triple) -> "Loading":
         """Force and torque on the disk, and what they tell about the contact.
@@ -130,56 +161,19 @@ class Loads:
         fx, fy = self._law(c * sx + s * sy, c * sy - s * sx, load)
         return c * fx - s * fy, s * fx + c * fy
 
-    def contour(self, matrix: Matrix, w: Triple, point: Triple) -> tuple[float, float]:
-        """Velocity p' - w x p in m/s of the contact point over the rim; it is horizontal.
+    def _rolling(self, matrix: Matrix, w: Triple, load: "Loading") -> None:
+        """Add the torque of the resistance to the contact point's velocity over the surface.
 
-        Parameters
-        ----------
-        matrix, w : tuple of 9 and of 3 floats
-            As in `at`.
-        point : tuple of 3 floats
-            Contact point from the centre in m.
+        A resistance F on it takes F . K (w x e) = w . (e x K F).
         """
-        px, py, pz = point
-        n = matrix[2], matrix[5], matrix[8]
-        ratio = self._flattening / -pz
-        mx, my, mz = (
-            w[1] * n[2] - w[2] * n[1],
-            w[2] * n[0] - w[0] * n[2],
-            w[0] * n[1] - w[1] * n[0],
-        )
-        stretch = ratio * mz * n[2] / -pz
-        return (
-            ratio * (mz * n[0] + n[2] * mx) + px * stretch - w[1] * pz + w[2] * py,
-            ratio * (mz * n[1] + n[2] * my) + py * stretch - w[2] * px + w[0] * pz,
-        )
-
-    def _resistance(self, speed: float, load: "Loading") -> tuple[float, float, float]:
-        """Resistance for each m/s on the contour in N s/m, and its dry and viscous power in W."""
+        xx, xy, yy = self.spread(matrix)
+        x, y = xx * w[1] - xy * w[0], xy * w[1] - yy * w[0]
+        speed = hypot(x, y)
         dry = self._loss.rolling_dry * load.force[2] / (speed + self._loss.rolling_smoothing)
         viscous = self._loss.rolling_viscous * load.force[2]
-        return dry + viscous, dry * speed * speed, viscous * speed * speed
-
-    def _rolling(self, matrix: Matrix, w: Triple, load: "Loading") -> None:
-        """Add the torque of the resistance to the contact point's velocity over the rim.
-
-        A resistance F on it takes F . (p' - w x p) = w . (n x g - p x F), where
-        g = k (n_z F + (n . F) e) / H + k n_z (p . F) e / H².
-        """
-        px, py, pz = load.point
-        n = matrix[2], matrix[5], matrix[8]
-        cx, cy = self.contour(matrix, w, load.point)
-        factor, load.taken[2], load.taken[3] = self._resistance(hypot(cx, cy), load)
-        fx, fy = factor * cx, factor * cy
-        ratio = self._flattening / -pz
-        gx, gy = ratio * n[2] * fx, ratio * n[2] * fy
-        gz = ratio * (n[0] * fx + n[1] * fy) - ratio * n[2] * (px * fx + py * fy) / pz
-        torque = (
-            -(n[1] * gz - n[2] * gy) - pz * fy,
-            -(n[2] * gx - n[0] * gz) + pz * fx,
-            -(n[0] * gy - n[1] * gx) + px * fy - py * fx,
-        )
-        load.add((0.0, 0.0, 0.0), torque)
+        load.taken[2:4] = dry * speed * speed, viscous * speed * speed
+        x, y = (dry + viscous) * x, (dry + viscous) * y
+        load.add((0.0, 0.0, 0.0), (xy * x + yy * y, -xx * x - xy * y, 0.0))
 
     def _air(self, n: Triple, v: Triple, w: Triple, load: "Loading") -> None:
         along = n[0] * v[0] + n[1] * v[1] + n[2] * v[2]
@@ -222,13 +216,14 @@ class Loading:
         self.torque = (b[0] + torque[0], b[1] + torque[1], b[2] + torque[2])
 
 
-def euler_tree_contact(scenario: Scenario, contact: PenaltyContact) -> Force:
+def euler_tree_contact(scenario: Scenario) -> Force:
     """Generalised contact force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
+    contact = scenario.penalty_contact
     r, always = scenario.disk.radius, contact.bilateral
     stiffness, damping = contact.stiffness, contact.damping
     by_weight, weight = scenario.friction.load == "weight", scenario.weight
     load = 0.0
-    friction = euler_tree_force(scenario, lambda _: load)
+    friction = euler_tree_force(scenario, lambda: load)
 
     def force(system: Any, time: Any, item: Any, q: Any, u: Any) -> list[float]:
         nonlocal load
@@ -246,3 +241,119 @@ def euler_tree_contact(scenario: Scenario, contact: PenaltyContact) -> Force:
         return forces
 
     return force
+
+
+def loads_of(scenario: Scenario) -> Loads:
+    """What acts on a body on its penalty contact."""
+    body = scenario.disk
+    if body.is_round_disk or isinstance(body, Sphere):
+        return Loads(scenario)
+    return _EllipticLoads(scenario) if isinstance(body, EllipticDisk) else _OwnLoads(scenario)
+
+
+class _EllipticLoads(Loads):
+    """An elliptic disk, rounded or not.
+
+    With the semi-axes a as inertial vectors and B = sum a aᵀ, the lowest point is at p = -B e / H
+    from the centre, at the depth H = sqrt(e . B e), and K = (B - B e (B e)ᵀ / H²) / H.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        super().__init__(scenario)
+        body = scenario.disk
+        assert isinstance(body, EllipticDisk)
+        a, b, angle = body.radius, body.other_radius, body.long_axis
+        # Columns of a rotation matrix make the semi-axes.
+        self._first = a * cos(angle), a * sin(angle)
+        self._second = -b * sin(angle), b * cos(angle)
+        self._third = self._contact.half_thickness
+
+    def _semi_axes(self, matrix: Matrix) -> tuple[Triple, Triple, Triple]:
+        """The x, y and z components of the three."""
+        (a, b), (c, d), third = self._first, self._second, self._third
+        x, y, z = (
+            (a * matrix[k] + b * matrix[k + 1], c * matrix[k] + d * matrix[k + 1],
+             third * matrix[k + 2])
+            for k in (0, 3, 6)
+        )  # fmt: skip
+        return x, y, z
+
+    def lowest(self, matrix: Matrix) -> Triple:
+        x, y, z = self._semi_axes(matrix)
+        depth = sqrt(_dot(z, z))
+        return -_dot(x, z) / depth, -_dot(y, z) / depth, -depth
+
+    def spread(self, matrix: Matrix) -> Triple:
+        x, y, z = self._semi_axes(matrix)
+        square, along, across = _dot(z, z), _dot(x, z), _dot(y, z)
+        xx, xy, yy = (
+            _dot(x, x) - along * along / square,
+            _dot(x, y) - along * across / square,
+            _dot(y, y) - across * across / square,
+        )
+        depth = sqrt(square)
+        return xx / depth, xy / depth, yy / depth
+
+
+class _OwnLoads(Loads):
+    """A body of one's own, whose lowest point is the one that it says."""
+
+    def lowest(self, matrix: Matrix) -> Triple:
+        return self._lowest(matrix, (0.0, 0.0, 1.0))
+
+    def spread(self, matrix: Matrix) -> Triple:
+        s, c, s2, c2 = (f(k * _STEP) for k in (1, 2) for f in (sin, cos))
+
+        def slope(x: float, y: float) -> tuple[float, float]:
+            """Minus the change of the lowest point as the vertical leans that way."""
+            ahead, back, far, behind = (
+                self._lowest(matrix, (x * level, y * level, up))
+                for level, up in ((s, c), (-s, c), (s2, c2), (-s2, c2))
+            )
+            first, second = (
+                (far[k] - behind[k] - 8.0 * (ahead[k] - back[k])) / (12.0 * _STEP) for k in (0, 1)
+            )
+            return first, second
+
+        return *slope(1.0, 0.0), slope(0.0, 1.0)[1]
+
+    def _lowest(self, matrix: Matrix, up: Triple) -> Triple:
+        """Lowest point from the centre in m for a vertical in this direction."""
+        rows = matrix[:3], matrix[3:6], matrix[6:]
+        a, b, c = (_dot(up, column) for column in zip(*rows, strict=True))
+        point = self._scenario.disk.lowest_point((a, b, c), self._contact.half_thickness)
+        x, y, z = (_dot(row, point) for row in rows)
+        return x, y, z
+
+
+def _dot(a: Triple, b: Triple) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def forces_on(scenario: Scenario, z: Array, u: Array) -> Array:
+    """Normal force in N, shape (n,), of coordinates z and rates u, shape (n, 6) each."""
+    loads, found = loads_of(scenario), []
+    states = (*frames.poses(z), *frames.twists(z, u))
+    for place, rotation, velocity, angular in zip(
+        *(each.tolist() for each in states), strict=True
+    ):
+        matrix = (*rotation[0], *rotation[1], *rotation[2])
+        found.append(loads.at(place[2], matrix, tuple(velocity), tuple(angular)).force[2])
+    return np.array(found)
+
+
+def largest_lever(body: Body, leaning: float, half_thickness: float) -> float:
+    """Largest rate of the contact point over the surface in m/s, for each rad/s of turning.
+
+    Parameters
+    ----------
+    body : Body
+    leaning : float
+        Sine of the smallest inclination, 0 flat.
+    half_thickness : float
+        Of the contact in m.
+    """
+    if not body.has_edge:
+        return body.radius
+    least = body.other_radius if isinstance(body, EllipticDisk) else body.radius
+    return body.radius**2 / hypot(least * leaning, half_thickness)

@@ -4,33 +4,41 @@ A span holds evenly spaced times; each is one run.
 """
 
 from collections.abc import Iterator
-from functools import partial
 from math import sin
+from typing import Any
 
 import numpy as np
 
 from analysis.data import frames
-from analysis.data.checks import Array, TimeLimitError
+from analysis.data.checks import Array
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.data.limits import LEAST_TILT
 from analysis.data.state import COORDINATES, FlatError, check_upright
+from analysis.solve.stepping import Run, pulls_at_start
 from mbs_models import sampled
 from mbs_models.accelerations import AccelerationProblem
-from mbs_models.effort import stepping_integrator
-from mbs_models.endings import LOCAL, Motion, Place, dips, first_ending, pulling_times
+from mbs_models.endings import Place, dips, pulling_times, until_ending
 from mbs_models.integrators import Integrator
-from mbs_models.probe import Probe
-from mbs_models.runs import Samples, Start, Stop, record, settle
-from mbs_models.sampled import Call, Sampled, leaning, state_of
+from mbs_models.runs import Samples, Start, Stop, run, settle
+from mbs_models.sampled import Call, leaning, state_of
 from mbs_models.scene import build
-from mbs_models.solving import EngineError
+from mbs_models.solving import EngineError, solving
 
 NEARLY_FLAT = 0.1
 """Sine of the inclination below which a failure is likely to come from the Euler angles."""
 
 
-def run_over(call: Call, integrator: Integrator, step: float, halvings: int = 0) -> Sampled:
+def run_over(
+    call: Call, integrator: Integrator, step: float, halvings: int = 0
+) -> tuple[Run, float]:
     """Run over all times, with steps of at most `step` that are then halved so often.
+
+    Returns
+    -------
+    run : Run
+        Its states are samples, see `Call.trajectory`.
+    longest : float
+        Longest step in s.
 
     Raises
     ------
@@ -38,8 +46,6 @@ def run_over(call: Call, integrator: Integrator, step: float, halvings: int = 0)
         If the engine does not reach the end.
     FlatError
         If the disk comes so close to lying flat that the Euler angles cannot be followed.
-    TimeLimitError
-        If the watch calls time before the second sample.
     """
     spans, longest = _Spans(call, integrator), 0.0
     for first, intervals, spacing in even_spans(call.times):
@@ -48,7 +54,7 @@ def run_over(call: Call, integrator: Integrator, step: float, halvings: int = 0)
         spans.run(float(call.times[first]), intervals, spacing, substeps, halvings)
         if spans.ended is not None:
             break
-    return spans.sampled(longest)
+    return spans.joined(), longest
 
 
 def even_spans(times: Array) -> Iterator[tuple[int, int, float]]:
@@ -78,38 +84,28 @@ class _Spans:
 
     def __init__(self, call: Call, integrator: Integrator) -> None:
         self._call, self._integrator = call, integrator
-        self._scene, self._model = call.scene, build(call.scene)
-        self._must_not_pull = self._model.may_pull and not call.allow_pulling
         # The last sample: where the next span begins.
         self._here = call.scene.scenario.initial_state.vector
-        self._start = self._checked_start()
-        self._moments: list[Array] = []
-        self._forces: list[Array] = []
-        self._kept: list[Array] = []
-        self._seconds, self._last = 0.0, 0.0
+        self._motion = motion = AccelerationProblem(call.scene, call.conditions)
+        self._model = motion.model
+        self._must_not_pull = self._model.may_pull and not call.allow_pulling
+        motion.probe.check_start()
+        with solving(motion.system):
+            pulls_at_start(motion.starting_at(self._here), allow_pulling=not self._must_not_pull)
+        self._start: Start | None = settle(self._model, motion.probe)
+        # Times and records of each span, and which of these are samples.
+        self._done: list[tuple[Array, Array, Any]] = []
         self.ended: str | None = None
-
-    def _checked_start(self) -> Start:
-        """Raise if the start breaks a constraint, or needs a contact that pulls and must not."""
-        probe = Probe(self._model)
-        probe.check_start()
-        start = settle(self._model, probe)
-        if self._must_not_pull:
-            force = float(probe.multipliers(*start)[0])
-            if force < 0.0:
-                raise ValueError(
-                    f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
-                    "allow_pulling lets it"
-                )
-        return start
+        call.seconds = 0.0
 
     def run(
         self, begin: float, intervals: int, spacing: float, substeps: int, halvings: int
     ) -> None:
         """Run over one span, with so many steps between its samples, halved."""
-        if self._kept:
-            self._scene = self._scene.starting_at(state_of(self._here))
-            self._model = build(self._scene)
+        call = self._call
+        if self._done:
+            self._model = build(call.scene.starting_at(state_of(self._here)))
+            self._start = None
         finer, substeps = self._fineness(spacing, substeps, halvings)
         period = spacing / finer
         reasons: list[str] = []
@@ -117,51 +113,38 @@ class _Spans:
         values = self._values(samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
         lowest = int(np.argmin(leaning(values)))
-        self._call.watch.flattest = (float(moments[lowest]), float(leaning(values[lowest])))
+        call.watch.flattest = (float(moments[lowest]), float(leaning(values[lowest])))
         self._unwrap(values, moments)
-        found = first_ending(
+        self.ended, moments, values = until_ending(
+            moments,
+            values,
             self._places(values, samples, reasons, period),
-            period,
-            partial(self._motion_from, values, period),
+            self._motion,
+            period=period,
+            work=call.counts,
             allow_pulling=not self._must_not_pull,
-            work=self._call.counts,
         )
-        if found is not None:
-            self.ended, size = found.reason, found.row + 1
-            moments, values = moments[:size], values[:size]
-            if found.moment > 0.0:
-                moments = np.append(moments, moments[-1] + found.moment)
-                values = np.vstack((values, found.values))
-        elif samples.failure is not None:
+        if self.ended is None and samples.failure is not None:
             raise _failed(samples.failure, moments, values)
+        check_upright(moments, values[:, sampled.COORDINATES])
+        kept = np.arange(0, len(values), finer)
+        if self.ended is not None:
+            kept = np.union1d(kept, [len(values) - 1])
         elif len(values) <= intervals * finer:
             self.ended = TIME_LIMIT
-        check_upright(moments, values[:, sampled.COORDINATES])
-        self._moments.append(moments)
-        self._forces.append(values[:, sampled.NORMAL_FORCE])
-        kept = np.arange(0, len(values), finer)
-        if found is not None and kept[-1] != len(values) - 1:
-            kept = np.append(kept, len(values) - 1)
-        self._kept.append(values[kept[bool(self._kept) :]])
+        self._done.append((moments, values, kept[bool(self._done) :]))
         self._here, self._last = values[kept[-1]], float(moments[kept[-1]])
 
-    def sampled(self, longest: float) -> Sampled:
-        """The motion over all spans, with the length of its longest step in s."""
-        values, times = np.concatenate(self._kept), self._call.times
-        if len(values) < 2:
-            raise TimeLimitError("time limit met before the first sample after the start")
+    def joined(self) -> Run:
+        """The samples of all spans."""
+        samples = np.concatenate([rows[kept] for _, rows, kept in self._done])
+        times = self._call.times[: len(samples)]
         if self.ended is not None:
-            times = np.append(times[: len(values) - 1], self._last)
-        moments, forces = np.concatenate(self._moments), np.concatenate(self._forces)
-        return Sampled(
-            times=times,
-            values=values,
-            integrator=self._integrator,
-            step=longest,
-            seconds=self._seconds,
-            ended=self.ended,
-            pulling=pulling_times(moments, forces) if self._call.allow_pulling else (),
-        )
+            times = np.append(times[:-1], self._last)
+        moments = np.concatenate([each for each, _, _ in self._done])
+        forces = np.concatenate([rows[:, sampled.NORMAL_FORCE] for _, rows, _ in self._done])
+        pulling = pulling_times(moments, forces) if self._call.allow_pulling else ()
+        return Run(times, samples, 0, self.ended, pulling)
 
     def _fineness(self, spacing: float, substeps: int, halvings: int) -> tuple[int, int]:
         """Records per sample, and steps per record.
@@ -172,7 +155,7 @@ class _Spans:
         the same records, as far as the first has the steps: endings are located from there, and
         else could not be extrapolated.
         """
-        scenario = self._scene.scenario
+        scenario = self._call.scene.scenario
         fall = np.sqrt(scenario.table.gravity / scenario.disk.radius)
         fastest = 2.0 * (float(np.sum(np.abs(self._here[9:12]))) + fall)
         needed = int(np.ceil(fastest * spacing))
@@ -191,20 +174,21 @@ class _Spans:
         watch = self._call.watch
         if not watch.steps_left:
             raise watch.given_up(self._integrator.name)
-        samples = record(
+        samples = run(
             self._model,
             self._integrator,
             spacing=period,
             intervals=intervals,
             substeps=substeps,
             begin=begin,
-            start=None if self._kept else self._start,
+            start=self._start,
             stop=self._stop(begin, reasons),
             most=watch.steps_left,
+            whole=False,
         )
         self._call.counts.update(samples.counts)
         watch.steps += samples.counts["steps"] + samples.counts.get("rejected_steps", 0)
-        self._seconds += samples.seconds
+        self._call.seconds += samples.seconds
         return samples
 
     def _stop(self, begin: float, reasons: list[str]) -> Stop | None:
@@ -217,25 +201,27 @@ class _Spans:
         armed: set[str] = set()
         end, angles = float(self._call.times[-1]), self._here[sampled.TURNING]
 
-        def look() -> Iterator[str]:
+        def reason() -> str | None:
             nonlocal angles
+            if pulls and model.pulls():
+                return CONTACT_WOULD_PULL
+            if not conditions:
+                return None
             row = np.hstack(model.decode(model.record()[None]))[0]
             row[sampled.TURNING] += _whole_turns(angles - row[sampled.TURNING])
             angles = row[sampled.TURNING]
             if leaning(row) < LEAST_TILT:
-                yield FLAT
-                return
-            for reason, condition in conditions.items():
+                return FLAT
+            for name, condition in conditions.items():
                 if condition(state_of(row)) >= 0.0:
-                    armed.add(reason)
-                elif reason in armed:
-                    yield reason
+                    armed.add(name)
+                elif name in armed:
+                    return name
+            return None
 
         def stop(moment: float) -> bool:
-            if pulls and model.pulls():
-                reasons.append(CONTACT_WOULD_PULL)
-            elif conditions:
-                reasons.extend(look())
+            if found := reason():
+                reasons.append(found)
             return bool(reasons) or watch.is_over(begin + moment, end)
 
         return stop if pulls or conditions or not watch.is_idle else None
@@ -288,18 +274,6 @@ class _Spans:
         beyond = (samples.stopped or 0.0) - period * (len(values) - 1)
         if reasons and beyond > 1e-9 * period:
             yield Place(last, beyond / period, reasons[0])
-
-    def _motion_from(self, values: Array, period: float, row: int) -> Motion:
-        """The motion from a record on, by the accelerations."""
-        scene = self._scene.starting_at(state_of(values[row]))
-        motion = AccelerationProblem(scene, self._call.conditions)
-        method = stepping_integrator(scene, np.array([0.0, period]), LOCAL).method
-        return Motion(
-            motion.model.system,
-            motion.initial_value_problem,
-            method,
-            lambda state: motion.samples(state[None])[0],
-        )
 
 
 def _whole_turns(angles: Array) -> Array:

@@ -1,6 +1,5 @@
 """The engine's own accelerations and multipliers at a given state."""
 
-from collections.abc import Sequence
 from math import sin
 
 import exudyn as exu
@@ -13,7 +12,7 @@ from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from mbs_models.model import Floats, Model
 from mbs_models.scene import Scene, build
-from mbs_models.solving import SingularError, solving
+from mbs_models.solving import SingularError, quiet, solving
 
 STEP = 5e-3
 """Step in rad of the differences by time, where their truncation and rounding balance,"""
@@ -75,10 +74,13 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
     model = build(scene)
     probe = Probe(model)
     probe.check_start()
-    second_derivatives, algebraic = probe.solve()
-    start = model.start
-    accelerations = model.decode_accelerations(second_derivatives, start.coordinates, start.rates)
-    return accelerations, probe.multipliers(second_derivatives, algebraic)
+    with solving(model.system):
+        second_derivatives, algebraic = probe.solved()
+    z, u = model.start.coordinates, model.start.rates
+    forces = model.multipliers(
+        second_derivatives[None], algebraic[None], np.array([z]), np.array([u])
+    )
+    return model.decode_accelerations(second_derivatives, z, u), forces[0]
 
 
 class Probe:
@@ -91,16 +93,12 @@ class Probe:
     """
 
     def __init__(self, model: Model) -> None:
-        settings = exu.SimulationSettings()
-        settings.timeIntegration.verboseMode = 0
-        settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
-        settings.solution.file.write = False
         self._model, self._system = model, model.system
         self._pace = _pace(model.start.coordinates, model.start.rates)
         data = model.system.systemData
         self._place = np.array(data.GetODE2Coordinates()), np.array(data.GetODE2Coordinates_t())
         self._solver = exu.MainSolverImplicitSecondOrder()
-        self._solver.InitializeSolver(self._system, settings)
+        self._solver.InitializeSolver(self._system, quiet())
         self._size = self._solver.GetODE2size()
         self._equations = self._solver.GetAEsize()
         self._zeros = np.zeros(2 * (self._size + self._equations,))
@@ -155,13 +153,10 @@ class Probe:
                         f"{level} level by {value:.3e} {unit}, allowed is {allowed:.1e}"
                     )
 
-    def solve(self) -> tuple[Array, Array]:
-        """Second derivatives of the engine's coordinates, shape (n,), and multipliers, (m,)."""
-        with solving(self._system):
-            return self.solved()
-
     def solved(self, *, quick: bool = False) -> tuple[Array, Array]:
-        """The same to be called within `solving`.
+        """Second derivatives of the engine's coordinates, shape (n,), and multipliers, (m,).
+
+        To be called within `solving`.
 
         Parameters
         ----------
@@ -173,8 +168,7 @@ class Probe:
         matrix = self._saddle_matrix()
         right = np.zeros(n + m)
         if m:
-            quick = quick and self._model.has_exact_path
-            right[n:] = -(self._quick_residual_rate() if quick else self._residual_rate())
+            right[n:] = -self._residual_rate(quick=quick and self._model.has_euler_angles)
         contact = self._load_equation
         if contact is None:
             right[:n] = self._forces()
@@ -209,15 +203,6 @@ class Probe:
         matrix: Array = solver.GetSystemJacobian()
         matrix[:n, :n] = solver.GetSystemMassMatrix()
         return matrix
-
-    def multipliers(self, second_derivatives: Array, algebraic: Array) -> Array:
-        """Constraint forces in the current state, shape (k,), from what `solve` returns."""
-        model = self._model
-        self._system.systemData.SetODE2Coordinates_tt(second_derivatives.tolist())
-        record = model.record()[None]
-        coordinates, rates = model.decode(record)
-        result: Array = model.multipliers(record, algebraic[None], coordinates, rates)[0]
-        return result
 
     def _under_load(self, matrix: Array, right: Array, contact: int) -> Array:
         """Solution with friction under the contact force that itself depends on it.
@@ -313,34 +298,26 @@ class Probe:
         found: Array = self._solver.GetSystemResidual()[self._size :]
         return found
 
-    def _residual_rate(self) -> Array:
+    def _residual_rate(self, *, quick: bool) -> Array:
         """Rate of the velocity-level residuals along the motion at constant velocities.
 
-        Central differences of sixth order over engine coordinates. A step turns the disk by no
-        more than `STEP`, and tilts it by no more than this part of the way to lying flat, where
-        the direction of the contact is singular.
+        Central differences of sixth order over engine coordinates, or of second if quick. A step
+        turns the disk by no more than `STEP`, and tilts it by no more than this part of the way to
+        lying flat, where the direction of the contact is singular.
         """
-        step = STEP / self._pace
-        near, middle, far = self._differences(step, (1, 2, 3))
-        return (45 * near - 9 * middle + far) / (60 * step)
-
-    def _quick_residual_rate(self) -> Array:
-        """The same by central differences of second order."""
-        step = QUICK_STEP / self._pace
-        (difference,) = self._differences(step, (1,))
-        return difference / (2 * step)
-
-    def _differences(self, step: float, counts: Sequence[int]) -> list[Array]:
-        """Differences of the residuals between so many steps ahead and as many back."""
         data, path = self._system.systemData, self._model.path(*self._place)
+        length, weights = (QUICK_STEP, (30,)) if quick else (STEP, (45, -9, 1))
+        step = length / self._pace
 
         def residuals(steps: int) -> Array:
             data.SetODE2Coordinates(path(steps * step))
             return self._residuals()
 
-        found = [residuals(count) - residuals(-count) for count in counts]
+        rate = np.zeros(self._equations)
+        for steps, weight in enumerate(weights, start=1):
+            rate += weight * (residuals(steps) - residuals(-steps))
         data.SetODE2Coordinates(path(0.0))
-        return found
+        return rate / (60 * step)
 
 
 def _solution(matrix: Array, right: Array) -> Array:

@@ -1,11 +1,7 @@
 """Engine simulation of the disk until it lies still, to a tolerance or to a step size."""
 
-from math import hypot
-from typing import Any
-
 import numpy as np
 
-from analysis.data import frames
 from analysis.data.agreement import until_agreement
 from analysis.data.checks import function, instance, positive
 from analysis.data.dissipation import RestCriterion
@@ -14,19 +10,9 @@ from analysis.data.friction import check_slipping
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
-from analysis.data.trajectory import Setting, versions
 from analysis.data.watch import Progress, Watch
-from mbs_models.body_contact import loads_of
 from mbs_models.effort import rest_effort
-from mbs_models.rest_run import (
-    TAKEN,
-    RestRun,
-    Way,
-    kinetic_energy,
-    largest_step,
-    rounded_contact,
-    spatial,
-)
+from mbs_models.rest_run import RestRun, largest_step, rounded_contact
 from mbs_models.scene import Scene
 from mbs_models.solving import EngineError
 
@@ -128,17 +114,13 @@ def simulate_to_rest(
     if step is not None:
         if step > largest:
             raise ValueError(_beyond(scene, step, largest))
-        motion = _motion(scene, runs.by_steps(step), {"integrator": "RK44", "step": step})
+        motion = runs.by_steps(step)
         if np.max(np.abs(motion.energy_residual)) > motion.energies[0].sum():
             raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
         return motion
 
-    def run(local: float) -> SpatialMotion:
-        way = runs.by_accelerations(local)
-        return _motion(scene, way, {"integrator": "LSODA", "local_tolerance": local})
-
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    return until_agreement(run, min(LOCAL_PART * tolerance, COARSEST), tolerance)
+    return until_agreement(runs.by_accelerations, min(LOCAL_PART * tolerance, COARSEST), tolerance)
 
 
 def _to_the_end(progress: Progress | None, end: float) -> Progress | None:
@@ -155,46 +137,4 @@ def _beyond(scene: Scene, step: float, limit: float) -> str:
         f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
         f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
         f"{scene.scenario.friction_gradient:g}, got {step:g}"
-    )
-
-
-def _motion(scene: Scene, way: Way, method: dict[str, Setting]) -> SpatialMotion:
-    """Motion over the samples of a run."""
-    scenario, times = scene.scenario, way.times
-    disk, loads = scenario.disk, loads_of(scenario, rounded_contact(scene))
-    place, rotation, velocity, angular = spatial(way.states)
-    rows, matrices = [], rotation.reshape(-1, 9)
-    matrix: Any
-    for height, matrix, v, w in zip(
-        place[:, 2].tolist(),
-        map(tuple, matrices.tolist()),
-        velocity.tolist(),
-        angular.tolist(),
-        strict=True,
-    ):
-        load = loads.at(height, matrix, v, w)
-        contour = hypot(*loads.contour(matrix, w, load.point))
-        rows.append((*load.point, load.slip, contour, load.force[2], load.elastic))
-    values = np.array(rows)
-    cog = place + disk.eccentricity * rotation[:, :, 0]
-    potential = -disk.mass * cog @ np.array(scenario.table.vector)
-    return SpatialMotion(
-        times=times,
-        positions=place,
-        quaternions=frames.quaternions(rotation),
-        velocities=velocity,
-        angular_velocities=angular,
-        contact_points=place + values[:, :3],
-        slip_speeds=values[:, 3],
-        contour_speeds=values[:, 4],
-        normal_force=values[:, 5],
-        energies=np.column_stack((kinetic_energy(disk, way.states), potential, values[:, 6])),
-        dissipated=way.states[:, TAKEN],
-        scenario=scenario,
-        source="engine",
-        rest_time=None if way.still is None else float(times[way.still]),
-        method=method,
-        counts=dict(way.counts),
-        versions=versions("numpy", "exudyn"),
-        ending=way.ending,
     )

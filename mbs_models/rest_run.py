@@ -5,10 +5,10 @@ G, angular velocity in the disk's axes, and the energy taken by each of `CAUSES`
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from functools import partial
 from math import hypot, sqrt
+from typing import Any, Final
 
 import numpy as np
 
@@ -18,14 +18,17 @@ from analysis.data.checks import Array, TimeLimitError
 from analysis.data.contact import PenaltyContact
 from analysis.data.dissipation import RestCriterion
 from analysis.data.endings import AT_REST, FLATTEST, TIME_LIMIT, Condition, Ending
+from analysis.data.scenario import Scenario
+from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.state import State
+from analysis.data.trajectory import versions
 from analysis.data.watch import Watch
 from analysis.solve.effort import contact_time
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
-from mbs_models.body_contact import largest_lever
-from mbs_models.endings import Motion, Place, dips, first_ending
-from mbs_models.floating import FloatingWithLosses
+from mbs_models.endings import dips, until_ending
+from mbs_models.floating import FloatingWithLosses, quaternion_rates
 from mbs_models.integrators import Integrator
+from mbs_models.loads import largest_lever, loads_of
 from mbs_models.probe import Probe
 from mbs_models.runs import run
 from mbs_models.scene import Scene
@@ -107,15 +110,15 @@ class RestProblem:
         are not asked where the disk lies flat.
     """
 
+    method: Final = "LSODA"
+
     def __init__(self, scene: Scene, conditions: Mapping[str, Condition]) -> None:
         self._scenario = scene.scenario
         self.model = FloatingWithLosses(scene.scenario)
+        self.system = self.model.system
         self._probe = Probe(self.model)
         assert self.model.loads is not None
         self._loads = self.model.loads
-        data = self.model.system.systemData
-        # What the engine's coordinates are measured from.
-        self._origin = data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates()
         self.conditions = {name: _of_pose(condition) for name, condition in conditions.items()}
 
     def starting_at(self, state: Array) -> InitialValueProblem:
@@ -131,21 +134,22 @@ class RestProblem:
         )
 
     def _derivative(self, _: float, state: Array) -> list[float]:
-        x, y, z, s, a, b, c, *rates = state.tolist()
-        p, q, r = rates[3:6]
-        place = np.array((x, y, z, *self.model.rotation_vector((s, a, b, c)))) - self._origin
-        self._probe.put(place.tolist(), rates[:6])
+        values = state.tolist()
+        turn, rates = values[POSE], values[7:13]
+        place = np.array((*values[:3], *self.model.rotation_vector(turn))) - self.model.origin
+        self._probe.put(place.tolist(), rates)
         # The engine has just asked for the loads in this state.
         second, _unused = self._probe.solved()
         return [
             *rates[:3],
-            -0.5 * (a * p + b * q + c * r),
-            0.5 * (s * p + b * r - c * q),
-            0.5 * (s * q + c * p - a * r),
-            0.5 * (s * r + a * q - b * p),
+            *quaternion_rates(turn, rates[3:]),
             *second.tolist(),
             *self._loads.last.taken,
         ]
+
+    def samples(self, states: Array) -> Array:
+        """States as they are sampled."""
+        return states
 
 
 def _of_pose(condition: Condition) -> Callable[[Array], float]:
@@ -178,29 +182,6 @@ def kinetic_energy(disk: Body, states: Array) -> Array:
     return result
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Way:
-    """How far a run has come.
-
-    Parameters
-    ----------
-    times : ndarray, shape (n,)
-        In s.
-    states : ndarray, shape (n, 19)
-    still : int or None
-        Number of the sample from which on the disk is at rest.
-    ending : Ending or None
-    counts : Counter
-        Work done.
-    """
-
-    times: Array
-    states: Array
-    still: int | None
-    ending: Ending | None
-    counts: Counter[str]
-
-
 Advance = Callable[[Array, Array], Run]
 """From times of a stretch in s and the state at the first of them to what a run has reached."""
 
@@ -230,26 +211,34 @@ class RestRun:
     ) -> None:
         self._scene, self._times, self._criterion, self._watch = scene, times, criterion, watch
         self._problem = RestProblem(scene, conditions)
-        self._start = states_of(self._problem.model.record()[None])
+        self._start = states_of(self._problem.model.record()[None])[0]
 
-    def by_steps(self, step: float) -> Way:
+    def by_steps(self, step: float) -> SpatialMotion:
         """With fixed steps of the engine's Runge-Kutta method of order 4, of at most so many s.
 
         They are cut where rolling resistance makes a nearly flat disk stiff.
         """
         model = FloatingWithLosses(self._scene.scenario)
-        return self._until_rest(partial(self._over_steps, model, step), STRETCHES["RK44"])
+        method = {"integrator": "RK44", "step": step}
+        return self._until_rest(partial(self._over_steps, model, step), method)
 
-    def by_accelerations(self, local: float) -> Way:
+    def by_accelerations(self, local: float) -> SpatialMotion:
         """With steps of the engine's accelerations, to this relative and absolute error each."""
-        with stepping(self._problem.model.system):
-            return self._until_rest(partial(self._stepped, local), STRETCHES["LSODA"])
 
-    def _until_rest(self, advance: Advance, stretch: float) -> Way:
+        def advance(times: Array, state: Array) -> Run:
+            problem = self._problem.starting_at(state)
+            return integrate(
+                problem, times, self._problem.method, local, allow_pulling=True, watch=self._watch
+            )
+
+        with stepping(self._problem.system):
+            return self._until_rest(advance, {"integrator": "LSODA", "local_tolerance": local})
+
+    def _until_rest(self, advance: Advance, method: dict[str, Any]) -> SpatialMotion:
         times, done, still, ending = self._times, 0, None, None
-        count = max(1, round(stretch / times[1]))
+        count = max(1, round(STRETCHES[method["integrator"]] / times[1]))
         states, counts = np.empty((times.size, 19)), Counter[str]()
-        states[:1] = self._start
+        states[0] = self._start
         while done + 1 < times.size and still is None and ending is None:
             found = advance(times[done : done + count + 1], states[done])
             size = found.times.size - 1
@@ -265,17 +254,17 @@ class RestRun:
             done = min(done, still + self._criterion.samples(times[1]) - 1)
             kinetic = kinetic_energy(self._scene.scenario.disk, states[done : done + 1])
             ending = Ending(reason=AT_REST, time=float(times[done]), value=float(kinetic[0]))
-        return Way(
+        return SpatialMotion(
+            **readings(self._scene.scenario, states[: done + 1]),
             times=times[: done + 1],
-            states=states[: done + 1],
-            still=still,
+            scenario=self._scene.scenario,
+            source="engine",
+            rest_time=None if still is None else float(times[still]),
+            method=method,
+            counts=dict(counts),
+            versions=versions("numpy", "exudyn"),
             ending=ending,
-            counts=counts,
         )
-
-    def _stepped(self, local: float, times: Array, state: Array) -> Run:
-        problem = self._problem.starting_at(state)
-        return integrate(problem, times, "LSODA", local, allow_pulling=True, watch=self._watch)
 
     def _over_steps(
         self, model: FloatingWithLosses, step: float, times: Array, state: Array
@@ -293,26 +282,22 @@ class RestRun:
             begin=float(times[0]),
         )
         states, counts = states_of(samples.records), Counter(samples.counts)
-        found = first_ending(
-            self._places(states), spacing, partial(self._motion_from, states),
-            allow_pulling=True, work=counts,
-        )  # fmt: skip
-        ended = None
-        if found is not None:
-            ended, size = found.reason, found.row + 1
-            times = np.append(times[:size], times[found.row] + found.moment)
-            states = np.vstack((states[:size], found.values))
-        elif self._watch.is_over(times[-1], self._times[-1]) and times[-1] < self._times[-1]:
+        ended, times, states = until_ending(
+            times,
+            states,
+            (
+                place
+                for reason, says in self._problem.conditions.items()
+                for place in dips(np.array([says(each) for each in states]), reason)
+            ),
+            self._problem,
+            period=spacing,
+            work=counts,
+        )
+        end = self._times[-1]
+        if ended is None and self._watch.is_over(times[-1], end) and times[-1] < end:
             ended = TIME_LIMIT
         return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])
-
-    def _places(self, states: Array) -> Iterator[Place]:
-        for reason, says in self._problem.conditions.items():
-            yield from dips(np.array([says(state) for state in states]), reason)
-
-    def _motion_from(self, states: Array, row: int) -> Motion:
-        problem = self._problem.starting_at(states[row])
-        return Motion(self._problem.model.system, problem, "LSODA", lambda state: state)
 
     def _ending(self, found: Run) -> Ending:
         """Why a run ends early."""
@@ -346,3 +331,36 @@ def states_of(records: Array) -> Array:
     angular = np.einsum("nji,nj->ni", rotation, records[:, 15:18])
     attitude = frames.quaternions(rotation)
     return np.column_stack((records[:, :3], attitude, records[:, 12:15], angular, records[:, 18:]))
+
+
+def readings(scenario: Scenario, states: Array) -> dict[str, Any]:
+    """Arrays of a `SpatialMotion` from states."""
+    disk, loads = scenario.disk, loads_of(scenario)
+    place, rotation, velocity, angular = spatial(states)
+    rows: list[tuple[float, ...]] = []
+    matrix: Any
+    for height, matrix, v, w in zip(
+        place[:, 2].tolist(),
+        map(tuple, rotation.reshape(-1, 9).tolist()),
+        velocity.tolist(),
+        angular.tolist(),
+        strict=True,
+    ):
+        load = loads.at(height, matrix, v, w)
+        contour = hypot(*loads.contour(matrix, w))
+        rows.append((*load.point, load.slip, contour, load.force[2], load.elastic))
+    values = np.array(rows)
+    cog = place + disk.eccentricity * rotation[:, :, 0]
+    potential = -disk.mass * cog @ np.array(scenario.table.vector)
+    return {
+        "positions": place,
+        "quaternions": frames.quaternions(rotation),
+        "velocities": velocity,
+        "angular_velocities": angular,
+        "contact_points": place + values[:, :3],
+        "slip_speeds": values[:, 3],
+        "contour_speeds": values[:, 4],
+        "normal_force": values[:, 5],
+        "energies": np.column_stack((kinetic_energy(disk, states), potential, values[:, 6])),
+        "dissipated": states[:, TAKEN],
+    }

@@ -10,11 +10,10 @@ import exudyn as exu
 import numpy as np
 
 from analysis.data.checks import Array
-from mbs_models.integrators import Integrator
+from mbs_models.integrators import Integrator, complete_jacobian
 from mbs_models.model import Model
-from mbs_models.newton import complete_jacobian
 from mbs_models.probe import Probe
-from mbs_models.solving import Ended, EngineError, cause_of, solving
+from mbs_models.solving import Ended, EngineError, cause_of, quiet, solving
 
 MINIMUM_STEP = 1e-9
 """Step in s at which step control gives up."""
@@ -57,21 +56,7 @@ class Samples:
     failure: EngineError | None
 
 
-def run(model: Model, integrator: Integrator, **how: Any) -> Samples:
-    """The same as `record`.
-
-    Raises
-    ------
-    EngineError
-        If the run did not reach its end with finite results, or step control gave up.
-    """
-    samples = record(model, integrator, **how)
-    if samples.failure is not None:
-        raise samples.failure
-    return samples
-
-
-def record(
+def run(
     model: Model,
     integrator: Integrator,
     *,
@@ -82,6 +67,7 @@ def record(
     start: Start | None = None,
     stop: Stop | None = None,
     most: float = inf,
+    whole: bool = True,
 ) -> Samples:
     """Run a model from where it is and sample it evenly; samples fall on steps.
 
@@ -104,12 +90,19 @@ def record(
         Ends the run early.
     most : float
         Steps after which step control is given up.
+    whole : bool
+        Whether a run that breaks off is an error.
 
     Returns
     -------
     Samples
         With `intervals + 1` rows, the first of them at the start, or with those up to where
         it was stopped or broke off.
+
+    Raises
+    ------
+    EngineError
+        If the run did not reach its end with finite results, or step control gave up.
     """
     system, duration = model.system, spacing * intervals
     if start is None and (integrator.implicit or model.closes_contact):
@@ -118,10 +111,17 @@ def record(
         complete_jacobian(model)
     settings = _settings(model, integrator, duration, intervals * substeps)
     settings.solution.sensors.writePeriod = spacing
-    limiter = StepLimiter(spacing, most)
     if integrator.controls_step:
-        system.SetPreStepUserFunction(limiter.limit)
-    stopped = _stopping(system, stop)
+        _limit_steps(system, spacing, most)
+    stopped: list[float] = []
+    if stop is not None:
+
+        def after_step(_system: Any, moment: float) -> bool:
+            if stop(moment):
+                stopped.append(moment)
+            return not stopped
+
+        system.SetPostStepUserFunction(after_step)
     clock, failure = time.process_time(), None
     try:
         with solving(system):
@@ -133,8 +133,10 @@ def record(
     seconds = time.process_time() - clock
     data, broken = system.systemData, None
     if failure is not None or (len(records) <= intervals and not stopped):
-        broken = _early_end(system, begin, duration, failure, limiter)
+        broken = _early_end(system, begin, duration, failure)
         broken.__cause__ = failure
+        if whole:
+            raise broken
     else:
         data.SetSystemState(data.GetSystemState(exu.ConfigurationType.Current), _INITIAL)
     return Samples(
@@ -145,21 +147,6 @@ def record(
         stopped=stopped[0] if stopped else None,
         failure=broken,
     )
-
-
-def _stopping(system: Any, stop: Stop | None) -> list[float]:
-    """Have the engine ask after each step; the time at which it was stopped, once it was."""
-    stopped: list[float] = []
-
-    def after_step(_system: Any, moment: float) -> bool:
-        assert stop is not None
-        if stop(moment):
-            stopped.append(moment)
-        return not stopped
-
-    if stop is not None:
-        system.SetPostStepUserFunction(after_step)
-    return stopped
 
 
 def _samples(model: Model, start: Start | None, spacing: float) -> Start:
@@ -181,49 +168,34 @@ def _samples(model: Model, start: Start | None, spacing: float) -> Start:
     return stored[:, :unknowns], stored[:, unknowns:]
 
 
-class StepLimiter:
-    """Shortens the steps of step control so that every sample falls on a step.
+def _limit_steps(system: Any, spacing: float, most: float) -> None:
+    """Shorten the steps of step control so that every sample falls on a step.
 
-    Left to itself the engine writes a sample at the first step past its time.
-
-    Parameters
-    ----------
-    spacing : float
-        Time between samples in s.
-    most : float
-        Steps after which the run is given up.
-
-    Attributes
-    ----------
-    stalled : bool
-        Whether step control has come down to its minimum step, where the engine would go on
-        with a larger error.
-    steps : int
-        Taken so far.
+    Left to itself the engine writes a sample at the first step past its time. It would also go on
+    at its minimum step, with a larger error, and without end.
     """
+    steps = 0
 
-    def __init__(self, spacing: float, most: float) -> None:
-        self._spacing, self.most = spacing, most
-        self.stalled, self.steps = False, 0
-
-    def limit(self, system: Any, _t: float) -> bool:
-        """Replace the step that the engine has just proposed; its function before each step."""
-        self.steps += 1
-        if self.steps > self.most:
-            raise Ended
+    def limit(system: Any, _t: float) -> bool:
+        """Replace the step that the engine has just proposed."""
+        nonlocal steps
+        steps += 1
+        if steps > most:
+            raise Ended(f"it has taken {most:.1e} steps, far more than expected")
         iteration = system.sys["dynamicSolver"].it
         step = iteration.currentStepSize
         start = iteration.currentTime - step
-        sample = (floor(start / self._spacing + 1e-9) + 1) * self._spacing
+        sample = (floor(start / spacing + 1e-9) + 1) * spacing
         rest = sample - start
         if step <= 1.001 * MINIMUM_STEP < rest:
-            self.stalled = True
-            raise Ended("minimum step")
+            raise Ended(f"step control came down to its minimum step of {MINIMUM_STEP:g} s")
         # Equal steps to the next sample: a short last one would hold up the step control.
-        steps = ceil(rest / step - 1e-9)
-        iteration.currentStepSize = rest / steps
-        iteration.currentTime = sample if steps == 1 else start + rest / steps
+        parts = ceil(rest / step - 1e-9)
+        iteration.currentStepSize = rest / parts
+        iteration.currentTime = sample if parts == 1 else start + rest / parts
         return True
+
+    system.SetPreStepUserFunction(limit)
 
 
 def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
@@ -252,21 +224,25 @@ def settle(model: Model, probe: Probe) -> Start:
     first-order accurate.
     """
     data = model.system.systemData
+    # The probe may have been elsewhere, and there are two quaternions to a pose.
+    probe.put(
+        data.GetODE2Coordinates(_INITIAL).tolist(), data.GetODE2Coordinates_t(_INITIAL).tolist()
+    )
     if model.has_constraints(model.scenario):
         velocities = probe.admissible_velocities().tolist()
         data.SetODE2Coordinates_t(velocities, _INITIAL)
         data.SetODE2Coordinates_t(velocities)
-    second_derivatives, algebraic = probe.solve()
+    with solving(model.system):
+        second_derivatives, algebraic = probe.solved()
     data.SetODE2Coordinates_tt(second_derivatives.tolist(), _INITIAL)
     return second_derivatives, algebraic
 
 
 def _settings(model: Model, integrator: Integrator, duration: float, steps: int) -> Any:
-    settings = exu.SimulationSettings()
+    settings = quiet()
     stepping = settings.timeIntegration
     stepping.endTime = duration
     stepping.numberOfSteps = steps
-    stepping.verboseMode = 0
     # A failing step must end the run instead of going on with another size.
     stepping.adaptiveStep = False
     stepping.automaticStepSize = integrator.controls_step
@@ -280,29 +256,21 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
         stepping.relativeTolerance = 0.0
         stepping.minimumStepSize = MINIMUM_STEP
         stepping.initialStepSize = min(1e-3, duration / steps)
-    stepping.generalizedAlpha.computeInitialAccelerations = False
     stepping.generalizedAlpha.resetAccelerations = False
     # Without a multiplier, the contact force is taken from them.
     stepping.explicit.computeEndOfStepAccelerations = model.closes_contact
-    settings.solution.file.write = False
     return settings
 
 
-def _early_end(
-    system: Any, begin: float, duration: float, error: Exception | None, limiter: StepLimiter
-) -> EngineError:
+def _early_end(system: Any, begin: float, duration: float, error: Exception | None) -> EngineError:
     solver = system.sys["dynamicSolver"]
-    cause = "the result is not finite"
-    if limiter.stalled:
-        cause = f"step control came down to its minimum step of {MINIMUM_STEP:g} s"
-    elif limiter.steps > limiter.most:
-        cause = f"it has taken {limiter.most:.1e} steps, far more than expected"
-    elif error is not None:
-        cause = cause_of(error)
-        if solver.conv.newtonSolutionDiverged or solver.conv.stepReductionFailed:
-            cause = f"Newton's iteration did not converge (residual {solver.conv.residual:.1e})"
-        elif solver.conv.linearSolverFailed:
-            cause = "the system matrix is singular"
+    cause = "the result is not finite" if error is None else cause_of(error)
+    if error is not None and (
+        solver.conv.newtonSolutionDiverged or solver.conv.stepReductionFailed
+    ):
+        cause = f"Newton's iteration did not converge (residual {solver.conv.residual:.1e})"
+    elif error is not None and solver.conv.linearSolverFailed:
+        cause = "the system matrix is singular"
     return EngineError(
         f"engine run stopped at t = {solver.it.currentTime:.6g} s of {duration:.6g} s: {cause} "
         f"(span from t = {begin:.6g} s)"

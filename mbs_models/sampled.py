@@ -1,4 +1,4 @@
-"""What is asked of runs, and the sampled motions that they give."""
+"""What is asked of runs, their samples, and the motion that these make."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -8,10 +8,12 @@ from math import pi
 import numpy as np
 
 from analysis.data.agreement import error_at_ending
-from analysis.data.checks import Array
-from analysis.data.endings import Condition
+from analysis.data.checks import Array, TimeLimitError
+from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition, Ending
 from analysis.data.state import State
+from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Watch
+from analysis.solve.stepping import Run
 from mbs_models.integrators import Integrator
 from mbs_models.scene import Scene
 
@@ -59,7 +61,7 @@ def state_of(row: Array) -> State:
     return State(coordinates=tuple(values[COORDINATES]), rates=tuple(values[RATES]))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(slots=True, kw_only=True, eq=False)
 class Call:
     """What a call of `mbs_models.simulate` asks of every run that it takes.
 
@@ -79,6 +81,8 @@ class Call:
     watch : Watch
     counts : Counter
         To which the work of the runs is added.
+    seconds : float
+        Processor time that the solver took for the last run.
     """
 
     scene: Scene
@@ -89,36 +93,53 @@ class Call:
     allow_pulling: bool
     watch: Watch
     counts: Counter[str] = field(default_factory=Counter)
+    seconds: float = 0.0
 
+    def trajectory(
+        self, run: Run, integrator: Integrator, step: float, estimate: float | None = None
+    ) -> Trajectory:
+        """The motion that a run has sampled.
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sampled:
-    """A motion over all times, and what has led there.
+        Parameters
+        ----------
+        run : Run
+            Its states are samples: coordinates, their rates and the constraint forces.
+        integrator : Integrator
+        step : float
+            Longest step in s, or the limit of step control.
+        estimate : float, optional
+            Estimated error in rad.
 
-    Parameters
-    ----------
-    times : ndarray, shape (n,)
-        Those asked for, up to where it ended, and the time of that ending.
-    values : ndarray, shape (n, 12 + k)
-        Co-rotating coordinates, their rates, and the constraint forces.
-    integrator : Integrator
-    step : float
-        Longest step in s, or the limit of step control.
-    seconds : float
-        Processor time that the solver took.
-    ended : str or None
-        Why it ended before the last time asked for.
-    pulling : tuple of pairs of floats
-        Times in s between which the contact has pulled.
-    estimate : float, optional
-        Estimated error in rad.
-    """
-
-    times: Array
-    values: Array
-    integrator: Integrator
-    step: float
-    seconds: float
-    ended: str | None
-    pulling: tuple[tuple[float, float], ...] = ()
-    estimate: float | None = None
+        Raises
+        ------
+        TimeLimitError
+            If there is nothing but the start.
+        """
+        if len(run.states) < 2:
+            raise TimeLimitError("time limit met before the first sample after the start")
+        coordinates, rates, multipliers = np.split(run.states, (6, 12), axis=1)
+        ending = None
+        if run.ended is not None:
+            says = {TIME_LIMIT: self.watch.seconds, CONTACT_WOULD_PULL: float(multipliers[-1, 0])}
+            value = says.get(run.ended, 0.0)
+            ending = Ending(reason=run.ended, time=float(run.times[-1]), value=value)
+        return Trajectory(
+            times=run.times,
+            coordinates=coordinates,
+            rates=rates,
+            multipliers=multipliers,
+            scenario=self.scene.scenario,
+            source="engine",
+            method={
+                "formulation": self.scene.built_as,
+                **integrator.settings(),
+                "step": step,
+                "tolerance": self.tolerance,
+            },
+            error_estimate=estimate,
+            counts=dict(self.counts),
+            versions=versions("numpy", "exudyn"),
+            ending=ending,
+            pulling=run.pulling,
+            solver_seconds=self.seconds,
+        )

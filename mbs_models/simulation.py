@@ -12,25 +12,18 @@ from analysis.data.checks import (
     positive,
     switch,
 )
-from analysis.data.endings import (
-    CONTACT_WOULD_PULL,
-    TIME_LIMIT,
-    Ending,
-    StopWhen,
-    named_conditions,
-)
+from analysis.data.endings import StopWhen, named_conditions
 from analysis.data.friction import check_slipping
 from analysis.data.limits import DEFAULT_TOLERANCE
 from analysis.data.scenario import Scenario
-from analysis.data.trajectory import Trajectory, versions
+from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress, Watch
-from mbs_models import sampled
 from mbs_models.accelerations import stepped
 from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator
 from mbs_models.own_runs import run_over
-from mbs_models.sampled import Call, Sampled
+from mbs_models.sampled import Call
 from mbs_models.scene import Scene
 from mbs_models.solving import EngineError
 
@@ -123,11 +116,13 @@ def simulate(
     allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene, integrator)
     step, tolerance = _accuracy(chosen, step, tolerance)
-    told = None if integrator is None else chosen
+    tried, told = [chosen], None if integrator is None else chosen
+    if told is None and tolerance is not None:
+        tried = ways(scene, times, tolerance)
     effort = simulation_effort(scene, times, told, step=step, tolerance=tolerance)
     effort.check()
     most = effort.most
-    if told is None and tolerance is not None:
+    if len(tried) > 1:
         # There is another way to try.
         most += simulation_effort(scene, times, chosen, tolerance=tolerance).most
     check_slipping(scene.scenario.friction)
@@ -140,9 +135,7 @@ def simulate(
         allow_pulling=allow_pulling,
         watch=Watch(time_limit, progress, most),
     )
-    if told is None and tolerance is not None:
-        return _trajectory(call, ways(scene, times, tolerance))
-    return _trajectory(call, [chosen])
+    return _first_that_leads_there(call, tried)
 
 
 def _accuracy(
@@ -167,16 +160,17 @@ def _accuracy(
     return step, tolerance
 
 
-def _trajectory(call: Call, integrators: Sequence[Integrator]) -> Trajectory:
+def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Trajectory:
     """The motion by the first of some integrators that leads there."""
     for number, integrator in enumerate(integrators, start=1):
         is_last = number == len(integrators)
         try:
             if integrator.steps_accelerations:
-                return _told(call, stepped(call, integrator))
+                return stepped(call, integrator)
             if call.tolerance is None:
-                return _told(call, run_over(call, integrator, call.longest))
-            return _told(call, extrapolated(call, integrator, is_last_way=is_last))
+                run, step = run_over(call, integrator, call.longest)
+                return call.trajectory(run, integrator, step)
+            return extrapolated(call, integrator, is_last_way=is_last)
         except HopelessError:
             pass
         except (EngineError, ToleranceError, TimeLimitError) as error:
@@ -184,40 +178,6 @@ def _trajectory(call: Call, integrators: Sequence[Integrator]) -> Trajectory:
             if not may_go_on or isinstance(error, TimeLimitError):
                 raise type(error)(f"{error}; {_advice(call.scene, integrators[0])}") from error
     raise AssertionError("the last way has come to nothing without saying so")
-
-
-def _told(call: Call, result: Sampled) -> Trajectory:
-    """Trajectory from the samples."""
-    ending = None
-    if result.ended is not None:
-        force = float(result.values[-1, sampled.NORMAL_FORCE])
-        value = {TIME_LIMIT: call.watch.seconds, CONTACT_WOULD_PULL: force}
-        ending = Ending(
-            reason=result.ended,
-            time=float(result.times[-1]),
-            value=value.get(result.ended, 0.0),
-        )
-    coordinates, rates, multipliers = np.split(result.values, (6, 12), axis=1)
-    return Trajectory(
-        times=result.times,
-        coordinates=coordinates,
-        rates=rates,
-        multipliers=multipliers,
-        scenario=call.scene.scenario,
-        source="engine",
-        method={
-            "formulation": call.scene.built_as,
-            **result.integrator.settings(),
-            "step": result.step,
-            "tolerance": call.tolerance,
-        },
-        error_estimate=result.estimate,
-        counts=dict(call.counts),
-        versions=versions("numpy", "exudyn"),
-        ending=ending,
-        pulling=result.pulling,
-        solver_seconds=result.seconds,
-    )
 
 
 def _advice(scene: Scene, integrator: Integrator) -> str:

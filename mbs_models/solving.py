@@ -34,6 +34,15 @@ class SingularError(ArithmeticError):
     """The equations of motion have no solution in a state."""
 
 
+def quiet() -> Any:
+    """Settings with which the engine prints nothing, writes nothing, and guesses nothing."""
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.verboseMode = 0
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    settings.solution.file.write = False
+    return settings
+
+
 @contextmanager
 def solving(system: Any) -> Iterator[None]:
     """Keep the engine from printing, and pass on what its user functions raise.
@@ -88,7 +97,9 @@ def stepping(system: Any) -> Iterator[None]:
 
 def cause_of(error: Exception) -> str:
     """What an error of the engine says, without where it was raised."""
-    return str(error).split(" [Python file")[0].strip().splitlines()[0]
+    raised = _raised(error)
+    said = str(raised if isinstance(raised, Ended) else error)
+    return said.split(" [Python file", maxsplit=1)[0].strip().splitlines()[0]
 
 
 def _raised(error: BaseException) -> BaseException | None:

@@ -1,6 +1,5 @@
 """The disk as a kinematic tree: `euler-tree` and `contact-tree`."""
 
-from collections.abc import Callable, Sequence
 from math import cos, sin
 from typing import Any, ClassVar
 
@@ -11,30 +10,33 @@ import numpy as np
 from analysis.data.checks import Array
 from analysis.data.constraint_set import MODELS
 from analysis.data.scenario import Scenario
-from analysis.data.state import COORDINATES
-from mbs_models.building import table_forces
-from mbs_models.friction import Force, Load, contact_tree_force, euler_tree_force, friction_load
+from mbs_models.friction import Force, contact_tree_force, euler_tree_force
 from mbs_models.loads import euler_tree_contact
 from mbs_models.model import Floats, Model
 
 _ROUND = "has a round disk at its end"
 
-_JOINT, _OUTPUT = exu.JointType, exu.OutputVariableType
+_OUTPUT = exu.OutputVariableType
 
 
 class _Tree(Model):
-    """A chain of massless links with the disk at its end."""
+    """A chain of massless links with the disk at its end; the last joint turns it in its plane."""
 
     has_euler_angles = True
-    has_exact_path = True
     _outputs: ClassVar[tuple[Any, ...]] = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t)
 
-    _law: Callable[[Scenario, Load], Force]
-    _tree: int
+    _chain: ClassVar[str]
+    """Joints, by the engine's names of their types."""
 
-    def _add_tree(self, joints: Sequence[Any], disk_offset: Sequence[float]) -> None:
-        """Add the chain; the last joint turns the disk about its axis and carries its mass."""
-        n, disk = len(joints), self.scenario.disk
+    _offset: float = 0.0
+    """Of the disk from the last joint but one along y in m."""
+
+    def _build(self) -> None:
+        joints, disk = (
+            [getattr(exu.JointType, name) for name in self._chain.split()],
+            self.scenario.disk,
+        )
+        n = len(joints)
         position, velocity = self.encode(self.start.coordinates, self.start.rates)
         self._node = self._add(
             items.NodeGenericODE2(
@@ -45,32 +47,30 @@ class _Tree(Model):
             ),
             "the joint coordinates",
         )
-        inertia = disk.tensor_about_cog
-        forces = {}
-        why = "the disk at the end of its joints, with its weight"
-        if name := table_forces(self.scenario):
-            forces["forceUserFunction"] = self._force()
-            why += f" and {name} by a user function"
+        offsets, cogs = [[0.0] * 3] * (n - 1), [[0.0] * 3] * (n - 1)
+        inertias = [np.zeros((3, 3))] * (n - 1) + [disk.tensor_about_cog]
         self._tree = self._add(
             items.ObjectKinematicTree(
                 nodeNumber=self._node,
                 gravity=list(self.scenario.table.vector),
-                jointTypes=list(joints),
+                jointTypes=joints,
                 linkParents=list(range(-1, n - 1)),
                 jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
-                jointOffsets=exu.Vector3DList([[0.0] * 3] * (n - 1) + [list(disk_offset)]),
-                linkInertiasCOM=exu.Matrix3DList([np.zeros((3, 3))] * (n - 1) + [inertia]),
-                linkCOMs=exu.Vector3DList([[0.0] * 3] * (n - 1) + [[disk.eccentricity, 0.0, 0.0]]),
+                jointOffsets=exu.Vector3DList([*offsets, [0.0, self._offset, 0.0]]),
+                linkInertiasCOM=exu.Matrix3DList(inertias),
+                linkCOMs=exu.Vector3DList([*cogs, [disk.eccentricity, 0.0, 0.0]]),
                 linkMasses=[0.0] * (n - 1) + [disk.mass],
-                **forces,
             ),
-            why,
+            "the disk at the end of its joints, with its weight",
         )
+        self._add_forces()
 
-    def _force(self) -> Force:
-        if self.scenario.contact is not None:
-            return euler_tree_contact(self.scenario, self.scenario.contact)
-        return self._law(self.scenario, friction_load(self.scenario, self._contact))
+    def act(self, force: Force, name: str) -> None:
+        self.system.SetObjectParameter(self._tree, "forceUserFunction", force)
+        self.reasons["object", self._tree] += f" and {name} by a user function"
+
+    def _contact_force(self) -> Force:
+        return euler_tree_contact(self.scenario)
 
 
 class EulerTree(_Tree):
@@ -79,6 +79,7 @@ class EulerTree(_Tree):
     name = "euler-tree"
 
     _law = staticmethod(euler_tree_force)
+    _chain = "RevoluteZ PrismaticX PrismaticY PrismaticZ RevoluteX RevoluteZ"
     _order = (3, 0, 1, 2, 4, 5)
     _back: ClassVar[list[int]] = [1, 2, 3, 0, 4, 5]
 
@@ -101,28 +102,10 @@ class EulerTree(_Tree):
         return [coordinates[place] for place in order], [rates[place] for place in order]
 
     def _build(self) -> None:
-        self._add_tree(
-            (
-                _JOINT.RevoluteZ,
-                _JOINT.PrismaticX,
-                _JOINT.PrismaticY,
-                _JOINT.PrismaticZ,
-                _JOINT.RevoluteX,
-                _JOINT.RevoluteZ,
-            ),
-            (0.0, 0.0, 0.0),
-        )
-        if self.scenario.contact is not None:
-            return
-        origin = self._add_origin(self._add_table())
-        self._add_contact(origin, self._disk_marker(0.0, "the disk's centre"))
-        if "fixed-cog" in self.scenario.constraints:
-            cog = self._disk_marker(
-                self.scenario.disk.eccentricity, "the disk's centre of gravity"
-            )
-            self._add_fixed_cog(origin, cog)
-        for name in self.held_rates:
-            self._hold_rate(name, self._node, self._order.index(COORDINATES.index(name)))
+        super()._build()
+        if self.scenario.contact is None:
+            self._centre = self._disk_marker(0.0, "the disk's centre")
+            self._hold(self._add_table())
 
     def _disk_marker(self, offset: float, why: str) -> int:
         return self._add(
@@ -154,6 +137,11 @@ class ContactTree(_Tree):
     _outputs = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t, _OUTPUT.Coordinates_tt)
 
     _law = staticmethod(contact_tree_force)
+    _chain = "RevoluteZ PrismaticX PrismaticY RevoluteX RevoluteZ"
+
+    @property
+    def _offset(self) -> float:  # type: ignore[override]
+        return self.scenario.disk.radius
 
     @classmethod
     def obstacle(cls, scenario: Scenario) -> str:
@@ -183,18 +171,6 @@ class ContactTree(_Tree):
             [ad, xd, yd + r * sin(beta) * bd, bd, gd],
         )
 
-    def _build(self) -> None:
-        self._add_tree(
-            (
-                _JOINT.RevoluteZ,
-                _JOINT.PrismaticX,
-                _JOINT.PrismaticY,
-                _JOINT.RevoluteX,
-                _JOINT.RevoluteZ,
-            ),
-            (0.0, self.scenario.disk.radius, 0.0),
-        )
-
     def decode(self, records: Array) -> tuple[Array, Array]:
         r = self.scenario.disk.radius
         alpha, x, y, beta, gamma, ad, xd, yd, bd, gd = records.T[:10]
@@ -222,14 +198,15 @@ class ContactTree(_Tree):
         )
 
     def multipliers(
-        self, records: Array, algebraic: Array, coordinates: Array, rates: Array
+        self, ahead: Array, algebraic: Array, coordinates: Array, rates: Array
     ) -> Array:
         """Normal force: the mass times gravity and the centre of gravity's rise, shape (n, 1)."""
         disk, table = self.scenario.disk, self.scenario.table
         r, e = disk.radius, disk.eccentricity
         beta, gamma, bd, gd = coordinates[:, 4], coordinates[:, 5], rates[:, 4], rates[:, 5]
-        bdd, gdd = records[:, 13], records[:, 14]
+        bdd, gdd = ahead[:, -2:].T
         sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
         rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
         rise += (r + e * sg) * (cb * bdd - sb * bd * bd)
-        return (disk.mass * (table.pressing + rise))[:, None]
+        force: Array = disk.mass * (table.pressing + rise)
+        return force[:, None]

@@ -12,9 +12,16 @@ from validation.kit.tables import Table
 def scene(options: argparse.Namespace) -> Result:
     """List the items of a scene; a note sums them up."""
     scene = Scene(scenario=chosen_scenario(options), formulation=options.formulation)
-    listed = inventory(scene)
+    items = inventory(scene)
+    coordinates, equations, idle, functions = (
+        sum(each)
+        for each in zip(
+            *((i.coordinates, i.equations, i.idle, len(i.user_functions)) for i in items),
+            strict=True,
+        )
+    )
     table = Table.of(
-        listed.items,
+        items,
         {
             "item": lambda item: f"{item.kind} {item.number}",
             "engine type": lambda item: item.type,
@@ -25,8 +32,8 @@ def scene(options: argparse.Namespace) -> Result:
             "why": lambda item: item.why,
         },
         title=f"{scene.scenario.name}, formulation {scene.built_as}",
-        note=f"{listed.coordinates} coordinates, {listed.equations} algebraic equations "
-        f"({listed.constraints} constraints; an idle equation only says that an unused "
-        f"constraint force is zero), {listed.user_functions} user functions.",
+        note=f"{coordinates} coordinates, {equations} algebraic equations ({equations - idle} "
+        "constraints; an idle equation only says that an unused constraint force is zero), "
+        f"{functions} user functions.",
     )
     return Result(tables=[table])

@@ -4,22 +4,22 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import mbs_models
 from analysis import SmoothCoulomb, State
-from mbs_models import Formulation, Scene
+from mbs_models import FORMULATIONS, Formulation, Scene
 from tests.scenes import rest_scene, scene_of
 
 ROOT = Path(__file__).parents[2]
 TIMES = np.linspace(0.0, 0.5, 51)
-
-WAYS: list[Formulation] = ["contact-tree", "euler-tree", "floating", "floating-lie"]
 
 
 class UnheardError(Exception):
@@ -55,41 +55,28 @@ def _nothing_pending() -> Iterator[None]:
 
 @pytest.mark.parametrize(
     "error",
-    [
-        LookupError("no such friction"),
-        ValueError("law"),
-        KeyboardInterrupt(),
-        Beyond(),
-    ],
+    [LookupError("no such friction"), ValueError("law"), KeyboardInterrupt(), Beyond()],
     ids=lambda error: type(error).__name__,
 )
-@pytest.mark.parametrize("formulation", WAYS)
-@pytest.mark.parametrize("accuracy", [{"tolerance": 1e-6}, {"step": 1e-3}], ids=["tol", "step"])
+@pytest.mark.parametrize("formulation", [*FORMULATIONS, "to rest"])
+@pytest.mark.parametrize("by_steps", [False, True], ids=["tolerance", "step"])
 def test_what_a_law_raises_ends_a_run_and_comes_out_as_it_is(
-    formulation: Formulation,
-    accuracy: dict[str, float],
-    error: BaseException,
+    formulation: Any, by_steps: bool, error: BaseException
 ) -> None:
-    scene = scene_of(1, formulation, friction=Failing())
     PENDING.append((500, error))
+    if formulation == "to rest":
+        call: Callable[..., object] = partial(
+            mbs_models.simulate_to_rest, rest_scene(friction=Failing()), 0.4
+        )
+    else:
+        call = partial(mbs_models.simulate, scene_of(1, formulation, friction=Failing()), TIMES)
     with pytest.raises(type(error)) as caught:
-        mbs_models.simulate(scene, TIMES, **accuracy)  # type: ignore[arg-type]
+        call(**({"step": 1e-5} if by_steps else {"tolerance": 1e-6}))
     assert caught.value is error
     assert caught.value.__cause__ is None
 
 
-@pytest.mark.parametrize("accuracy", [{}, {"step": 1e-5}], ids=["controlled", "step"])
-def test_what_a_law_raises_on_the_way_to_rest_comes_out_as_it_is(
-    accuracy: dict[str, float],
-) -> None:
-    error, scene = KeyboardInterrupt(), rest_scene(friction=Failing())
-    PENDING.append((500, error))
-    with pytest.raises(KeyboardInterrupt) as caught:
-        mbs_models.simulate_to_rest(scene, 0.4, **accuracy)  # type: ignore[arg-type]
-    assert caught.value is error
-
-
-@pytest.mark.parametrize("formulation", WAYS)
+@pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_what_a_condition_raises_comes_out_as_it_is(formulation: Formulation) -> None:
     error = UnheardError("condition")
 

@@ -9,7 +9,7 @@ import analysis
 import mbs_models
 from analysis import LEVELS, Scenario, Start, State
 from analysis.data.endings import REACHED, StopWhen
-from mbs_models import Formulation, Scene, formulations
+from mbs_models import FORMULATIONS, Formulation, Scene, formulations
 from tests.helpers import model, mostly_slow, not_none
 
 TIMES = np.linspace(0.0, 0.5, 51)
@@ -38,14 +38,11 @@ def test_a_contact_that_may_pull_ends_nothing(formulation: Formulation) -> None:
     np.testing.assert_array_equal(run.times, TIMES[:11])
 
 
-ENGINE_WAYS = ["contact-tree", "euler-tree", "floating", "floating-lie"]
-
-
 def turning(state: State) -> float:
     return 6 * pi + 1.2 - state.coordinates[5]
 
 
-@pytest.mark.parametrize("formulation", mostly_slow(ENGINE_WAYS, ["euler-tree"]))
+@pytest.mark.parametrize("formulation", mostly_slow(FORMULATIONS, ["euler-tree"]))
 @pytest.mark.parametrize("condition", ["inverted", slow, turning])
 def test_engine_runs_end_where_the_in_house_ones_do(
     formulation: Formulation, condition: StopWhen
@@ -93,20 +90,8 @@ def test_tolerance_holds_at_endings_of_random_motions(number: int) -> None:
     assert 0.0 < not_none(found.error_estimate) <= tolerance
 
 
-TENTHS = np.linspace(0.0, 0.1, 11)
-
-
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating"])
-def test_a_condition_that_is_negative_between_two_steps_alone_ends_the_run(
-    formulation: Formulation,
-) -> None:
-    def near(state: State) -> float:
-        return (state.coordinates[3] - 40.0 * 0.045) ** 2 - (40.0 * 4e-4) ** 2
-
-    # Model 4 turns at 40 rad/s: from 0.0446 to 0.0454 s, between steps at 0.044 and 0.046 s.
-    run = mbs_models.simulate(Scene(model(4), formulation), TENTHS, step=2e-3, stop_when=near)
-    assert not_none(run.ending).reason == "near"
-    assert not_none(run.ending).time == pytest.approx(0.0446, abs=1e-5)
+def near(state: State) -> float:
+    return (state.coordinates[3] - 40.0 * 0.045) ** 2 - (40.0 * 4e-4) ** 2
 
 
 def early(state: State) -> float:
@@ -117,16 +102,22 @@ def late(state: State) -> float:
     return 1.01 - state.coordinates[3]
 
 
-@pytest.mark.parametrize("conditions", [[early, late], [late, early]])
+@pytest.mark.parametrize(
+    ("conditions", "reason", "time"),
+    [
+        # Model 4 turns at 40 rad/s: from 0.0446 to 0.0454 s, between steps at 0.044 and 0.046 s.
+        ([near], "near", 0.0446),
+        ([early, late], "early", 0.025),
+        ([late, early], "early", 0.025),
+    ],
+    ids=["between steps alone", "earlier first", "earlier last"],
+)
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating"])
-def test_of_two_endings_in_one_step_the_earlier_counts(
-    formulation: Formulation, conditions: list[StopWhen]
+def test_the_first_condition_that_turns_negative_ends_the_run_wherever_within_a_step(
+    formulation: Formulation, conditions: StopWhen, reason: str, time: float
 ) -> None:
-    run = mbs_models.simulate(
-        Scene(model(4), formulation),
-        TENTHS,
-        step=2e-3,
-        stop_when=conditions,  # type: ignore[arg-type]
-    )
-    assert not_none(run.ending).reason == "early"
-    assert not_none(run.ending).time == pytest.approx(0.025, abs=1e-5)
+    scene = Scene(model(4), formulation)
+    run = mbs_models.simulate(scene, TIMES[:11], step=2e-3, stop_when=conditions)
+    ending = not_none(run.ending)
+    assert ending.reason == reason
+    assert ending.time == pytest.approx(time, abs=1e-5)

@@ -1,4 +1,4 @@
-"""The engine's way to rest against the in-house one, and its refusals."""
+"""The engine's way to rest against the in-house one."""
 
 from dataclasses import fields
 from itertools import pairwise
@@ -7,16 +7,18 @@ from math import log2
 import numpy as np
 import pytest
 
+import analysis
 import mbs_models
 from analysis import (
+    Body,
+    Dissipation,
+    PenaltyContact,
     Scenario,
     Start,
     TimeLimitError,
     ToleranceError,
-    simulate_to_rest,
 )
-from analysis.data.dissipation import Dissipation
-from analysis.data.spatial_motion import SpatialMotion
+from tests.bodies import BODIES, spinning_top
 from tests.helpers import mostly_slow, not_none
 from tests.scenes import rest_scene
 
@@ -26,20 +28,11 @@ EVERYTHING = Dissipation(
 SETTLING = Dissipation(rolling_viscous=2e-3, pivoting=2e-4)
 
 
-@pytest.fixture(scope="module")
-def settled() -> SpatialMotion:
-    return mbs_models.simulate_to_rest(rest_scene(dissipation=SETTLING), 30.0, step=1e-4)
-
-
 @pytest.mark.slow
-def test_engine_converges_to_the_in_house_motion_with_order_4() -> None:
+def test_fixed_steps_converge_with_order_4() -> None:
     scene = rest_scene(dissipation=EVERYTHING)
-    other = simulate_to_rest(
-        scene.scenario,
-        0.5,
-        spacing=1e-2,
-        method="DOP853",
-        local_tolerance=1e-12,
+    other = analysis.simulate_to_rest(
+        scene.scenario, 0.5, spacing=1e-2, method="DOP853", local_tolerance=1e-12
     )
     errors, unexplained, damping = [], [], []
     for step in (2e-4, 1e-4, 5e-5):
@@ -57,32 +50,22 @@ def test_engine_converges_to_the_in_house_motion_with_order_4() -> None:
             assert log2(coarse / fine) > 3.5
 
 
-@pytest.fixture(scope="module")
-def impacts() -> SpatialMotion:
-    return simulate_to_rest(
-        Scenario.rest(start=Start(height=5e-3)), 0.5, spacing=5e-3, local_tolerance=1e-12
-    )
-
-
 @pytest.mark.parametrize("tolerance", mostly_slow([1e-2, None, 1e-5], [None]))
-def test_impacts_meet_the_tolerance_and_its_estimate(
-    tolerance: float | None, impacts: SpatialMotion
-) -> None:
+def test_impacts_meet_the_tolerance_and_its_estimate(tolerance: float | None) -> None:
     scene = rest_scene(start=Start(height=5e-3))
+    impacts = analysis.simulate_to_rest(scene.scenario, 0.5, spacing=5e-3, local_tolerance=1e-12)
     found = mbs_models.simulate_to_rest(scene, 0.5, tolerance=tolerance, spacing=5e-3)
     assert found.deviation(impacts) <= not_none(found.error_estimate) <= (tolerance or 1e-3)
     assert found.energy_taken("damping")[-1] == pytest.approx(0.0213610, rel=tolerance or 1e-3)
 
 
-def test_engine_says_when_no_two_runs_agree() -> None:
+def test_no_two_runs_that_agree_is_an_error() -> None:
     scene = rest_scene(start=Start(height=1e-3))
     with pytest.raises(ToleranceError, match="tolerance 1e-15 cannot be reached"):
         mbs_models.simulate_to_rest(scene, 0.04, tolerance=1e-15, spacing=1e-2)
 
 
-def test_time_limit_ends_engine_runs_with_what_they_reached(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_time_limit_ends_runs_with_what_they_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter(range(10**9))
     monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: 0.1 * next(clock))
     told: list[tuple[float, float]] = []
@@ -94,12 +77,11 @@ def test_time_limit_ends_engine_runs_with_what_they_reached(
             progress=lambda reached, end: told.append((reached, end)),
             **settings,  # type: ignore[arg-type]
         )
-        assert found.ending is not None
-        assert found.ending.reason == "time limit"
-        assert found.ending.time == found.times[-1] < 1.0
-        assert found.ending.value > limit
-        assert found.rest_time is None
-        assert found.error_estimate is None
+        ending = not_none(found.ending)
+        assert ending.reason == "time limit"
+        assert ending.time == found.times[-1] < 1.0
+        assert ending.value > limit
+        assert found.rest_time is found.error_estimate is None
     assert {end for _, end in told} == {1.0}
     assert max(reached for reached, _ in told) > 0.1
     with pytest.raises(TimeLimitError, match="before the first sample"):
@@ -109,7 +91,7 @@ def test_time_limit_ends_engine_runs_with_what_they_reached(
 def test_scene_runs_like_any_other_and_as_in_house_before_the_disk_lies_flat() -> None:
     scene = rest_scene(dissipation=EVERYTHING)
     times = np.linspace(0.0, 0.2, 21)
-    motion = simulate_to_rest(scene.scenario, 0.2, spacing=1e-2, local_tolerance=1e-11)
+    motion = analysis.simulate_to_rest(scene.scenario, 0.2, spacing=1e-2, local_tolerance=1e-11)
     to_rest = mbs_models.simulate_to_rest(scene, 0.2, step=1e-4, spacing=1e-2)
     np.testing.assert_allclose(to_rest.dissipated, motion.dissipated, atol=1e-8)
     found, other = mbs_models.simulate(scene, times, tolerance=1e-6), motion.to_trajectory()
@@ -118,11 +100,37 @@ def test_scene_runs_like_any_other_and_as_in_house_before_the_disk_lies_flat() -
 
 
 @pytest.mark.slow
-def test_engine_comes_to_rest_as_the_in_house_motion_does(settled: SpatialMotion) -> None:
-    other = simulate_to_rest(settled.scenario, 30.0, local_tolerance=1e-10)
+def test_the_disk_comes_to_rest_as_in_house() -> None:
+    settled = mbs_models.simulate_to_rest(rest_scene(dissipation=SETTLING), 30.0, step=1e-4)
+    other = analysis.simulate_to_rest(settled.scenario, 30.0, local_tolerance=1e-10)
     count = min(settled.times.size, other.times.size)
     np.testing.assert_allclose(settled.tilt[:count], other.tilt[:count], atol=1e-4)
-    one, two = settled.phases, other.phases
-    for phase in fields(one):
-        found = getattr(one, phase.name)
-        assert found == pytest.approx(getattr(two, phase.name), abs=5e-3)
+    for phase in fields(settled.phases):
+        found, expected = (getattr(each.phases, phase.name) for each in (settled, other))
+        assert found == pytest.approx(expected, abs=5e-3)
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=list(BODIES))
+def test_bodies_go_the_same_way_through_every_attitude(body: Body) -> None:
+    scenario = Scenario(
+        disk=body,
+        contact=PenaltyContact.rounded(body, stiffness=2e4),
+        dissipation=Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4),
+        start=Start(beta=1.3, gamma=0.4, spin=12.0, beta_rate=0.5),
+    )
+    one = analysis.simulate_to_rest(scenario, 0.1, tolerance=1e-7)
+    other = mbs_models.simulate_to_rest(scenario, 0.1, tolerance=1e-7)
+    assert one.deviation(other) < 1e-7
+    np.testing.assert_allclose(other.contact_points, one.contact_points, atol=1e-8)
+    np.testing.assert_allclose(other.contour_speeds, one.contour_speeds, atol=1e-5)
+
+
+@pytest.mark.slow
+def test_tippe_top_turns_over_at_the_same_time() -> None:
+    one, other = (
+        simulate(spinning_top(), 2.4, tolerance=1e-6)
+        for simulate in (analysis.simulate_to_rest, mbs_models.simulate_to_rest)
+    )
+    assert one.deviation(other) < 1e-7
+    turned = not_none(one.inversion.time)
+    assert not_none(other.inversion.time) == pytest.approx(turned, abs=1e-7)

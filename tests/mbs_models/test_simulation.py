@@ -1,0 +1,293 @@
+"""Simulation in the engine: by its own integrators, and on its accelerations."""
+
+from math import radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import (
+    LEVELS,
+    POSSIBLE_SETS,
+    STEEL_DISK,
+    ConstraintSet,
+    Level,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Table,
+    TimeLimitError,
+)
+from mbs_models import ACCELERATED, EngineError, Formulation, Integrator, Newton, Scene
+from mbs_models.extrapolation import Ladder
+from mbs_models.friction import slip_velocity
+from mbs_models.integrators import force_rounding
+from mbs_models.scene import build
+from tests.helpers import model, mostly_slow, not_none, slip
+from tests.scenes import rest_scene, scene_of
+from validation.kit.references import deviation
+
+TIMES = np.linspace(0.0, 0.5, 26)
+SHORT = np.linspace(0.0, 0.2, 21)
+LOADED = SmoothCoulomb(load="contact")
+HELD: list[Formulation] = ["euler-tree", "floating", "floating-lie"]
+
+
+def dopri5(tolerance: float) -> Integrator:
+    return Integrator(name="DOPRI5", local_tolerance=tolerance)
+
+
+def truth(scenario: Scenario, times: Any = TIMES, **how: Any) -> analysis.Trajectory:
+    return analysis.simulate(scenario, times, **({"local_tolerance": 1e-13} | how))
+
+
+# --- To a tolerance ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tolerance", mostly_slow([1e-3, 1e-5, 1e-7, 1e-9], [1e-5, 1e-7]))
+@pytest.mark.parametrize("scene", [Scene(), scene_of(3), scene_of(2)])
+def test_tolerance_is_met_and_the_estimate_is_honest(scene: Scene, tolerance: float) -> None:
+    run = mbs_models.simulate(scene, TIMES, tolerance=tolerance)
+    error = deviation(run, truth(scene.scenario))
+    assert error <= not_none(run.error_estimate) <= tolerance
+
+
+@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
+def test_every_formulation_follows_the_in_house_motion_on_a_slope(
+    constraints: ConstraintSet,
+) -> None:
+    slope = Table(inclination=radians(2.0), downhill=0.7)
+    scenario = Scenario(constraints=constraints, table=slope, start=Start(spin=20.0, beta=1.3))
+    expected = truth(scenario, SHORT)
+    for formulation in mbs_models.formulations(scenario):
+        scene = Scene(scenario, formulation)
+        run = mbs_models.simulate(scene, SHORT, tolerance=1e-7, integrator="DOP853")
+        np.testing.assert_allclose(run.coordinates, expected.coordinates, atol=1e-7)
+        np.testing.assert_allclose(run.rates, expected.rates, atol=1e-5)
+        np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-5)
+
+
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_where_constraints_are_left_accelerations_are_stepped_to_a_tolerance(level: Level) -> None:
+    run = mbs_models.simulate(scene_of(level), SHORT, tolerance=1e-6)
+    assert (run.method["integrator"], run.method["tolerance"]) == ("DOP853", 1e-6)
+    with_step = mbs_models.simulate(scene_of(level), SHORT, step=5e-3)
+    assert with_step.method["integrator"] == "TrapezoidalIndex2"
+
+
+@pytest.mark.parametrize("smoothing", mostly_slow([1e-4, 1e-6, 1e-8], [1e-4, 1e-6]))
+@pytest.mark.parametrize("level", mostly_slow(LEVELS, [1, 2]))
+def test_stiff_friction_keeps_its_tolerance_in_few_steps(level: Level, smoothing: float) -> None:
+    scenario = model(level, friction=SmoothCoulomb(smoothing=smoothing))
+    expected = analysis.simulate(scenario, SHORT, method="Radau", tolerance=1e-8)
+    run = mbs_models.simulate(Scene(scenario), SHORT, tolerance=1e-6)
+    assert run.method["integrator"] == "Radau"
+    assert deviation(run, expected) <= not_none(run.error_estimate) + 1e-8 <= 1.01e-6
+    assert run.counts["steps"] < 4000
+
+
+def test_impacts_keep_their_tolerance_where_fixed_steps_lose_their_order() -> None:
+    contact = PenaltyContact.damped(1e5, STEEL_DISK)
+    scenario = Scenario(friction=LOADED, contact=contact, start=Start(height=5e-3))
+    run = mbs_models.simulate(Scene(scenario), SHORT[:11], tolerance=1e-6)
+    assert deviation(run, truth(scenario, SHORT[:11], local_tolerance=1e-11)) <= 1e-6
+    assert run.counts["steps"] < 1000
+
+
+@pytest.mark.parametrize(
+    ("scene", "proposal"),
+    [
+        (Scene(), "integrator 'DOPRI5'"),
+        (scene_of(1, "floating"), "formulation 'contact-tree'"),
+        (scene_of(3), "the in-house equations"),
+        (scene_of(1, "floating", friction=LOADED), "the in-house"),
+    ],
+)
+def test_a_tolerance_that_is_not_met_proposes_another_way(scene: Scene, proposal: str) -> None:
+    with pytest.raises(TimeLimitError, match=f"time limit met.*; try {proposal}"):
+        mbs_models.simulate(scene, np.linspace(0.0, 99.0, 991), tolerance=1e-9, time_limit=0.05)
+
+
+@pytest.mark.parametrize(
+    ("errors", "least"),
+    [
+        # A first-order error, which the extrapolation in even powers does not expect.
+        ((0.1, 0.05, 0.025, 0.0125), None),
+        # Two runs that agree by chance: their error may still be a quarter of that before.
+        ((0.0, 0.1, 0.1), 0.1 / 4),
+        # Two extrapolated runs that agree by chance: no better than the next order.
+        ((0.16, 0.04, 0.01), 0.03 / 4),
+    ],
+    ids=["lost order", "chance", "chance of extrapolated"],
+)
+def test_estimates_are_no_less_than_the_runs_before_let_expect(
+    errors: tuple[float, ...], least: float | None
+) -> None:
+    ladder = Ladder("euler-tree", "TrapezoidalIndex2", 0.0)
+    for halvings, error in enumerate(errors):
+        ladder.add(np.full((3, 12), 1.0 + error), np.arange(3.0), 0.01 / 2**halvings)
+        if least is None and ladder.estimate < np.inf:
+            assert ladder.estimate >= float(np.max(np.abs(ladder.best - 1.0)))
+    assert ladder.estimate >= 0.999 * (least or 0.0)
+
+
+# --- With a step, and with one's own tolerance of a step -----------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("scene", "integrator", "step", "order", "off"),
+    [
+        (Scene(), "RK44", 2.5e-3, 4, 0.3),
+        (Scene(), "RK67", 5e-3, 6, 0.3),
+        (Scene(), "TrapezoidalIndex2", 2.5e-3, 2, 0.3),
+        # The contact force as load costs no order.
+        (scene_of(3, "floating", friction=LOADED), "TrapezoidalIndex2", 2e-3, 2, 0.1),
+        (scene_of(3, "euler-tree", friction=LOADED), "TrapezoidalIndex2", 2e-3, 2, 0.1),
+        *(
+            (scene_of(2, each), Integrator(name="GeneralizedAlpha", spectral_radius=radius),
+             2.5e-3, 2, 0.4)
+            for each in HELD
+            for radius in (0.6, 0.9)
+        ),
+    ],
+)  # fmt: skip
+def test_observed_order_is_that_of_the_integrator(
+    scene: Scene, integrator: Any, step: float, order: int, off: float
+) -> None:
+    errors = [
+        deviation(
+            mbs_models.simulate(scene, TIMES, step=size, integrator=integrator),
+            truth(scene.scenario),
+        )
+        for size in (step, step / 2)
+    ]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=off)
+
+
+def test_step_control_follows_its_tolerance_and_a_step_limits_it() -> None:
+    runs = [mbs_models.simulate(Scene(), TIMES, integrator=dopri5(10.0**-k)) for k in (6, 9, 12)]
+    errors = [deviation(run, truth(Scenario())) for run in runs]
+    assert errors[0] < 1e-4
+    assert errors[1] < 1e-2 * errors[0]
+    assert errors[2] < 1e-11
+    held = mbs_models.simulate(Scene(), TIMES, integrator=dopri5(1e-6), step=1e-3)
+    assert held.counts["steps"] >= 500 > runs[0].counts["steps"]
+
+
+@pytest.mark.parametrize("name", ACCELERATED)
+@pytest.mark.parametrize("formulation", ["contact-tree", "euler-tree"])
+def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> None:
+    coarse, fine = (
+        mbs_models.simulate(
+            scene_of(1, formulation),
+            SHORT,
+            integrator=Integrator(name=name, local_tolerance=local),
+        )
+        for local in (1e-4, 1e-8)
+    )
+    assert fine.error_estimate is None
+    assert fine.method["local_tolerance"] == 1e-8
+    expected = truth(Scenario(), SHORT)
+    assert deviation(fine, expected) < min(1e-5, deviation(coarse, expected))
+
+
+def test_counts_of_explicit_runs_are_those_of_their_stages() -> None:
+    counts = mbs_models.simulate(Scene(), TIMES, step=1e-2, integrator="RK44").counts
+    assert (counts["steps"], counts["right_hand_sides"]) == (50, 4 * 50)
+    controlled = mbs_models.simulate(Scene(), TIMES, integrator=dopri5(1e-8)).counts
+    tried = controlled["steps"] + controlled["rejected_steps"]
+    assert controlled["right_hand_sides"] == 7 * tried
+
+
+def test_options_of_an_integrator_change_the_run_and_go_with_it() -> None:
+    options: list[dict[str, Any]] = [
+        {"name": "GeneralizedAlpha"},
+        {"name": "GeneralizedAlpha", "spectral_radius": 0.6},
+        {"name": "TrapezoidalIndex2"},
+        {"name": "TrapezoidalIndex2", "newton": Newton(relative=1e-4, absolute=1e-6)},
+    ]
+    usual, damped, tight, loose = (
+        mbs_models.simulate(
+            scene_of(1, "floating-lie"), TIMES, step=5e-3, integrator=Integrator(**each)
+        )
+        for each in options
+    )
+    assert deviation(usual, damped) > 1e-6
+    assert [run.method["spectral_radius"] for run in (usual, damped)] == [0.9, 0.6]
+    assert loose.counts["newton_iterations"] < tight.counts["newton_iterations"]
+    assert deviation(tight, loose) > 1e-9
+
+
+@pytest.mark.parametrize("spin", [3.0, 40.0, 150.0])
+@pytest.mark.parametrize("formulation", HELD)
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, spin: float) -> None:
+    start = Start(beta=1.2, spin=spin, beta_rate=0.3 * spin)
+    scene = scene_of(level, formulation, start=start)
+    strict = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False, relative=1e-30))
+    # Below the limit nothing but rounding is left, so that no further iteration is needed.
+    run = mbs_models.simulate(
+        scene, [0.0, 1e-4, 2e-4], step=1e-4, integrator=strict, allow_pulling=True
+    )
+    assert run.counts["newton_iterations"] <= 8 * run.counts["steps"]
+    assert force_rounding(build(scene)) < 1e-11 * scene.scenario.weight
+
+
+# --- Whatever the times --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("formulation", "accuracy"),
+    [
+        ("contact-tree", {"integrator": dopri5(1e-11)}),
+        ("contact-tree", {"tolerance": 1e-6, "integrator": "RK67"}),
+        ("euler-tree", {"tolerance": 1e-5, "integrator": "TrapezoidalIndex2"}),
+        ("floating-lie", {"tolerance": 1e-6}),
+    ],
+)
+def test_uneven_times_give_the_same_motion_as_even_ones(
+    formulation: Any, accuracy: dict[str, Any]
+) -> None:
+    uneven = np.array([0.0, 0.003, 0.1, 0.1001, 0.13, 0.2])
+    expected = truth(Scenario(), uneven)
+    run = mbs_models.simulate(scene_of(1, formulation), uneven, **accuracy)
+    np.testing.assert_array_equal(run.times, uneven)
+    np.testing.assert_allclose(run.coordinates, expected.coordinates, atol=1e-5)
+    np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-3)
+
+
+@pytest.mark.parametrize("formulation", mbs_models.formulations(Scenario()))
+def test_coarse_sampling_of_a_fast_spin_loses_no_turns(formulation: Any) -> None:
+    start = Start(gamma=np.pi / 2 - 0.01, spin=300.0)
+    scene, times = scene_of(1, formulation, start=start), np.linspace(0.0, 0.2, 5)
+    expected = truth(scene.scenario, times, local_tolerance=1e-11, allow_pulling=True)
+    run = mbs_models.simulate(scene, times, tolerance=1e-4, allow_pulling=True)
+    assert expected.coordinates[-1, 3] > 18 * np.pi
+    np.testing.assert_allclose(run.coordinates[:, 3:], expected.coordinates[:, 3:], atol=1e-3)
+
+
+def test_start_time_only_shifts_the_times() -> None:
+    early, late = (mbs_models.simulate(Scene(), TIMES + begin, step=5e-3) for begin in (0.0, 8.0))
+    np.testing.assert_allclose(late.coordinates, early.coordinates, atol=1e-9)
+
+
+def test_slip_is_the_velocity_of_the_disk_where_it_touches_the_table() -> None:
+    place, rates = np.random.default_rng(3).uniform(0.2, 1.4, size=(2, 6))
+    found = slip_velocity(STEEL_DISK.radius, place, rates)
+    np.testing.assert_allclose(found, slip(STEEL_DISK, lambda t: place + t * rates), rtol=1e-8)
+
+
+def test_runs_print_nothing_and_write_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    mbs_models.simulate(scene_of(2, friction=LOADED), SHORT, step=2e-4)
+    mbs_models.simulate_to_rest(rest_scene(), 0.01)
+    with pytest.raises(EngineError):
+        mbs_models.simulate(scene_of(1, "euler-tree"), [0.0, 2.0], step=1.0)
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
