@@ -145,8 +145,6 @@ def trajectory(
     arrays: tuple[Array, Array, Array],
     *,
     method: Method,
-    local_tolerance: float,
-    estimate: float,
     watch: Watch | None = None,
     seconds: float | None = None,
 ) -> Trajectory:
@@ -161,8 +159,6 @@ def trajectory(
         Coordinates, rates and constraint forces at the times of the run.
     method : str
         That has run it.
-    local_tolerance, estimate : float
-        Of the run, and its estimated error in rad; nan where a single run was asked for.
     watch : Watch, optional
         Of the call, if it has a single run to a result.
     seconds : float, optional
@@ -192,9 +188,9 @@ def trajectory(
             "form": request.form or default_form(scenario),
             "method": method,
             "tolerance": request.tolerance,
-            "local_tolerance": local_tolerance,
+            "local_tolerance": run.local_tolerance,
         },
-        error_estimate=None if request.tolerance is None else estimate,
+        error_estimate=None if request.tolerance is None else run.estimate,
         counts={"steps" if compiled else "right_hand_sides": run.evaluations},
         versions=versions("numpy", "heyoka" if compiled else "scipy"),
         ending=ending,

@@ -6,7 +6,7 @@ its solvers are stepped here.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from math import asin
+from math import asin, nan
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -104,6 +104,8 @@ class Run:
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
     steps : int
+    local_tolerance, estimate : float
+        Of a run to a tolerance, and its estimated error in rad; nan if there is none.
     """
 
     times: Array
@@ -112,6 +114,8 @@ class Run:
     ended: str | None
     pulling: tuple[tuple[float, float], ...]
     steps: int = 0
+    local_tolerance: float = nan
+    estimate: float = nan
 
 
 def integrate(
