@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 from contextlib import ExitStack
 from functools import partial
+from math import nan
 from os import cpu_count
 from time import process_time
 from typing import Any, TypeVar, overload
@@ -134,15 +135,15 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
     chunks = list(_chunks(members, request, workers))
-    if not isinstance(members, Ensemble):
-        found = _called(partial(_outcomes, request), chunks, executor, workers, tell)
-        return [
-            outcome
-            for each, chunk in zip(found, chunks, strict=True)
-            for outcome in ([each] * len(chunk) if isinstance(each, Exception) else each)
-        ]
-    motions = _called(partial(_motions, request), chunks, executor, workers, tell)
-    return _joined(members, request.times, zip(motions, map(len, chunks), strict=True))
+    motions = _called(partial(_run, request), chunks, executor, workers, tell)
+    parts, alone, seconds = _joined(zip(motions, map(len, chunks), strict=True))
+    if isinstance(members, Ensemble):
+        return Trajectories(
+            ensemble=members, times=request.times, parts=parts, alone=alone, seconds=seconds
+        )
+    for part in parts:
+        alone |= zip(part.rows.tolist(), part.outcomes(), strict=True)
+    return [alone[member] for member in range(len(members))]
 
 
 def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
@@ -197,9 +198,9 @@ def _result(future: Future[Any]) -> Any:
         return error
 
 
-def _run(request: Request, scenarios: Scenarios) -> tuple[list[CompiledPart], dict[int, Outcome]]:
-    """Members that were run together, and outcomes of all others, in this process."""
-    first = request.first_method
+def _run(request: Request, scenarios: Scenarios) -> Motions:
+    """Motions of members in this process."""
+    begin, first = process_time(), request.first_method
     parts: list[CompiledPart] = []
     outcomes: dict[int, Outcome] = {}
     if request.goes_together:
@@ -211,7 +212,7 @@ def _run(request: Request, scenarios: Scenarios) -> tuple[list[CompiledPart], di
         cannot = isinstance(outcome, CannotCompileError | ToleranceError)
         if cannot and request.method is None and first == "taylor":
             outcomes[member] = _alone(scenarios[member], request, "DOP853")
-    return parts, outcomes
+    return parts, outcomes, (process_time() - begin) / len(scenarios)
 
 
 def _alone(scenario: Scenario, request: Request, method: Method) -> Outcome:
@@ -222,35 +223,21 @@ def _alone(scenario: Scenario, request: Request, method: Method) -> Outcome:
         return error
 
 
-def _outcomes(request: Request, scenarios: Scenarios) -> list[Outcome]:
-    """Outcomes of members, in order."""
-    parts, outcomes = _run(request, scenarios)
-    for part in parts:
-        outcomes |= zip(part.rows.tolist(), part.outcomes(), strict=True)
-    return [outcomes[member] for member in range(len(scenarios))]
-
-
-def _motions(request: Request, ensemble: Scenarios) -> Motions:
-    """The same as they come, and the processor time of each in s."""
-    begin = process_time()
-    return *_run(request, ensemble), (process_time() - begin) / len(ensemble)
-
-
 def _joined(
-    ensemble: Ensemble,
-    times: Array,
     pieces: Iterable[tuple[Motions | Exception, int]],
-) -> Trajectories:
-    """Motions of an ensemble from those of so many members each, or from a worker's error."""
+) -> tuple[list[CompiledPart], dict[int, Outcome], Array]:
+    """All motions, from those of so many members each, or from a worker's error."""
     parts: list[CompiledPart] = []
     alone: dict[int, Outcome] = {}
-    seconds, first = np.full(len(ensemble), np.nan), 0
+    seconds: list[float] = []
     for found, count in pieces:
-        if isinstance(found, Exception):
-            alone |= dict.fromkeys(range(first, first + count), found)
-        else:
-            some, others, seconds[first : first + count] = found
-            parts += [part.moved(first) for part in some]
-            alone |= {first + member: outcome for member, outcome in others.items()}
-        first += count
-    return Trajectories(ensemble=ensemble, times=times, parts=parts, alone=alone, seconds=seconds)
+        first = len(seconds)
+        some, others, each = (
+            ([], dict.fromkeys(range(count), found), nan)
+            if isinstance(found, Exception)
+            else found
+        )
+        parts += [part.moved(first) for part in some]
+        alone |= {first + member: outcome for member, outcome in others.items()}
+        seconds += [each] * count
+    return parts, alone, np.array(seconds)

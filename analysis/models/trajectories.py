@@ -128,16 +128,6 @@ class Trajectories(InCoordinates):
         """Time derivatives of the coordinates, shape (m, n, 6)."""
         return self._kinematics[1]
 
-    @property
-    def last_coordinates(self) -> Array:
-        """Coordinates at the ends, shape (m, 6)."""
-        return self._kinematics[2]
-
-    @property
-    def last_rates(self) -> Array:
-        """Rates at the ends, shape (m, 6)."""
-        return self._kinematics[3]
-
     @cached_property
     def inversions(self) -> Inversions:
         """What became of the inversion of each member; see `Trajectory.inversion`."""
@@ -152,14 +142,15 @@ class Trajectories(InCoordinates):
         return Inversions(outcomes, *numbers)
 
     @cached_property
-    def _kinematics(self) -> tuple[Array, Array, Array, Array]:
-        """Coordinates and rates at the times asked for, and at the ends."""
-        whole = np.full((2, len(self), self.times.size + 1, 6), np.nan)
+    def _kinematics(self) -> tuple[Array, Array]:
+        """Coordinates and rates at the times asked for, shape (2, m, n, 6)."""
+        whole = np.full((2, len(self), self.times.size, 6), np.nan)
         for rows, samples in self._blocks():
-            whole[0, rows], whole[1, rows] = samples.coordinates, samples.rates
-        whole[:, :, :-1][:, self.times > self.ends[:, None]] = np.nan
+            for each, found in zip(whole, (samples.coordinates, samples.rates), strict=True):
+                each[rows] = found[:, :-1]
+        whole[:, self.times > self.ends[:, None]] = np.nan
         whole.setflags(write=False)
-        return whole[0, :, :-1], whole[1, :, :-1], whole[0, :, -1], whole[1, :, -1]
+        return whole[0], whole[1]
 
     def _blocks(self) -> Iterator[tuple[Rows, Samples]]:
         """Numbers of some members at a time, and their samples, without forces."""
