@@ -7,21 +7,19 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.agreement import until_agreement
-from analysis.data.checks import function, instance, positive
+from analysis.data.checks import Array, positive
 from analysis.data.dissipation import RestCriterion
-from analysis.data.endings import StopWhen, named_conditions
-from analysis.data.friction import check_slipping
-from analysis.data.limits import check_storage
+from analysis.data.endings import StopWhen
 from analysis.data.scenario import Scenario
-from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
+from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.trajectory import Setting, versions
-from analysis.data.watch import Progress, Watch
+from analysis.data.watch import Progress
+from analysis.solve.until_rest import RestCall
 from mbs_models.body_contact import loads_of
 from mbs_models.effort import rest_effort
 from mbs_models.rest_run import (
     TAKEN,
     RestRun,
-    Way,
     kinetic_energy,
     largest_step,
     rounded_contact,
@@ -106,47 +104,35 @@ def simulate_to_rest(
     >>> motion.error_estimate < 1e-3
     True
     """
-    end, spacing = positive("end", end), positive("spacing", spacing)
-    if spacing > end:
-        raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
     scene = Scene.of(scene)
     largest = largest_step(scene)
-    check_storage("end", end / spacing, MOTION_COLUMNS)
-    rest_effort(scene, end, step).check()
-    check_slipping(scene.scenario.friction)
-    times = np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing
-    watch = Watch(time_limit, _to_the_end(progress, float(times[-1])))
-    runs = RestRun(
-        scene,
-        times,
-        RestCriterion() if criterion is None else instance("criterion", criterion, RestCriterion),
-        named_conditions(stop_when, scene.scenario.initial_state),
-        watch,
+    call = RestCall(
+        scene.scenario,
+        end,
+        spacing=spacing,
+        criterion=criterion,
+        stop_when=stop_when,
+        time_limit=time_limit,
+        progress=progress,
     )
+    rest_effort(scene, end, step).check()
+    runs = RestRun(scene, call)
     if step is not None:
         if step > largest:
             raise ValueError(_beyond(scene, step, largest))
-        motion = _motion(scene, runs.by_steps(step), {"integrator": "RK44", "step": step})
+        motion = _motion(scene, *runs.by_steps(step), {"integrator": "RK44", "step": step})
         if np.max(np.abs(motion.energy_residual)) > motion.energies[0].sum():
             raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
         return motion
 
     def run(local: float) -> SpatialMotion:
-        way = runs.by_accelerations(local)
-        return _motion(scene, way, {"integrator": "LSODA", "local_tolerance": local})
+        method: dict[str, Setting] = {"integrator": "LSODA", "local_tolerance": local}
+        return _motion(scene, *runs.by_accelerations(local), method)
 
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
     return until_agreement(run, min(LOCAL_PART * tolerance, COARSEST), tolerance)
-
-
-def _to_the_end(progress: Progress | None, end: float) -> Progress | None:
-    """Who is told of the end of the run in s, since a stretch knows no end but its own."""
-    if progress is None:
-        return None
-    tell = function("progress", progress)
-    return lambda reached, _: tell(reached, end)
 
 
 def _beyond(scene: Scene, step: float, limit: float) -> str:
@@ -158,11 +144,13 @@ def _beyond(scene: Scene, step: float, limit: float) -> str:
     )
 
 
-def _motion(scene: Scene, way: Way, method: dict[str, Setting]) -> SpatialMotion:
+def _motion(
+    scene: Scene, states: Array, told: dict[str, Any], method: dict[str, Setting]
+) -> SpatialMotion:
     """Motion over the samples of a run."""
-    scenario, times = scene.scenario, way.times
+    scenario = scene.scenario
     disk, loads = scenario.disk, loads_of(scenario, rounded_contact(scene))
-    place, rotation, velocity, angular = spatial(way.states)
+    place, rotation, velocity, angular = spatial(states)
     rows, matrices = [], rotation.reshape(-1, 9)
     matrix: Any
     for height, matrix, v, w in zip(
@@ -179,7 +167,7 @@ def _motion(scene: Scene, way: Way, method: dict[str, Setting]) -> SpatialMotion
     cog = place + disk.eccentricity * rotation[:, :, 0]
     potential = -disk.mass * cog @ np.array(scenario.table.vector)
     return SpatialMotion(
-        times=times,
+        **told,
         positions=place,
         quaternions=frames.quaternions(rotation),
         velocities=velocity,
@@ -188,13 +176,10 @@ def _motion(scene: Scene, way: Way, method: dict[str, Setting]) -> SpatialMotion
         slip_speeds=values[:, 3],
         contour_speeds=values[:, 4],
         normal_force=values[:, 5],
-        energies=np.column_stack((kinetic_energy(disk, way.states), potential, values[:, 6])),
-        dissipated=way.states[:, TAKEN],
+        energies=np.column_stack((kinetic_energy(disk, states), potential, values[:, 6])),
+        dissipated=states[:, TAKEN],
         scenario=scenario,
         source="engine",
-        rest_time=None if way.still is None else float(times[way.still]),
         method=method,
-        counts=dict(way.counts),
         versions=versions("numpy", "exudyn"),
-        ending=way.ending,
     )

@@ -6,22 +6,21 @@ G, angular velocity in the disk's axes, and the energy taken by each of `CAUSES`
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from math import hypot, sqrt
+from typing import Any
 
 import numpy as np
 
 from analysis.data import frames
 from analysis.data.body import Body
-from analysis.data.checks import Array, TimeLimitError
+from analysis.data.checks import Array
 from analysis.data.contact import PenaltyContact
-from analysis.data.dissipation import RestCriterion
-from analysis.data.endings import AT_REST, FLATTEST, TIME_LIMIT, Condition, Ending
+from analysis.data.endings import FLATTEST, TIME_LIMIT, Condition
 from analysis.data.state import State
-from analysis.data.watch import Watch
 from analysis.solve.effort import contact_time
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
+from analysis.solve.until_rest import Advance, RestCall
 from mbs_models.body_contact import largest_lever
 from mbs_models.endings import Motion, Place, dips, first_ending
 from mbs_models.floating import FloatingWithLosses
@@ -178,61 +177,24 @@ def kinetic_energy(disk: Body, states: Array) -> Array:
     return result
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Way:
-    """How far a run has come.
-
-    Parameters
-    ----------
-    times : ndarray, shape (n,)
-        In s.
-    states : ndarray, shape (n, 19)
-    still : int or None
-        Number of the sample from which on the disk is at rest.
-    ending : Ending or None
-    counts : Counter
-        Work done.
-    """
-
-    times: Array
-    states: Array
-    still: int | None
-    ending: Ending | None
-    counts: Counter[str]
-
-
-Advance = Callable[[Array, Array], Run]
-"""From times of a stretch in s and the state at the first of them to what a run has reached."""
-
-
 class RestRun:
     """Runs of a scene in stretches, until the disk is at rest or the run ends otherwise.
+
+    Each tells states at its samples, shape (n, 19), and what `RestCall.until_rest` says of them.
 
     Parameters
     ----------
     scene : Scene
         With a rounded rim.
-    times : ndarray, shape (n,)
-        Of the samples, evenly spaced from 0, in s.
-    criterion : RestCriterion
-    conditions : mapping
-        See `RestProblem`.
-    watch : Watch
+    call : RestCall
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        times: Array,
-        criterion: RestCriterion,
-        conditions: Mapping[str, Condition],
-        watch: Watch,
-    ) -> None:
-        self._scene, self._times, self._criterion, self._watch = scene, times, criterion, watch
-        self._problem = RestProblem(scene, conditions)
-        self._start = states_of(self._problem.model.record()[None])
+    def __init__(self, scene: Scene, call: RestCall) -> None:
+        self._scene, self._call = scene, call
+        self._problem = RestProblem(scene, call.conditions)
+        self._start = states_of(self._problem.model.record()[None])[0]
 
-    def by_steps(self, step: float) -> Way:
+    def by_steps(self, step: float) -> tuple[Array, dict[str, Any]]:
         """With fixed steps of the engine's Runge-Kutta method of order 4, of at most so many s.
 
         They are cut where rolling resistance makes a nearly flat disk stiff.
@@ -240,42 +202,18 @@ class RestRun:
         model = FloatingWithLosses(self._scene.scenario)
         return self._until_rest(partial(self._over_steps, model, step), STRETCHES["RK44"])
 
-    def by_accelerations(self, local: float) -> Way:
+    def by_accelerations(self, local: float) -> tuple[Array, dict[str, Any]]:
         """With steps of the engine's accelerations, to this relative and absolute error each."""
         with stepping(self._problem.model.system):
             return self._until_rest(partial(self._stepped, local), STRETCHES["LSODA"])
 
-    def _until_rest(self, advance: Advance, stretch: float) -> Way:
-        times, done, still, ending = self._times, 0, None, None
-        count = max(1, round(stretch / times[1]))
-        states, counts = np.empty((times.size, 19)), Counter[str]()
-        states[:1] = self._start
-        while done + 1 < times.size and still is None and ending is None:
-            found = advance(times[done : done + count + 1], states[done])
-            size = found.times.size - 1
-            states[done + 1 : done + size + 1] = found.states[1:]
-            counts.update(steps=found.steps, right_hand_sides=found.evaluations)
-            done += size
-            if found.ended is not None:
-                ending = self._ending(found)
-                times = np.append(times[:done], ending.time)
-            else:
-                still = self._still(states[: done + 1], size)
-        if still is not None:
-            done = min(done, still + self._criterion.samples(times[1]) - 1)
-            kinetic = kinetic_energy(self._scene.scenario.disk, states[done : done + 1])
-            ending = Ending(reason=AT_REST, time=float(times[done]), value=float(kinetic[0]))
-        return Way(
-            times=times[: done + 1],
-            states=states[: done + 1],
-            still=still,
-            ending=ending,
-            counts=counts,
-        )
+    def _until_rest(self, advance: Advance, stretch: float) -> tuple[Array, dict[str, Any]]:
+        conditions = self._problem.conditions
+        return self._call.until_rest(self._start, advance, stretch, conditions, self._still)
 
     def _stepped(self, local: float, times: Array, state: Array) -> Run:
-        problem = self._problem.starting_at(state)
-        return integrate(problem, times, "LSODA", local, allow_pulling=True, watch=self._watch)
+        problem, watch = self._problem.starting_at(state), self._call.watch
+        return integrate(problem, times, "LSODA", local, allow_pulling=True, watch=watch)
 
     def _over_steps(
         self, model: FloatingWithLosses, step: float, times: Array, state: Array
@@ -283,7 +221,7 @@ class RestRun:
         _, rotation, *_unused = spatial(state[None])
         leaning = float(np.hypot(*rotation[0, 2, :2]))
         step = min(step, SAFETY * largest_step(self._scene, 0.5 * leaning))
-        spacing = self._times[1]
+        spacing = float(self._call.times[1])
         samples = run(
             model,
             Integrator(name="RK44"),
@@ -297,12 +235,12 @@ class RestRun:
             self._places(states), spacing, partial(self._motion_from, states),
             allow_pulling=True, work=counts,
         )  # fmt: skip
-        ended = None
+        ended, last = None, self._call.times[-1]
         if found is not None:
             ended, size = found.reason, found.row + 1
             times = np.append(times[:size], times[found.row] + found.moment)
             states = np.vstack((states[:size], found.values))
-        elif self._watch.is_over(times[-1], self._times[-1]) and times[-1] < self._times[-1]:
+        elif self._call.watch.is_over(times[-1], last) and times[-1] < last:
             ended = TIME_LIMIT
         return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])
 
@@ -314,30 +252,13 @@ class RestRun:
         problem = self._problem.starting_at(states[row])
         return Motion(self._problem.model.system, problem, "LSODA", lambda state: state)
 
-    def _ending(self, found: Run) -> Ending:
-        """Why a run ends early."""
-        assert found.ended is not None
-        time = float(found.times[-1])
-        if found.ended != TIME_LIMIT:
-            value = self._problem.conditions[found.ended](found.states[-1])
-            return Ending(reason=found.ended, time=time, value=value)
-        seconds = self._watch.seconds
-        if time < self._times[1]:
-            raise TimeLimitError(
-                f"time limit met after {seconds:.3g} s of processor time, before the first sample"
-            )
-        return Ending(reason=TIME_LIMIT, time=time, value=seconds)
-
-    def _still(self, states: Array, new: int) -> int | None:
-        """Number of the first sample at rest, of which so many are new."""
-        spacing, scenario = self._times[1], self._scene.scenario
-        first = max(0, len(states) - new - self._criterion.samples(spacing))
-        recent = states[first:]
-        _, rotation, *_unused = spatial(recent)
-        height = recent[:, 2] + scenario.disk.eccentricity * rotation[:, 2, 0]
-        rise = height - rounded_contact(self._scene).resting_height(scenario.disk, scenario.weight)
-        found = self._criterion.first(kinetic_energy(scenario.disk, recent), rise, spacing)
-        return None if found is None else first + found
+    def _still(self, states: Array) -> tuple[Array, Array]:
+        """Kinetic energies, and how far the centre of gravity is above its height at rest."""
+        disk, weight = self._scene.scenario.disk, self._scene.scenario.weight
+        _, rotation, *_unused = spatial(states)
+        height = states[:, 2] + disk.eccentricity * rotation[:, 2, 0]
+        rise = height - rounded_contact(self._scene).resting_height(disk, weight)
+        return kinetic_energy(disk, states), rise
 
 
 def states_of(records: Array) -> Array:

@@ -26,7 +26,7 @@ from analysis import (
 from analysis.data.agreement import until_agreement
 from analysis.data.body import Body
 from analysis.data.checks import Array
-from analysis.data.dissipation import CAUSES, Dissipation
+from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.rest.to_rest import simulate_to_rest
 from tests.helpers import mostly_slow, not_none
@@ -93,6 +93,17 @@ def test_motion_ends_where_the_disk_is_at_rest(settled: SpatialMotion) -> None:
     assert ending.time == settled.times[-1]
     assert ending.value == pytest.approx(settled.energies[-1, 0], rel=1e-6, abs=1e-15)
     assert settled.rest_time == pytest.approx(settled.times[-1] - 0.1, abs=1e-9)
+
+
+def test_rest_may_have_to_last_longer_than_the_stretches_of_a_run() -> None:
+    loss = Dissipation(rolling_viscous=5e-3, pivoting=1e-3)
+    scenario = Scenario.rest(dissipation=loss, start=Start(beta=0.05, spin=0.0))
+    short, long = (
+        simulate_to_rest(scenario, 7.0, spacing=1e-2, local_tolerance=1e-8, criterion=criterion)
+        for criterion in (None, RestCriterion(duration=3.5))
+    )
+    assert long.rest_time == short.rest_time is not None
+    assert long.times[-1] == pytest.approx(not_none(long.rest_time) + 3.5)
 
 
 def test_phases_follow_each_other_until_rest(settled: SpatialMotion) -> None:
@@ -199,15 +210,16 @@ def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotio
 def test_time_limit_ends_runs_with_what_they_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter(range(10**9))
     monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: 1e-3 * next(clock))
-    told: list[float] = []
+    told: list[tuple[float, float]] = []
     found = simulate_to_rest(
-        Scenario.rest(), 5.0, time_limit=4.0, progress=lambda reached, _end: told.append(reached)
+        Scenario.rest(), 5.0, time_limit=4.0, progress=lambda *reached: told.append(reached)
     )
     assert not_none(found.ending).reason == "time limit"
     assert not_none(found.ending).time == found.times[-1] < 5.0
     assert found.rest_time is None
-    assert max(told) > 1.0
-    with pytest.raises(TimeLimitError, match="in the first stretch"):
+    assert found.times[-1] == max(told)[0] > 1.0
+    assert {end for _, end in told} == {5.0}
+    with pytest.raises(TimeLimitError, match="before the first sample"):
         simulate_to_rest(Scenario.rest(), 5.0, time_limit=1e-3)
 
 
