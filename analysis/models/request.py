@@ -4,12 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from analysis.compiled.library import is_installed
-from analysis.data.checks import (
-    Array,
-    choice,
-    positive,
-    switch,
-)
+from analysis.data.checks import Array, choice, positive, switch
 from analysis.data.checks import local_tolerance as one_step
 from analysis.data.elementary import sin
 from analysis.data.endings import (

@@ -7,12 +7,7 @@ import numpy as np
 import pytest
 
 import analysis
-from analysis import (
-    PenaltyContact,
-    Scenario,
-    Start,
-    State,
-)
+from analysis import PenaltyContact, Scenario, Start, State
 from analysis.data.endings import REACHED
 from tests.helpers import model, not_none
 

@@ -10,15 +10,7 @@ from scipy.integrate import quad
 
 import analysis
 import mbs_models
-from analysis import (
-    CENTRED_DISK,
-    STEEL_DISK,
-    Level,
-    Scenario,
-    SmoothCoulomb,
-    Start,
-    Trajectory,
-)
+from analysis import CENTRED_DISK, STEEL_DISK, Level, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.data import limits
 from analysis.data.endings import FLAT
 from analysis.data.limits import LEAST_TILT
