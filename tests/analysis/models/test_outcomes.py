@@ -69,24 +69,26 @@ def test_outcomes_of_arrays_are_those_of_single_motions() -> None:
         assert_alike({name: found[name] for name in OUTCOMES}, expected, 1e-11)
 
 
-@pytest.mark.slow
-def test_outcomes_of_index_1_batches_are_those_of_single_cases() -> None:
+LEANING = {
+    "scenario": model(3, friction=SmoothCoulomb(load="contact")), "end": 0.5, "tolerance": 1e-6,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("axes", "how"),
+    [
+        (("spin=25,45", "mu=0.3,-0.1,0.6", "beta_rate=0,30"), {"end": 1.5, "keep": ("beta",)}),
+        pytest.param(("inclination=0,0.05", "spin=30,45"), LEANING, marks=pytest.mark.slow),
+    ],
+    ids=["reduced", "index-1"],
+)
+def test_rows_of_a_batch_are_those_of_its_cases(
+    axes: tuple[str, ...], how: dict[str, Any]
+) -> None:
     pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
-    scenario = model(3, friction=SmoothCoulomb(load="contact"))
-    assert_batch_is_its_cases("inclination=0,0.05", "spin=30,45", scenario=scenario, end=0.5)
-
-
-def test_rows_of_a_batch_are_those_of_its_cases() -> None:
-    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
-    how: dict[str, Any] = {"end": 1.5, "keep": ("beta",)}
-    assert_batch_is_its_cases("spin=25,45", "mu=0.3,-0.1,0.6", "beta_rate=0,30", **how)
-
-
-def assert_batch_is_its_cases(*axes: str, **how: Any) -> None:
     wanted = sweep(*axes, method="taylor", **{"tolerance": 1e-6, **how})
     numbers = range(wanted.design.size)
-    batch = run_chunk(wanted, numbers, 60.0, 60.0)
-    for number, row in zip(numbers, batch, strict=True):
+    for number, row in zip(numbers, run_chunk(wanted, numbers, 60.0, 60.0), strict=True):
         (alone,) = run_chunk(wanted, [number], 60.0, 60.0)
         assert row["number"] == number
         kept, expected = (each.pop("series", {}) for each in (row, alone))
@@ -97,22 +99,15 @@ def assert_batch_is_its_cases(*axes: str, **how: Any) -> None:
         assert_alike(row, alone, 1e-9)
 
 
-def test_outcomes_tell_the_inversion_as_a_motion_does_and_the_spin_a_second_later() -> None:
+def test_spin_is_told_a_second_after_the_inversion() -> None:
     motion = simulate(model(1), np.linspace(0.0, 2.0, 101), local_tolerance=1e-8)
+    (row,) = outcomes([motion]).rows()
     inversion = motion.inversion
-    at = not_none(inversion.time)
-    ensemble = Ensemble(scenario=model(1), fields={"spin": np.array([40.0, 10.0])})
-    runs = simulate_many(ensemble, motion.times, workers=1, local_tolerance=1e-8)
-    assert runs.inversions.times[0] == pytest.approx(at, abs=1e-7)
-    assert runs.inversions.time_errors[0] == pytest.approx(inversion.time_error, rel=1e-2)
-    assert np.isnan(runs.inversions.time_errors[1])
-    for table in (outcomes(runs), outcomes([motion])):
-        row = next(table.rows())
-        assert row["inverted_at"] == pytest.approx(at, abs=1e-7)
-        assert row["inverted_at_error"] == pytest.approx(inversion.time_error, rel=1e-2)
-        later, then = (motion.at(at + after).rates[3] for after in (1.0, 0.0))
-        assert abs(later - then) > 1.0
-        assert row["spin_after"] == pytest.approx(later, abs=0.01)
+    assert row["inverted_at"] == inversion.time
+    assert row["inverted_at_error"] == inversion.time_error
+    later, then = (motion.at(not_none(inversion.time) + after).rates[3] for after in (1.0, 0.0))
+    assert abs(later - then) > 1.0
+    assert row["spin_after"] == pytest.approx(later, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -154,16 +149,14 @@ def test_errors_are_rows_that_say_why() -> None:
     assert np.isnan(table.columns["end"]).tolist() == [True] * 4 + [False]
 
 
-def test_columns_of_a_sweep_are_those_of_an_ensemble_and_of_its_witnesses() -> None:
-    times = np.linspace(0.0, 0.1, 3)
+def test_columns_of_a_sweep_are_those_of_an_ensemble() -> None:
     ensemble = Ensemble(scenario=Scenario(), fields={"spin": np.array([30.0, 40.0])})
     how: dict[str, Any] = {"method": "DOP853", "local_tolerance": 1e-6, "workers": 1}
-    table = outcomes(simulate_many(ensemble, times, **how))
+    runs = simulate_many(ensemble, np.linspace(0.0, 0.1, 3), **how)
+    table = outcomes(runs)
     assert list(table.columns) == ["number", "start.spin", *OUTCOMES]
     assert list(COLUMNS)[: len(OUTCOMES)] == list(OUTCOMES)
     assert (table.units["start.spin"], table.units["force_least"]) == ("rad/s", "N")
-    rows = list(table.rows())
-    assert [row["start.spin"] for row in rows] == [30.0, 40.0]
-    simpler = outcomes(list(simulate_many(list(ensemble), times, **how)))
-    for row, other in zip(rows, simpler.rows(), strict=True):
+    assert table.columns["start.spin"].tolist() == [30.0, 40.0]
+    for row, other in zip(table.rows(), outcomes(list(runs)).rows(), strict=True):
         assert_alike({name: row[name] for name in OUTCOMES}, other, 1e-13)
