@@ -95,11 +95,9 @@ def test_ensemble_in_pieces_is_the_same_told_by_arrays_or_listed(
     how: dict[str, Any] = {"tolerance": 1e-6, **REDUCED}
     told: list[tuple[int, int]] = []
     with ThreadPoolExecutor(1) as thread:
-        runs, listed = (
-            simulate_many(each, TIMES, executor=thread, **how,
-                          progress=lambda *counts: told.append(counts))
-            for each in (ensemble, list(ensemble))
-        )  # fmt: skip
+        elsewhere = how | {"executor": thread, "progress": lambda *counts: told.append(counts)}
+        runs = simulate_many(ensemble, TIMES, **elsewhere)
+        listed = simulate_many(list(ensemble), TIMES, **elsewhere)
     assert told == 2 * [(3, 4), (4, 4)]
     whole = simulate_many(ensemble, TIMES, workers=1, **how)
     np.testing.assert_allclose(runs.coordinates, whole.coordinates, rtol=0.0, atol=1e-12)
@@ -110,8 +108,9 @@ def test_ensemble_in_pieces_is_the_same_told_by_arrays_or_listed(
             each[2]
     assert str(runs.outcome(2)) == str(listed[2])
     for member in (0, 1, 3):
-        assert isinstance(listed[member], Trajectory)
-        np.testing.assert_array_equal(listed[member].coordinates, runs[member].coordinates)
+        outcome = listed[member]
+        assert isinstance(outcome, Trajectory)
+        np.testing.assert_array_equal(outcome.coordinates, runs[member].coordinates)
 
 
 RANGES: dict[str, tuple[float, ...]] = {

@@ -31,6 +31,7 @@ from mbs_models import Integrator, Newton, Scene
 from tests.helpers import model
 
 TIMES = [0.0, 0.01]
+PENALTY = Scenario(contact=PenaltyContact(stiffness=1e5))
 MASKED = np.ma.array([0.0, 0.005, 0.01], mask=[False, True, False])
 
 CALLS: dict[str, Callable[..., Any]] = {
@@ -94,7 +95,6 @@ ONE: list[tuple[str, str, Any, str]] = [
 """A call, an argument and its value, and what is said behind its name."""
 
 REDUCED: dict[str, Any] = {"form": "reduced"}
-PENALTY = Scenario(contact=PenaltyContact(stiffness=1e5))
 SHARP = Scenario.rest(contact=PenaltyContact(stiffness=1e6))
 CONDITIONS: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
 
