@@ -1,6 +1,7 @@
 """What a run will take is known before it starts, and what would never end is refused."""
 
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -8,9 +9,12 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start
+from analysis import METHODS, STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start
+from analysis.data.checks import Array
 from analysis.data.limits import MOST_STEPS, Effort
+from analysis.data.watch import Watch
 from analysis.solve import effort
+from analysis.solve.stepping import InitialValueProblem, integrate
 from mbs_models import Integrator, Scene, rest_run
 from mbs_models import effort as engine_effort
 from tests.helpers import model
@@ -159,3 +163,24 @@ def test_long_runs_alone_are_announced(capsys: pytest.CaptureFixture[str]) -> No
         assert said in shown.err
         assert shown.err.count("\n") == bool(said)
     replace(short, steps=float(MOST_STEPS)).check()
+
+
+@pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
+def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
+    calls = count()
+
+    def right_hand_side(_: float, state: Array) -> Array:
+        next(calls)
+        return np.array([state[1], -50.0 * state[0] - 0.1 * state[1] ** 3])
+
+    problem = InitialValueProblem(
+        right_hand_side,
+        np.array([1.0, 0.0]),
+        leaning=None,
+        normal_force=None,
+        longest_step=0.5,
+        attitudes=lambda states: states,
+    )
+    times = np.linspace(0.0, 2.0, 21)
+    run = integrate(problem, times, method, 1e-6, allow_pulling=False, watch=Watch())
+    assert run.evaluations == next(calls)
