@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from analysis.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
 from analysis.compiled.library import CannotCompileError
-from analysis.data.checks import Array, ToleranceError, function, increasing_times, instance, whole
+from analysis.data.checks import Array, ToleranceError, function, instance, whole
 from analysis.data.endings import StopWhen
 from analysis.data.ensemble import Ensemble
 from analysis.data.limits import check_storage
@@ -122,7 +122,7 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     """
     members = _members(scenarios)
     request = Request(
-        times=increasing_times(times),
+        times,
         form=form,
         method=method,
         tolerance=tolerance,
@@ -139,7 +139,12 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     parts, alone, seconds = _joined(zip(motions, map(len, chunks), strict=True))
     if isinstance(members, Ensemble):
         return Trajectories(
-            ensemble=members, times=request.times, parts=parts, alone=alone, seconds=seconds
+            ensemble=members,
+            times=request.times,
+            parts=parts,
+            alone={row: each for row, each in alone.items() if isinstance(each, Trajectory)},
+            failures={row: each for row, each in alone.items() if isinstance(each, Exception)},
+            seconds=seconds,
         )
     for part in parts:
         alone |= zip(part.rows.tolist(), part.outcomes(), strict=True)

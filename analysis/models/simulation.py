@@ -7,7 +7,7 @@ from math import inf
 import numpy.typing as npt
 
 from analysis.compiled.ensemble import simulate_compiled
-from analysis.data.checks import choice, increasing_times, instance
+from analysis.data.checks import choice, instance
 from analysis.data.endings import StopWhen, named_conditions
 from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
@@ -97,7 +97,7 @@ def simulate(
     ended at t = 0.56875... s: the centre of gravity is up, at 90% of its largest height
     """
     request = Request(
-        times=increasing_times(times),
+        times,
         form=form,
         method=choice("method", method, METHODS),
         tolerance=tolerance,
@@ -114,7 +114,7 @@ def simulate(
 def run_member(scenario: Scenario, request: Request, method: Method) -> Trajectory:
     """Trajectory of one scenario; parameters and errors are those of `simulate`."""
     check_slipping(scenario.friction)
-    named_conditions(request.stop_when, scenario.initial_state)
+    named_conditions(request.conditions.values(), scenario.initial_state)
     if method != "taylor":
         return _stepped(scenario, request, method)
     parts, failures = simulate_compiled([scenario], request)

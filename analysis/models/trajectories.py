@@ -36,7 +36,9 @@ class Trajectories(InCoordinates):
     parts : sequence of CompiledPart
         Members that were run together.
     alone : mapping
-        From the numbers of all others to their motions, or to the errors that ended them.
+        Motions of members that were run by themselves, by their numbers.
+    failures : mapping
+        Errors that ended members, by their numbers.
     seconds : ndarray, shape (m,)
         Processor time of each run in s; of members that ran together the mean.
 
@@ -57,7 +59,8 @@ class Trajectories(InCoordinates):
     ensemble: Ensemble
     times: Array
     parts: Sequence[CompiledPart]
-    alone: Mapping[int, Trajectory | Exception]
+    alone: Mapping[int, Trajectory]
+    failures: Mapping[int, Exception]
     seconds: Array
 
     def __len__(self) -> int:
@@ -65,11 +68,10 @@ class Trajectories(InCoordinates):
 
     def __getitem__(self, member: int) -> Trajectory:
         member = range(len(self))[member]
+        if member in self.failures:
+            raise self.failures[member]
         if member in self.alone:
-            found = self.alone[member]
-            if isinstance(found, Exception):
-                raise found
-            return found
+            return self.alone[member]
         part = next(part for part in self.parts if member in part.rows)
         return part.trajectory(int(np.argmax(part.rows == member)))
 
@@ -85,16 +87,6 @@ class Trajectories(InCoordinates):
             return self[member]
         except (ArithmeticError, ValueError, OSError, RuntimeError) as error:
             return error
-
-    @cached_property
-    def failures(self) -> Mapping[int, Exception]:
-        """Errors that ended members, by their numbers."""
-        return {row: each for row, each in self.alone.items() if isinstance(each, Exception)}
-
-    @cached_property
-    def _motions(self) -> Mapping[int, Trajectory]:
-        """Motions of members that were run by themselves."""
-        return {row: each for row, each in self.alone.items() if isinstance(each, Trajectory)}
 
     @cached_property
     def _eccentricity(self) -> Array:
@@ -157,7 +149,7 @@ class Trajectories(InCoordinates):
         for part in self.parts:
             for some in blocks(len(part.rows), self.times.size):
                 yield part.rows[some], part.kinematics(some)
-        for row, motion in self._motions.items():
+        for row, motion in self.alone.items():
             yield np.array([row]), Samples.of(motion, self.times.size + 1)
 
     def _whole(
@@ -167,7 +159,7 @@ class Trajectories(InCoordinates):
         whole = np.full(len(self), empty)
         for part in self.parts:
             whole[part.rows] = getattr(part, name)
-        for row, motion in self._motions.items():
+        for row, motion in self.alone.items():
             whole[row] = read(motion)
         whole.setflags(write=False)
         return whole
