@@ -15,14 +15,12 @@ import numpy.typing as npt
 from analysis.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
 from analysis.compiled.library import CannotCompileError
 from analysis.data.checks import Array, ToleranceError, function, instance, whole
-from analysis.data.endings import StopWhen
 from analysis.data.ensemble import Ensemble
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.data.trajectory import Trajectory
 from analysis.data.workers import Pool
-from analysis.models.forms import Form
 from analysis.models.request import Request
 from analysis.models.simulation import run_member
 from analysis.models.trajectories import Trajectories
@@ -49,20 +47,14 @@ def simulate_many(scenarios: Ensemble, times: npt.ArrayLike, **how: Any) -> Traj
 def simulate_many(
     scenarios: Iterable[Scenario], times: npt.ArrayLike, **how: Any
 ) -> list[Outcome]: ...
-def simulate_many(  # type: ignore[misc] # what comes out hangs on the members alone
+def simulate_many(
     scenarios: Ensemble | Iterable[Scenario],
     times: npt.ArrayLike,
     *,
-    form: Form | None = None,
-    method: Method | None = None,
-    tolerance: float | None = None,
-    local_tolerance: float | None = None,
-    stop_when: StopWhen = (),
-    allow_pulling: bool = False,
-    time_limit: float | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
+    **how: Any,
 ) -> Trajectories | list[Outcome]:
     """Simulate many scenarios; a member that fails does not end the others.
 
@@ -78,18 +70,18 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
         each member in Python that is not asked for.
     times : array_like, shape (n,)
         Times in s, the same for all; see `simulate`.
-    form, tolerance, local_tolerance, stop_when, allow_pulling, time_limit
-        Of every member, as in `simulate`. Functions in `stop_when` must be importable by name.
-    method : str, optional
-        As in `simulate`. By default "taylor" where heyoka is installed, and DOP853 for members
-        that cannot be compiled or that it does not take to their tolerance: `Trajectory.method`
-        tells. Compiled members run in batches.
     workers : int, optional
         Number of processes, by default that of the cores; 1 runs everything in this process.
     executor : Executor, optional
         Where to run instead: anything with the interface of `concurrent.futures`.
     progress : callable, optional
         Called with the number of members done and of all.
+    **how
+        Of every member, as in `simulate`: form, method, tolerance, local_tolerance, stop_when,
+        allow_pulling and time_limit. Functions in `stop_when` must be importable by name. The
+        method is by default "taylor" where heyoka is installed, and DOP853 for members that
+        cannot be compiled or that it does not take to their tolerance: `Trajectory.method`
+        tells. Compiled members run in batches.
 
     Returns
     -------
@@ -121,16 +113,7 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     ((2, 401, 6), 0.4852)
     """
     members = _members(scenarios)
-    request = Request(
-        times,
-        form=form,
-        method=method,
-        tolerance=tolerance,
-        local_tolerance=local_tolerance,
-        stop_when=stop_when,
-        allow_pulling=allow_pulling,
-        time_limit=time_limit,
-    )
+    request = Request(times, **how)
     check_storage("times", len(members) * request.times.size, 2 * len(COORDINATES))
     workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
