@@ -146,9 +146,6 @@ def test_inversion_of_a_way_to_rest_is_that_in_the_papers_coordinates() -> None:
 
 def test_disk_without_eccentricity_is_never_inverted() -> None:
     upright = Start(beta=np.pi / 2, gamma=np.pi / 2, spin=40.0)
-    turning, centred = (
-        simulate(Scenario(disk=disk, start=upright), [0.0, 0.5, 1.0, 1.5], local_tolerance=1e-6)
-        for disk in (STEEL_DISK, CENTRED_DISK)
-    )
-    assert turning.inversion_time == 0.0
-    assert centred.inversion_time is None
+    for disk, time in ((STEEL_DISK, 0.0), (CENTRED_DISK, None)):
+        scenario = Scenario(disk=disk, start=upright)
+        assert simulate(scenario, [0.0, 0.5, 1.0, 1.5]).inversion_time == time

@@ -86,10 +86,12 @@ def test_a_start_that_needs_a_pulling_contact_is_refused(side: str) -> None:
         RUNS[side](Scenario(start=start), TIMES)
 
 
-@pytest.mark.parametrize("level", [1, 4])
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating-lie"])
-def test_accelerations_of_a_pulling_contact_agree(level: Level, formulation: Any) -> None:
-    scenario = model(level, friction=LOADED["contact"], start=PULLED)
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize(("level", "formulation"), [(1, "euler-tree"), (4, "floating-lie")])
+def test_accelerations_of_a_pulling_contact_agree(
+    level: Level, formulation: Any, load: Load
+) -> None:
+    scenario = model(level, friction=LOADED[load], start=PULLED)
     (engine, held), (in_house, forces) = (
         acceleration(side, scenario, formulation) for side in RUNS
     )
@@ -98,14 +100,13 @@ def test_accelerations_of_a_pulling_contact_agree(level: Level, formulation: Any
     np.testing.assert_allclose(held, forces, rtol=1e-8, atol=1e-6)
 
 
-@SIDES
 @pytest.mark.parametrize("load", LOADS)
 def test_pulling_contact_rubs_under_the_weight_if_that_is_the_load_and_not_under_its_force(
-    side: str, load: Load
+    load: Load,
 ) -> None:
     scenario = Scenario(friction=LOADED[load], start=PULLED)
     state, disk = scenario.initial_state, scenario.disk
-    found, _ = acceleration(side, scenario)
+    found, _ = acceleration("in-house", scenario)
     # In a time so slow that differences over milliseconds see little of the turning.
     slowed = 1e-2
     z, u = np.array(state.coordinates), np.array(state.rates)
@@ -139,16 +140,6 @@ def test_a_run_ends_at_its_time_limit_or_raises_where_no_tolerance_was_met(side:
     np.testing.assert_array_equal(run.times[:-1], times[: run.times.size - 1])
     with pytest.raises(TimeLimitError, match="time limit met"):
         RUNS[side](model(2), times, tolerance=1e-6, time_limit=0.1)
-
-
-@SIDES
-def test_an_exception_of_the_progress_ends_the_run_and_comes_through(side: str) -> None:
-    def progress(reached: float, _end: float) -> None:
-        if reached > 0.1:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        RUNS[side](model(2), TIMES, progress=progress)
 
 
 @pytest.mark.parametrize("pulls", [False, True])
